@@ -145,13 +145,13 @@ def _components(parts: Mapping[str, npt.NDArray[Any]], prefix: str) -> list[tupl
 
 def _contact_nodes(rows: Indices, routine: Indices) -> dict[str, Indices]:
     """Return the nodes of the two sides of contact pairs, by real constants."""
-    found = {}
+    sides = {}
     for name, routines in (("contact", CONTACTS), ("target", TARGETS)):
-        here = np.isin(routine, list(routines))
-        for number in np.unique(rows[here, _REAL]).tolist():
-            nodes = np.unique(rows[here & (rows[:, _REAL] == number), _FIRST_NODE:])
-            found[f"{name} {number}"] = nodes[nodes > 0]
-    return found
+        chosen = np.isin(routine, list(routines))
+        for number in np.unique(rows[chosen, _REAL]).tolist():
+            nodes = np.unique(rows[chosen & (rows[:, _REAL] == number), _FIRST_NODE:])
+            sides[f"{name} {number}"] = nodes[nodes > 0]
+    return sides
 
 
 def _contact_notes(
@@ -164,15 +164,15 @@ def _contact_notes(
         if f"target {number}" not in pairs:
             notes.append(f"contact elements of real constants {number}: no TARGE170 shares these")
             continue
-        own = contact & (rows[:, _REAL] == number)
-        kind, material = (int(rows[own, column][0]) for column in (_TYPE, _MATERIAL))
+        of_pair = contact & (rows[:, _REAL] == number)
+        kind, material = (int(rows[of_pair, column][0]) for column in (_TYPE, _MATERIAL))
         behaviour = commands.options.get(kind, {}).get(12, 0)
         said = f'an [[interface]] with minus = "contact {number}", plus = "target {number}"'
         if friction := commands.constants.get(material, {}).get("MU", 0.0):
             said += f", friction = {friction:g}"
         if behaviour in _BONDED:
             said = f"bonded (KEYOPT(12) = {behaviour}): merge the nodes, or the two part here"
-        notes.append(f"contact pair {number}, {int(own.sum())} contact elements: {said}")
+        notes.append(f"contact pair {number}, {int(of_pair.sum())} contact elements: {said}")
     return notes
 
 
@@ -185,7 +185,7 @@ def _blocks(
 ) -> tuple[tuple[CellBlock, ...], list[str]]:
     nodes = rows[:, _FIRST_NODE:]
     brick8, brick20, tetra = (
-        np.isin(routine, list(one)) for one in (BRICKS_8, BRICKS_20, TETRAHEDRA_10)
+        np.isin(routine, list(family)) for family in (BRICKS_8, BRICKS_20, TETRAHEDRA_10)
     )
     # Elements of quadratic routines may come without any mid-side node; they are linear then.
     brick8 |= brick20 & (nodes[:, 8:] == 0).all(axis=1)
@@ -229,32 +229,32 @@ def _blocks(
             "CDWRITE in blocked format"
         )
         raise FormatError(message)
-    other = routine[~(brick8 | brick20 | tetra) & ~np.isin(routine, list(NO_STRUCTURE))]
-    found, counts = np.unique(other, return_counts=True)
+    unsupported = routine[~(brick8 | brick20 | tetra) & ~np.isin(routine, list(NO_STRUCTURE))]
+    routines, counts = np.unique(unsupported, return_counts=True)
     removed = len(straight.ends)
     left_out = [f"{removed} removed mid-side nodes: straight sides"] if removed else []
     types = np.unique(rows[brick8][:, _TYPE]).tolist()
-    told = dict.fromkeys(brick_note(of_type[kind], options.get(kind, {})) for kind in types)
-    left_out += [note for note in told if note]
+    notes = dict.fromkeys(brick_note(of_type[kind], options.get(kind, {})) for kind in types)
+    left_out += [note for note in notes if note]
     left_out += [
         left_out_note(kind, count)
-        for kind, count in zip(found.tolist(), counts.tolist(), strict=True)
+        for kind, count in zip(routines.tolist(), counts.tolist(), strict=True)
         if kind not in CONTACTS | TARGETS
     ]
     return blocks, left_out
 
 
 def _indices(
-    path: Path, kind: str, wanted: Indices, elements: Indices, straight: StraightSides
+    path: Path, kind: str, node_ids: Indices, elements: Indices, straight: StraightSides
 ) -> Indices:
     """Node indices (n, n_node); new ones where a mid-side node was removed."""
     order = np.argsort(straight.ids, kind="stable")
-    place = np.searchsorted(straight.ids, wanted, sorter=order)
-    found: Indices = order[np.minimum(place, len(order) - 1)]
+    positions = np.searchsorted(straight.ids, node_ids, sorter=order)
+    indices: Indices = order[np.minimum(positions, len(order) - 1)]
     corners = SOLIDS[kind].n_corners
-    removed = wanted == 0
+    removed = node_ids == 0
     removed[:, :corners] = False
-    wrong = ((straight.ids[found] != wanted) & ~removed).any(axis=1)
+    wrong = ((straight.ids[indices] != node_ids) & ~removed).any(axis=1)
     if wrong.any():
         element = int(elements[np.flatnonzero(wrong)[0]])
         message = (
@@ -263,9 +263,11 @@ def _indices(
         )
         raise FormatError(message)
     for column, (start, end) in enumerate(mid_side_ends(kind), start=corners):
-        here = removed[:, column]
-        found[here, column] = straight.between(found[here, start], found[here, end], turns=False)
-    return found
+        rows = removed[:, column]
+        indices[rows, column] = straight.between(
+            indices[rows, start], indices[rows, end], turns=False
+        )
+    return indices
 
 
 def _of_material(blocks: tuple[CellBlock, ...], number: int) -> Indices:
@@ -276,10 +278,10 @@ def _material(
     path: Path, number: int, commands: ArchiveCommands, materials: Mapping[str, Material]
 ) -> Material:
     name = f"material {number}"
-    given = materials.get(name, materials.get("default"))
-    if given is not None:
-        return given
-    own = commands.constants.get(number, {})
+    material = materials.get(name, materials.get("default"))
+    if material is not None:
+        return material
+    of_material = commands.constants.get(number, {})
     doubts = sorted(commands.tables.get(number, frozenset()) & {"EX", "PRXY", "NUXY", "DENS"})
     if doubts:
         message = (
@@ -287,19 +289,27 @@ def _material(
             f'[material."{name}"] with E, nu and rho at that of the joint'
         )
         raise FormatError(message)
-    if sides := [key for key in ("EY", "EZ") if own.get(key, own.get("EX")) != own.get("EX")]:
+    if sides := [
+        key
+        for key in ("EY", "EZ")
+        if of_material.get(key, of_material.get("EX")) != of_material.get("EX")
+    ]:
         message = (
             f"Ansys archive '{path}': {' and '.join(sides)} of {name} not as EX; materials of "
             f'archives are isotropic: add [material."{name}"] with E, nu and rho, or use .full '
             "matrices"
         )
         raise FormatError(message)
-    constants = (own.get("EX"), own.get("PRXY", own.get("NUXY")), own.get("DENS"))
+    constants = (
+        of_material.get("EX"),
+        of_material.get("PRXY", of_material.get("NUXY")),
+        of_material.get("DENS"),
+    )
     if None in constants:
         message = (
             f"Ansys archive '{path}': {name} has no EX, PRXY (or NUXY) and DENS; add "
             f'[material."{name}"] with E, nu and rho'
         )
         raise FormatError(message)
-    modulus, ratio, density = (float(one or 0.0) for one in constants)
+    modulus, ratio, density = (float(constant or 0.0) for constant in constants)
     return Material(name=name, youngs_modulus=modulus, poissons_ratio=ratio, density=density)

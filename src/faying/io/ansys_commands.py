@@ -117,16 +117,16 @@ def _type_of_block(line: str, options: dict[int, dict[int, int]]) -> None:
     numbers = [_whole(line[i : i + 9]) for i in range(0, len(line.rstrip()), 9)]
     if len(numbers) < 3 or numbers[0] is None or numbers[0] < 1:
         return
-    chosen = {place: n for place, n in enumerate(numbers[2:], start=1) if n}
+    chosen = {option: n for option, n in enumerate(numbers[2:], start=1) if n}
     options.setdefault(numbers[0], {}).update(chosen)
 
 
 def _set_option(fields: Sequence[str], options: dict[int, dict[int, int]]) -> None:
     if len(fields) < 4:
         return
-    kind, place, value = (_whole(text) for text in fields[1:4])
-    if kind is not None and place is not None and value is not None:
-        options.setdefault(kind, {})[place] = value
+    kind, option, value = (_whole(text) for text in fields[1:4])
+    if kind is not None and option is not None and value is not None:
+        options.setdefault(kind, {})[option] = value
 
 
 def _constant(
@@ -136,22 +136,25 @@ def _constant(
     tables: dict[int, frozenset[str]],
 ) -> None:
     """Read MP, UIMP (label, material, value, …) or MPDATA (release, label, material, place, …)."""
-    rest = list(fields[1:])
-    if name == "MPDA" and rest and rest[0][:1].upper() == "R" and len(rest) > 1:
-        rest = rest[2:]  # release and number of values
+    arguments = list(fields[1:])
+    if name == "MPDA" and arguments and arguments[0][:1].upper() == "R" and len(arguments) > 1:
+        arguments = arguments[2:]  # release and number of values
     if name == "UIMP":
-        rest = rest[1:2] + rest[:1] + rest[4:]
-    label, number = rest[0].upper() if rest else "", _whole(rest[1]) if len(rest) > 1 else None
-    values = [_real(text) for text in (rest[3:] if name == "MPDA" else rest[2:])]
-    given = [value for value in values if value is not None]
-    if number is None or not given:
+        arguments = arguments[1:2] + arguments[:1] + arguments[4:]
+    label, number = (
+        arguments[0].upper() if arguments else "",
+        _whole(arguments[1]) if len(arguments) > 1 else None,
+    )
+    values = [_real(text) for text in (arguments[3:] if name == "MPDA" else arguments[2:])]
+    constant = [value for value in values if value is not None]
+    if number is None or not constant:
         return
-    first = _whole(rest[2]) if name == "MPDA" else 1
-    later = first not in (None, 1) or len(given) > 1
-    if later and any(value != 0.0 for value in given[1:] or given):
+    first = _whole(arguments[2]) if name == "MPDA" else 1
+    later = first not in (None, 1) or len(constant) > 1
+    if later and any(value != 0.0 for value in constant[1:] or constant):
         tables[number] = tables.get(number, frozenset()) | {label}
     if first in (None, 1):
-        constants.setdefault(number, {})[label] = given[0]
+        constants.setdefault(number, {})[label] = constant[0]
 
 
 def _whole(text: str) -> int | None:

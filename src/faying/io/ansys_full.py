@@ -65,7 +65,7 @@ def read_full(path: Path, name: str) -> LabelledMatrix:
     ).tocsr()
     # Ansys stores one triangle.
     whole = (half + half.T - sp.diags_array(half.diagonal())).tocsr()
-    held = {tuple(pair) for pair in parts["held"].tolist()}
-    free = np.array([tuple(pair) not in held for pair in dofs.tolist()], dtype=bool)
+    fixed = {tuple(pair) for pair in parts["held"].tolist()}
+    free = np.array([tuple(pair) not in fixed for pair in dofs.tolist()], dtype=bool)
     matrix = whole[free][:, free]
     return LabelledMatrix(matrix=matrix, dofs=dofs[free] + np.array([0, 1]))

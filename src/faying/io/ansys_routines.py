@@ -60,11 +60,11 @@ def is_reduced(routine: int, options: Mapping[int, int]) -> bool:
 
 def brick_note(routine: int, options: Mapping[int, int]) -> str:
     """Return what Ansys does otherwise with bricks of eight nodes; nothing where it is as here."""
-    for place in _OPTIONS_TOLD.get(routine, ()):
-        value = options.get(place, 0)
-        if meaning := _BRICK_OPTIONS.get((routine, place, value), ""):
+    for option in _OPTIONS_TOLD.get(routine, ()):
+        value = options.get(option, 0)
+        if meaning := _BRICK_OPTIONS.get((routine, option, value), ""):
             return (
-                f"SOLID{routine} with KEYOPT({place}) = {value}: {meaning}, where bricks have "
+                f"SOLID{routine} with KEYOPT({option}) = {value}: {meaning}, where bricks have "
                 'incompatible modes; element = "standard" under [model] leaves these out'
             )
     return ""

@@ -85,16 +85,16 @@ class _Section:
             raise self.error(text)
         return self.words.reshape(-1, width)
 
-    def index(self, known: Names, wanted: Names, what: str) -> Indices:
+    def index(self, names: Names, labels: Names, what: str) -> Indices:
         """Return the places of names among the known ones."""
-        order = np.argsort(known, kind="stable")
-        place = np.searchsorted(known, wanted, sorter=order)
-        found: Indices = order[np.minimum(place, len(order) - 1)] if len(order) else place
-        missing = known[found] != wanted if len(order) else np.ones(wanted.shape, dtype=bool)
+        order = np.argsort(names, kind="stable")
+        positions = np.searchsorted(names, labels, sorter=order)
+        indices: Indices = order[np.minimum(positions, len(order) - 1)] if len(order) else positions
+        missing = names[indices] != labels if len(order) else np.ones(labels.shape, dtype=bool)
         if missing.any():
-            text = f"there is no {what} '{wanted[missing].flat[0]}'; define it or correct the name"
+            text = f"there is no {what} '{labels[missing].flat[0]}'; define it or correct the name"
             raise self.error(text)
-        return found
+        return indices
 
 
 def read_mail(path: Path) -> MailMesh:
@@ -106,36 +106,36 @@ def read_mail(path: Path) -> MailMesh:
         With file and line, if the mesh is plane, or names or numbers are not what they should be.
     """
     sections = _sections(path)
-    nodes = [one for one in sections if one.keyword.startswith("COOR_")]
+    nodes = [section for section in sections if section.keyword.startswith("COOR_")]
     if len(nodes) != 1 or nodes[0].keyword != "COOR_3D":
-        shown = ", ".join(one.keyword for one in nodes) or "none"
+        shown = ", ".join(section.keyword for section in nodes) or "none"
         message = f"{path}: sections of coordinates: {shown}; expected one COOR_3D"
         raise FormatError(message)
     named, points = _nodes(nodes[0])
     cells: list[Cells] = []
     owned: list[Names] = []
-    for one in sections:
-        if match := _CELLS.fullmatch(one.keyword):
-            rows = one.rows(1 + int(match[1]))
-            data = one.index(named, rows[:, 1:], "node")
-            solid = _SOLIDS.get(one.keyword)
+    for section in sections:
+        if match := _CELLS.fullmatch(section.keyword):
+            rows = section.rows(1 + int(match[1]))
+            data = section.index(named, rows[:, 1:], "node")
+            solid = _SOLIDS.get(section.keyword)
             cells.append(
-                Cells(type=_FACES.get(one.keyword, one.keyword), data=data)
+                Cells(type=_FACES.get(section.keyword, section.keyword), data=data)
                 if solid is None
                 else Cells(type=solid.elsewhere.meshio, data=solid.elsewhere.theirs(data))
             )
             owned.append(rows[:, 0])
     cell_sets: dict[str, list[Indices]] = {}
     point_sets: dict[str, Indices] = {}
-    start = np.concatenate([[0], np.cumsum([len(one) for one in owned])]).astype(np.int64)
+    start = np.concatenate([[0], np.cumsum([len(section) for section in owned])]).astype(np.int64)
     every = np.concatenate([np.empty(0, dtype="U1"), *owned])
-    for one in sections:
-        if one.keyword == "GROUP_NO":
-            point_sets[one.name] = np.unique(one.index(named, one.words, "node"))
-        elif one.keyword == "GROUP_MA":
-            place = np.unique(one.index(every, one.words, "cell"))
-            block = np.searchsorted(start, place, side="right") - 1
-            cell_sets[one.name] = [place[block == k] - start[k] for k in range(len(owned))]
+    for section in sections:
+        if section.keyword == "GROUP_NO":
+            point_sets[section.name] = np.unique(section.index(named, section.words, "node"))
+        elif section.keyword == "GROUP_MA":
+            members = np.unique(section.index(every, section.words, "cell"))
+            block = np.searchsorted(start, members, side="right") - 1
+            cell_sets[section.name] = [members[block == k] - start[k] for k in range(len(owned))]
     return MailMesh(
         points=points,
         cells=cells,
@@ -149,7 +149,7 @@ def _sections(path: Path) -> list[_Section]:
     if _END.search(text) is None:
         message = f"{path}: it does not end with FIN, so it was cut off; write it again"
         raise FormatError(message)
-    found, line = [], 1
+    sections, line = [], 1
     for part in re.split(r"\bFINSF\b", _END.split(text)[0]):
         body = part.lstrip()
         first = line + part[: len(part) - len(body)].count("\n")
@@ -170,8 +170,8 @@ def _sections(path: Path) -> list[_Section]:
         name = headers.get("NOM", "")
         if keyword in _GROUPS and not name and len(words):
             name, words = str(words[0]), words[1:]
-        found.append(_Section(path=path, line=first, keyword=keyword, name=name, words=words))
-    return found
+        sections.append(_Section(path=path, line=first, keyword=keyword, name=name, words=words))
+    return sections
 
 
 def _nodes(section: _Section) -> tuple[Names, Matrix]:
@@ -194,11 +194,15 @@ def _with_all_solids(
 ) -> dict[str, list[Indices]]:
     """Put a group of all solids in front, where those of the file leave some out."""
     solid = [block.type not in _FACES.values() for block in cells]
-    held = [
-        np.unique(np.concatenate([np.empty(0, dtype=np.int64), *(one[k] for one in sets.values())]))
+    grouped = [
+        np.unique(
+            np.concatenate(
+                [np.empty(0, dtype=np.int64), *(members[k] for members in sets.values())]
+            )
+        )
         for k in range(len(cells))
     ]
-    if all(len(held[k]) == len(cells[k].data) for k in range(len(cells)) if solid[k]):
+    if all(len(grouped[k]) == len(cells[k].data) for k in range(len(cells)) if solid[k]):
         return sets
     everything = [
         np.arange(len(b.data) if is_solid else 0) for b, is_solid in zip(cells, solid, strict=True)

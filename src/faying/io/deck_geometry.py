@@ -62,6 +62,6 @@ def _by_id(mesh: Mesh, faces: Mapping[str, FaceSet]) -> DeckGeometry:
     return DeckGeometry(
         nodes=mesh.nodes,
         node_ids=mesh.node_ids,
-        faces={name: mesh.node_ids[one.nodes] for name, one in faces.items()},
+        faces={name: mesh.node_ids[face_set.nodes] for name, face_set in faces.items()},
         node_sets={name: mesh.node_ids[nodes] for name, nodes in mesh.node_sets.items()},
     )

@@ -135,13 +135,16 @@ def _matrix(cards: Cards, name: str, headers: Mapping[str, int]) -> LabelledMatr
     mine[headers[name]] = False
     entries = _entries(cards.take(mine))
     _check_twice(cards, name, entries, form)
-    labels, place = np.unique(np.append(entries.column, entries.row), return_inverse=True)
-    column, row = place[: len(entries.column)], place[len(entries.column) :]
+    labels, positions = np.unique(np.append(entries.column, entries.row), return_inverse=True)
+    column, row = positions[: len(entries.column)], positions[len(entries.column) :]
     value = entries.value
     if form == SYMMETRIC:
-        other = row != column
-        row, column = np.append(row, column[other]), np.append(column, row[: len(other)][other])
-        value = np.append(value, value[other])
+        off_diagonal = row != column
+        row, column = (
+            np.append(row, column[off_diagonal]),
+            np.append(column, row[: len(off_diagonal)][off_diagonal]),
+        )
+        value = np.append(value, value[off_diagonal])
     matrix = sp.csr_array((value, (row, column)), shape=(len(labels), len(labels)))
     return LabelledMatrix(matrix=matrix, dofs=np.stack([labels // 10, labels % 10], axis=1))
 
@@ -155,24 +158,24 @@ def _entries(cards: Cards) -> _Entries:
     groups = np.maximum(cards.count // 4 - 1, 0)
     card = np.repeat(np.arange(len(cards)), groups)
     group = np.arange(len(card)) - np.repeat(np.cumsum(groups) - groups, groups) + 1
-    place = cards.start[card] + 4 * group
+    positions = cards.start[card] + 4 * group
     fields = cards.bulk.fields
-    given = np.flatnonzero(
-        ~np.logical_and.reduce([numbers.is_blank(fields[place + i]) for i in range(4)])
+    filled = np.flatnonzero(
+        ~np.logical_and.reduce([numbers.is_blank(fields[positions + i]) for i in range(4)])
     )
-    card, group, place = card[given], group[given], place[given]
+    card, group, positions = card[filled], group[filled], positions[filled]
     grid = _numbers(cards, card, group, 0, "a grid")
     component = _numbers(cards, card, group, 1, "a component", blank=0)
     row = _dof(cards, grid, component, 1, card, group)
-    value, bad = numbers.reals(fields[place + 2])
-    imaginary, wrong = numbers.reals(fields[place + 3])
-    wrong = (wrong & ~numbers.is_blank(fields[place + 3])) | (imaginary != 0)
+    value, bad = numbers.reals(fields[positions + 2])
+    imaginary, wrong = numbers.reals(fields[positions + 3])
+    wrong = (wrong & ~numbers.is_blank(fields[positions + 3])) | (imaginary != 0)
     for mask, field, what in ((bad, 2, "a real number"), (wrong, 3, "nothing (it is real)")):
         if mask.any():
-            at = int(np.flatnonzero(mask)[0])
-            text = fields[place[at] + field].decode("latin-1")
-            raise cards.malformed(int(card[at]), int(4 * group[at]) + field, text, what)
-    return _Entries(column=column[card], row=row, value=value, place=place)
+            first = int(np.flatnonzero(mask)[0])
+            text = fields[positions[first] + field].decode("latin-1")
+            raise cards.malformed(int(card[first]), int(4 * group[first]) + field, text, what)
+    return _Entries(column=column[card], row=row, value=value, place=positions)
 
 
 def _numbers(
@@ -183,9 +186,9 @@ def _numbers(
     values, bad = numbers.integers(raw)
     faulty = bad if blank is None else bad & ~numbers.is_blank(raw)
     if faulty.any():
-        at = int(np.flatnonzero(faulty)[0])
-        text = raw[at].decode("latin-1")
-        raise cards.malformed(int(card[at]), int(4 * group[at]) + field, text, what)
+        first = int(np.flatnonzero(faulty)[0])
+        text = raw[first].decode("latin-1")
+        raise cards.malformed(int(card[first]), int(4 * group[first]) + field, text, what)
     return np.where(bad, blank or 0, values)
 
 
@@ -200,10 +203,10 @@ def _dof(
     """Grid and component in one number; scalar points have component 0 and become 1."""
     wrong = (grid < 1) | (grid > 10**9) | (component < 0) | (component > 6)
     if wrong.any():
-        at = int(np.flatnonzero(wrong)[0])
-        message = f"grid {grid[at]} component {component[at]}; components are 1 to 6, or 0"
-        offset = 0 if group is None else 4 * int(group[at])
-        raise cards.error(at if card is None else int(card[at]), message, offset + field)
+        first = int(np.flatnonzero(wrong)[0])
+        message = f"grid {grid[first]} component {component[first]}; components are 1 to 6, or 0"
+        offset = 0 if group is None else 4 * int(group[first])
+        raise cards.error(first if card is None else int(card[first]), message, offset + field)
     return np.asarray(10 * grid + np.where(component == 0, 1, component))
 
 
@@ -215,11 +218,11 @@ def _check_twice(cards: Cards, name: str, entries: _Entries, form: int) -> None:
     order = np.lexsort((row, column))
     again = (np.diff(row[order]) == 0) & (np.diff(column[order]) == 0)
     if again.any():
-        at = int(order[1:][again].min())
+        first = int(order[1:][again].min())
         both = " (or its mirror image)" if form == SYMMETRIC else ""
-        where = cards.bulk.where(int(entries.place[at]))
+        where = cards.bulk.where(int(entries.place[first]))
         message = (
-            f"{where}: DMIG: matrix {name}: row {row[at] // 10}-{row[at] % 10} of column "
-            f"{column[at] // 10}-{column[at] % 10}{both} is given twice"
+            f"{where}: DMIG: matrix {name}: row {row[first] // 10}-{row[first] % 10} of column "
+            f"{column[first] // 10}-{column[first] % 10}{both} is given twice"
         )
         raise FormatError(message)

@@ -69,7 +69,9 @@ class Handling:
         """Return all names that something is known about."""
         return [*self.harmless, *self.on_request, *self.remedies]
 
-    def notes(self, found: Iterable[Occurrence], ignore: Collection[str], path: Path) -> list[str]:
+    def notes(
+        self, occurrences: Iterable[Occurrence], ignore: Collection[str], path: Path
+    ) -> list[str]:
         """Return what is left out and what that means, a note for each meaning.
 
         Raises
@@ -79,20 +81,20 @@ class Handling:
         """
         left_out: dict[str, list[Occurrence]] = defaultdict(list)
         refused: dict[str, list[Occurrence]] = defaultdict(list)
-        for one in found:
-            word = self.on_request.get(one.name)
-            if one.name in self.harmless:
-                left_out[self.harmless[one.name]].append(one)
+        for entry in occurrences:
+            word = self.on_request.get(entry.name)
+            if entry.name in self.harmless:
+                left_out[self.harmless[entry.name]].append(entry)
             elif word is not None and word in ignore:
-                left_out[f"{IGNORABLE[word]} (ignore = {word})"].append(one)
+                left_out[f"{IGNORABLE[word]} (ignore = {word})"].append(entry)
             elif word is not None:
-                refused[request(word)].append(one)
+                refused[request(word)].append(entry)
             else:
-                refused[self.remedies.get(one.name, self.unknown)].append(one)
+                refused[self.remedies.get(entry.name, self.unknown)].append(entry)
         if refused:
             raise FormatError(self._message(refused, path))
         return [
-            f"{', '.join(f'{one.count} {self.mark}{one.name}' for one in group)}: {meaning}"
+            f"{', '.join(f'{entry.count} {self.mark}{entry.name}' for entry in group)}: {meaning}"
             for meaning, group in left_out.items()
         ]
 
@@ -101,16 +103,17 @@ class Handling:
         groups = list(refused.items())
         problem = "not supported and may change the structure"
         if len(groups) == 1 and len(groups[0][1]) == 1:
-            remedy, (one,) = groups[0]
-            times = f" ({one.count} of them)" if one.count > 1 else ""
-            return (
-                f"{one.where}: {self.mark}{one.name}: the {self.what} is {problem}{times}; {remedy}"
-            )
+            remedy, (entry,) = groups[0]
+            times = f" ({entry.count} of them)" if entry.count > 1 else ""
+            name = f"{self.mark}{entry.name}"
+            return f"{entry.where}: {name}: the {self.what} is {problem}{times}; {remedy}"
         count = sum(len(group) for _, group in groups)
         lines = [f"{path}: {count} kinds of {self.what}s are {problem}:"]
         for remedy, group in groups:
             lines.append(f"  {remedy}:")
-            lines += [f"    {one.where}: {self.mark}{one.name} ({one.count})" for one in group]
+            lines += [
+                f"    {entry.where}: {self.mark}{entry.name} ({entry.count})" for entry in group
+            ]
         return "\n".join(lines)
 
 

@@ -79,7 +79,7 @@ class LineTexts(Sequence[bytes]):
         windows: npt.NDArray[np.void] = np.ndarray(
             (last + 1,), dtype=f"V{width}", buffer=self.data.ljust(width), strides=(1,)
         )
-        found = np.empty((len(self), width), dtype=np.uint8)
+        characters = np.empty((len(self), width), dtype=np.uint8)
         length = np.minimum(self.end - self.begin, width).astype(np.uint8)
         column = np.arange(width, dtype=np.uint8)
         for start in range(0, len(self), _LINES):
@@ -87,10 +87,10 @@ class LineTexts(Sequence[bytes]):
             letters = windows[np.minimum(self.begin[part], last)].view(np.uint8)
             letters = letters.reshape(-1, width)
             letters[column >= length[part, None]] = _BLANK
-            found[part] = letters
+            characters[part] = letters
         for line in np.flatnonzero(self.begin > last).tolist():
-            found[line] = np.frombuffer(self[line][:width].ljust(width), dtype=np.uint8)
-        return found
+            characters[line] = np.frombuffer(self[line][:width].ljust(width), dtype=np.uint8)
+        return characters
 
 
 def split_lines(data: bytes) -> LineTexts:
@@ -129,7 +129,7 @@ def joined(parts: Sequence[Sequence[bytes]]) -> LineTexts:
     """Return the lines of all parts, one after the other."""
     if len(parts) == 1 and isinstance(parts[0], LineTexts):
         return parts[0]
-    pieces: list[bytes] = []
+    texts: list[bytes] = []
     begins, ends = [np.empty(0, dtype=np.int64)], [np.empty(0, dtype=np.int64)]
     size = 0
     for part in parts:
@@ -137,17 +137,17 @@ def joined(parts: Sequence[Sequence[bytes]]) -> LineTexts:
             continue
         if isinstance(part, LineTexts):
             first, last = int(part.begin[0]), int(part.end[-1])
-            pieces.append(part.data[first:last])
+            texts.append(part.data[first:last])
             begin, end = part.begin - first, part.end - first
         else:
-            pieces += part
+            texts += part
             length = np.array([len(line) for line in part], dtype=np.int64)
             end = np.cumsum(length)
             begin = end - length
         begins.append(size + begin)
         ends.append(size + end)
         size += int(end[-1])
-    return LineTexts(b"".join(pieces), np.concatenate(begins), np.concatenate(ends))
+    return LineTexts(b"".join(texts), np.concatenate(begins), np.concatenate(ends))
 
 
 def _places_of(word: bytes, data: bytes) -> Indices:
@@ -161,8 +161,8 @@ def _places_of(word: bytes, data: bytes) -> Indices:
             [start + np.flatnonzero(letters[start : start + _CHUNK] == word[0]) for start in starts]
         )
     places = []
-    at = data.find(word)
-    while at >= 0:
-        places.append(at)
-        at = data.find(word, at + 1)
+    position = data.find(word)
+    while position >= 0:
+        places.append(position)
+        position = data.find(word, position + 1)
     return np.array(places, dtype=np.int64)

@@ -59,26 +59,26 @@ class _Stream:
         ValueError
             If there are fewer, or what is compressed is damaged.
         """
-        found = bytearray() if self._inflate else bytearray(self._left[:count])
+        content = bytearray() if self._inflate else bytearray(self._left[:count])
         if self._inflate is None:
             self._left = self._left[count:]
         else:
-            while len(found) < count and not self._inflate.eof and (self._left or self._waiting):
-                found += self._piece(self._inflate, count - len(found))
-        if len(found) != count:
+            while len(content) < count and not self._inflate.eof and (self._left or self._waiting):
+                content += self._piece(self._inflate, count - len(content))
+        if len(content) != count:
             message = "it ends in the middle of a variable"
             raise ValueError(message)
-        return found
+        return content
 
-    def _piece(self, inflate: Any, most: int) -> bytes:
+    def _piece(self, inflate: Any, limit: int) -> bytes:
         if not self._waiting:
             self._waiting, self._left = bytes(self._left[:_PIECE]), self._left[_PIECE:]
         try:
-            found: bytes = inflate.decompress(self._waiting, min(most, _PIECE))
+            content: bytes = inflate.decompress(self._waiting, min(limit, _PIECE))
         except zlib.error as error:
             raise ValueError(str(error)) from None
-        self._waiting, self.count = inflate.unconsumed_tail, self.count + len(found)
-        return found
+        self._waiting, self.count = inflate.unconsumed_tail, self.count + len(content)
+        return content
 
     def end(self, size: int) -> None:
         """Go to the end of what is compressed, so many bytes and a checksum.
@@ -113,25 +113,27 @@ def read_matlab5(path: Path) -> dict[str, npt.NDArray[Any] | SparseMatrix]:
     if order is None:
         message = "its header does not say the order of bytes"
         raise ValueError(message)
-    found: dict[str, npt.NDArray[Any] | SparseMatrix] = {}
-    place = HEADER
-    while place + 8 <= len(content):
-        kind, size = struct.unpack_from(f"{order}2I", content, place)
+    variables: dict[str, npt.NDArray[Any] | SparseMatrix] = {}
+    position = HEADER
+    while position + 8 <= len(content):
+        kind, size = struct.unpack_from(f"{order}2I", content, position)
         if kind >> 16:  # short ones, which hold no variable, share eight bytes with their tag
             kind, size = 0, 0
-        place += 8 + size
-        if place > len(content):
-            message = f"a piece of {size} bytes at byte {place - size - 8} goes beyond its end"
+        position += 8 + size
+        if position > len(content):
+            message = f"a piece of {size} bytes at byte {position - size - 8} goes beyond its end"
             raise ValueError(message)
-        stream = _Stream(memoryview(content)[place - size : place], packed=kind == _COMPRESSED)
+        stream = _Stream(
+            memoryview(content)[position - size : position], packed=kind == _COMPRESSED
+        )
         if kind == _COMPRESSED:
             kind, size = struct.unpack(f"{order}2I", stream.read(8))
         if kind == _MATRIX:
             named = _variable(stream, order, path)
             if named:
                 stream.end(8 + size)
-            found |= named
-    return found
+            variables |= named
+    return variables
 
 
 def _tag(stream: _Stream, order: str) -> tuple[int, int, bytearray | None]:

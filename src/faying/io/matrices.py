@@ -122,7 +122,7 @@ def read_matrices(
     dofs: _Path | None = None,
     faces: _Path | None = None,
     node_sets: _Path | None = None,
-    held: _Path | None = None,
+    supports_file: _Path | None = None,
     **parts: Any,
 ) -> Assembly:
     """Read matrices and tables from files.
@@ -140,7 +140,7 @@ def read_matrices(
         through the nodes with three or six components each, whichever fits.
     faces, node_sets
         Rows of set name, node id, node id, …; or an ``.npz`` with one array per set.
-    held
+    supports_file
         Node id and component 1..6 of each degree of freedom to hold at zero, where the matrices
         come unconstrained; a file like ``dofs``.
     **parts
@@ -153,26 +153,26 @@ def read_matrices(
     ModelError
         If the contents do not fit together.
     """
-    place = _places(nodes)
-    sides = {**place.faces, **_given_faces(faces)}
+    geometry = _places(nodes)
+    sides = {**geometry.faces, **_given_faces(faces)}
     named = read_id_sets(node_sets, "node set") if node_sets is not None else {}
     files = {"M": M, "K": K, "C": C}
-    found = {key: read_matrix(file, key) for key, file in files.items() if file is not None}
-    matrices, rows = aligned(found, None if dofs is None else read_dof_table(dofs))
+    labelled = {key: read_matrix(file, key) for key, file in files.items() if file is not None}
+    matrices, rows = aligned(labelled, None if dofs is None else read_dof_table(dofs))
     assembly = matrices_assembly(
         matrices["M"],
         matrices["K"],
         matrices.get("C"),
-        nodes=place.nodes,
-        node_ids=place.node_ids,
+        nodes=geometry.nodes,
+        node_ids=geometry.node_ids,
         dofs=rows,
         faces=sides,
-        node_sets={**place.node_sets, **{k: np.concatenate(v) for k, v in named.items()}},
+        node_sets={**geometry.node_sets, **{k: np.concatenate(v) for k, v in named.items()}},
         **parts,
     )
-    if held is None:
+    if supports_file is None:
         return assembly
-    supports = _supports(assembly.mesh, read_dof_table(held))
+    supports = _supports(assembly.mesh, read_dof_table(supports_file))
     return replace(assembly, supports=(*assembly.supports, *supports))
 
 

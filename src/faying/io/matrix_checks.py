@@ -24,9 +24,9 @@ class RowLabel:
 
     def __call__(self, row: int) -> str:
         """Return the row, counted from 1, with node id and component 1..6."""
-        known = row < len(self)
-        place = f", node {self.ids[row]} component {self.components[row] + 1}" if known else ""
-        return f"row {row + 1}{place}"
+        labelled = row < len(self)
+        label = f", node {self.ids[row]} component {self.components[row] + 1}" if labelled else ""
+        return f"row {row + 1}{label}"
 
 
 def checked_matrix(name: str, matrix: Any, label: RowLabel) -> SparseMatrix:

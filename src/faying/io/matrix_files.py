@@ -53,20 +53,20 @@ def read_matrix(path: str | PathLike[str], name: str) -> LabelledMatrix:
     if not path.is_file():
         message = f"matrix {name}: file '{path}' is not there; check the path"
         raise FormatError(message)
-    place = READERS.get(path.suffix.lower())
-    if place is None:
+    reader_name = READERS.get(path.suffix.lower())
+    if reader_name is None:
         message = (
             f"matrix {name}: '{path}' ends in '{path.suffix}'; readable are {', '.join(READERS)}"
         )
         raise FormatError(message)
-    module, _, function = place.partition(":")
+    module, _, function = reader_name.partition(":")
     return _read(getattr(import_module(module), function), path, name)
 
 
 def _read(reader: Callable[[Path, str], Any], path: Path, name: str) -> LabelledMatrix:
     try:
-        found: LabelledMatrix = reader(path, name)
-        return replace(found, matrix=_real(found.matrix, path, name))
+        labelled: LabelledMatrix = reader(path, name)
+        return replace(labelled, matrix=_real(labelled.matrix, path, name))
     except FayingError:
         raise
     except Exception as error:  # readers raise whatever a damaged file meets
@@ -128,22 +128,22 @@ def read_matlab(path: Path, name: str) -> LabelledMatrix:
         )
         raise FormatError(message)
     # What has no such version is of MATLAB 4, which SciPy reads without compiled code.
-    found = read_matlab5(path) if version else scipy.io.loadmat(path, spmatrix=False)
+    variables = read_matlab5(path) if version else scipy.io.loadmat(path, spmatrix=False)
     matrices = {
         key: value
-        for key, value in found.items()
+        for key, value in variables.items()
         if not key.startswith("__") and getattr(value, "ndim", 0) == 2 and min(value.shape) > 1
     }
-    chosen = matrices or {k: v for k, v in found.items() if k[:2] != "__"}
+    chosen = matrices or {k: v for k, v in variables.items() if k[:2] != "__"}
     return LabelledMatrix(matrix=_chosen(chosen, path, name))
 
 
-def _chosen(found: Mapping[str, Any], path: Path, name: str) -> Any:
+def _chosen(variables: Mapping[str, Any], path: Path, name: str) -> Any:
     """Return the matrix of the right name, or the only one."""
-    if name in found:
-        return found[name]
-    if len(found) == 1:
-        return next(iter(found.values()))
-    held = ", ".join(found) or "nothing"
-    message = f"matrix {name}: '{path}' holds {held}; name one of them {name}"
+    if name in variables:
+        return variables[name]
+    if len(variables) == 1:
+        return next(iter(variables.values()))
+    names = ", ".join(variables) or "nothing"
+    message = f"matrix {name}: '{path}' holds {names}; name one of them {name}"
     raise FormatError(message)

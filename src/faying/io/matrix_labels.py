@@ -9,7 +9,7 @@ from faying.io.labelled_matrix import LabelledMatrix
 
 
 def aligned(
-    matrices: dict[str, LabelledMatrix], given: Indices | None
+    matrices: dict[str, LabelledMatrix], dof_table: Indices | None
 ) -> tuple[dict[str, SparseMatrix], Indices | None]:
     """Return matrices in the order of one dof table, and the table.
 
@@ -17,7 +17,7 @@ def aligned(
     ----------
     matrices
         ``"K"``, ``"M"``, ``"C"``, those that there are.
-    given : (n, 2)
+    dof_table : (n, 2)
         Node id and component 1..6 of each row from a table of its own; else the labels of
         K lead, or of the first that has any. Matrices without labels are in this order already.
 
@@ -36,45 +36,49 @@ def aligned(
     -----
     One sort of the labels and one permutation of each matrix.
     """
-    table = given
+    table = dof_table
     if table is None:
-        found = [matrices[name].dofs for name in "KMC" if name in matrices]
-        table = next((labels for labels in found if labels is not None), None)
+        labels_of = [matrices[name].dofs for name in "KMC" if name in matrices]
+        table = next((labels for labels in labels_of if labels is not None), None)
     if table is None:
-        return {name: one.matrix for name, one in matrices.items()}, None
-    lost = [one.held for one in matrices.values() if one.held is not None]
-    held = np.concatenate([np.empty((0, 2), dtype=np.int64), *lost])
-    return {name: _placed(name, one, table, held) for name, one in matrices.items()}, table
+        return {name: labelled.matrix for name, labelled in matrices.items()}, None
+    lost = [labelled.held for labelled in matrices.values() if labelled.held is not None]
+    fixed = np.concatenate([np.empty((0, 2), dtype=np.int64), *lost])
+    return {
+        name: _placed(name, labelled, table, fixed) for name, labelled in matrices.items()
+    }, table
 
 
-def _placed(name: str, one: LabelledMatrix, table: Indices, held: Indices) -> SparseMatrix:
-    if one.dofs is None:
-        return one.matrix
-    if np.array_equal(one.dofs, table):
-        return one.matrix
-    place = _positions(one.dofs, table)
-    missing = np.flatnonzero((place < 0) & (_positions(one.dofs, held) < 0))
+def _placed(name: str, labelled: LabelledMatrix, table: Indices, fixed: Indices) -> SparseMatrix:
+    if labelled.dofs is None:
+        return labelled.matrix
+    if np.array_equal(labelled.dofs, table):
+        return labelled.matrix
+    positions = _positions(labelled.dofs, table)
+    missing = np.flatnonzero((positions < 0) & (_positions(labelled.dofs, fixed) < 0))
     if missing.size:
-        node, component = one.dofs[missing[0]].tolist()
+        node, component = labelled.dofs[missing[0]].tolist()
         message = (
             f"matrix {name} has a row for node {node} component {component}, which the dof table "
             "or the labels of matrix K do not have; take both matrices from one run"
         )
         raise ModelError(message)
-    kept = np.flatnonzero(place >= 0)
+    present = np.flatnonzero(positions >= 0)
     n_row = len(table)
-    lift = sp.csr_array((np.ones(len(kept)), (place[kept], kept)), shape=(n_row, len(one.dofs)))
-    return sp.csr_array(lift @ one.matrix @ lift.T)
+    lift = sp.csr_array(
+        (np.ones(len(present)), (positions[present], present)), shape=(n_row, len(labelled.dofs))
+    )
+    return sp.csr_array(lift @ labelled.matrix @ lift.T)
 
 
-def _positions(wanted: Indices, table: Indices) -> Indices:
+def _positions(labels: Indices, table: Indices) -> Indices:
     """Row of each label (n, 2) in a table, -1 where it is not there."""
     if not len(table):
-        return np.full(len(wanted), -1)
+        return np.full(len(labels), -1)
     # Components are below ten; a table may hold other numbers, which is refused elsewhere.
-    keys, sought = (10 * part[:, 0] + part[:, 1] for part in (table, wanted))
+    keys, sought = (10 * part[:, 0] + part[:, 1] for part in (table, labels))
     order = np.argsort(keys, kind="stable")
-    place = np.minimum(np.searchsorted(keys, sought, sorter=order), len(keys) - 1)
-    found = order[place]
-    result: Indices = np.where((table[found] == wanted).all(axis=1), found, -1)
+    ranks = np.minimum(np.searchsorted(keys, sought, sorter=order), len(keys) - 1)
+    rows = order[ranks]
+    result: Indices = np.where((table[rows] == labels).all(axis=1), rows, -1)
     return result

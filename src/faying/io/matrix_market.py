@@ -39,7 +39,7 @@ def read_market_matrix(path: Path) -> SparseMatrix | Matrix:
 
 def _parts(content: bytes) -> tuple[str, str, list[int], Vector]:
     """Layout, symmetry, sizes and all numbers."""
-    heading, _, rest = content.partition(b"\n")
+    heading, _, remainder = content.partition(b"\n")
     words = heading.decode("latin-1").lower().split()
     if len(words) != 5 or words[1] != "matrix" or words[2] not in ("coordinate", "array"):
         message = f"its heading is '{heading[:80].decode('latin-1')}'"
@@ -47,9 +47,9 @@ def _parts(content: bytes) -> tuple[str, str, list[int], Vector]:
     if words[3] not in ("real", "double", "integer") or words[4] not in _MIRRORED:
         message = f"it is {words[3]} {words[4]}; expected real or integer, general or symmetric"
         raise ValueError(message)
-    while rest.lstrip().startswith(b"%"):
-        rest = rest.lstrip().partition(b"\n")[2]
-    line, _, body = rest.lstrip().partition(b"\n")
+    while remainder.lstrip().startswith(b"%"):
+        remainder = remainder.lstrip().partition(b"\n")[2]
+    line, _, body = remainder.lstrip().partition(b"\n")
     sizes = line.split()
     if len(sizes) != (3 if words[2] == "coordinate" else 2) or not all(map(_is_size, sizes)):
         message = f"its line of sizes is '{line[:80].decode('latin-1')}'"
@@ -74,8 +74,10 @@ def _coordinates(symmetry: str, sizes: list[int], numbers: Vector) -> SparseMatr
         message = f"it announces {count} entries and holds {len(numbers) / 3:g}"
         raise ValueError(message)
     table = numbers.reshape(-1, 3)
-    at, values = table[:, :2] - 1, table[:, 2]
-    wrong = np.flatnonzero(~((at >= 0) & (at < (rows, columns)) & (at == np.floor(at))).all(axis=1))
+    indices, values = table[:, :2] - 1, table[:, 2]
+    wrong = np.flatnonzero(
+        ~((indices >= 0) & (indices < (rows, columns)) & (indices == np.floor(indices))).all(axis=1)
+    )
     if wrong.size:
         row, column = table[wrong[0], :2].tolist()
         message = (
@@ -84,7 +86,7 @@ def _coordinates(symmetry: str, sizes: list[int], numbers: Vector) -> SparseMatr
         )
         raise ValueError(message)
     check_rows((rows, columns))
-    matrix = sp.coo_array((values, at.astype(np.int64).T), shape=(rows, columns)).tocsr()
+    matrix = sp.coo_array((values, indices.astype(np.int64).T), shape=(rows, columns)).tocsr()
     return _mirrored(matrix, symmetry)
 
 
@@ -92,8 +94,8 @@ def _array(symmetry: str, sizes: list[int], numbers: Vector) -> Matrix:
     rows, columns = sizes
     # Of a symmetric matrix the lower triangle is written, column by column.
     skewed = int(symmetry == "skew-symmetric")
-    wanted = rows * columns if symmetry == "general" else rows * (rows + 1 - 2 * skewed) // 2
-    if len(numbers) != wanted or (symmetry != "general" and rows != columns):
+    expected = rows * columns if symmetry == "general" else rows * (rows + 1 - 2 * skewed) // 2
+    if len(numbers) != expected or (symmetry != "general" and rows != columns):
         message = f"it is a {symmetry} matrix {rows} x {columns} and holds {len(numbers)} numbers"
         raise ValueError(message)
     if symmetry == "general":

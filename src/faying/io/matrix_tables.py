@@ -112,8 +112,8 @@ def _rows(path: Path, what: str) -> _Rows:
 def _numbers(path: Path, what: str, columns: tuple[str, ...]) -> Matrix:
     expected = f"expected {len(columns)} numbers: {', '.join(columns)}"
     if path.suffix.lower() == ".npz":
-        found = list(_arrays(path, what).values())
-        table = found[0] if len(found) == 1 else np.zeros(0)
+        arrays = list(_arrays(path, what).values())
+        table = arrays[0] if len(arrays) == 1 else np.zeros(0)
         if table.ndim != 2 or table.shape[1] != len(columns) or table.dtype.kind not in "fiu":
             message = (
                 f"{what} '{path}': expected one array of {len(columns)} columns: "

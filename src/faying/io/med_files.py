@@ -42,7 +42,7 @@ def read_med(path: Path) -> Any:
     for part_name, part in parts.items():
         grouped = _named(part)
         for k, block in enumerate(part.cells):
-            at = len(cells)
+            position = len(cells)
             cells.append(meshio.CellBlock(block.type, block.data + n_point))
             tags = part.cell_data.get("cell_tags", [np.zeros(len(c.data)) for c in part.cells])[k]
             free = np.ones(len(block.data), dtype=bool)
@@ -51,17 +51,17 @@ def read_med(path: Path) -> Any:
                 free &= ~inside
                 if inside.any():
                     whole = name if count[name] == 1 else f"{part_name}/{name}"
-                    sets.setdefault(whole, {})[at] = np.flatnonzero(inside)
+                    sets.setdefault(whole, {})[position] = np.flatnonzero(inside)
             if free.any() and block.type.startswith(_SOLID):
-                sets.setdefault(part_name, {})[at] = np.flatnonzero(free)
+                sets.setdefault(part_name, {})[position] = np.flatnonzero(free)
         points.append(part.points)
         n_point += len(part.points)
     return meshio.Mesh(
         np.vstack(points),
         cells,
         cell_sets={
-            name: [found.get(k, np.zeros(0, dtype=np.int64)) for k in range(len(cells))]
-            for name, found in sets.items()
+            name: [members.get(k, np.zeros(0, dtype=np.int64)) for k in range(len(cells))]
+            for name, members in sets.items()
         },
     )
 

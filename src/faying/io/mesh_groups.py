@@ -25,34 +25,36 @@ class Group:
     cells: tuple[Indices | None, ...]
 
 
-def groups_of(found: Any) -> list[Group]:
+def groups_of(mesh: Any) -> list[Group]:
     """Return named groups of cells; unnamed numbers are named by themselves."""
     named = {
         name: [None if cells is None else np.asarray(cells, dtype=np.int64) for cells in blocks]
-        for name, blocks in found.cell_sets.items()
+        for name, blocks in mesh.cell_sets.items()
         if not name.startswith("gmsh:")
     }
     if not named:
-        named = _tagged(found)
+        named = _tagged(mesh)
     groups = []
     for number, (name, blocks) in enumerate(named.items(), start=1):
-        cells = tuple(None if one is None or not len(one) else one for one in blocks)
+        cells = tuple(
+            None if members is None or not len(members) else members for members in blocks
+        )
         groups.append(Group(name=name, number=number, cells=cells))
     return groups
 
 
-def _tagged(found: Any) -> dict[str, list[Any]]:
+def _tagged(mesh: Any) -> dict[str, list[Any]]:
     """Return groups by number and dimension, as cell data tell them."""
-    key = next((key for key in _TAGS if key in found.cell_data), None)
+    key = next((key for key in _TAGS if key in mesh.cell_data), None)
     if key is None:
         return {}
     names = {
-        (int(given[0]), int(given[1])): name
-        for name, given in found.field_data.items()
-        if np.shape(given) == (2,)
+        (int(label[0]), int(label[1])): name
+        for name, label in mesh.field_data.items()
+        if np.shape(label) == (2,)
     }
-    tags = [np.asarray(values) for values in found.cell_data[key]]
-    kinds = [dimension(block.type) for block in found.cells]
+    tags = [np.asarray(values) for values in mesh.cell_data[key]]
+    kinds = [dimension(block.type) for block in mesh.cells]
     present = sorted(
         {
             (size, int(tag))
@@ -79,9 +81,9 @@ def dimension(kind: str) -> int:
     return 0 if kind == "vertex" else 3
 
 
-def volume_groups(found: Any, groups: list[Group]) -> list[Group]:
+def volume_groups(mesh: Any, groups: list[Group]) -> list[Group]:
     """Return groups that hold solids; one of all solids where there is none."""
-    solid = [dimension(block.type) == 3 for block in found.cells]
+    solid = [dimension(block.type) == 3 for block in mesh.cells]
     holding = [
         group
         for group in groups
@@ -94,13 +96,13 @@ def volume_groups(found: Any, groups: list[Group]) -> list[Group]:
         return holding
     everything = tuple(
         np.arange(len(block.data)) if is_solid else None
-        for is_solid, block in zip(solid, found.cells, strict=True)
+        for is_solid, block in zip(solid, mesh.cells, strict=True)
     )
     return [Group(name="solids", number=len(groups) + 1, cells=everything)]
 
 
-def cells_of(found: Any, group: Group) -> Iterator[tuple[Any, Indices]]:
+def cells_of(mesh: Any, group: Group) -> Iterator[tuple[Any, Indices]]:
     """Yield blocks of meshio and the cells of a group in them."""
-    for block, cells in zip(found.cells, group.cells, strict=True):
+    for block, cells in zip(mesh.cells, group.cells, strict=True):
         if cells is not None:
             yield block, cells

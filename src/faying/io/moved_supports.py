@@ -54,7 +54,7 @@ def with_moved_supports(
     forces = np.zeros((n_load, len(assembly.mesh.nodes), 6))
     if not moved:
         return assembly, list(forces)
-    directions = np.array([_direction(place, axes) for place in moved])
+    directions = np.array([_direction(dof, axes) for dof in moved])
     columns = 6 * np.array([node for node, _ in moved])[:, None] + np.arange(6)
     n_dof = 6 * len(assembly.mesh.nodes)
     select = sp.csr_array(
@@ -63,13 +63,13 @@ def with_moved_supports(
     )
     used = used_components(assembly)
     T = constrain(assembly, used).transformation
-    own = np.asarray(T.multiply(assemble_matrices(assembly).K @ T).sum(axis=0)).ravel()
+    diagonal = np.asarray(T.multiply(assemble_matrices(assembly).K @ T).sum(axis=0)).ravel()
     rows = sp.csr_array(select @ T)
     rows.eliminate_zeros()
     there = np.diff(rows.indptr) > 0
-    held = np.flatnonzero(~there & (abs(select) @ used > 0))
-    if held.size:
-        node, component = [*moved][int(held[0])]
+    fixed = np.flatnonzero(~there & (abs(select) @ used > 0))
+    if fixed.size:
+        node, component = [*moved][int(fixed[0])]
         message = (
             f"node {assembly.mesh.node_ids[node]} is moved along component {component + 1}, "
             "which something else holds; remove one of them"
@@ -78,24 +78,24 @@ def with_moved_supports(
     if not there.any():
         return assembly, list(forces)
     # Where nothing is, there is nothing to be moved.
-    places = [place for place, found in zip(moved, there.tolist(), strict=True) if found]
+    places = [dof for dof, is_free in zip(moved, there.tolist(), strict=True) if is_free]
     # No stiffer than along the softest of what moves with it.
-    each = own[rows.indices] / rows.data**2
-    softest = np.minimum.reduceat(each, rows.indptr[:-1][there])
-    stiffness = STIFFNESS_FACTOR * np.where(softest > 0, softest, own.max())
-    amounts = stiffness * np.array([moved[place] for place in places]).T
+    stiffnesses = diagonal[rows.indices] / rows.data**2
+    softest = np.minimum.reduceat(stiffnesses, rows.indptr[:-1][there])
+    stiffness = STIFFNESS_FACTOR * np.where(softest > 0, softest, diagonal.max())
+    amounts = stiffness * np.array([moved[dof] for dof in places]).T
     nodes = np.array([node for node, _ in places])
     for load, amount in zip(forces, amounts, strict=True):
         np.add.at(load, nodes, amount[:, None] * directions[there])
     first = assembly.largest_id + 1
     springs, bushes = [], []
-    for number, (place, value) in enumerate(
+    for number, (dof, value) in enumerate(
         zip(places, stiffness.tolist(), strict=True), start=first
     ):
-        if place[0] in axes:
-            bushes.append(_turned(number, place, value, axes[place[0]], assembly))
+        if dof[0] in axes:
+            bushes.append(_turned(number, dof, value, axes[dof[0]], assembly))
         else:
-            springs.append(Spring(id=number, ends=(place,), stiffness=value))
+            springs.append(Spring(id=number, ends=(dof,), stiffness=value))
     assembly = replace(
         assembly,
         springs=(*assembly.springs, *springs),
@@ -104,17 +104,17 @@ def with_moved_supports(
     return assembly, list(forces)
 
 
-def _direction(place: Place, axes: Mapping[int, Matrix]) -> Matrix:
-    node, component = place
+def _direction(dof: Place, axes: Mapping[int, Matrix]) -> Matrix:
+    node, component = dof
     result = np.zeros(6)
     first = component - component % 3
     result[first : first + 3] = axes.get(node, np.eye(3))[component % 3]
     return result
 
 
-def _turned(number: int, place: Place, stiffness: float, axes: Matrix, assembly: Assembly) -> Bush:
+def _turned(number: int, dof: Place, stiffness: float, axes: Matrix, assembly: Assembly) -> Bush:
     """Return a spring along or about an axis that is none of the basic ones."""
-    node, component = place
+    node, component = dof
     along = [0.0] * 6
     along[component] = stiffness
     x, y, z = assembly.mesh.nodes[node].tolist()

@@ -10,7 +10,7 @@ class DamageError(ValueError):
     """What is wrong in a file, and where; the name of the file is added on the way out."""
 
 
-def chosen_name(names: Sequence[str], wanted: str) -> str:
+def chosen_name(names: Sequence[str], letter_name: str) -> str:
     """Return the name of the matrix ``"M"``, ``"C"`` or ``"K"``.
 
     It is that very name; else the only one; else the only one that begins with the letter Nastran
@@ -21,13 +21,13 @@ def chosen_name(names: Sequence[str], wanted: str) -> str:
     DamageError
         If there is none, or several.
     """
-    exact = [name for name in names if name.upper() == wanted.upper()]
-    letter = LETTERS.get(wanted, wanted)
-    for found in (exact, names, [name for name in names if name.upper().startswith(letter)]):
-        if len(found) == 1:
-            return found[0]
+    exact = [name for name in names if name.upper() == letter_name.upper()]
+    letter = LETTERS.get(letter_name, letter_name)
+    for candidates in (exact, names, [name for name in names if name.upper().startswith(letter)]):
+        if len(candidates) == 1:
+            return candidates[0]
     message = (
         f"it holds {', '.join(names) or 'no matrix'}; expected one matrix, or one whose name "
-        f"begins with {letter}; write {wanted} to a file of its own"
+        f"begins with {letter}; write {letter_name} to a file of its own"
     )
     raise DamageError(message)

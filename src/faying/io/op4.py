@@ -66,7 +66,7 @@ def read_op4(path: Path, name: str) -> LabelledMatrix:
     return LabelledMatrix(matrix=next(iter(_read(path, name).values())))
 
 
-def _read(path: Path, wanted: str | None) -> dict[str, SparseMatrix]:
+def _read(path: Path, letter: str | None) -> dict[str, SparseMatrix]:
     try:
         content = file_bytes(path)
     except OSError as error:
@@ -74,10 +74,12 @@ def _read(path: Path, wanted: str | None) -> dict[str, SparseMatrix]:
         raise FormatError(message) from error
     try:
         file: Op4File = BinaryFile(content) if looks_binary(content) else TextFile(content)
-        held = list(file.matrices())
-        names = [header.name for header, _ in held]
-        chosen = names if wanted is None else [chosen_name(names, wanted)]
-        return {name: _assembled(file, *held[_only(names, name)]) for name in dict.fromkeys(chosen)}
+        stored = list(file.matrices())
+        names = [header.name for header, _ in stored]
+        chosen = names if letter is None else [chosen_name(names, letter)]
+        return {
+            name: _assembled(file, *stored[_only(names, name)]) for name in dict.fromkeys(chosen)
+        }
     except DamageError as error:
         message = f"OP4 file '{path}': {error}"
         raise FormatError(message) from error
@@ -91,17 +93,18 @@ def _only(names: list[str], name: str) -> int:
 
 
 def _check_readable(header: Header) -> None:
-    at = f"matrix '{header.name}' ({header.place})"
+    matrix_label = f"matrix '{header.name}' ({header.place})"
     if header.kind in COMPLEX:
-        message = f"{at} is complex; faying needs real matrices: write its real part"
+        message = f"{matrix_label} is complex; faying needs real matrices: write its real part"
         raise DamageError(message)
     if header.form not in FORMS:
-        known = ", ".join(f"{number} ({text})" for number, text in FORMS.items())
-        message = f"{at} has form {header.form}; readable are {known}"
+        readable = ", ".join(f"{number} ({text})" for number, text in FORMS.items())
+        message = f"{matrix_label} has form {header.form}; readable are {readable}"
         raise DamageError(message)
     if header.form == SYMMETRIC and header.rows != header.columns:
         message = (
-            f"{at} is symmetric (form 6) but has {header.rows} rows and {header.columns} columns"
+            f"{matrix_label} is symmetric (form 6) but has {header.rows} rows and "
+            f"{header.columns} columns"
         )
         raise DamageError(message)
 
@@ -113,11 +116,11 @@ def _check_strings(header: Header, strings: Strings) -> None:
     same = strings.column[1:] == strings.column[:-1]
     wrong[1:] |= same & (strings.row[1:] < last[:-1])
     if wrong.any():
-        at = int(np.flatnonzero(wrong)[0])
+        first = int(np.flatnonzero(wrong)[0])
         message = (
-            f"matrix '{header.name}' ({header.place}): column {strings.column[at] + 1} has "
-            f"{strings.count[at]} values from row {strings.row[at] + 1} on; expected ascending "
-            f"rows from 1 to {header.rows}"
+            f"matrix '{header.name}' ({header.place}): column {strings.column[first] + 1} has "
+            f"{strings.count[first]} values from row {strings.row[first] + 1} on; expected "
+            f"ascending rows from 1 to {header.rows}"
         )
         raise DamageError(message)
 

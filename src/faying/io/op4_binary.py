@@ -53,10 +53,10 @@ class BinaryFile:
 
     def matrices(self) -> Iterator[tuple[Header, Strings]]:
         """Walk through the matrices."""
-        place = 0
-        while place < len(self._content):
-            header = self._header(self._record(place))
-            strings, place = self._columns(header, place + 8 + 6 * self._size)
+        position = 0
+        while position < len(self._content):
+            header = self._header(self._record(position))
+            strings, position = self._columns(header, position + 8 + 6 * self._size)
             yield header, strings
 
     def values(self, header: Header, strings: Strings) -> Vector:
@@ -65,8 +65,8 @@ class BinaryFile:
         kind = np.dtype(f"{self._order}f{4 * width}")
         parts = []
         for part in chunks(strings.count):
-            at = spread(strings.start[part], strings.count[part] * width)
-            parts.append(self._words[at].view(kind).astype(np.float64))
+            positions = spread(strings.start[part], strings.count[part] * width)
+            parts.append(self._words[positions].view(kind).astype(np.float64))
         return np.concatenate([*parts, np.empty(0)])
 
     def _words_per_value(self, header: Header) -> int:
@@ -74,19 +74,19 @@ class BinaryFile:
         single, parts = header.kind % 2 == 1 and self._size == 4, 1 + (header.kind > 2)
         return parts * (1 if single else 2)
 
-    def _record(self, place: int) -> _Record:
+    def _record(self, position: int) -> _Record:
         """Start and end of the content of the record at a place."""
         end = -1
-        if place + 4 <= len(self._content):
-            (length,) = self._marker.unpack_from(self._content, place)
-            end = place + 4 + length
-        if end < place + 4 or end + 4 > len(self._content) or length % 4:
-            message = f"the record at byte {place} does not end within the file; it is damaged"
+        if position + 4 <= len(self._content):
+            (length,) = self._marker.unpack_from(self._content, position)
+            end = position + 4 + length
+        if end < position + 4 or end + 4 > len(self._content) or length % 4:
+            message = f"the record at byte {position} does not end within the file; it is damaged"
             raise DamageError(message)
         if self._marker.unpack_from(self._content, end)[0] != length:
-            message = f"the record at byte {place} does not end with its length {length}"
+            message = f"the record at byte {position} does not end with its length {length}"
             raise DamageError(message)
-        return place + 4, end
+        return position + 4, end
 
     def _header(self, record: _Record) -> Header:
         start, end = record
@@ -108,34 +108,34 @@ class BinaryFile:
         )
         return checked_header(header, len(self._content))
 
-    def _columns(self, header: Header, place: int) -> tuple[Strings, int]:
+    def _columns(self, header: Header, position: int) -> tuple[Strings, int]:
         """Walk the column records, which tell their place only one after the other."""
-        found: list[tuple[int, int, int, int]] = []
+        strings: list[tuple[int, int, int, int]] = []
         last = 0
         while True:
-            start, end = self._record(place)
+            start, end = self._record(position)
             if end - start < 3 * self._size:
-                message = f"the record at byte {place} is too short for a column"
+                message = f"the record at byte {position} is too short for a column"
                 raise DamageError(message)
             column, row, length = self._start.unpack_from(self._content, start)
             if column == header.columns + 1:
                 break
             if not last < column <= header.columns:
                 message = (
-                    f"the record at byte {place} is of column {column}; expected one from "
+                    f"the record at byte {position} is of column {column}; expected one from "
                     f"{last + 1} to {header.columns + 1}"
                 )
                 raise DamageError(message)
             if end - start != (3 + length) * self._size:
                 message = (
-                    f"the record of column {column} at byte {place} says {length} words and "
+                    f"the record of column {column} at byte {position} says {length} words and "
                     f"holds {(end - start) // self._size - 3}"
                 )
                 raise DamageError(message)
             last = column
-            found.append((column, row, (start + 3 * self._size) // 4, end // 4))
-            place = end + 4
-        table = np.array(found, dtype=np.int64).reshape(-1, 4).T
+            strings.append((column, row, (start + 3 * self._size) // 4, end // 4))
+            position = end + 4
+        table = np.array(strings, dtype=np.int64).reshape(-1, 4).T
         column, row, first, stop = table
         return self._strings(header, column - 1, row, first, stop), end + 4
 
@@ -172,8 +172,12 @@ class BinaryFile:
             first = first + heads
             words = length * step
             if (length < 1).any() or (first + words > stop).any():
-                at = int(column[np.flatnonzero((length < 1) | (first + words > stop))[0]]) + 1
-                message = f"matrix '{header.name}': a string of column {at} overruns its record"
+                bad_column = (
+                    int(column[np.flatnonzero((length < 1) | (first + words > stop))[0]]) + 1
+                )
+                message = (
+                    f"matrix '{header.name}': a string of column {bad_column} overruns its record"
+                )
                 raise DamageError(message)
             parts.append((column, row - 1, _whole(header, words, width), first))
             first = first + words
@@ -186,15 +190,15 @@ class BinaryFile:
 
     def _string_heads(self, header: Header, first: Indices) -> tuple[Indices, Indices]:
         """Words and first row of the strings that begin at some words of the file."""
-        one = self._integers(first)
+        head = self._integers(first)
         if header.big:
-            return one - 1, self._integers(first + self._size // 4)
+            return head - 1, self._integers(first + self._size // 4)
         # Both in one word: row + 65536 (words + 1).
-        return one // _BIG_ROWS - 1, one % _BIG_ROWS
+        return head // _BIG_ROWS - 1, head % _BIG_ROWS
 
-    def _integers(self, at: Indices) -> Indices:
+    def _integers(self, positions: Indices) -> Indices:
         width = self._size // 4
-        words = spread(at, np.full(len(at), width))
+        words = spread(positions, np.full(len(positions), width))
         return self._words[words].view(f"{self._order}i{self._size}").astype(np.int64)
 
 

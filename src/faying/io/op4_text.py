@@ -52,8 +52,8 @@ class TextFile:
             number = spread(np.zeros_like(count), count)
             line = np.repeat(strings.start[part], count) + number // per_line
             self._check_lengths(line, number % per_line, width, per_line, count)
-            at = (self._first[line] + number % per_line * width)[:, None] + np.arange(width)
-            fields = np.ascontiguousarray(self._letters[at]).view(f"S{width}").ravel()
+            positions = (self._first[line] + number % per_line * width)[:, None] + np.arange(width)
+            fields = np.ascontiguousarray(self._letters[positions]).view(f"S{width}").ravel()
             values, bad = reals(fields)
             if bad.any():
                 first = int(np.flatnonzero(bad)[0])
@@ -64,19 +64,19 @@ class TextFile:
         return np.concatenate([*parts, np.empty(0)])
 
     def _check_lengths(
-        self, line: Indices, place: Indices, width: int, per_line: int, count: Indices
+        self, line: Indices, position: Indices, width: int, per_line: int, count: Indices
     ) -> None:
         """Each line must end with its last value, so that nothing was inserted or lost."""
         last = np.zeros(len(line), dtype=bool)
         last[np.cumsum(count) - 1] = True
-        last |= place == per_line - 1
-        wrong = self._length[line[last]] != (place[last] + 1) * width
+        last |= position == per_line - 1
+        wrong = self._length[line[last]] != (position[last] + 1) * width
         if wrong.any():
-            at = int(line[last][np.flatnonzero(wrong)[0]])
-            wanted = int((place[last][wrong][0] + 1) * width)
+            wrong_line = int(line[last][np.flatnonzero(wrong)[0]])
+            expected = int((position[last][wrong][0] + 1) * width)
             message = (
-                f"line {at + 1} has {self._length[at]} characters; its values take {wanted} "
-                f"({width} each)"
+                f"line {wrong_line + 1} has {self._length[wrong_line]} characters; its values "
+                f"take {expected} ({width} each)"
             )
             raise DamageError(message)
 
@@ -94,8 +94,8 @@ class TextFile:
         text = text.removesuffix("|I16")
         columns, rows = self._integers(line, text[: 2 * width], 2, width)
         form, kind = self._integers(line, text[2 * width : 2 * width + 16], 2, 8)
-        rest = text[2 * width + 16 :]
-        name = "".join(rest[:8].split())
+        tail = text[2 * width + 16 :]
+        name = "".join(tail[:8].split())
         header = Header(
             name=name,
             rows=abs(rows),
@@ -104,7 +104,7 @@ class TextFile:
             kind=kind,
             big=rows < 0 or rows >= _BIG_ROWS,
             place=f"line {line + 1}",
-            layout=_layout(rest[8:].strip().upper(), line),
+            layout=_layout(tail[8:].strip().upper(), line),
         )
         return checked_header(header, len(self._content))
 
@@ -122,12 +122,12 @@ class TextFile:
     def _columns(self, header: Header, line: int) -> tuple[Strings, int]:
         """Walk the columns, whose lines tell their number only one after the other."""
         per_line, _ = header.layout
-        found: list[tuple[int, int, int, int]] = []
+        strings: list[tuple[int, int, int, int]] = []
         last, dense = 0, None
         while True:
             column, row, length = self._integers(line, self._line(line), 3)
             if column == header.columns + 1:
-                return self._ended(header, found, line)
+                return self._ended(header, strings, line)
             if not last < column <= header.columns or length < 1:
                 message = (
                     f"line {line + 1}: column {column} of {length} words; expected one of the "
@@ -140,10 +140,10 @@ class TextFile:
             last, dense = column, row != 0
             line += 1
             if dense:
-                found.append((column - 1, row - 1, length, line))
+                strings.append((column - 1, row - 1, length, line))
                 line += -(-length // per_line)
             else:
-                line = self._sparse_column(header, column, length, line, found)
+                line = self._sparse_column(header, column, length, line, strings)
 
     def _sparse_column(
         self,
@@ -151,7 +151,7 @@ class TextFile:
         column: int,
         length: int,
         line: int,
-        found: list[tuple[int, int, int, int]],
+        strings: list[tuple[int, int, int, int]],
     ) -> int:
         """Append the strings of a column and return the line after them."""
         per_line, _ = header.layout
@@ -167,12 +167,12 @@ class TextFile:
             if words < 1 or words % width or length < 0:
                 message = f"line {line + 1}: a string of {words} words overruns column {column}"
                 raise DamageError(message)
-            found.append((column - 1, row - 1, words // width, line + 1))
+            strings.append((column - 1, row - 1, words // width, line + 1))
             line += 1 - (-(words // width) // per_line)
         return line
 
     def _ended(
-        self, header: Header, found: list[tuple[int, int, int, int]], line: int
+        self, header: Header, strings: list[tuple[int, int, int, int]], line: int
     ) -> tuple[Strings, int]:
         """Join the strings once the closing record is complete."""
         closing = self._line(line + 1).split()
@@ -182,7 +182,7 @@ class TextFile:
                 f"column {header.columns}"
             )
             raise DamageError(message)
-        column, row, count, start = np.array(found, dtype=np.int64).reshape(-1, 4).T
+        column, row, count, start = np.array(strings, dtype=np.int64).reshape(-1, 4).T
         if len(start) and int(start[-1]) >= len(self._first):
             self._line(int(start[-1]))
         return Strings(column=column, row=row, count=count, start=start), line + 2
@@ -192,8 +192,8 @@ def _layout(text: str, line: int) -> tuple[int, int]:
     """Values per line and columns per value."""
     if not text:
         return _DEFAULT_FORMAT
-    found = _FORMAT.fullmatch(text)
-    if found is None or not (int(found[1]) > 0 and 1 < int(found[2]) <= 80):
+    match = _FORMAT.fullmatch(text)
+    if match is None or not (int(match[1]) > 0 and 1 < int(match[2]) <= 80):
         message = f"line {line + 1}: '{text}' is no format of values such as 1P,3E23.16"
         raise DamageError(message)
-    return int(found[1]), int(found[2])
+    return int(match[1]), int(match[2])

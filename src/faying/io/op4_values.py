@@ -80,18 +80,20 @@ def checked_header(header: Header, n_bytes: int) -> Header:
     ------
     DamageError
     """
-    at = f"matrix '{header.name}' ({header.place})"
+    matrix_label = f"matrix '{header.name}' ({header.place})"
     if not (header.name and header.name.isascii() and header.name.isprintable()):
         message = f"no matrix name at {header.place}, where a header is expected"
         raise DamageError(message)
     if header.kind not in (*REAL, *COMPLEX):
-        message = f"{at} has type {header.kind}; expected 1 (real single) or 2 (real double)"
-        raise DamageError(message)
-    most = max(SMALL, n_bytes)
-    if not (0 < header.rows <= most and 0 < header.columns <= most):
         message = (
-            f"{at} claims {header.rows} rows and {header.columns} columns, which a file of "
-            f"{n_bytes} bytes does not hold"
+            f"{matrix_label} has type {header.kind}; expected 1 (real single) or 2 (real double)"
+        )
+        raise DamageError(message)
+    limit = max(SMALL, n_bytes)
+    if not (0 < header.rows <= limit and 0 < header.columns <= limit):
+        message = (
+            f"{matrix_label} claims {header.rows} rows and {header.columns} columns, which a "
+            f"file of {n_bytes} bytes does not hold"
         )
         raise DamageError(message)
     return header

@@ -106,15 +106,15 @@ def cut_mesh(mesh: Mesh, section: Section) -> tuple[Mesh, Cut]:
     """
     owners = _owning_side(mesh, section)
     n_node, first_id = len(mesh.nodes), int(mesh.node_ids.max()) + 1
-    kept = section.nodes
+    originals = section.nodes
     copy_of = np.arange(n_node)
-    copy_of[kept] = n_node + np.arange(len(kept))
-    ends = (n_node + len(kept), n_node + len(kept) + 1)
+    copy_of[originals] = n_node + np.arange(len(originals))
+    ends = (n_node + len(originals), n_node + len(originals) + 1)
     blocks = []
     for block in mesh.blocks:
-        near = np.isin(block.ids, owners)
+        touching = np.isin(block.ids, owners)
         blocks.append(
-            replace(block, nodes=np.where(near[:, None], copy_of[block.nodes], block.nodes))
+            replace(block, nodes=np.where(touching[:, None], copy_of[block.nodes], block.nodes))
         )
     vector, moment, total = np.zeros(3), np.zeros(3), 0.0
     for kind, facets in section.facets.items():
@@ -133,14 +133,14 @@ def cut_mesh(mesh: Mesh, section: Section) -> tuple[Mesh, Cut]:
     centre = moment / total
     changed = replace(
         mesh,
-        nodes=np.vstack([mesh.nodes, mesh.nodes[kept], centre, centre]),
-        node_ids=np.concatenate([mesh.node_ids, first_id + np.arange(len(kept) + 2)]),
+        nodes=np.vstack([mesh.nodes, mesh.nodes[originals], centre, centre]),
+        node_ids=np.concatenate([mesh.node_ids, first_id + np.arange(len(originals) + 2)]),
         blocks=tuple(blocks),
     )
     return changed, Cut(
         name=section.name,
-        kept=kept,
-        copies=copy_of[kept],
+        kept=originals,
+        copies=copy_of[originals],
         normal=normal,
         area=area,
         sense=sense,
@@ -168,14 +168,14 @@ def _direction(section: Section, normal: Vector) -> tuple[Vector, float]:
     """
     if section.direction is None:
         return normal, 1.0
-    given = np.array(section.direction)
-    length = float(np.linalg.norm(given))
-    cosine = float(given @ normal) / length if length > 0 else 0.0
+    direction = np.array(section.direction)
+    length = float(np.linalg.norm(direction))
+    cosine = float(direction @ normal) / length if length > 0 else 0.0
     if not abs(cosine) > 0.5:
         message = "the direction is zero or lies in the section; give the axis of the bolt"
         raise section.refuse(message)
     sense = float(np.sign(cosine))
-    return given / length * sense, sense
+    return direction / length * sense, sense
 
 
 def _owning_side(mesh: Mesh, section: Section) -> Indices:
@@ -213,10 +213,10 @@ def _faces_at(mesh: Mesh, nodes: Indices) -> tuple[Indices, Indices]:
     """Faces (n_face, 8) of all elements that touch nodes, and the id of each."""
     tables, ids = [], []
     for block in mesh.blocks:
-        near = np.isin(block.nodes, nodes).any(axis=1)
+        touching = np.isin(block.nodes, nodes).any(axis=1)
         for _, local in SOLIDS[block.kind].faces:
-            tables.append(padded(block.nodes[near][:, list(local)]))
-            ids.append(block.ids[near])
+            tables.append(padded(block.nodes[touching][:, list(local)]))
+            ids.append(block.ids[touching])
     return np.concatenate(tables), np.concatenate(ids)
 
 
@@ -233,10 +233,10 @@ def on_their_sides(mesh: Mesh, cuts: Sequence[Cut], facets: Indices) -> Indices:
     for cut in cuts:
         position = np.full(len(mesh.nodes) + 1, -1, dtype=np.int64)
         position[cut.kept] = np.arange(len(cut.kept))
-        own = np.zeros(len(mesh.nodes) + 1, dtype=bool)
-        own[mesh.element_nodes(cut.owners)] = True
-        beside: Mask = np.asarray(own[facets].any(axis=1))
-        moved = (position[facets] >= 0) & beside[:, None]
+        owned = np.zeros(len(mesh.nodes) + 1, dtype=bool)
+        owned[mesh.element_nodes(cut.owners)] = True
+        adjacent: Mask = np.asarray(owned[facets].any(axis=1))
+        moved = (position[facets] >= 0) & adjacent[:, None]
         facets = np.where(moved, cut.copies[position[facets]], facets)
     return facets
 
@@ -250,12 +250,12 @@ def close_cuts(assembly: Assembly, cuts: Sequence[Cut]) -> Assembly:
     spring_id = assembly.largest_id
     for cut in cuts:
         fixed, moving = cut.ends
-        for kept, copy in zip(cut.kept.tolist(), cut.copies.tolist(), strict=True):
+        for original, copy in zip(cut.kept.tolist(), cut.copies.tolist(), strict=True):
             for c in range(3):
                 number += 1
                 terms = (
                     (copy, c, 1.0),
-                    (kept, c, -1.0),
+                    (original, c, -1.0),
                     (moving, cut.component, float(cut.normal[c])),
                 )
                 equations.append(

@@ -39,8 +39,8 @@ class StraightSides:
         sides: list[Side] = [(start, end) for start, end in unique.tolist()]
         if turns:
             self.turning.update(sides)
-        found = [self.ends.setdefault(side, first + len(self.ends)) for side in sides]
-        return np.array(found, dtype=np.int64)[which.ravel()]
+        middle = [self.ends.setdefault(side, first + len(self.ends)) for side in sides]
+        return np.array(middle, dtype=np.int64)[which.ravel()]
 
     @property
     def nodes(self) -> Matrix:

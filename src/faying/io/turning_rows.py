@@ -49,15 +49,15 @@ def turning_nodes(K: SparseMatrix, nodes: Indices, components: Indices) -> Indic
     if not free.any():
         return suspects[:0]
     still = np.abs(_relaxed(K, rigid, free)) < _ROUNDING
-    own = np.take_along_axis(still, np.minimum(components, 2)[:, None], axis=1)[:, 0]
-    moving = nodes[free & ~own]
+    is_still = np.take_along_axis(still, np.minimum(components, 2)[:, None], axis=1)[:, 0]
+    moving = nodes[free & ~is_still]
     turning = np.setdiff1d(suspects, moving)
     without = rigid * ~np.isin(nodes, turning)[:, None]
     wrong = nodes[_resisted(K, without).any(axis=1)]
     # Where everything is next to a support nothing is left that moves, and nothing can be said.
     linked = nodes[(abs(K) @ without > 0).any(axis=1)]
-    found: Indices = np.intersect1d(np.setdiff1d(turning, wrong), linked)
-    return found
+    labelled: Indices = np.intersect1d(np.setdiff1d(turning, wrong), linked)
+    return labelled
 
 
 def _resisted(K: SparseMatrix, motions: Matrix) -> Mask:
@@ -71,7 +71,7 @@ def _relaxed(K: SparseMatrix, motions: Matrix, free: Mask) -> Matrix:
     """Return motions (n, k) with the free rows where they need the least energy."""
     inner = sp.csc_array(K[free][:, free])
     inner = inner + _REGULAR * float(K.diagonal().max()) * sp.eye_array(inner.shape[0])
-    held = np.where(free[:, None], 0.0, motions)
+    fixed = np.where(free[:, None], 0.0, motions)
     relaxed = motions.copy()
-    relaxed[free] = -spla.splu(sp.csc_matrix(inner)).solve((K @ held)[free])
+    relaxed[free] = -spla.splu(sp.csc_matrix(inner)).solve((K @ fixed)[free])
     return relaxed

@@ -17,16 +17,16 @@ def refuse_unwritten(assembly: Assembly) -> None:
         "bushes": assembly.bushes,
         "scalar masses": assembly.scalar_masses,
         "average couplings of different components": [
-            one for one in assembly.average_couplings if one.entering is not None
+            item for item in assembly.average_couplings if item.entering is not None
         ],
         "materials whose directions differ": [
-            one for one in assembly.materials.values() if one.law is not None
+            item for item in assembly.materials.values() if item.law is not None
         ],
     }
-    found = [name for name, family in kinds.items() if family]
-    if found:
+    unwritten = [name for name, family in kinds.items() if family]
+    if unwritten:
         message = (
-            f"the assembly has {' and '.join(found)}, which faying reads but does not write; "
+            f"the assembly has {' and '.join(unwritten)}, which faying reads but does not write; "
             "export the reduced model instead, or write solids, beams, springs and couplings alone"
         )
         raise FormatError(message)

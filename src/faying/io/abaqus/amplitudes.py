@@ -44,8 +44,10 @@ class Amplitudes:
             return 1.0
         name = load.value("AMPLITUDE")
         if name.upper() not in self.keywords:
-            known = ", ".join(one.value("NAME") for one in self.keywords.values()) or "none"
-            message = f"there is no *AMPLITUDE '{name}'; known are {known}"
+            names = (
+                ", ".join(amplitude.value("NAME") for amplitude in self.keywords.values()) or "none"
+            )
+            message = f"there is no *AMPLITUDE '{name}'; known are {names}"
             raise load.error(message)
         keyword = self.keywords[name.upper()]
         total = keyword.choice("TIME", "STEP TIME") == "TOTAL TIME"
@@ -72,19 +74,19 @@ def read_amplitudes(deck: Deck) -> Amplitudes:
     FormatError
         If two have one name, or a length is no number.
     """
-    found: dict[str, Keyword] = {}
+    amplitudes: dict[str, Keyword] = {}
     for keyword in deck.of("AMPLITUDE"):
         name = keyword.required("NAME")
-        if name.upper() in found:
+        if name.upper() in amplitudes:
             message = f"there are two amplitudes '{name}'; rename one of them"
             raise keyword.error(message)
-        found[name.upper()] = keyword
+        amplitudes[name.upper()] = keyword
     lengths = [0.0] + [1.0] * deck.n_step
     for keyword in deck.of(*_TIMED):
         rows = keyword.rows()
         if keyword.step and rows and len(rows[0]) > 1 and rows[0][1]:
             lengths[keyword.step] = real(keyword, 0, rows[0][1], "the length of the step")
-    return Amplitudes(keywords=found, lengths=lengths)
+    return Amplitudes(keywords=amplitudes, lengths=lengths)
 
 
 def _table(keyword: Keyword) -> tuple[Vector, Vector]:

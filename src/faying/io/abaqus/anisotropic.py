@@ -55,8 +55,8 @@ def read_law(keyword: Keyword, temperature: Callable[[], float]) -> Matrix:
         if (np.diff(table[:, -1]) <= 0).any():
             message = "the temperatures do not increase; sort them"
             raise keyword.error(message)
-        at = temperature()
-        values = [float(np.interp(at, table[:, -1], column)) for column in table[:, :-1].T]
+        degrees = temperature()
+        values = [float(np.interp(degrees, table[:, -1], column)) for column in table[:, :-1].T]
     if kind == "ENGINEERINGCONSTANTS":
         shear = np.array([values[6], values[8], values[7]])
         try:

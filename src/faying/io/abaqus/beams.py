@@ -86,7 +86,7 @@ def _beam(
 def _sections(
     deck: Deck, sets: NamedSets, materials: Mapping[str, Material]
 ) -> dict[int, _Section]:
-    found: dict[int, _Section] = {}
+    sections: dict[int, _Section] = {}
     first = len(deck.of("SOLID SECTION")) + 1
     named = ("BEAM SECTION", "BEAM GENERAL SECTION", "TRANSVERSE SHEAR STIFFNESS")
     for number, keyword in enumerate(deck.of(*named), start=first):
@@ -103,13 +103,13 @@ def _sections(
             section, material = _general(keyword, rows)
         axis = _direction(keyword, rows)
         for element_id in sets.find(keyword, keyword.required("ELSET")).tolist():
-            if element_id in found:
+            if element_id in sections:
                 message = f"beam {element_id} has two sections; give it one"
                 raise keyword.error(message)
-            found[element_id] = _Section(
+            sections[element_id] = _Section(
                 number=number, section=section, material=material, first_axis=axis, keyword=keyword
             )
-    return found
+    return sections
 
 
 def _measures(keyword: Keyword, rows: list[list[str]], counts: tuple[int, ...]) -> list[float]:

@@ -85,7 +85,7 @@ def read_interactions(deck: Deck, ignored: list[str]) -> dict[str, Interaction]:
         Naming the line of friction that is not Coulomb's, or of a pressure-overclosure curve that
         is not linear.
     """
-    found = {}
+    interactions = {}
     for head, members in deck.groups("SURFACE INTERACTION", *MEMBERS):
         head.allow("NAME", "PAD THICKNESS")
         name = head.required("NAME")
@@ -93,7 +93,7 @@ def read_interactions(deck: Deck, ignored: list[str]) -> dict[str, Interaction]:
             stick = [member for member in members if member.name == "FRICTION"]
             slopes = tied_slopes(deck, name, tied[0], stick, ignored)
             stiffness = DeckFriction(tangential_penalty=slopes[1])
-            found[name.upper()] = Interaction(
+            interactions[name.upper()] = Interaction(
                 name=name, tied=True, penalty=slopes[0], friction=stiffness
             )
             continue
@@ -101,8 +101,8 @@ def read_interactions(deck: Deck, ignored: list[str]) -> dict[str, Interaction]:
             members = _frictionless(members, ignored)
         penalty = read_behaviour(head, members, is_of_abaqus(deck), ignored)
         friction = read_friction(members, ignored)
-        found[name.upper()] = Interaction(name=name, penalty=penalty, friction=friction)
-    return found
+        interactions[name.upper()] = Interaction(name=name, penalty=penalty, friction=friction)
+    return interactions
 
 
 def read_pairs(
@@ -133,10 +133,10 @@ def _is_tied(keyword: Keyword) -> bool:
 
 def _frictionless(members: list[Keyword], ignored: list[str]) -> list[Keyword]:
     """Leave out friction as asked."""
-    kept = [member for member in members if member.name != "FRICTION"]
-    if len(kept) < len(members):
+    frictionless = [member for member in members if member.name != "FRICTION"]
+    if len(frictionless) < len(members):
         ignored.append(f"*FRICTION: {IGNORABLE['friction']} (ignore = friction)")
-    return kept
+    return frictionless
 
 
 def _pairs(
@@ -212,8 +212,8 @@ def with_mixed_sides(mesh: Mesh, sides: Iterable[DeckSurface]) -> Mesh:
         count = int(inside[exterior.nodes].all(axis=1).sum())
         if not side.facets and not count:
             continue  # of single nodes, which are contact points of their own
-        other = mesh.node_sets.get(side.name)
-        if (other is not None and not np.array_equal(np.unique(other), side.nodes)) or (
+        namesake = mesh.node_sets.get(side.name)
+        if (namesake is not None and not np.array_equal(np.unique(namesake), side.nodes)) or (
             side.facets and count != sum(map(len, side.facets.values()))
         ):
             message = (
@@ -227,7 +227,7 @@ def with_mixed_sides(mesh: Mesh, sides: Iterable[DeckSurface]) -> Mesh:
 
 def specs(assembly: Assembly, pairs: list[Pair], ignored: list[str]) -> tuple[InterfaceSpec, ...]:
     """Return the pairs as interfaces; those whose meshes do not match are so marked."""
-    found = []
+    interfaces = []
     for name, pair in zip(interface_names(pairs), pairs, strict=True):
         spec = declared(
             assembly,
@@ -261,8 +261,8 @@ def specs(assembly: Assembly, pairs: list[Pair], ignored: list[str]) -> tuple[In
             ignored.append(
                 f"ADJUST of contact pair {name}: gaps start closed there, the mesh stays as it is"
             )
-        found.append(spec)
-    return tuple(found)
+        interfaces.append(spec)
+    return tuple(interfaces)
 
 
 def gap_rules(
@@ -316,9 +316,9 @@ def _clearance(
         message = "it must be one VALUE; give other gaps as initial_gap in the study"
         raise keyword.error(message)
     value = real(keyword, None, keyword.required("VALUE"), "VALUE")
-    wanted = [keyword.required(name).upper() for name in ("SLAVE", "MASTER")]
+    surfaces = [keyword.required(name).upper() for name in ("SLAVE", "MASTER")]
     for pair, spec in zip(pairs, interfaces, strict=True):
-        if [pair.slave.name.upper(), pair.master.name.upper()] == wanted:
+        if [pair.slave.name.upper(), pair.master.name.upper()] == surfaces:
             return pair, spec, value
     message = "no *CONTACT PAIR has these surfaces as slave and master"
     raise keyword.error(message)

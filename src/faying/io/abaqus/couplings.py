@@ -67,8 +67,8 @@ def read_couplings(
             raise head.error(message)
         (member,) = members
         reference = dofs.one(head, None, head.required("REF NODE"), "the reference node")
-        found = find_surface(surfaces, head, head.required("SURFACE"), None)
-        nodes = found.nodes[found.nodes != reference]
+        coupled = find_surface(surfaces, head, head.required("SURFACE"), None)
+        nodes = coupled.nodes[coupled.nodes != reference]
         components = _components(member)
         if member.name == "KINEMATIC":
             member.allow()
@@ -94,7 +94,7 @@ def read_couplings(
             )
         member.allow("COUPLING", "WEIGHTING METHOD")
         _check_distributing(member, elements, nodes)
-        weights = _areas(found, dofs.nodes.coordinates)[found.nodes != reference]
+        weights = _areas(coupled, dofs.nodes.coordinates)[coupled.nodes != reference]
         average.append(
             AverageCoupling(
                 id=number,
@@ -122,29 +122,29 @@ def reference_axes(
         As :func:`faying.io.abaqus.orientations.orientation_at`.
     """
     plain = Dofs(nodes=nodes, sets=sets, system=np.full(len(nodes.ids), -1), transforms=())
-    found = {}
+    axes = {}
     for head, members in deck.groups("COUPLING", *MEMBERS):
         of_forces = any(member.name == "DISTRIBUTING" for member in members)
         if not head.has("ORIENTATION") or not of_forces or is_of_abaqus(deck):
             continue
         reference = plain.one(head, None, head.required("REF NODE"), "the reference node")
         points = nodes.coordinates[[reference]]
-        found[reference] = orientation_at(deck, head, points, ignored)[0]
-    return found
+        axes[reference] = orientation_at(deck, head, points, ignored)[0]
+    return axes
 
 
 def _along(points: Matrix, reference: int, nodes: Indices, axes: Matrix) -> list[Equation]:
     """Tie each node to the motion of the reference along its axes (n_node, n_axis, 3)."""
     arms = points[nodes] - points[reference]
     moments = np.cross(arms[:, None], axes)
-    found = []
+    equations = []
     for node, rows, turning in zip(nodes.tolist(), axes, moments, strict=True):
         for axis, moment in zip(rows.tolist(), turning.tolist(), strict=True):
-            own = sorted(((node, c, a) for c, a in enumerate(axis)), key=lambda t: -abs(t[2]))
-            other = [(reference, c, -a) for c, a in enumerate([*axis, *moment])]
-            terms = tuple(term for term in [*own, *other] if term[2] != 0.0)
-            found.append(Equation(id=0, terms=terms))
-    return found
+            of_node = sorted(((node, c, a) for c, a in enumerate(axis)), key=lambda t: -abs(t[2]))
+            of_reference = [(reference, c, -a) for c, a in enumerate([*axis, *moment])]
+            terms = tuple(term for term in [*of_node, *of_reference] if term[2] != 0.0)
+            equations.append(Equation(id=0, terms=terms))
+    return equations
 
 
 def _check_distributing(member: Keyword, elements: Elements, nodes: Indices) -> None:
@@ -162,7 +162,7 @@ def _check_distributing(member: Keyword, elements: Elements, nodes: Indices) -> 
 
 
 def _components(member: Keyword) -> tuple[int, ...]:
-    found: set[int] = set()
+    components: set[int] = set()
     for row, fields in enumerate(member.rows()):
         if not 1 <= len(fields) <= 2:
             message = "expected the first and the last degree of freedom"
@@ -172,24 +172,24 @@ def _components(member: Keyword) -> tuple[int, ...]:
         if last < first:
             message = f"the last degree of freedom {last + 1} is below the first {first + 1}"
             raise member.error(message, row)
-        found.update(range(first, last + 1))
-    return tuple(sorted(found)) or _ALL
+        components.update(range(first, last + 1))
+    return tuple(sorted(components)) or _ALL
 
 
-def _areas(found: DeckSurface, coordinates: Matrix) -> Vector:
+def _areas(coupled: DeckSurface, coordinates: Matrix) -> Vector:
     """Return the share of the area of each node, ∫N dA, as a uniform pressure has it.
 
     Corners of six-node facets have none, those of eight-node facets a negative one.
     """
     shares = np.zeros(len(coordinates))
-    for kind, facets in found.facets.items():
+    for kind, facets in coupled.facets.items():
         rule = gauss_rule(kind)
         share = surface(kind, coordinates[facets], rule).areas @ shape_functions(kind, rule.points)
         share[np.abs(share) < _ROUNDING * share.max(axis=1, keepdims=True)] = 0.0
         shares += np.bincount(facets.ravel(), share.ravel(), minlength=len(coordinates))
-    if not found.facets:
-        shares[found.nodes] = 1.0
-    weights: Vector = shares[found.nodes]
+    if not coupled.facets:
+        shares[coupled.nodes] = 1.0
+    weights: Vector = shares[coupled.nodes]
     return weights
 
 
@@ -211,7 +211,7 @@ def read_distributing(
     FormatError
         Naming the line of a missing element or node, or a weight that is not positive.
     """
-    found: list[Equation] = []
+    equations: list[Equation] = []
     reference_of = {
         int(i): int(node)
         for block in elements.of("DCOUP3D")
@@ -239,12 +239,12 @@ def read_distributing(
         for c in range(3):
             terms = [(reference, c, 1.0)]
             terms += [(node, c, -weight / total) for node, weight in weights.items()]
-            found.append(Equation(id=first_id + len(found), terms=tuple(terms)))
+            equations.append(Equation(id=first_id + len(equations), terms=tuple(terms)))
         ignored.append(
             f"rotations of *DISTRIBUTING COUPLING {keyword.value('ELSET')}: the mean displacement "
             "as in CalculiX; Abaqus turns it too, as *COUPLING with *DISTRIBUTING does"
         )
-    return found
+    return equations
 
 
 def with_real_rotations(

@@ -62,12 +62,12 @@ class Deck:
         if step is not None and not 1 <= step <= self.n_step:
             message = f"{self.path}: there is no step {step}; the deck has {self.n_step}"
             raise FormatError(message)
-        kept = [
+        keywords = [
             k
             for k in self.keywords
             if k.step == chosen or (k.step < chosen and k.step not in aside)
         ]
-        return replace(self, keywords=kept, n_step=chosen)
+        return replace(self, keywords=keywords, n_step=chosen)
 
     def groups(self, head: str, *members: str) -> Iterator[tuple[Keyword, list[Keyword]]]:
         """Return each head with the members that follow it.
@@ -77,19 +77,19 @@ class Deck:
         FormatError
             If a member follows no head, or one head twice.
         """
-        found: list[tuple[Keyword, list[Keyword]]] = []
+        groups: list[tuple[Keyword, list[Keyword]]] = []
         for keyword in self.keywords:
             if keyword.name == head:
-                found.append((keyword, []))
-            elif keyword.name in members and found:
-                if any(other.name == keyword.name for other in found[-1][1]):
+                groups.append((keyword, []))
+            elif keyword.name in members and groups:
+                if any(member.name == keyword.name for member in groups[-1][1]):
                     message = f"the *{head} above has one already; remove one of them"
                     raise keyword.error(message)
-                found[-1][1].append(keyword)
+                groups[-1][1].append(keyword)
             elif keyword.name in members:
                 message = f"it must follow *{head}"
                 raise keyword.error(message)
-        return iter(found)
+        return iter(groups)
 
 
 def read_keyword_deck(path: Path, ignore: frozenset[str] = frozenset()) -> Deck:

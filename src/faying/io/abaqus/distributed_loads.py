@@ -45,7 +45,7 @@ def read_distributed(
     """
     result: dict[Key, list[tuple[Matrix, Keyword]]] = {}
     for step in range(deck.n_step + 1):
-        here: dict[Key, list[tuple[Matrix, Keyword]]] = {}
+        new: dict[Key, list[tuple[Matrix, Keyword]]] = {}
         result = {} if step in deck.perturbations else result
         cleared: set[str] = set()
         for keyword in (k for k in deck.of("DLOAD", "DSLOAD") if k.step == step):
@@ -55,10 +55,10 @@ def read_distributed(
                 result = {k: v for k, v in result.items() if not k[0].startswith(keyword.name)}
                 cleared.add(keyword.name)
             for key, forces in _lines(keyword, assembly, sets, surfaces):
-                here.setdefault(key, []).append((forces, keyword))
-        result.update(here)
+                new.setdefault(key, []).append((forces, keyword))
+        result.update(new)
         total = np.zeros((len(assembly.mesh.nodes), 6))
-        for forces, keyword in (one for given in result.values() for one in given):
+        for forces, keyword in (load for loads in result.values() for load in loads):
             total += amplitudes.factor(keyword, step) * forces
         yield total
 
@@ -76,12 +76,12 @@ def _lines(
             if kind != "P" or len(fields) != 3:
                 message = f"load {kind} is not supported; P (pressure) is"
                 raise keyword.error(message, row)
-            found = find_surface(surfaces, keyword, fields[0], row)
-            if not found.facets:
+            surface = find_surface(surfaces, keyword, fields[0], row)
+            if not surface.facets:
                 message = f"surface '{fields[0]}' has no facets for a pressure"
                 raise keyword.error(message, row)
             value = real(keyword, row, fields[2], "a pressure")
-            yield key, _pressure(assembly, found.facets, value)
+            yield key, _pressure(assembly, surface.facets, value)
         elif kind in _BODY_FORCES:
             yield key, _body_force(keyword, row, fields, assembly, sets)
         elif kind == "P" and len(fields) == 3:
@@ -151,11 +151,11 @@ def _body_force(
             for b in assembly.mesh.blocks
             for k in [np.isin(b.ids, ids)]
         )
-        known = set(ids.tolist())
+        loaded = set(ids.tolist())
         chosen = replace(
             assembly,
             mesh=replace(assembly.mesh, blocks=tuple(b for b in blocks if len(b.ids))),
-            beams=tuple(beam for beam in assembly.beams if beam.id in known),
+            beams=tuple(beam for beam in assembly.beams if beam.id in loaded),
             shells=tuple(
                 replace(
                     b,
@@ -169,7 +169,7 @@ def _body_force(
                 for k in [np.isin(b.ids, ids)]
                 if k.any()
             ),
-            masses=tuple(mass for mass in assembly.masses if mass.id in known),
+            masses=tuple(mass for mass in assembly.masses if mass.id in loaded),
         )
     nodes = assembly.mesh.nodes
     return body_forces(chosen, acceleration(numbers[:-3], direction / length, nodes))

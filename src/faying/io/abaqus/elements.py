@@ -104,18 +104,18 @@ def _block(keyword: Keyword, nodes: Nodes, ignored: list[str]) -> ElementBlock:
     elif kind in SHELL_TYPES:
         size = SHELL_TYPES[kind][1]
     else:
-        known = ", ".join([*SOLID_TYPES, *LINE_TYPES, *SHELL_TYPES])
-        message = f"elements of TYPE={kind} are not supported; supported are {known}"
+        supported = ", ".join([*SOLID_TYPES, *LINE_TYPES, *SHELL_TYPES])
+        message = f"elements of TYPE={kind} are not supported; supported are {supported}"
         raise keyword.error(message)
     width = size + 1
     if not keyword.data:
         message = "it has no data lines; give element ids and nodes, or remove it"
         raise keyword.error(message)
     fields = table(keyword)
-    own = fields.cropped(width)
-    if own is not fields:
+    cropped = fields.cropped(width)
+    if cropped is not fields:
         ignored.append(f"fields behind the {size} nodes of {kind}, which CalculiX passes over too")
-    texts, rows = own.records(width, f"an id and {size} nodes for each {kind}")
+    texts, rows = cropped.records(width, f"an id and {size} nodes for each {kind}")
     flat = integers(texts.ravel(), keyword, np.repeat(rows, width), "an id or a node of an element")
     values = flat.reshape(-1, width)
     if values.size and values[:, 0].min() < 1:

@@ -54,17 +54,17 @@ class Table:
         counts: Indices = np.bincount(self.row, minlength=len(self.keyword.data))
         return counts
 
-    def columns(self, least: int, most: int, expected: str) -> tuple[list[Fields], Indices]:
-        """Return the columns of lines of ``least`` to ``most`` fields, empty where left out.
+    def columns(self, fewest: int, width: int, expected: str) -> tuple[list[Fields], Indices]:
+        """Return the columns of lines of ``fewest`` to ``width`` fields, empty where left out.
 
         Also returned is the number of fields on each line.
         """
         counts = self.counts
-        wrong = np.flatnonzero((counts < least) | (counts > most))
+        wrong = np.flatnonzero((counts < fewest) | (counts > width))
         if wrong.size:
             message = f"found {counts[wrong[0]]} fields, expected {expected}"
             raise self.keyword.error(message, int(wrong[0]))
-        table = np.zeros((len(counts), most), dtype=self.texts.dtype)
+        table = np.zeros((len(counts), width), dtype=self.texts.dtype)
         start = np.cumsum(counts) - counts
         table[self.row, np.arange(len(self.row)) - start[self.row]] = self.texts
         return list(table.T), counts
@@ -178,8 +178,8 @@ def _check_letters(texts: Fields, allowed: Mask, keyword: Keyword, row: Indices,
 def _unreadable_field(
     texts: Fields, form: re.Pattern[str], keyword: Keyword, row: Indices, what: str
 ) -> Exception:
-    found = (i for i, t in enumerate(texts) if not form.fullmatch(t.decode("latin-1")))
-    first = next(found, 0)
+    unreadable = (i for i, t in enumerate(texts) if not form.fullmatch(t.decode("latin-1")))
+    first = next(unreadable, 0)
     message = f"found '{texts[first].decode('latin-1')}', expected {what}"
     return keyword.error(message, int(row[first]))
 

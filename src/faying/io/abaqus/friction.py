@@ -43,11 +43,11 @@ def read_friction(members: list[Keyword], ignored: list[str]) -> DeckFriction:
     FormatError
         Naming the line of a law that is not Coulomb's with one coefficient, or an absurd number.
     """
-    found = FRICTIONLESS
+    friction = FRICTIONLESS
     for keyword in members:
         if keyword.name == "FRICTION":
-            found = _read(keyword, ignored)
-    return found
+            friction = _read(keyword, ignored)
+    return friction
 
 
 def tied_slopes(
@@ -65,8 +65,8 @@ def tied_slopes(
     rows = keyword.rows()
     if not rows:
         return "hard", "auto"
-    first = [(one, one.rows()[0][0]) for one in deck.of("ELASTIC") if one.data]
-    stick = max((real(one, 0, text, "a modulus") for one, text in first), default=0.0) / 2
+    first = [(elastic, elastic.rows()[0][0]) for elastic in deck.of("ELASTIC") if elastic.data]
+    stick = max((real(elastic, 0, text, "a modulus") for elastic, text in first), default=0.0) / 2
     slope, along = real(keyword, 0, rows[0][0], "the slope"), stick
     for member in friction:
         row = next(iter(member.rows()), [])
@@ -84,10 +84,10 @@ def tied_slopes(
 
 def _read(keyword: Keyword, ignored: list[str]) -> DeckFriction:
     keyword.allow("LAGRANGE", "SHEAR TRACTION SLOPE", *_ELASTIC_SLIPS, *_OTHER_LAWS)
-    other = [name for name in _OTHER_LAWS if keyword.has(name)]
+    laws = [name for name in _OTHER_LAWS if keyword.has(name)]
     rows = keyword.rows()
-    if other or len(rows) > 1:
-        what = other[0] if other else f"a table of {len(rows)} lines"
+    if laws or len(rows) > 1:
+        what = laws[0] if laws else f"a table of {len(rows)} lines"
         message = (
             f"friction by {what} is not supported; give one line with one coefficient, or leave "
             'friction out by ignore = ["friction"]'
@@ -128,10 +128,10 @@ def _stiffness(keyword: Keyword, row: list[str], ignored: list[str]) -> float | 
     if keyword.has("LAGRANGE"):
         ignored.append("*FRICTION, LAGRANGE: nothing moves that sticks (tangential penalty inf)")
         return float("inf")
-    given = next((name for name in _ELASTIC_SLIPS if keyword.has(name)), "SLIP TOLERANCE")
+    parameter = next((name for name in _ELASTIC_SLIPS if keyword.has(name)), "SLIP TOLERANCE")
     ignored.append(
-        f"*FRICTION: the elastic slip of its program ({given}) makes sticking points softer where "
-        "pressure is low; here the tangential penalty is the same everywhere, automatic unless "
+        f"*FRICTION: the elastic slip of its program ({parameter}) makes sticking points softer "
+        "where pressure is low; here the tangential penalty is the same everywhere, automatic unless "
         "the study gives tangential_penalty"
     )
     return "auto"

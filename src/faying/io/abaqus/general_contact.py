@@ -61,26 +61,26 @@ def read_general_contact(
         if keyword.rows():
             message = "ALL EXTERIOR is of everything; list surfaces without it"
             raise keyword.error(message)
-    found = _interaction(assigned, interactions)
-    if found is None:
+    interaction = _interaction(assigned, interactions)
+    if interaction is None:
         message = "it needs *CONTACT PROPERTY ASSIGNMENT with one *SURFACE INTERACTION"
         raise everything[0].error(message)
     ignored.append(EVERYTHING)
     names = body_names(assembly.mesh)
     specs = (
         InterfaceSpec(
-            name=f"{found.name} {names[one.minus]} {names[one.plus]}",
-            minus=f"body {one.minus}",
-            plus=f"body {one.plus}",
-            penalty=stiffness_of(found.penalty),
-            closure=curve_of(found.penalty),
-            meshes="matching" if one.matching else "non-matching",
-            friction=found.friction.coefficient,
-            tangential_penalty=found.friction.tangential_penalty,
-            search_distance=None if one.touching else SEEN_ACROSS * one.gap[1],
+            name=f"{interaction.name} {names[pair.minus]} {names[pair.plus]}",
+            minus=f"body {pair.minus}",
+            plus=f"body {pair.plus}",
+            penalty=stiffness_of(interaction.penalty),
+            closure=curve_of(interaction.penalty),
+            meshes="matching" if pair.matching else "non-matching",
+            friction=interaction.friction.coefficient,
+            tangential_penalty=interaction.friction.tangential_penalty,
+            search_distance=None if pair.touching else SEEN_ACROSS * pair.gap[1],
         )
-        for one in facing_bodies(assembly)
-        if frozenset((one.minus, one.plus)) not in joined
+        for pair in facing_bodies(assembly)
+        if frozenset((pair.minus, pair.plus)) not in joined
     )
     return tuple(spec for spec in specs if _meet(assembly, spec, ignored))
 
@@ -168,20 +168,20 @@ def _interaction(
     assigned: list[Keyword], interactions: Mapping[str, Interaction]
 ) -> Interaction | None:
     """Return the one interaction that holds everywhere."""
-    found = None
+    interaction = None
     for keyword in assigned:
         keyword.allow()
         for row, fields in enumerate(keyword.rows()):
             name = fields[2].strip("\"' ").upper() if len(fields) == 3 else ""
-            if found is not None or any(fields[:2]) or name not in interactions:
+            if interaction is not None or any(fields[:2]) or name not in interactions:
                 message = (
                     f"found '{', '.join(fields)}', expected one line ' , , name' of a *SURFACE "
                     "INTERACTION; define *CONTACT PAIR where surfaces differ"
                 )
                 raise keyword.error(message, row)
-            found = interactions[name]
-            _check_opens(keyword, row, found)
-    return found
+            interaction = interactions[name]
+            _check_opens(keyword, row, interaction)
+    return interaction
 
 
 def joined_bodies(
@@ -190,9 +190,9 @@ def joined_bodies(
     """Return the pairs of bodies on both sides of cuts, or of pairs of surfaces by their nodes."""
     labels = bodies(assembly.mesh)
     both = [*sides, *((cut.kept, cut.copies) for cut in cuts)]
-    return {pair for one, other in both for pair in _pairs(labels[one], labels[other])}
+    return {pair for minus, plus in both for pair in _pairs(labels[minus], labels[plus])}
 
 
-def _pairs(one: Indices, other: Indices) -> Iterator[frozenset[int]]:
-    for a, b in product(np.unique(one).tolist(), np.unique(other).tolist()):
+def _pairs(minus: Indices, plus: Indices) -> Iterator[frozenset[int]]:
+    for a, b in product(np.unique(minus).tolist(), np.unique(plus).tolist()):
         yield frozenset((a, b))

@@ -32,14 +32,14 @@ def read_geometry(path: str | PathLike[str]) -> tuple[Mesh, Mapping[str, FaceSet
         With file and line.
     """
     deck = read_keyword_deck(Path(path))
-    known = (*SOLID_TYPES, *LINE_TYPES)
-    kept = [
+    supported = (*SOLID_TYPES, *LINE_TYPES)
+    keywords = [
         keyword
         for keyword in with_distinct_ids(deck.keywords, [])
         if keyword.name in _GEOMETRY
-        and (keyword.name != "ELEMENT" or keyword.value("TYPE").upper() in known)
+        and (keyword.name != "ELEMENT" or keyword.value("TYPE").upper() in supported)
     ]
-    deck = replace(deck, keywords=kept)
+    deck = replace(deck, keywords=keywords)
     nodes = read_nodes(deck, [])
     elements = read_elements(deck, nodes, [])
     by_element = read_element_sets(deck, elements)

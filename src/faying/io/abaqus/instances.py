@@ -69,17 +69,17 @@ def _end(keywords: Sequence[Keyword], start: int) -> int:
 
 
 def _instance(
-    keyword: Keyword, own: Sequence[Keyword], parts: dict[str, list[Keyword]]
+    keyword: Keyword, keywords: Sequence[Keyword], parts: dict[str, list[Keyword]]
 ) -> tuple[list[Keyword], Scope]:
     keyword.allow("NAME", "PART")
     name, part = keyword.required("NAME"), keyword.required("PART").upper()
     if part not in parts:
-        known = ", ".join(parts) or "none"
-        message = f"there is no part '{part}'; known are {known}"
+        names = ", ".join(parts) or "none"
+        message = f"there is no part '{part}'; known are {names}"
         raise keyword.error(message)
     rotation, translation = _position(keyword)
     scope = Scope(name=name, rotation=rotation, translation=translation)
-    return [*parts[part], *own], scope
+    return [*parts[part], *keywords], scope
 
 
 def _position(keyword: Keyword) -> tuple[Matrix, Vector]:

@@ -98,9 +98,9 @@ class Keyword:
         known_names = {without_blanks(name) for name in names}
         for name in self.parameters:
             if name not in known_names:
-                known = f"known here are {', '.join(names)}" if names else "it takes none here"
+                allowed = f"known here are {', '.join(names)}" if names else "it takes none here"
                 message = (
-                    f"the parameter {name} is not supported and may change the structure; {known}"
+                    f"the parameter {name} is not supported and may change the structure; {allowed}"
                 )
                 raise self.error(message)
 

@@ -52,33 +52,35 @@ def read_concentrated(
             )
         if load.has("OMEGA0"):
             ignored.append(f"{load.where()}: OMEGA0 of *CLOAD: loads of statics have no frequency")
-    found: dict[tuple[int, int], list[_Given]] = {}
-    for step, (new, here) in enumerate(_steps(deck, dofs)):
-        found = {**({} if new else found), **here}
-        yield _at(found, amplitudes, step)
+    forces: dict[tuple[int, int], list[_Given]] = {}
+    for step, (new, changes) in enumerate(_steps(deck, dofs)):
+        forces = {**({} if new else forces), **changes}
+        yield _at(forces, amplitudes, step)
 
 
-def _at(given: Mapping[tuple[int, int], list[_Given]], amplitudes: Amplitudes, step: int) -> Forces:
+def _at(
+    forces: Mapping[tuple[int, int], list[_Given]], amplitudes: Amplitudes, step: int
+) -> Forces:
     """Return the forces at the end of a step."""
     return {
-        place: sum(value * amplitudes.factor(keyword, step) for value, keyword in values)
-        for place, values in given.items()
+        dof: sum(value * amplitudes.factor(keyword, step) for value, keyword in values)
+        for dof, values in forces.items()
     }
 
 
 def _steps(deck: Deck, dofs: Dofs) -> Iterator[tuple[bool, dict[tuple[int, int], list[_Given]]]]:
     """Yield for each step whether it removes earlier forces, and those it names."""
     for step in range(deck.n_step + 1):
-        here: dict[tuple[int, int], list[_Given]] = {}
+        changes: dict[tuple[int, int], list[_Given]] = {}
         new = step in deck.perturbations
         for keyword in (k for k in deck.of("CLOAD") if k.step == step):
             keyword.allow("OP", "AMPLITUDE", "TIME DELAY", "LOAD CASE", "OMEGA0", "NAME")
             new |= operation(keyword)
             if _is_imaginary(keyword):
                 continue
-            for place, value in _values(keyword, dofs):
-                here.setdefault(place, []).append((value, keyword))
-        yield new, here
+            for dof, value in _values(keyword, dofs):
+                changes.setdefault(dof, []).append((value, keyword))
+        yield new, changes
 
 
 def _is_imaginary(keyword: Keyword) -> bool:

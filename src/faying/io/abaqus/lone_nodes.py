@@ -81,8 +81,8 @@ def _points(assembly: Assembly, pair: Pair) -> tuple[Assembly, list[Pair]]:
         places.rows, places.facets, places.columns, places.shape, strict=True
     ):
         node, below = int(slaves[row]), shape @ nodes[columns]
-        beside = np.linalg.norm(frames[facet, :2] @ (nodes[node] - below))
-        if beside > _BELOW * np.sqrt(areas[facet]):
+        sideways = np.linalg.norm(frames[facet, :2] @ (nodes[node] - below))
+        if sideways > _BELOW * np.sqrt(areas[facet]):
             continue
         triangle = _triangle(frames[facet], float(shares[node] or areas[facet]))
         of_place = sp.csr_array((shape, (np.zeros(len(shape), dtype=int), columns)))

@@ -33,7 +33,7 @@ def without_unused(deck: Deck, ignored: list[str]) -> Deck:
     A block ends at the next keyword that is read for something else.
     """
     used = {keyword.value("MATERIAL").upper() for keyword in deck.keywords}
-    kept, unused = [], False
+    keywords, unused = [], False
     for keyword in deck.keywords:
         if keyword.name == "MATERIAL":
             name = keyword.value("NAME")
@@ -43,8 +43,8 @@ def without_unused(deck: Deck, ignored: list[str]) -> Deck:
         elif keyword.name in READ | KEYWORDS.harmless.keys() and keyword.name not in MEMBERS:
             unused = False
         if not unused:
-            kept.append(keyword)
-    return replace(deck, keywords=kept)
+            keywords.append(keyword)
+    return replace(deck, keywords=keywords)
 
 
 def read_materials(
@@ -63,11 +63,11 @@ def read_materials(
         Naming the line of a material that has impossible constants or is defined twice, or whose
         constants depend on temperatures that differ or change.
     """
-    found: dict[str, Material] = {}
+    materials: dict[str, Material] = {}
     for head, members in deck.groups("MATERIAL", *MEMBERS):
         head.allow("NAME")
         name = head.required("NAME")
-        if name.upper() in found:
+        if name.upper() in materials:
             message = f"there are two materials '{name}'; rename one of them"
             raise head.error(message)
         elastic, law, density, expansion = None, None, 0.0, None
@@ -90,7 +90,7 @@ def read_materials(
             message = f"material '{name}' has no *ELASTIC; add Young's modulus and Poisson's ratio"
             raise head.error(message)
         try:
-            found[name.upper()] = (
+            materials[name.upper()] = (
                 Material(
                     name=name,
                     youngs_modulus=elastic[0],
@@ -103,7 +103,7 @@ def read_materials(
             )
         except ModelError as error:
             raise head.error(str(error)) from None
-    return found
+    return materials
 
 
 def _is_anisotropic(member: Keyword) -> bool:
@@ -118,18 +118,18 @@ def read_expansions(deck: Deck, ignored: list[str]) -> dict[str, Expansion]:
     FormatError
         Naming the line of an expansion that differs between directions, or of a malformed table.
     """
-    found = {}
+    expansions = {}
     for head, members in deck.groups("MATERIAL", *MEMBERS):
         name = head.required("NAME")
-        for member in (one for one in members if one.name == "EXPANSION"):
+        for member in (entry for entry in members if entry.name == "EXPANSION"):
             if deck.of("TEMPERATURE") and any(map(_is_anisotropic, members)):
                 message = f"material '{name}' is anisotropic; only isotropic ones expand here"
                 raise member.error(message)
             if deck.of("TEMPERATURE"):
-                found[name.upper()] = read_expansion(member)
+                expansions[name.upper()] = read_expansion(member)
             else:
                 ignored.append(f"*EXPANSION of material {name} (no temperature changes)")
-    return found
+    return expansions
 
 
 def _elastic(keyword: Keyword, temperature: float | None) -> tuple[float, float]:
@@ -159,21 +159,21 @@ def _at(
     """Return the value of a table at the temperature that counts."""
     if len(rows) == 1:
         return values[0]
-    at = check_constant(keyword, temperature)
+    degrees = check_constant(keyword, temperature)
     places = [
         optional_real(keyword, i, row, column, 0.0, "a temperature") for i, row in enumerate(rows)
     ]
-    if any(after <= before for before, after in pairwise(places)):
+    if any(upper <= lower for lower, upper in pairwise(places)):
         message = "the temperatures do not increase; sort them"
         raise keyword.error(message, 1)
-    return float(np.interp(at, places, values))
+    return float(np.interp(degrees, places, values))
 
 
-def _check_rows(keyword: Keyword, rows: list[list[str]], most: int, expected: str) -> None:
+def _check_rows(keyword: Keyword, rows: list[list[str]], width: int, expected: str) -> None:
     if not rows:
         message = f"expected {expected} on a data line"
         raise keyword.error(message)
-    wide = next((i for i, row in enumerate(rows) if len(row) > most), None)
+    wide = next((i for i, row in enumerate(rows) if len(row) > width), None)
     if wide is not None:
         message = f"found {len(rows[wide])} fields, expected {expected}"
         raise keyword.error(message, wide)

@@ -39,7 +39,7 @@ def read_abaqus_matrix(path: Path, name: str) -> LabelledMatrix:
         return LabelledMatrix(matrix=_symmetric(rows, columns, table[:, 2], size, path, name))
     ends = [_whole(table[:, i], path, name) for i in range(4)]
     first, second = np.column_stack(ends[:2]), np.column_stack(ends[2:])
-    dofs, place = np.unique(np.vstack([first, second]), axis=0, return_inverse=True)
+    dofs, positions = np.unique(np.vstack([first, second]), axis=0, return_inverse=True)
     wrong = np.flatnonzero((dofs[:, 1] > 6) | (dofs[:, 1] < 1) | (dofs[:, 0] < 1))
     if wrong.size:
         message = (
@@ -48,12 +48,12 @@ def read_abaqus_matrix(path: Path, name: str) -> LabelledMatrix:
             "nodes, no temperatures)"
         )
         raise FormatError(message)
-    rows, columns = place.ravel()[: len(table)], place.ravel()[len(table) :]
+    rows, columns = positions.ravel()[: len(table)], positions.ravel()[len(table) :]
     matrix = _symmetric(rows, columns, table[:, 4], len(dofs), path, name)
-    held = matrix.diagonal() >= _HELD
-    free = np.flatnonzero(~held)
+    fixed = matrix.diagonal() >= _HELD
+    free = np.flatnonzero(~fixed)
     return LabelledMatrix(
-        matrix=sp.csr_array(matrix[free][:, free]), dofs=dofs[free], held=dofs[held]
+        matrix=sp.csr_array(matrix[free][:, free]), dofs=dofs[free], held=dofs[fixed]
     )
 
 
@@ -84,16 +84,16 @@ def read_calculix_matrix(path: Path, name: str) -> LabelledMatrix:
 
 def _labels(path: Path) -> Indices:
     """Node and component (n, 2) of each row."""
-    found = []
+    labels = []
     for number, line in enumerate(file_bytes(path).splitlines(), start=1):
         match = _DOF.fullmatch(line)
         if match:
-            found.append((int(match.group(1)), int(match.group(2))))
+            labels.append((int(match.group(1)), int(match.group(2))))
         elif line.strip():
             shown = line.decode("latin-1").strip()[:40]
             message = f"{path}:{number}: found '{shown}', expected node.component (1 to 6)"
             raise FormatError(message)
-    return np.array(found, dtype=np.int64).reshape(-1, 2)
+    return np.array(labels, dtype=np.int64).reshape(-1, 2)
 
 
 def _numbers(path: Path, name: str, widths: tuple[int, ...]) -> Matrix:

@@ -103,7 +103,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     surfaces = read_surfaces(deck, mesh, by_element, by_node, shells)
     forces = list(read_concentrated(deck, dofs, amplitudes, ignored))
     general = forces[: len(forces) - (deck.n_step in deck.perturbations)]
-    held = read_supports(deck, dofs, frozenset(section.node for section in sections), amplitudes)
+    holds = read_supports(deck, dofs, frozenset(section.node for section in sections), amplitudes)
     springs, bushes = read_springs(deck, elements, by_element, nodes.coordinates)
     interactions = contact.read_interactions(deck, ignored)
     declared = contact.read_pairs(deck, interactions, surfaces, by_node, ignored)
@@ -124,20 +124,22 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         springs=springs,
         bushes=bushes,
         masses=tuple(read_masses(deck, elements, by_element)),
-        supports=held.supports,
+        supports=holds.supports,
         face_sets=face_sets(surfaces),
         name=deck.path.stem,
     )
     apart = {section.node for section in sections}
     concentrated = (
-        nodal_forces({place: f for place, f in here.items() if place[0] not in apart}, dofs)
-        for here in forces
+        nodal_forces(
+            {component: f for component, f in in_step.items() if component[0] not in apart}, dofs
+        )
+        for in_step in forces
     )
     distributed = list(read_distributed(deck, assembly, by_element, surfaces, amplitudes, ignored))
     expansions = materials.read_expansions(deck, ignored)
-    free = [one for one in sections if one.element is not None and one.node not in held.since]
+    free = [item for item in sections if item.element is not None and item.node not in holds.since]
     heated = with_unlocked_bolts(assembly, pretension.bolts(free, []))
-    locked = [one.element for one in sections if one.node in held.since]
+    locked = [item.element for item in sections if item.node in holds.since]
     thermal = thermal_forces(heated, temperatures, expansions, origins(mesh, cuts), locked, ignored)
     assembly = _tied(deck, assembly, dofs, elements, by_element, surfaces, ignored)
     assembly = with_ties(assembly, ties, ignored)
@@ -145,8 +147,8 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     closing = assembly.springs[len(assembly.springs) - len(cuts) :]
     bolts = pretension.bolts(sections, [spring.id for spring in closing])
     standing = len(assembly.springs)
-    assembly, moving = with_moved_supports(assembly, held.moved, deck.n_step + 1)
-    if held.moved:
+    assembly, moving = with_moved_supports(assembly, holds.moved, deck.n_step + 1)
+    if holds.moved:
         count = len(assembly.springs) - standing
         ignored.append(moved_note(count, "*BOUNDARY", "the loads of the steps"))
     if len(general) < len(forces):
@@ -164,14 +166,14 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         loads=loads,
     )
     senses = pretension.beam_senses(sections, elements, nodes.coordinates)
-    pretension.note_displaced(sections, general, held.pretension, nodes.ids, ignored)
+    pretension.note_displaced(sections, general, holds.pretension, nodes.ids, ignored)
     senses |= {cut.name: cut.sense for cut in cuts}
-    preloads = pretension.preloads(sections, general, held, senses)
-    unlocked = pretension.unlocked(sections, held, preloads, loads, deck.n_step, ignored)
+    preloads = pretension.preloads(sections, general, holds, senses)
+    unlocked = pretension.unlocked(sections, holds, preloads, loads, deck.n_step, ignored)
     assembly, points = with_lone_nodes(assembly, pairs, ignored)
     specs = contact.specs(assembly, points, ignored)
     offsets, rules = contact.gap_rules(deck, assembly, points, specs)
-    sides = [(one.slave.nodes, one.master.nodes) for one in pairs]
+    sides = [(item.slave.nodes, item.master.nodes) for item in pairs]
     sides += [(tie.slave.nodes, tie.master.nodes) for tie in ties]
     joined = joined_bodies(assembly, cuts, sides)
     specs += read_general_contact(deck, assembly, interactions, joined, ignored)
@@ -181,7 +183,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         bolts=bolts,
         preloads=preloads,
         initial_forces=pretension.initial_forces(
-            sections, bolts, held.pretension, senses, assembly
+            sections, bolts, holds.pretension, senses, assembly
         ),
         unlocked=unlocked,
         initial_gaps=offsets,
@@ -239,15 +241,15 @@ def _tied(
     more, links = read_mpcs(deck, dofs, len(equations) + 1, ignored)
     first = len(equations) + len(more) + len(links) + 1
     bodies = list(read_rigid_bodies(deck, dofs, elements, by_element, first))
-    found = read_couplings(deck, dofs, elements, surfaces, first + len(bodies), ignored)
-    kinematic, average = found.rigid, found.average
-    first += len(bodies) + len(kinematic) + len(average) + len(found.turned)
+    couplings = read_couplings(deck, dofs, elements, surfaces, first + len(bodies), ignored)
+    kinematic, average = couplings.rigid, couplings.average
+    first += len(bodies) + len(kinematic) + len(average) + len(couplings.turned)
     means = read_distributing(deck, dofs, elements, by_element, first, ignored)
     rigid = [*links, *bodies, *kinematic]
     rotating = np.zeros(len(assembly.mesh.nodes), dtype=bool)
     rotating[[coupling.reference for coupling in rigid]] = True
     rotating[[coupling.reference for coupling in average]] = True
-    rotating[found.turned_references] = True
+    rotating[couplings.turned_references] = True
     bending = [beam for beam in assembly.beams if beam.section.inertia_y > 0]
     rotating[[node for beam in bending for node in beam.nodes]] = True
     for block in assembly.shells:
@@ -256,7 +258,7 @@ def _tied(
     rotating[[mass.node for mass in assembly.masses if np.any(mass.inertia)]] = True
     return replace(
         assembly,
-        equations=(*equations, *more, *found.turned, *means),
+        equations=(*equations, *more, *couplings.turned, *means),
         rigid_couplings=with_real_rotations(rigid, rotating),
         average_couplings=tuple(average),
     )
@@ -270,14 +272,14 @@ def check_supported(deck: Deck, ignored: list[str]) -> None:
     FormatError
         Naming all of them, their lines and what to do instead.
     """
-    found: dict[str, list[Keyword]] = {}
+    unread: dict[str, list[Keyword]] = {}
     for keyword in deck.keywords:
         name = _unread_name(keyword)
         if name:
-            found.setdefault(name, []).append(keyword)
+            unread.setdefault(name, []).append(keyword)
     occurrences = [
         Occurrence(name=name, count=len(these), where=these[0].where())
-        for name, these in found.items()
+        for name, these in unread.items()
     ]
     ignored += KEYWORDS.notes(occurrences, deck.ignore, deck.path)
     if any(
@@ -290,8 +292,8 @@ def _unread_name(keyword: Keyword) -> str:
     """Return what a keyword that is not read is called where it is handled; else nothing."""
     if keyword.name == "ELEMENT":
         kind = keyword.choice("TYPE")
-        known = not kind or kind in {*SOLID_TYPES, *LINE_TYPES, *SHELL_TYPES}
-        return "" if known else f"ELEMENT, TYPE={kind}"
+        supported = not kind or kind in {*SOLID_TYPES, *LINE_TYPES, *SHELL_TYPES}
+        return "" if supported else f"ELEMENT, TYPE={kind}"
     if keyword.name == "TIE":
         cyclic = keyword.has("CYCLIC SYMMETRY") or keyword.has("MULTISTAGE")
         return "TIE, CYCLIC SYMMETRY" if cyclic else ""
@@ -308,13 +310,13 @@ def _loads(
 ) -> dict[str, NodalLoads]:
     """Return the loads in force in every step up to the chosen one, that one first."""
     steps = {keyword.step for keyword in deck.of("STEP")} | {deck.n_step}
-    found = {}
+    loads = {}
     for step, (applied, *further) in enumerate(zip(concentrated, *others, strict=True)):
         forces = np.zeros_like(max(further, key=len))
         for part in (applied, *further):
             forces[: len(part)] += part
         loaded = np.flatnonzero((forces != 0).any(axis=1))
         if loaded.size and step in steps:
-            found[step] = NodalLoads(nodes=loaded, forces=forces[loaded])
-    order = sorted(found, key=lambda step: (step != deck.n_step, step))
-    return {step_name(step): found[step] for step in order}
+            loads[step] = NodalLoads(nodes=loaded, forces=forces[loaded])
+    order = sorted(loads, key=lambda step: (step != deck.n_step, step))
+    return {step_name(step): loads[step] for step in order}

@@ -35,17 +35,19 @@ def without_removed(
         Naming the line of an unknown element or set, or if nothing remains.
     """
     parts: list[Indices] = []
-    known = np.concatenate([block.ids for block in elements.blocks])
-    for keyword in (one for one in deck.of("MODEL CHANGE") if one.choice("TYPE") == "ELEMENT"):
+    all_ids = np.concatenate([block.ids for block in elements.blocks])
+    for keyword in (
+        change for change in deck.of("MODEL CHANGE") if change.choice("TYPE") == "ELEMENT"
+    ):
         keyword.allow("TYPE", "REMOVE")
         for row, fields in enumerate(keyword.rows()):
             for label in (text for text in fields if text):
                 ids = sets.members(keyword, label, row)
-                if not np.isin(ids, known).all():
+                if not np.isin(ids, all_ids).all():
                     message = f"there is no element {label}; correct the id"
                     raise keyword.error(message, row)
                 parts.append(ids)
-        if np.isin(known, np.concatenate([np.empty(0, dtype=np.int64), *parts])).all():
+        if np.isin(all_ids, np.concatenate([np.empty(0, dtype=np.int64), *parts])).all():
             message = "it removes all elements; nothing remains"
             raise keyword.error(message)
     if not parts:
@@ -66,8 +68,10 @@ def without_removed_pairs(
     FormatError
         Naming the line of surfaces that are no contact pair.
     """
-    kept = list(pairs)
-    for keyword in (one for one in deck.of("MODEL CHANGE") if one.choice("TYPE") != "ELEMENT"):
+    remaining = list(pairs)
+    for keyword in (
+        change for change in deck.of("MODEL CHANGE") if change.choice("TYPE") != "ELEMENT"
+    ):
         keyword.allow("TYPE", "REMOVE", "ADD")
         for row, fields in enumerate(keyword.rows()):
             named = [pair for pair in pairs if _sides(pair) == [text.upper() for text in fields]]
@@ -75,19 +79,19 @@ def without_removed_pairs(
                 message = "no *CONTACT PAIR has these surfaces as slave and master"
                 raise keyword.error(message, row)
             if keyword.has("REMOVE"):
-                kept = [pair for pair in kept if pair not in named]
+                remaining = [pair for pair in remaining if pair not in named]
                 ignored.append(
                     f"*MODEL CHANGE in step 1: the contact pair {', '.join(fields)} is not there, "
                     "in no step"
                 )
-    gone = [_sides(pair) for pair in pairs if pair not in kept]
+    gone = [_sides(pair) for pair in pairs if pair not in remaining]
     left = [
-        one
-        for one in deck.keywords
-        if one.name != "CLEARANCE"
-        or [one.value(side).upper() for side in ("SLAVE", "MASTER")] not in gone
+        change
+        for change in deck.keywords
+        if change.name != "CLEARANCE"
+        or [change.value(side).upper() for side in ("SLAVE", "MASTER")] not in gone
     ]
-    return replace(deck, keywords=left), kept
+    return replace(deck, keywords=left), remaining
 
 
 def _sides(pair: Pair) -> list[str]:

@@ -50,8 +50,8 @@ def read_mpcs(
                 rigid.append(_beam(keyword, row, fields, dofs, number))
             else:
                 for terms in _terms(keyword, row, kind, fields, dofs):
-                    own = first_id + len(equations) + len(rigid)
-                    equations.append(Equation(id=own, terms=terms))
+                    next_id = first_id + len(equations) + len(rigid)
+                    equations.append(Equation(id=next_id, terms=terms))
             if kind in ("BEAM", "PLANE", "STRAIGHT", "MEANROT"):
                 note = f"*MPC of type {kind}: linear about the geometry of the deck"
                 if note not in ignored:
@@ -61,18 +61,18 @@ def read_mpcs(
 
 def _definitions(keyword: Keyword) -> Iterator[tuple[int, str, list[str]]]:
     """Yield data line, type and nodes; a line that begins with 0 goes on with the one before."""
-    found: list[tuple[int, str, list[str]]] = []
+    definitions: list[tuple[int, str, list[str]]] = []
     for row, fields in enumerate(keyword.rows()):
         kind = fields[0].upper()
-        if kind == "0" and found:
-            found[-1][2].extend(fields[1:])
+        if kind == "0" and definitions:
+            definitions[-1][2].extend(fields[1:])
             continue
         if kind not in _KNOWN:
             remedy = _REMEDIES.get(kind, "write *EQUATION")
             message = f"type {kind} is not supported ({', '.join(_KNOWN)} are); {remedy}"
             raise keyword.error(message, row)
-        found.append((row, kind, fields[1:]))
-    return iter(found)
+        definitions.append((row, kind, fields[1:]))
+    return iter(definitions)
 
 
 def _beam(keyword: Keyword, row: int, fields: list[str], dofs: Dofs, number: int) -> RigidCoupling:
@@ -116,9 +116,9 @@ def _check_two(keyword: Keyword, row: int, kind: str, fields: list[str]) -> None
 
 def _mean_rotation(keyword: Keyword, row: int, nodes: list[int], points: Matrix) -> Terms:
     """Return the equation of one MEANROT: each node three times, then the node of the rotation."""
-    turning, rest = nodes[-1:], nodes[:-1]
-    distinct = np.array(rest[::3], dtype=np.int64)
-    if len(rest) % 3 or not rest or not np.array_equal(np.repeat(distinct, 3), rest):
+    turning, turned = nodes[-1:], nodes[:-1]
+    distinct = np.array(turned[::3], dtype=np.int64)
+    if len(turned) % 3 or not turned or not np.array_equal(np.repeat(distinct, 3), turned):
         message = "expected MEANROT, each node three times, and the node of the rotation"
         raise keyword.error(message, row)
     axis = points[turning[0]]
@@ -156,7 +156,7 @@ def _plane(keyword: Keyword, row: int, nodes: list[int], points: Matrix) -> Iter
     if not size > _OFF * float(np.linalg.norm(first) * np.linalg.norm(second)):
         message = "all nodes lie on one line; they must span a plane"
         raise keyword.error(message, row)
-    for node in (one for one in nodes if one not in basis):
+    for node in (candidate for candidate in nodes if candidate not in basis):
         arm = points[node] - c
         _check_on(keyword, row, abs(float(normal @ arm)) / size, arm, "plane of the others")
         at_a, at_b = np.cross(second, arm), np.cross(arm, first)
@@ -177,7 +177,7 @@ def _straight(keyword: Keyword, row: int, nodes: list[int], points: Matrix) -> I
         message = "all nodes coincide; they must span a line"
         raise keyword.error(message, row)
     others = [c for c in range(3) if c != along_axis]
-    for node in (one for one in nodes if one not in basis):
+    for node in (candidate for candidate in nodes if candidate not in basis):
         arm = points[node] - points[a]
         off = np.cross(along, arm) / np.linalg.norm(along)
         _check_on(keyword, row, float(np.linalg.norm(off)), arm, "line of the others")

@@ -27,13 +27,13 @@ class Nodes:
 
     def index(self, ids: Indices, keyword: Keyword, rows: Indices) -> Indices:
         """Return the indices of nodes; ``rows`` are the data lines they stand on."""
-        place: Indices = np.minimum(np.searchsorted(self.ids, ids), len(self.ids) - 1)
-        wrong = np.flatnonzero(self.ids[place] != ids)
+        index: Indices = np.minimum(np.searchsorted(self.ids, ids), len(self.ids) - 1)
+        wrong = np.flatnonzero(self.ids[index] != ids)
         if wrong.size:
             shown = int(ids[wrong[0]]) - keyword.scope.offset
             message = f"there is no node {shown}; define it under *NODE or correct the id"
             raise keyword.error(message, int(rows[wrong[0]]))
-        return place
+        return index
 
 
 def read_nodes(deck: Deck, ignored: list[str]) -> Nodes:
@@ -50,9 +50,9 @@ def read_nodes(deck: Deck, ignored: list[str]) -> Nodes:
         if keyword.name == "SYSTEM":
             system = _system(keyword)
             continue
-        own, points, lines = _node_block(keyword, system, ignored)
+        numbers, points, lines = _node_block(keyword, system, ignored)
         owners.append(keyword)
-        ids.append(own + keyword.scope.offset)
+        ids.append(numbers + keyword.scope.offset)
         coordinates.append(points)
         rows.append(lines)
     if not ids or not sum(map(len, ids)):

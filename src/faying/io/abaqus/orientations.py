@@ -24,12 +24,12 @@ def distributed_axes(
     FormatError
         If there is none of this name, or it is not rectangular, or its points span no plane.
     """
-    found = _find(deck, keyword)
-    rows = found.rows()
+    orientation = _find(deck, keyword)
+    rows = orientation.rows()
     name = rows[0][0].upper() if rows and len(rows[0]) == 1 else ""
     tables = [k for k in deck.of("DISTRIBUTION") if k.value("NAME").upper() == name]
     if not name or not tables:
-        return _axes(found), []
+        return _axes(orientation), []
     default, *others = tables[-1].rows()
     if len(rows) > 1 or not default or default[0]:
         message = "expected a first line without an element, and no turn behind the distribution"
@@ -50,20 +50,22 @@ def orientation_at(deck: Deck, keyword: Keyword, points: Matrix, ignored: list[s
     FormatError
         As :func:`find_orientation`.
     """
-    found = _find(deck, keyword)
-    if found.choice("SYSTEM", "RECTANGULAR") not in ("C", "CYLINDRICAL"):
-        return np.broadcast_to(_axes(found), (len(points), 3, 3))
-    found.allow("NAME", "SYSTEM", "DEFINITION")
-    rows = found.rows()
+    orientation = _find(deck, keyword)
+    if orientation.choice("SYSTEM", "RECTANGULAR") not in ("C", "CYLINDRICAL"):
+        return np.broadcast_to(_axes(orientation), (len(points), 3, 3))
+    orientation.allow("NAME", "SYSTEM", "DEFINITION")
+    rows = orientation.rows()
     if not rows or not 5 <= len(rows[0]) <= 6:
         message = "expected a line with the coordinates of two points of the axis"
-        raise found.error(message)
-    values = np.array([optional_real(found, 0, rows[0], i, 0.0, "a coordinate") for i in range(6)])
+        raise orientation.error(message)
+    values = np.array(
+        [optional_real(orientation, 0, rows[0], i, 0.0, "a coordinate") for i in range(6)]
+    )
     axis = values[3:] - values[:3]
     length = float(np.linalg.norm(axis))
     if not length > 0:
         message = "the two points of the axis coincide"
-        raise found.error(message, 0)
+        raise orientation.error(message, 0)
     axis = axis / length
     arms = points - values[:3]
     radial = arms - np.outer(arms @ axis, axis)
@@ -73,8 +75,8 @@ def orientation_at(deck: Deck, keyword: Keyword, points: Matrix, ignored: list[s
         radial[on_axis] = _across(axis)
         lengths[on_axis] = 1.0
         ignored.append(
-            f"{int(on_axis.sum())} nodes on the axis of *ORIENTATION {found.value('NAME')}: any "
-            "direction across it is radial there; the one of CalculiX is taken"
+            f"{int(on_axis.sum())} nodes on the axis of *ORIENTATION {orientation.value('NAME')}: "
+            "any direction across it is radial there; the one of CalculiX is taken"
         )
     radial = radial / lengths[:, None]
     return np.stack([radial, np.cross(axis, radial), np.broadcast_to(axis, radial.shape)], axis=1)
@@ -83,22 +85,22 @@ def orientation_at(deck: Deck, keyword: Keyword, points: Matrix, ignored: list[s
 def _across(axis: Vector) -> Vector:
     """Return the direction across an axis that CalculiX takes for radial on it."""
     if abs(axis[0]) > _DEGENERATE:
-        found = np.array([-axis[1] / axis[0], 1.0, 0.0])
+        radial = np.array([-axis[1] / axis[0], 1.0, 0.0])
     elif abs(axis[1]) > _DEGENERATE:
-        found = np.array([0.0, -axis[2] / axis[1], 1.0])
+        radial = np.array([0.0, -axis[2] / axis[1], 1.0])
     else:
-        found = np.array([1.0, 0.0, 0.0])
-    return np.asarray(found / np.linalg.norm(found))
+        radial = np.array([1.0, 0.0, 0.0])
+    return np.asarray(radial / np.linalg.norm(radial))
 
 
 def _find(deck: Deck, keyword: Keyword) -> Keyword:
     name = keyword.value("ORIENTATION")
-    found = [k for k in deck.of("ORIENTATION") if k.value("NAME").upper() == name.upper()]
-    if not found:
-        known = ", ".join(k.value("NAME") for k in deck.of("ORIENTATION")) or "none"
-        message = f"there is no orientation '{name}'; known are {known}"
+    orientations = [k for k in deck.of("ORIENTATION") if k.value("NAME").upper() == name.upper()]
+    if not orientations:
+        names = ", ".join(k.value("NAME") for k in deck.of("ORIENTATION")) or "none"
+        message = f"there is no orientation '{name}'; known are {names}"
         raise keyword.error(message)
-    return found[-1]
+    return orientations[-1]
 
 
 def _axes(keyword: Keyword) -> Matrix:

@@ -52,14 +52,14 @@ class Piece:
         Nothing but asterisks is looked for, of which data have none.
         """
         text = self.file.text
-        at = text.find(b"*", self.start, self.end)
-        while at >= 0:
-            begin = max(text.rfind(b"\n", self.start, at) + 1, self.start)
-            end = text.find(b"\n", at, self.end)
+        star = text.find(b"*", self.start, self.end)
+        while star >= 0:
+            begin = max(text.rfind(b"\n", self.start, star) + 1, self.start)
+            end = text.find(b"\n", star, self.end)
             end = self.end if end < 0 else end
-            if not text[begin:at].strip():
+            if not text[begin:star].strip():
                 yield begin, end
-            at = text.find(b"*", end, self.end)
+            star = text.find(b"*", end, self.end)
 
     def content(self) -> Iterator[tuple[int, int]]:
         """Yield where lines begin and end that are neither blank nor comments."""
@@ -81,27 +81,27 @@ class Body:
     @cached_property
     def lines(self) -> list[bytes]:
         """Return the lines as written, without comments and blank lines."""
-        return [line for piece in self.pieces for line in _content_lines(piece)]
+        return [line for part in self.pieces for line in _content_lines(part)]
 
     def where(self, row: int) -> str:
         """Return file:line of a line."""
-        for piece in self.pieces:
-            kept = [k for k, line in enumerate(_lines(piece)) if is_content(line)]
-            if row < len(kept):
-                return f"{piece.file.name}:{piece.file.line(piece.start) + kept[row]}"
-            row -= len(kept)
+        for part in self.pieces:
+            content = [k for k, line in enumerate(_lines(part)) if is_content(line)]
+            if row < len(content):
+                return f"{part.file.name}:{part.file.line(part.start) + content[row]}"
+            row -= len(content)
         message = f"the keyword has no data line {row}"
         raise IndexError(message)
 
 
-def _lines(piece: Piece) -> list[bytes]:
-    return piece.file.text[piece.start : piece.end].splitlines()
+def _lines(part: Piece) -> list[bytes]:
+    return part.file.text[part.start : part.end].splitlines()
 
 
-def _content_lines(piece: Piece) -> list[bytes]:
-    if piece.file.text.find(b"*", piece.start, piece.end) < 0:
-        return [line for line in _lines(piece) if line and not line.isspace()]
-    return [line for line in _lines(piece) if is_content(line)]
+def _content_lines(part: Piece) -> list[bytes]:
+    if part.file.text.find(b"*", part.start, part.end) < 0:
+        return [line for line in _lines(part) if line and not line.isspace()]
+    return [line for line in _lines(part) if is_content(line)]
 
 
 def is_content(line: bytes) -> bool:

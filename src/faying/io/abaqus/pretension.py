@@ -74,14 +74,14 @@ def read_sections(deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets) -
     FormatError
         Naming the line, if a node, element or surface is missing.
     """
-    found: list[Section] = []
+    sections: list[Section] = []
     for keyword in deck.of("PRE-TENSION SECTION"):
         keyword.allow("SURFACE", "ELEMENT", "NODE")
         node = dofs.one(keyword, None, keyword.required("NODE"), "the pretension node")
         if keyword.has("SURFACE") == keyword.has("ELEMENT"):
             message = "give either SURFACE= or ELEMENT="
             raise keyword.error(message)
-        if any(other.node == node for other in found):
+        if any(section.node == node for section in sections):
             message = (
                 f"the pretension node {keyword.value('NODE')} belongs to another section too, "
                 "which would share its force; give each section a node of its own"
@@ -91,7 +91,7 @@ def read_sections(deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets) -
         surface = keyword.value("SURFACE")
         label = keyword.value("NODE")
         plain = surface or (f"bolt {element}" if is_integer(label) else label)
-        found.append(
+        sections.append(
             Section(
                 keyword=keyword,
                 name=plain,
@@ -101,12 +101,12 @@ def read_sections(deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets) -
                 direction=_direction(keyword),
             )
         )
-        if any(other.name == plain for other in found[:-1]):
+        if any(section.name == plain for section in sections[:-1]):
             message = (
                 f"there are two pretension sections '{plain}'; use different surfaces or nodes"
             )
             raise keyword.error(message)
-    return found
+    return sections
 
 
 def _direction(keyword: Keyword) -> tuple[float, ...] | None:
@@ -122,8 +122,8 @@ def _direction(keyword: Keyword) -> tuple[float, ...] | None:
 def _beam(keyword: Keyword, elements: Elements, sets: NamedSets) -> int:
     members = sets.members(keyword, keyword.required("ELEMENT"))
     beams = elements.of(*TYPES)
-    known = {i for block in beams for i in block.ids.tolist()}
-    if len(members) != 1 or int(members[0]) not in known:
+    beam_ids = {i for block in beams for i in block.ids.tolist()}
+    if len(members) != 1 or int(members[0]) not in beam_ids:
         message = f"ELEMENT={keyword.value('ELEMENT')} is not one beam element"
         raise keyword.error(message)
     return int(members[0])
@@ -133,9 +133,9 @@ def beam_senses(
     sections: list[Section], elements: Elements, coordinates: Matrix
 ) -> dict[str, float]:
     """Return the senses of sections of beams: from their first node to their last a force pulls."""
-    found = {}
-    for section in (one for one in sections if one.element is not None):
-        found[section.name] = 1.0
+    senses = {}
+    for section in (candidate for candidate in sections if candidate.element is not None):
+        senses[section.name] = 1.0
         if section.direction is None:
             continue
         for block in elements.of(*TYPES):
@@ -144,8 +144,8 @@ def beam_senses(
                 if cosine == 0.0:
                     message = "the direction is zero or lies across the beam; give the beam's"
                     raise section.keyword.error(message, 0)
-                found[section.name] = float(np.sign(cosine))
-    return found
+                senses[section.name] = float(np.sign(cosine))
+    return senses
 
 
 def bolts(sections: list[Section], springs: list[int]) -> tuple[BoltSpec, ...]:
@@ -161,7 +161,7 @@ def bolts(sections: list[Section], springs: list[int]) -> tuple[BoltSpec, ...]:
 
 
 def preloads(
-    sections: list[Section], forces: Sequence[Forces], held: Held, senses: Mapping[str, float]
+    sections: list[Section], forces: Sequence[Forces], holds: Held, senses: Mapping[str, float]
 ) -> dict[str, float]:
     """Return the force of each bolt: the *CLOAD on its pretension node, unless that is displaced.
 
@@ -177,30 +177,30 @@ def preloads(
     FormatError
         If a section has no force, or a compressive one.
     """
-    found = {}
+    bolt_forces = {}
     for section in sections:
-        if not np.isnan(held.pretension.get(section.node, np.nan)):
+        if not np.isnan(holds.pretension.get(section.node, np.nan)):
             continue
-        last = held.since.get(section.node, len(forces)) - 1
-        given = forces[last].get((section.node, 0)) if last >= 0 else None
-        value = None if given is None else given * senses[section.name] + 0.0
+        last = holds.since.get(section.node, len(forces)) - 1
+        force = forces[last].get((section.node, 0)) if last >= 0 else None
+        value = None if force is None else force * senses[section.name] + 0.0
         if value is None or not value >= 0:
             problem = "has no force" if value is None else f"has the compressive force {value:g}"
             when = f"at the end of step {last}" if last > 0 else "in front of the first step"
             message = (
                 f"the section '{section.name}' {problem} {when}, where it is "
-                f"{'locked' if section.node in held.since else 'read'}; give its pretension node a "
-                "*CLOAD in direction 1, positive for tension along the direction of the section, "
+                f"{'locked' if section.node in holds.since else 'read'}; give its pretension node "
+                "a *CLOAD in direction 1, positive for tension along the direction of the section, "
                 "or a displacement by *BOUNDARY; *BOUNDARY, FIXED in the next step locks it"
             )
             raise section.keyword.error(message)
-        found[section.name] = value
-    return found
+        bolt_forces[section.name] = value
+    return bolt_forces
 
 
 def unlocked(
     sections: list[Section],
-    held: Held,
+    holds: Held,
     preloads: Mapping[str, float],
     loads: Mapping[str, NodalLoads],
     step: int,
@@ -211,7 +211,7 @@ def unlocked(
     Where nothing but bolts acts in the step, the deck only tightens them: loads of a study come
     after it, and the bolts are locked then. Bolts locked by FIXED while loads act are told.
     """
-    free = frozenset(section.name for section in sections if section.node not in held.since)
+    free = frozenset(section.name for section in sections if section.node not in holds.since)
     names = ", ".join(f"'{name}'" for name in sorted(free))
     if free and step_name(step) not in loads:
         ignored.append(
@@ -228,7 +228,7 @@ def unlocked(
         f"bolt '{section.name}': FIXED locks it while the loads of step {last} act; its force "
         f"{preloads[section.name]:g} is that without them here, and with them in the deck"
         for section in sections
-        if (last := held.since.get(section.node, 0) - 1) > 0
+        if (last := holds.since.get(section.node, 0) - 1) > 0
         and section.name in preloads
         and step_name(last) in loads
     )
@@ -243,7 +243,7 @@ def step_name(step: int) -> str:
 def initial_forces(
     sections: list[Section],
     bolts: tuple[BoltSpec, ...],
-    held: Mapping[int, float],
+    displacements: Mapping[int, float],
     senses: Mapping[str, float],
     assembly: Assembly,
 ) -> dict[str, float]:
@@ -253,7 +253,7 @@ def initial_forces(
 
     Parameters
     ----------
-    held
+    displacements
         Pretension node to its displacement, not a number where its force had left it.
     senses
         As of :func:`preloads`.
@@ -263,9 +263,9 @@ def initial_forces(
     FormatError
         If a bolt is made longer.
     """
-    found = {}
+    forces = {}
     for section, bolt in zip(sections, bolts, strict=True):
-        closed = held.get(section.node, np.nan) * senses[section.name]
+        closed = displacements.get(section.node, np.nan) * senses[section.name]
         if np.isnan(closed):
             continue
         if closed < 0:
@@ -276,23 +276,23 @@ def initial_forces(
             )
             raise section.keyword.error(message)
         element = bolt_axis_element(assembly, bolt)
-        found[bolt.name] = axial_stiffness(assembly, element) * closed + 0.0
-    return found
+        forces[bolt.name] = axial_stiffness(assembly, element) * closed + 0.0
+    return forces
 
 
 def note_displaced(
     sections: list[Section],
     forces: Sequence[Forces],
-    held: Mapping[int, float],
+    displacements: Mapping[int, float],
     ids: Indices,
     ignored: list[str],
 ) -> None:
     """Say of displaced pretension nodes that their force does nothing."""
     ignored.extend(
         f"*CLOAD on the pretension node {ids[section.node]}: *BOUNDARY without FIXED holds the "
-        f"node at {held[section.node]:g} in the step that is read, whatever force came before it; "
-        "FIXED would lock the bolt as the force left it"
+        f"node at {displacements[section.node]:g} in the step that is read, whatever force came "
+        "before it; FIXED would lock the bolt as the force left it"
         for section in sections
         if any((section.node, 0) in step for step in forces)
-        and not np.isnan(held.get(section.node, np.nan))
+        and not np.isnan(displacements.get(section.node, np.nan))
     )

@@ -31,16 +31,22 @@ def rotation_nodes(deck: Deck, nodes: Nodes, sets: NamedSets) -> dict[int, int]:
 def shared_rotations(deck: Deck, nodes: Nodes, sets: NamedSets, first_id: int) -> list[Equation]:
     """Return the equations by which bodies with one rotation node turn together."""
     pairs, first = _turning(deck, nodes, sets), rotation_nodes(deck, nodes, sets)
-    others = [(own, first[rotation]) for own, rotation in pairs if own != first[rotation]]
+    others = [
+        (reference, first[rotation])
+        for reference, rotation in pairs
+        if reference != first[rotation]
+    ]
     return [
-        Equation(id=first_id + i, terms=((own, c, 1.0), (other, c, -1.0)))
-        for i, (own, other, c) in enumerate((*pair, c) for pair in others for c in (3, 4, 5))
+        Equation(id=first_id + i, terms=((reference, c, 1.0), (follower, c, -1.0)))
+        for i, (reference, follower, c) in enumerate(
+            (*pair, c) for pair in others for c in (3, 4, 5)
+        )
     ]
 
 
 def _turning(deck: Deck, nodes: Nodes, sets: NamedSets) -> list[tuple[int, int]]:
     """Return the reference and the rotation node of each rigid body that has one."""
-    found = []
+    pairs = []
     plain = Dofs(nodes=nodes, sets=sets, system=np.full(len(nodes.ids), -1), transforms=())
     for keyword in deck.of("RIGID BODY"):
         if keyword.has("ROT NODE"):
@@ -50,8 +56,8 @@ def _turning(deck: Deck, nodes: Nodes, sets: NamedSets) -> list[tuple[int, int]]
             if rotation == reference:
                 message = "the rotation node must be another one than the reference node"
                 raise keyword.error(message)
-            found.append((reference, rotation))
-    return found
+            pairs.append((reference, rotation))
+    return pairs
 
 
 def read_rigid_bodies(

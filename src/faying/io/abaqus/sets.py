@@ -55,8 +55,8 @@ class NamedSets:
         """
         key = self.key(keyword, label)
         if key is None:
-            known = ", ".join(list(self.names.values())[:8]) or "none"
-            message = f"there is no {self.what} '{label}'; known are {known}"
+            names = ", ".join(list(self.names.values())[:8]) or "none"
+            message = f"there is no {self.what} '{label}'; known are {names}"
             raise keyword.error(message, row)
         return self.ids[key]
 
@@ -127,7 +127,7 @@ def read_element_sets(deck: Deck, elements: Elements) -> NamedSets:
     """
     builder = _Builder(what="element set")
     blocks = {id(block.keyword): block for block in elements.blocks}
-    known = np.sort(np.concatenate([block.ids for block in elements.blocks]))
+    element_ids = np.sort(np.concatenate([block.ids for block in elements.blocks]))
     for keyword in deck.of("ELEMENT", "ELSET"):
         if keyword.name == "ELEMENT":
             if keyword.has("ELSET"):
@@ -136,8 +136,8 @@ def read_element_sets(deck: Deck, elements: Elements) -> NamedSets:
             continue
         keyword.allow("ELSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED")
         key = builder.open(keyword, keyword.required("ELSET"))
-        ids, rows = _explicit(keyword, builder, key, deck, known)
-        _check_known(ids, rows, known, keyword, "element")
+        ids, rows = _explicit(keyword, builder, key, deck, element_ids)
+        _check_known(ids, rows, element_ids, keyword, "element")
         builder.pieces[key].append((keyword, ids))
     return builder.closed(deck)
 
@@ -175,17 +175,17 @@ def read_node_sets(deck: Deck, nodes: Nodes, elements: Elements, by_name: NamedS
 
 
 def _explicit(
-    keyword: Keyword, builder: _Builder, key: str, deck: Deck, known: Indices
+    keyword: Keyword, builder: _Builder, key: str, deck: Deck, known_ids: Indices
 ) -> tuple[Indices, Indices]:
     """Ids written out or generated, with the data line of each; names go to the builder."""
     offset = _offset(keyword, deck)
     fields = table(keyword)
     if keyword.has("GENERATE"):
-        return _generated(keyword, fields, known, offset)
+        return _generated(keyword, fields, known_ids, offset)
     letters = np.strings.isdigit(fields.texts)
     texts, rows = fields.texts[letters], fields.row[letters]
-    for place in np.flatnonzero(~letters).tolist():
-        label, row = fields.texts[place].decode("latin-1"), int(fields.row[place])
+    for position in np.flatnonzero(~letters).tolist():
+        label, row = fields.texts[position].decode("latin-1"), int(fields.row[position])
         head, dot, tail = label.rpartition(".")
         if dot and is_integer(tail):
             scope = _scope_offset(keyword, deck, head, row)
@@ -207,16 +207,16 @@ def _offset(keyword: Keyword, deck: Deck) -> int:
 
 
 def _scope_offset(keyword: Keyword, deck: Deck, name: str, row: int | None) -> int:
-    wanted = name.strip("\"' ").upper()
-    for other in deck.keywords:
-        if other.scope.name.upper() == wanted:
-            return other.scope.offset
+    scope = name.strip("\"' ").upper()
+    for entry in deck.keywords:
+        if entry.scope.name.upper() == scope:
+            return entry.scope.offset
     message = f"there is no instance '{name}'"
     raise keyword.error(message, row)
 
 
 def _generated(
-    keyword: Keyword, fields: Table, known: Indices, offset: int
+    keyword: Keyword, fields: Table, known_ids: Indices, offset: int
 ) -> tuple[Indices, Indices]:
     """Ids from first to last; between them, both programs pass over ids that do not exist."""
     columns, counts = fields.columns(2, 3, "first, last, increment")
@@ -236,7 +236,9 @@ def _generated(
         raise keyword.error(message, bad)
     ids = []
     for row, (a, b, s) in enumerate(zip(first + offset, last + offset, step, strict=True)):
-        part = known[np.searchsorted(known, a) : np.searchsorted(known, b, side="right")]
+        part = known_ids[
+            np.searchsorted(known_ids, a) : np.searchsorted(known_ids, b, side="right")
+        ]
         part = part[(part - a) % s == 0]
         if not len(part) or part[0] != a or part[-1] != b:
             missing = a if not len(part) or part[0] != a else b
@@ -247,8 +249,10 @@ def _generated(
     return joined, np.repeat(rows, [len(part) for part in ids])
 
 
-def _check_known(ids: Indices, rows: Indices, known: Indices, keyword: Keyword, what: str) -> None:
-    missing = np.flatnonzero(~np.isin(ids, known))
+def _check_known(
+    ids: Indices, rows: Indices, known_ids: Indices, keyword: Keyword, what: str
+) -> None:
+    missing = np.flatnonzero(~np.isin(ids, known_ids))
     if missing.size:
         bad = int(missing[0])
         message = f"there is no {what} {ids[bad] - keyword.scope.offset}; correct the set"

@@ -46,8 +46,8 @@ def find_material(materials: Mapping[str, Material], keyword: Keyword) -> Materi
     """
     name = keyword.required("MATERIAL")
     if name.upper() not in materials:
-        known = ", ".join(material.name for material in materials.values()) or "none"
-        message = f"there is no material '{name}'; known are {known}"
+        names = ", ".join(material.name for material in materials.values()) or "none"
+        message = f"there is no material '{name}'; known are {names}"
         raise keyword.error(message)
     return materials[name.upper()]
 
@@ -86,14 +86,14 @@ def read_solid_sections(
             )
         section[chosen] = number
         used[number] = find_material(materials, keyword)
-        own, law = used[number], used[number].law
+        material, law = used[number], used[number].law
         if law is not None and keyword.has("ORIENTATION"):
             axes, others = distributed_axes(deck, keyword, sets)
-            used[number] = replace(own, law=turned(law, axes))
+            used[number] = replace(material, law=turned(law, axes))
             for members, along in others:
-                place = next(more)
-                section[chosen & np.isin(ids, members)] = place
-                used[place] = replace(own, law=turned(law, along))
+                new_number = next(more)
+                section[chosen & np.isin(ids, members)] = new_number
+                used[new_number] = replace(material, law=turned(law, along))
         if used[number].law is not None and (chosen & reduced).any():
             message = (
                 f"material '{used[number].name}' is anisotropic; the hourglass stiffness of C3D8R "
@@ -138,17 +138,17 @@ def cells(
     Bricks of eight nodes have a formulation of their own only where the deck mixes them;
     ``reduced`` is that of C3D8R.
     """
-    found, start = [], 0
+    cell_blocks, start = [], 0
     mixed = len({block.type for block in blocks if _is_hex8(block.type)}) > 1
     for block in blocks:
         element = SOLID_TYPES[block.type]
-        own = mixed if _is_hex8(block.type) else element.formulation != "standard"
+        incompatible = mixed if _is_hex8(block.type) else element.formulation != "standard"
         end = start + len(block.ids)
-        found.append(
+        cell_blocks.append(
             CellBlock(
                 kind=element.kind,
                 formulation=(reduced if block.type == "C3D8R" else element.formulation)
-                if own
+                if incompatible
                 else "",
                 nodes=block.nodes,
                 ids=block.ids,
@@ -156,7 +156,7 @@ def cells(
             )
         )
         start = end
-    return found
+    return cell_blocks
 
 
 def note_controls(deck: Deck, blocks: Sequence[ElementBlock], ignored: list[str]) -> None:

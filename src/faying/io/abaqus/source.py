@@ -31,25 +31,27 @@ def _expand(
     path: Path, home: Path, files: DeckFiles, parents: tuple[Path, ...], included_from: str
 ) -> list[Piece]:
     text = with_usual_ends(files.read(path, included_from))
-    here = path.resolve()
-    if here in parents or len(parents) >= _DEEPEST:
+    resolved = path.resolve()
+    if resolved in parents or len(parents) >= _DEEPEST:
         message = f"{included_from}: *INCLUDE of '{path}' goes in a circle; remove one of them"
         raise FormatError(message)
     file = TextFile(name=files.names[-1], text=text)
-    pieces, start = [], 0
+    parts, start = [], 0
     for begin, end in Piece(file=file, start=0, end=len(text)).starred():
         line = text[begin:end]
         if not (b"*" in line[:8] and _INCLUDE.match(line)):
             continue
-        pieces.append(Piece(file=file, start=start, end=begin))
+        parts.append(Piece(file=file, start=start, end=begin))
         origin = f"{file.name}:{file.line(begin)}"
         name = _file_name(line, origin)
         places = (home / name, path.parent / name)
-        found = next((place for place in places if _is_file(place, origin)), places[0])
-        pieces += _expand(found, home, files, (*parents, here), origin)
+        included = next(
+            (candidate for candidate in places if _is_file(candidate, origin)), places[0]
+        )
+        parts += _expand(included, home, files, (*parents, resolved), origin)
         start = min(end + 1, len(text))
-    pieces.append(Piece(file=file, start=start, end=len(text)))
-    return pieces
+    parts.append(Piece(file=file, start=start, end=len(text)))
+    return parts
 
 
 def _is_file(path: Path, origin: str) -> bool:

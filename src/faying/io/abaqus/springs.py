@@ -39,11 +39,11 @@ def read_springs(
             if element_id not in stiffness:
                 message = f"spring {element_id} has no *SPRING; give its set one"
                 raise block.keyword.error(message, int(block.rows[i]))
-            made = _spring(block, i, stiffness[element_id], coordinates)
-            if isinstance(made, Bush):
-                bushes.append(made)
+            spring = _spring(block, i, stiffness[element_id], coordinates)
+            if isinstance(spring, Bush):
+                bushes.append(spring)
             else:
-                springs.append(made)
+                springs.append(spring)
     return tuple(springs), tuple(bushes)
 
 

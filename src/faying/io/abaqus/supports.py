@@ -69,30 +69,30 @@ def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int], amplitudes: Amp
         Naming the line of an unknown node, of a motion along axes of a *TRANSFORM, or of FIXED.
     """
     courses: dict[Place, list[float]] = {}
-    held: Holds = {}
+    holds: Holds = {}
     since: dict[Place, int] = {}
     for step in range(deck.n_step + 1):
-        left = {place: courses[place][step - 1] for place in held}
-        held = _after(held, left, deck, step, dofs, apart)
-        since = {place: since.get(place, step) for place in held}
-        for place, (value, keyword, _) in held.items():
-            course = courses.setdefault(place, [0.0] * (deck.n_step + 1))
+        left = {dof: courses[dof][step - 1] for dof in holds}
+        holds = _after(holds, left, deck, step, dofs, apart)
+        since = {dof: since.get(dof, step) for dof in holds}
+        for dof, (value, keyword, _) in holds.items():
+            course = courses.setdefault(dof, [0.0] * (deck.n_step + 1))
             acts = value and (keyword.step == step or step not in deck.perturbations)
             course[step] = value * amplitudes.factor(keyword, step) if acts else 0.0
-    bolts = [node for node, c in held if node in apart and c == 0]
+    bolts = [node for node, c in holds if node in apart and c == 0]
     last = deck.n_step - (deck.n_step in deck.perturbations)
-    held = {place: one for place, one in held.items() if place[0] not in apart}
+    holds = {dof: hold for dof, hold in holds.items() if dof[0] not in apart}
     moved = {}
-    for place in [place for place in held if any(courses[place])]:
-        _, keyword, row = held.pop(place)
-        if dofs.axes(place[0]) is not None:
+    for dof in [dof for dof in holds if any(courses[dof])]:
+        _, keyword, row = holds.pop(dof)
+        if dofs.axes(dof[0]) is not None:
             message = (
-                f"node {dofs.nodes.ids[place[0]]} is moved along axes of a *TRANSFORM; only basic "
+                f"node {dofs.nodes.ids[dof[0]]} is moved along axes of a *TRANSFORM; only basic "
                 "directions are supported for other displacements than zero"
             )
             raise keyword.error(message, row)
-        moved[dofs.place(*place)] = tuple(courses[place])
-    supports = tuple(_supports(list(held), dofs))
+        moved[dofs.place(*dof)] = tuple(courses[dof])
+    supports = tuple(_supports(list(holds), dofs))
     return Held(
         supports=supports,
         moved=moved,
@@ -102,7 +102,7 @@ def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int], amplitudes: Amp
 
 
 def _after(
-    held: Holds,
+    holds: Holds,
     left: Mapping[Place, float],
     deck: Deck,
     step: int,
@@ -113,32 +113,31 @@ def _after(
 
     What FIXED holds that was not held before is not a number: it is where a force left it.
     """
-    held = dict(held)
-    for keyword in (one for one in deck.of("BOUNDARY") if one.step == step):
+    holds = dict(holds)
+    for keyword in (item for item in deck.of("BOUNDARY") if item.step == step):
         keyword.allow("OP", "TYPE", "AMPLITUDE", "TIME DELAY", "FIXED", "LOAD CASE", "NAME")
         if keyword.choice("TYPE", "DISPLACEMENT") != "DISPLACEMENT" or keyword.has("LOAD CASE"):
             message = "only displacements are supported (no TYPE=VELOCITY, no LOAD CASE)"
             raise keyword.error(message)
         if operation(keyword):
-            held = {place: one for place, one in held.items() if one[1].step == step}
+            holds = {dof: item for dof, item in holds.items() if item[1].step == step}
         new = {
-            place: (value, keyword, row)
+            dof: (value, keyword, row)
             for row, fields in enumerate(keyword.rows())
-            for place, value in _line(keyword, row, fields, dofs, "temperature" in deck.ignore)
+            for dof, value in _line(keyword, row, fields, dofs, "temperature" in deck.ignore)
         }
         if keyword.has("FIXED"):
             new = {
-                place: (left.get(place, np.nan), keyword, row)
-                for place, (_, keyword, row) in new.items()
+                dof: (left.get(dof, np.nan), keyword, row) for dof, (_, keyword, row) in new.items()
             }
-        held |= new
+        holds |= new
         if keyword.has("FIXED") and any(node not in apart for node, _ in new):
             message = (
                 "FIXED holds nodes where the step before left them, which is known for pretension "
                 "nodes only; give displacements, or take an earlier step (subcase in the study)"
             )
             raise keyword.error(message)
-    return held
+    return holds
 
 
 def _line(
@@ -170,10 +169,10 @@ def _line(
             yield (node, c), value
 
 
-def _supports(held: list[Place], dofs: Dofs) -> Iterator[Support]:
+def _supports(dofs_of_supports: list[Place], dofs: Dofs) -> Iterator[Support]:
     """One support per set of components, and one per node with axes of its own."""
     by_node: dict[int, list[int]] = {}
-    for node, c in held:
+    for node, c in dofs_of_supports:
         by_node.setdefault(node, []).append(c)
     groups: dict[tuple[int, ...], list[int]] = {}
     number = 1
@@ -182,8 +181,8 @@ def _supports(held: list[Place], dofs: Dofs) -> Iterator[Support]:
         whole = set(components) in ({0, 1, 2}, {3, 4, 5}, {0, 1, 2, 3, 4, 5})
         axes = None if whole else dofs.axes(node)
         if axes is None:
-            for key, at in _placed(dofs, node, sorted(components)):
-                groups.setdefault(key, []).append(at)
+            for key, owner in _placed(dofs, node, sorted(components)):
+                groups.setdefault(key, []).append(owner)
         else:
             yield Support(
                 id=number, nodes=np.array([node]), components=tuple(sorted(components)), axes=axes
@@ -197,7 +196,7 @@ def _supports(held: list[Place], dofs: Dofs) -> Iterator[Support]:
 def _placed(dofs: Dofs, node: int, components: list[int]) -> list[tuple[tuple[int, ...], int]]:
     places = [dofs.place(node, c) for c in components]
     owners = dict.fromkeys(owner for owner, _ in places)
-    return [(tuple(c for at, c in places if at == owner), owner) for owner in owners]
+    return [(tuple(c for dof_owner, c in places if dof_owner == owner), owner) for owner in owners]
 
 
 def _sorted(nodes: list[int]) -> Indices:

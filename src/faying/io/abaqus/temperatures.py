@@ -49,8 +49,8 @@ def without_temperatures(deck: Deck, ignored: list[str]) -> Deck:
 
 
 def _initial(deck: Deck) -> list[Keyword]:
-    found = deck.of("INITIAL CONDITIONS")
-    return [keyword for keyword in found if keyword.choice("TYPE") == "TEMPERATURE"]
+    conditions = deck.of("INITIAL CONDITIONS")
+    return [keyword for keyword in conditions if keyword.choice("TYPE") == "TEMPERATURE"]
 
 
 def read_temperatures(deck: Deck, dofs: Dofs, amplitudes: Amplitudes) -> Temperatures:
@@ -68,10 +68,10 @@ def read_temperatures(deck: Deck, dofs: Dofs, amplitudes: Amplitudes) -> Tempera
         for nodes, value in _lines(keyword, dofs):
             initial[nodes] = value
     current, steps = initial, []
-    given = deck.of("TEMPERATURE")
+    keywords = deck.of("TEMPERATURE")
     for step in range(deck.n_step + 1):
         current = current.copy()
-        for keyword in (one for one in given if one.step == step):
+        for keyword in (candidate for candidate in keywords if candidate.step == step):
             keyword.allow("OP", "AMPLITUDE", "TIME DELAY", "NAME")
             if operation(keyword):
                 current = initial.copy()
@@ -80,7 +80,7 @@ def read_temperatures(deck: Deck, dofs: Dofs, amplitudes: Amplitudes) -> Tempera
                 # With an amplitude CalculiX goes from the initial temperature; at 1 none matters.
                 current[nodes] = factor * value
         steps.append(current)
-    return Temperatures(initial=initial, steps=steps, first=given[0] if given else None)
+    return Temperatures(initial=initial, steps=steps, first=keywords[0] if keywords else None)
 
 
 def _lines(keyword: Keyword, dofs: Dofs) -> Iterator[tuple[Indices, float]]:
@@ -178,14 +178,14 @@ def thermal_forces(
         If shells expand, or a beam that is tightened.
     """
     shape = (len(assembly.mesh.nodes), 6)
-    of_property = {number: one.name for number, one in assembly.materials.items()}
+    of_property = {number: section.name for number, section in assembly.materials.items()}
     of_property |= {beam.property: beam.material.name for beam in assembly.beams}
     used = {
         number: expansions[name.upper()].strain
         for number, name in of_property.items()
         if name.upper() in expansions
     }
-    of_shells = {name for one in assembly.shell_sections.values() for name in one.materials}
+    of_shells = {name for section in assembly.shell_sections.values() for name in section.materials}
     expanding = sorted(name for name in of_shells if name.upper() in expansions)
     if temperatures.first is not None and expanding:
         message = (
@@ -201,7 +201,7 @@ def thermal_forces(
     ends = np.array([beam.nodes for beam in assembly.beams], dtype=np.int64).reshape(-1, 2)
 
     def forces(step: Vector) -> Matrix:
-        before, after = temperatures.initial[origin], step[origin]
+        start, end = temperatures.initial[origin], step[origin]
         stretch = np.zeros(len(ends))
         for i, beam in enumerate(assembly.beams):
             if beam.property in used:
@@ -209,9 +209,9 @@ def thermal_forces(
                     message = f"element {beam.id} is a bolt: {UNSEEN}, or {request('temperature')}"
                     raise temperatures.first.error(message)
                 strain = used[beam.property]
-                change = strain(after[ends[i]].mean()) - strain(before[ends[i]].mean())
+                change = strain(end[ends[i]].mean()) - strain(start[ends[i]].mean())
                 stretch[i] = float(change)
-        of_solids = expansion_forces(assembly, used, before, after)
+        of_solids = expansion_forces(assembly, used, start, end)
         return of_solids + stretching_forces(assembly, stretch)
 
     return [

@@ -42,7 +42,7 @@ def read_ties(
     FormatError
         Naming the line of a surface that is not there, or a master without facets.
     """
-    found = [
+    ties = [
         Tie(
             keyword=pair.keyword,
             name=pair.interaction,
@@ -62,17 +62,17 @@ def read_ties(
         for row, fields in enumerate(keyword.rows()):
             slave, master = slave_and_master(surfaces, keyword, row, fields)
             name = keyword.value("NAME", f"{slave.name} {master.name}")
-            found.append(
+            ties.append(
                 Tie(keyword=keyword, name=name, slave=slave, master=master, tolerance=tolerance)
             )
-    if any(tie.stiffness is None for tie in found):
+    if any(tie.stiffness is None for tie in ties):
         ignored.append(
             "*TIE, TIED: slave and master move together where facets see each other within the "
             "position tolerance, node by node where meshes match and else in the mean (mortar), "
             "which gives way more on coarse meshes (0.1 % on blocks of two and three linear "
             "bricks, 4 % of quadratic ones); no node is adjusted"
         )
-    return found
+    return ties
 
 
 def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> Assembly:
@@ -116,16 +116,16 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
     ignored += [
         f"*TIE {name}: {share:.0%} of the smaller surface is tied" for name, share in partial
     ]
-    found = (*assembly.equations, *equations)
+    all_equations = (*assembly.equations, *equations)
     for tie in of_nodes:
-        first = max((equation.id for equation in found), default=0) + 1
-        found += _following(named, tie, first, ignored)
-    named = replace(named, equations=found)
+        first = max((equation.id for equation in all_equations), default=0) + 1
+        all_equations += _following(named, tie, first, ignored)
+    named = replace(named, equations=all_equations)
     for tie, spec in specs.items():
         if tie.stiffness is not None:
             named = with_elastic_layer(named, spec, *tie.stiffness)
-    own = dict(assembly.mesh.node_sets)
-    return replace(named, mesh=replace(named.mesh, node_sets=own))
+    node_sets = dict(assembly.mesh.node_sets)
+    return replace(named, mesh=replace(named.mesh, node_sets=node_sets))
 
 
 def _stiffness(pair: Pair) -> tuple[float, float] | None:

@@ -14,7 +14,7 @@ from faying.io.abaqus.pieces import Body, Piece, TextFile, is_content
 _PARTS = re.compile(r"\"[^\"]*\"|'[^']*'|[^,]")
 
 
-def read_keywords(pieces: Sequence[Piece]) -> list[Keyword]:
+def read_keywords(parts: Sequence[Piece]) -> list[Keyword]:
     """Split a deck into its keywords, in order.
 
     A keyword line that ends in a comma continues on the next line.
@@ -30,63 +30,63 @@ def read_keywords(pieces: Sequence[Piece]) -> list[Keyword]:
     """
     heads = [
         (number, begin, end)
-        for number, piece in enumerate(pieces)
-        for begin, end in piece.starred()
-        if is_content(piece.file.text[begin:end])
+        for number, part in enumerate(parts)
+        for begin, end in part.starred()
+        if is_content(part.file.text[begin:end])
     ]
-    first = next(((n, begin) for n, p in enumerate(pieces) for begin, _ in p.content()), None)
+    first = next(((n, begin) for n, p in enumerate(parts) for begin, _ in p.content()), None)
     if first is not None and (not heads or heads[0][:2] != first):
-        file = pieces[first[0]].file
+        file = parts[first[0]].file
         message = (
             f"{file.name}:{file.line(first[1])}: data before the first keyword; a deck starts with "
             "a line such as *HEADING or *NODE"
         )
         raise FormatError(message)
-    return [_keyword(pieces, head, after) for head, after in zip_longest(heads, heads[1:])]
+    return [_keyword(parts, head, following) for head, following in zip_longest(heads, heads[1:])]
 
 
 _Head = tuple[int, int, int]
 """Piece, and where the line of a keyword begins and ends."""
 
 
-def _keyword(pieces: Sequence[Piece], head: _Head, after: _Head | None) -> Keyword:
+def _keyword(parts: Sequence[Piece], head: _Head, following: _Head | None) -> Keyword:
     number, begin, end = head
-    file = pieces[number].file
+    file = parts[number].file
     text = _decoded(file.text[begin:end])
-    body = _between(pieces, head, after)
+    body = _between(parts, head, following)
     while text.endswith(","):
-        place = next(((k, at) for k, p in enumerate(body) for at in p.content()), None)
-        if place is None:
+        content = next(((k, span) for k, p in enumerate(body) for span in p.content()), None)
+        if content is None:
             break
-        k, (start, stop) = place
+        k, (start, stop) = content
         line = body[k].file.text[start:stop]
         if not _is_continuation(line):
             break
         text += " " + _decoded(line)
         body = [replace(body[k], start=min(stop + 1, body[k].end)), *body[k + 1 :]]
-    name, *rest = _split(text.lstrip("* \t"))
+    name, *arguments = _split(text.lstrip("* \t"))
     place_of = partial(_place, file, begin)
     return Keyword(
         name=keyword_name(name),
-        parameters=dict(_parameters(rest, place_of)),
+        parameters=dict(_parameters(arguments, place_of)),
         body=Body(pieces=tuple(body)),
         file=file,
         begin=begin,
     )
 
 
-def _between(pieces: Sequence[Piece], head: _Head, after: _Head | None) -> list[Piece]:
+def _between(parts: Sequence[Piece], head: _Head, following: _Head | None) -> list[Piece]:
     """Return the pieces of the deck from behind a keyword's line to the next keyword."""
     number, _, end = head
-    last = len(pieces) - 1 if after is None else after[0]
-    found = []
+    last = len(parts) - 1 if following is None else following[0]
+    between = []
     for k in range(number, last + 1):
-        piece = pieces[k]
-        start = min(end + 1, piece.end) if k == number else piece.start
-        stop = piece.end if after is None or k < last else after[1]
+        part = parts[k]
+        start = min(end + 1, part.end) if k == number else part.start
+        stop = part.end if following is None or k < last else following[1]
         if start < stop:
-            found.append(replace(piece, start=start, end=stop))
-    return found
+            between.append(replace(part, start=start, end=stop))
+    return between
 
 
 def _place(file: TextFile, begin: int) -> str:

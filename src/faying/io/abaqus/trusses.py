@@ -33,14 +33,14 @@ def read_trusses(
     blocks = elements.of(*TYPES)
     if not blocks:
         return
-    known = np.concatenate([block.ids for block in blocks])
+    truss_ids = np.concatenate([block.ids for block in blocks])
     sections: dict[int, tuple[int, BeamSection, Material]] = {}
     for number, keyword in enumerate(deck.of("SOLID SECTION"), start=1):
         ids = sets.find(keyword, keyword.required("ELSET"))
-        own = ids[np.isin(ids, known)].tolist()
-        if own:
-            made = number, _section(keyword), find_isotropic(materials, keyword)
-            sections.update(dict.fromkeys(own, made))
+        members = ids[np.isin(ids, truss_ids)].tolist()
+        if members:
+            member = number, _section(keyword), find_isotropic(materials, keyword)
+            sections.update(dict.fromkeys(members, member))
     for block in blocks:
         for i, element_id in enumerate(block.ids.tolist()):
             row = int(block.rows[i])

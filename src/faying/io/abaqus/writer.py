@@ -79,8 +79,8 @@ def write_deck(
             "express; export the reduced model instead"
         )
         raise FormatError(message)
-    wanted = assembly.loads if loads is None else loads
-    lines = _lines(description, wanted, modes, title or assembly.name)
+    cases = assembly.loads if loads is None else loads
+    lines = _lines(description, cases, modes, title or assembly.name)
     path = Path(path)
     text = "\n".join(lines) + "\n"
     try:
@@ -134,20 +134,20 @@ def _tightened(description: JointDescription) -> dict[str, int]:
             "preload in their place"
         )
         raise FormatError(message)
-    found = {}
-    known = {beam.id for beam in description.assembly.beams}
+    beams = {}
+    beam_ids = {beam.id for beam in description.assembly.beams}
     for bolt in description.bolts:
         if bolt.name in description.preloads:
             element = bolt_axis_element(description.assembly, bolt)
-            if element.id not in known:
+            if element.id not in beam_ids:
                 message = f"bolt '{bolt.name}' is a spring; only beams can be written as bolts"
                 raise FormatError(message)
-            found[bolt.name] = element.id
-    missing = [name for name in description.preloads if name not in found]
+            beams[bolt.name] = element.id
+    missing = [name for name in description.preloads if name not in beams]
     if missing:
         message = f"there is no bolt '{missing[0]}' to preload; add it to the description's bolts"
         raise FormatError(message)
-    return found
+    return beams
 
 
 def _beams(assembly: Assembly, nodes: WrittenNodes, tightened: set[int]) -> Iterator[WrittenBeam]:
@@ -158,13 +158,13 @@ def _beams(assembly: Assembly, nodes: WrittenNodes, tightened: set[int]) -> Iter
 
 def _nodes(assembly: Assembly, nodes: WrittenNodes, beams: Sequence[WrittenBeam]) -> Iterator[str]:
     yield "*NODE,NSET=NALL"
-    for number, place in zip(nodes.ids.tolist(), assembly.mesh.nodes.tolist(), strict=True):
-        yield f"{number},{_reals(place)}"
+    for number, coordinates in zip(nodes.ids.tolist(), assembly.mesh.nodes.tolist(), strict=True):
+        yield f"{number},{_reals(coordinates)}"
     added = [*rotation_coordinates(assembly, nodes), *(n for beam in beams for n in beam.nodes)]
     if added:
         yield "** nodes whose translations are rotations, and the insides of bolts"
         yield "*NODE,NSET=NAUXILIARY"
-        yield from (f"{number},{_reals(place.tolist())}" for number, place in added)
+        yield from (f"{number},{_reals(coordinates.tolist())}" for number, coordinates in added)
 
 
 def _solids(assembly: Assembly) -> Iterator[str]:
@@ -195,31 +195,31 @@ def _property(number: int) -> str:
 
 def _sets(assembly: Assembly) -> Iterator[str]:
     ids = assembly.mesh.node_ids
-    taken: set[str] = set()
+    labels: set[str] = set()
     for kind, sets in (
         ("NSET", {name: ids[nodes] for name, nodes in assembly.mesh.node_sets.items()}),
         ("ELSET", assembly.mesh.element_sets),
     ):
         for name, members in sets.items():
             if len(members):
-                label = _label(name, taken)
+                label = _label(name, labels)
                 yield f"*{kind},{kind}={label}"
                 yield from _wrapped(np.asarray(members).tolist())
 
 
-def _label(name: str, taken: set[str]) -> str:
+def _label(name: str, labels: set[str]) -> str:
     """Name a set in the letters both programs take, each name once."""
     label = re.sub(r"[^A-Z0-9_-]", "_", name.upper())[:60]
     label = label if label[:1].isalpha() else f"S{label}"
-    while label in taken or label == "NALL" or label.startswith("PROPERTY"):
+    while label in labels or label == "NALL" or label.startswith("PROPERTY"):
         label += "_"
-    taken.add(label)
+    labels.add(label)
     return label
 
 
 def _materials(assembly: Assembly) -> Iterator[str]:
     used = [n for block in assembly.mesh.blocks for n in np.unique(block.properties).tolist()]
-    taken: set[str] = set()
+    labels: set[str] = set()
     names = {}
     for number in dict.fromkeys(used):
         if number not in assembly.materials:
@@ -227,7 +227,7 @@ def _materials(assembly: Assembly) -> Iterator[str]:
             raise FormatError(message)
         material = assembly.materials[number]
         if material not in names:
-            names[material] = _label(material.name or f"MATERIAL{number}", taken)
+            names[material] = _label(material.name or f"MATERIAL{number}", labels)
             yield f"*MATERIAL,NAME={names[material]}"
             yield from ("*ELASTIC", _reals([material.youngs_modulus, material.poissons_ratio]))
             yield from ("*DENSITY", _reals([material.density]))

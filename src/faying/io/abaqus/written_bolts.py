@@ -75,18 +75,18 @@ def written_beam(
     frames, lengths = beam_frames([beam], axis[None])
     frame, length = frames[0], float(lengths[0])
     along = _along(beam, frame)
-    near, far, cut = first, first + 1, first + 2
+    first_arm, far, cut = first, first + 1, first + 2
     places = [ends[0] + part * axis for part in _DRAWN]
-    added = [(near, places[0]), (far, places[2])]
+    added = [(first_arm, places[0]), (far, places[2])]
     equations = [
         terms
-        for arm, node, at in ((near, beam.nodes[0], ends[0]), (far, beam.nodes[1], ends[1]))
-        for terms in _arm(nodes, arm, node, ends.mean(axis=0) - at)
+        for arm, node, point in ((first_arm, beam.nodes[0], ends[0]), (far, beam.nodes[1], ends[1]))
+        for terms in _arm(nodes, arm, node, ends.mean(axis=0) - point)
     ]
-    free = cut if tightened else near
+    free = cut if tightened else first_arm
     stiffness = _stiffness(beam, frame, length)
     springs = [((free, along + 1), (far, along + 1), stiffness[along])]
-    springs += [((near, c + 1), (far, c + 1), stiffness[c]) for c in range(3) if c != along]
+    springs += [((first_arm, c + 1), (far, c + 1), stiffness[c]) for c in range(3) if c != along]
     for c in range(3, 6):
         first_end, second_end = (nodes.place(6 * node + c) for node in beam.nodes)
         springs.append((first_end, second_end, stiffness[c]))
@@ -94,12 +94,12 @@ def written_beam(
         added += [(cut, places[1]), (first + 3, ends[0])]
         # Springs activate all directions of their nodes; the cut opens along the axis only.
         across = [c + 1 for c in range(3) if c != along]
-        equations += [[(cut, dof, 1.0), (near, dof, -1.0)] for dof in across]
+        equations += [[(cut, dof, 1.0), (first_arm, dof, -1.0)] for dof in across]
     return WrittenBeam(
         nodes=added,
         equations=equations,
         springs=[spring for spring in springs if spring[2] > 0],
-        cut=(near, cut) if tightened else None,
+        cut=(first_arm, cut) if tightened else None,
         control=first + 3 if tightened else 0,
         radius=float(np.sqrt(beam.section.area / np.pi)),
         across=[float(value) for value in frame[1]],

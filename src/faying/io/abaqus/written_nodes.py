@@ -117,13 +117,13 @@ def equation_terms(rows: Rows, nodes: WrittenNodes, fixed: Mask) -> Iterator[lis
 
 def held(nodes: WrittenNodes, fixed: Mask) -> list[tuple[int, list[int]]]:
     """Return the held degrees of freedom of each node of the deck; rotations of solids drop out."""
-    found: dict[int, list[int]] = {}
+    components: dict[int, list[int]] = {}
     for dof in np.flatnonzero(fixed).tolist():
         node, component = divmod(dof, 6)
         if component < 3 or nodes.rotations[node]:
             number, direction = nodes.place(dof)
-            found.setdefault(number, []).append(direction)
-    return sorted(found.items())
+            components.setdefault(number, []).append(direction)
+    return sorted(components.items())
 
 
 def rotation_coordinates(assembly: Assembly, nodes: WrittenNodes) -> list[tuple[int, Vector]]:

@@ -38,13 +38,13 @@ def step_lines(
         yield from _cload({(node, 1): force for node, force in preloads.items()})
         yield from _closing(contact)
     cases = {name: _forces(nodes, case) for name, case in loads.items()}
-    places = dict.fromkeys(place for forces in cases.values() for place in forces)
+    places = dict.fromkeys(dof for forces in cases.values() for dof in forces)
     for number, (name, forces) in enumerate(cases.items()):
         yield from (f"** {' '.join(name.split())[:60]}", *_opening(contact))
         if locked and number == 0:
             yield "*BOUNDARY,FIXED"
             yield from (f"{node},1,1" for node in locked)
-        yield from _cload({place: forces.get(place, 0.0) for place in places})
+        yield from _cload({dof: forces.get(dof, 0.0) for dof in places})
         yield from _closing(contact)
 
 
@@ -77,6 +77,6 @@ def _forces(nodes: WrittenNodes, case: NodalLoads) -> Forces:
     forces: Forces = {}
     for node, row in zip(case.nodes.tolist(), case.forces, strict=True):
         for component in np.flatnonzero(row).tolist():
-            place = nodes.place(6 * node + component)
-            forces[place] = forces.get(place, 0.0) + float(row[component])
+            dof = nodes.place(6 * node + component)
+            forces[dof] = forces.get(dof, 0.0) + float(row[component])
     return forces

@@ -60,21 +60,21 @@ class BeamEnds:
             If the offset is not finite.
         """
         vector = np.array([card.real(OFFSETS[end] + j, 0.0) for j in range(3)])
-        place = grids.nodes[node]
+        position = grids.nodes[node]
         if not vector.any():
-            return node, place
+            return node, position
         of_element = card.text(7)[1 + end : 2 + end] == "O"
         axes = along if of_element else grids.systems.axes(node)
-        place = place + (vector if axes is None else vector @ axes)
-        if not np.isfinite(place).all():
+        position = position + (vector if axes is None else vector @ axes)
+        if not np.isfinite(position).all():
             text = "the offset is too large for a number"
             raise card.error(text, OFFSETS[end])
-        new = self._added(place, node)
+        new = self._added(position, node)
         coupling = RigidCoupling(
             id=card.integer(0), reference=node, nodes=np.array([new]), components=tuple(range(6))
         )
         self.couplings.append(coupling)
-        return new, place
+        return new, position
 
     def pinned(
         self, card: Card, nodes: tuple[int, int], places: tuple[Vector, Vector], v: Vector
@@ -85,20 +85,20 @@ class BeamEnds:
         second end keeps it, so that the element does not move by itself.
         """
         first, second = (_released(card, field) for field in PINS)
-        kept = [c for c in second if not (c in first and c in (0, 3))]
+        released = [c for c in second if not (c in first and c in (0, 3))]
         x = places[1] - places[0]
         z = np.cross(x, v)
         axes = np.array([x, np.cross(z, x), z])
         axes = axes / np.linalg.norm(axes, axis=1)[:, None]
         a = self._hinge(card, nodes[0], places[0], first, axes)
-        return a, self._hinge(card, nodes[1], places[1], kept, axes)
+        return a, self._hinge(card, nodes[1], places[1], released, axes)
 
     def _hinge(
-        self, card: Card, node: int, place: Vector, released: list[int], axes: Matrix
+        self, card: Card, node: int, position: Vector, released: list[int], axes: Matrix
     ) -> int:
         if not released:
             return node
-        new = self._added(place, node)
+        new = self._added(position, node)
         for first in (0, 3):
             rows = np.eye(3)
             if any(first <= c < first + 3 for c in released):
@@ -112,8 +112,8 @@ class BeamEnds:
                 self.equations.append(Equation(id=card.integer(0), terms=tuple(terms)))
         return new
 
-    def _added(self, place: Vector, node: int) -> int:
-        self.places.append(place)
+    def _added(self, position: Vector, node: int) -> int:
+        self.places.append(position)
         self.grids.append(node if node < self.first else self.grids[node - self.first])
         return self.first + len(self.places) - 1
 

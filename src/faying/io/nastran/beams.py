@@ -47,13 +47,13 @@ def read_beams(
 
 def _default(cards: Mapping[str, Cards], name: str) -> Card | None:
     """Return the card that fills blank fields of beams."""
-    found = list(cards.get(name, ()))
-    if len(found) > 1:
-        text = f"a second {name}; the first is at {found[0].where()}, keep one"
-        raise found[1].error(text)
-    for card in found:
+    defaults = list(cards.get(name, ()))
+    if len(defaults) > 1:
+        text = f"a second {name}; the first is at {defaults[0].where()}, keep one"
+        raise defaults[1].error(text)
+    for card in defaults:
         card.refuse_given([0, 2, 3])
-    return found[0] if found else None
+    return defaults[0] if defaults else None
 
 
 def _filled(card: Card, default: Card | None) -> Card:
@@ -61,12 +61,12 @@ def _filled(card: Card, default: Card | None) -> Card:
     if default is None:
         return card
     texts = [*card.texts, *[""] * (8 - len(card))]
-    own = [text for text in texts[4:7] if text]
-    is_grid = len(own) == 1 and bool(texts[4]) and numbers.integer(texts[4]) is not None
-    if own and not is_grid and len(own) < 3 and any(default.texts[4:7]):
+    orientation = [text for text in texts[4:7] if text]
+    is_grid = len(orientation) == 1 and bool(texts[4]) and numbers.integer(texts[4]) is not None
+    if orientation and not is_grid and len(orientation) < 3 and any(default.texts[4:7]):
         text = f"give all of X1, X2, X3: {default.where()} fills the blank ones"
         raise card.error(text, 4)
-    for field in (1, *(() if own else (4, 5, 6)), 7):
+    for field in (1, *(() if orientation else (4, 5, 6)), 7):
         texts[field] = texts[field] or default.text(field)
     return replace(card, texts=texts)
 
@@ -79,17 +79,17 @@ def _beam(card: Card, grids: Grids, sections: Mapping[int, Property], ends: Beam
         text = f"property {pid} is not a {kinds} of the deck; define it"
         raise card.error(text, 1)
     section, material, angle, _ = sections[pid]
-    own = grids.one(card, 2), grids.one(card, 3)
-    vector = _orientation(card, grids, own[0])
-    along = _between(card, grids, own, vector)
-    (start, at), (end, to) = (
-        ends.offset(card, grids, i, node, along) for i, node in enumerate(own)
+    grid_ends = grids.one(card, 2), grids.one(card, 3)
+    vector = _orientation(card, grids, grid_ends[0])
+    along = _between(card, grids, grid_ends, vector)
+    (start, origin), (end, to) = (
+        ends.offset(card, grids, i, node, along) for i, node in enumerate(grid_ends)
     )
-    _check(card, to - at, vector)
-    x, y, z = turned_about(to - at, vector, angle).tolist()
+    _check(card, to - origin, vector)
+    x, y, z = turned_about(to - origin, vector, angle).tolist()
     return Beam(
         id=number,
-        nodes=ends.pinned(card, (start, end), (at, to), vector),
+        nodes=ends.pinned(card, (start, end), (origin, to), vector),
         section=section,
         material=material,
         orientation=(x, y, z),
@@ -111,11 +111,11 @@ def _orientation(card: Card, grids: Grids, start: int) -> Vector:
     return np.asarray(grids.nodes[grids.one(card, 4)] - grids.nodes[start])
 
 
-def _between(card: Card, grids: Grids, own: tuple[int, int], vector: Vector) -> Matrix:
+def _between(card: Card, grids: Grids, grid_ends: tuple[int, int], vector: Vector) -> Matrix:
     """Axes (3, 3) from grid to grid, where offsets (O of OFFT) are along them; else basic ones."""
     if "O" not in card.text(7):
         return np.eye(3)
-    axis = grids.nodes[own[1]] - grids.nodes[own[0]]
+    axis = grids.nodes[grid_ends[1]] - grids.nodes[grid_ends[0]]
     _check(card, axis, vector)
     z = np.cross(axis, vector)
     axes = np.array([axis, np.cross(z, axis), z])

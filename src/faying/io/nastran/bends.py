@@ -80,9 +80,9 @@ def read_bends(
     bushes: list[Bush] = []
     properties: dict[int, Card] = {}
     for card in cards.get("PBEND", ()):
-        before = properties.setdefault(card.integer(0), card)
-        if before is not card:
-            text = f"property {card.text(0)} is already defined at {before.where()}; renumber one"
+        earlier = properties.setdefault(card.integer(0), card)
+        if earlier is not card:
+            text = f"property {card.text(0)} is already defined at {earlier.where()}; renumber one"
             raise card.error(text)
     heavy = 0
     for card in cards.get("CBEND", ()):
@@ -221,7 +221,7 @@ def _bushes(card: Card, ends: tuple[int, int], arc: _Arc, section: _Section) -> 
         text = f"the neutral axis at DELTAN = {neutral:g} of radius {radius:g} is no curved bar's"
         raise card.error(text)
     axes = np.array([arc.chord, arc.outward, np.cross(arc.chord, arc.outward)])
-    stiff = [1 / one for one in (*plane, *across)]
+    stiff = [1 / flexibility for flexibility in (*plane, *across)]
     return [
         Bush(
             id=card.integer(0),

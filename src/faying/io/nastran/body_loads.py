@@ -51,7 +51,7 @@ def read_accelerations(
         number, speed = card.integer(0), 2 * pi * card.real(3, 0.0)
         axis = _basic(card, 2, [card.real(j, 0.0) for j in (4, 5, 6)], grids)
         point = grids.nodes[grids.one(card, 1)] if card.integer(1, 0) else np.zeros(3)
-        if any(any(one.offset) for one in masses):
+        if any(any(mass.offset) for mass in masses):
             unread.setdefault(number, f"{card.where()} of CONM2 that are offset")
         elif axis is None or abs(float(np.linalg.norm(axis)) - 1) > _UNIT or card.real(8, 0.0):
             reason = (

@@ -152,9 +152,9 @@ def _elements(card: Card, beams: tuple[Beam, ...]) -> tuple[int, ...]:
     if kind != 1:
         text = f"ETYPE = {kind}; it is 1 (beams), 2 or 3 (solids)"
         raise card.error(text, 1)
-    known = np.array(sorted(beam.id for beam in beams), dtype=np.int64)
-    ids = id_list(card, [text for text in card.texts[2:] if text], known)
-    missing = sorted(set(ids) - set(known.tolist()))
+    beam_ids = np.array(sorted(beam.id for beam in beams), dtype=np.int64)
+    ids = id_list(card, [text for text in card.texts[2:] if text], beam_ids)
+    missing = sorted(set(ids) - set(beam_ids.tolist()))
     if missing or not ids:
         what = f"element {missing[0]} is no CBAR or CBEAM of the deck" if missing else "no elements"
         text = f"{what}; list the beams of the shank"
@@ -168,7 +168,7 @@ def _forces(
     """Force of each bolt by the set that applies."""
     sets: dict[int, dict[int, float]] = {}
     for card in cards.get("BOLTFOR", ()):
-        own = sets.setdefault(card.integer(0), {})
+        of_set = sets.setdefault(card.integer(0), {})
         force = card.real(1)
         if not force >= 0:
             text = f"the force is {force:g}; a bolt is tightened by a positive one"
@@ -177,10 +177,10 @@ def _forces(
             if bolt not in names:
                 text = f"bolt {bolt} is not a BOLT of the deck; define it"
                 raise card.error(text, 2)
-            if bolt in own:
+            if bolt in of_set:
                 text = f"bolt {bolt} has two forces in set {card.integer(0)}; remove one"
                 raise card.error(text, 2)
-            own[bolt] = force
+            of_set[bolt] = force
     combined = {number: _combination(card, sets) for number, card in by_id(cards, "BOLTLD").items()}
     both = set(sets) & set(combined)
     if both:
@@ -196,8 +196,10 @@ def _forces(
             ignored.append(f"bolt forces of sets {shown} (case control selects none by BOLTLD)")
         return {}
     if chosen not in available:
-        known = ", ".join(map(str, available)) or "none"
-        message = f"case control selects BOLTLD = {chosen}, but the sets of bolt forces are {known}"
+        numbers = ", ".join(map(str, available)) or "none"
+        message = (
+            f"case control selects BOLTLD = {chosen}, but the sets of bolt forces are {numbers}"
+        )
         raise FormatError(message)
     return available[chosen]
 
@@ -205,13 +207,13 @@ def _forces(
 def _combination(card: Card, sets: dict[int, dict[int, float]]) -> dict[int, float]:
     """Add sets of BOLTFOR with factors: SID, S, S1, L1, S2, L2, ..."""
     overall, total = card.real(1), dict[int, float]()
-    for at in range(2, len(card), 2):
-        if not card.text(at) and not card.text(at + 1):
+    for field in range(2, len(card), 2):
+        if not card.text(field) and not card.text(field + 1):
             continue
-        factor, member = overall * card.real(at), card.integer(at + 1)
+        factor, member = overall * card.real(field), card.integer(field + 1)
         if member not in sets:
             text = f"set {member} is not a BOLTFOR of the deck; define it"
-            raise card.error(text, at + 1)
+            raise card.error(text, field + 1)
         for bolt, force in sets[member].items():
             total[bolt] = total.get(bolt, 0.0) + factor * force
     return total

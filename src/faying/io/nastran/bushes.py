@@ -51,25 +51,25 @@ def read_bushes(
             if (family, number) not in properties:
                 text = f"property {number} is not a {family} of the deck; define it"
                 raise card.error(text, 1)
-            own = properties[family, number]
-            damped += own.damped
-            bushes.append(_bush(card, own, grids, mass_factor))
+            bush_property = properties[family, number]
+            damped += bush_property.damped
+            bushes.append(_bush(card, bush_property, grids, mass_factor))
     if damped:
         ignored.append(f"damping of {damped} CBUSH (give [damping] in the study)")
     return bushes
 
 
 def _properties(cards: Mapping[str, Cards]) -> dict[tuple[str, int], _Property]:
-    found: dict[tuple[str, int], _Property] = {}
+    properties: dict[tuple[str, int], _Property] = {}
     for name, read in (("PBUSH", _general), ("PBUSH1D", _axial)):
         for card in cards.get(name, ()):
             key = (name, card.integer(0))
-            if key in found:
-                before = found[key].card.where()
-                text = f"property {key[1]} is already defined at {before}; renumber one"
+            if key in properties:
+                earlier = properties[key].card.where()
+                text = f"property {key[1]} is already defined at {earlier}; renumber one"
                 raise card.error(text)
-            found[key] = read(card)
-    return found
+            properties[key] = read(card)
+    return properties
 
 
 def _general(card: Card) -> _Property:
@@ -109,23 +109,23 @@ def _checked(card: Card, stiffness: list[float], mass: float, damped: bool) -> _
     return _Property(stiffness=tuple(stiffness), mass=mass, damped=damped, card=card)
 
 
-def _bush(card: Card, own: _Property, grids: Grids, mass_factor: float) -> Bush:
+def _bush(card: Card, bush_property: _Property, grids: Grids, mass_factor: float) -> Bush:
     start = grids.one(card, 2)
     end = grids.one(card, 3) if card.integer(3, 0) else None
     line = np.zeros(3) if end is None else grids.nodes[end] - grids.nodes[start]
-    x, y, z = _axes(card, own, grids, start, line).tolist()
+    x, y, z = _axes(card, bush_property, grids, start, line).tolist()
     a, b, c = _place(card, grids, start, line).tolist()
     return Bush(
         id=card.integer(0),
         nodes=(start,) if end is None else (start, end),
-        stiffness=own.stiffness,
+        stiffness=bush_property.stiffness,
         axes=(tuple(x), tuple(y), tuple(z)),
         place=(a, b, c),
-        mass=own.mass * mass_factor,
+        mass=bush_property.mass * mass_factor,
     )
 
 
-def _axes(card: Card, own: _Property, grids: Grids, start: int, line: Vector) -> Matrix:
+def _axes(card: Card, bush_property: _Property, grids: Grids, start: int, line: Vector) -> Matrix:
     field = 7 if card.cards.name == "CBUSH" else 4
     if card.text(field):
         number = card.integer(field)
@@ -147,7 +147,7 @@ def _axes(card: Card, own: _Property, grids: Grids, start: int, line: Vector) ->
     x = line / length
     vector = orientation(card, grids, start) if field == 7 else None
     if vector is None:
-        if any(own.stiffness[component] for component in (1, 2, 4, 5)):
+        if any(bush_property.stiffness[component] for component in (1, 2, 4, 5)):
             text = "springs across the line of its nodes need an orientation (GO, X1 to X3 or CID)"
             raise card.error(text, 4)
         vector = np.eye(3)[int(np.abs(x).argmin())]
@@ -180,6 +180,6 @@ def _place(card: Card, grids: Grids, start: int, line: Vector) -> Vector:
         if system not in grids.systems.frames:
             text = f"coordinate system {system} is not in the deck; define it (CORD2R, ...)"
             raise card.error(text, 9)
-        given = np.array([[card.real(field, 0.0) for field in (10, 11, 12)]])
-        return np.asarray(grids.systems.frames[system].to_basic(given)[0])
+        location = np.array([[card.real(field, 0.0) for field in (10, 11, 12)]])
+        return np.asarray(grids.systems.frames[system].to_basic(location)[0])
     return np.asarray(grids.nodes[start] + card.real(8, 0.5) * line)

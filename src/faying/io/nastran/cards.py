@@ -96,10 +96,10 @@ class Cards:
         """Field j (n,) of every card as text; empty beyond the end of a card."""
         if not len(self.bulk.fields):
             return np.zeros(len(self), dtype=self.bulk.fields.dtype)
-        at = np.minimum(self.start + field, len(self.bulk.fields) - 1)
-        found = self.bulk.fields[at]
-        found[field >= self.count] = b""
-        return found
+        positions = np.minimum(self.start + field, len(self.bulk.fields) - 1)
+        texts = self.bulk.fields[positions]
+        texts[field >= self.count] = b""
+        return texts
 
     def given(self, field: int) -> Mask:
         """Where field j is not blank."""
@@ -134,8 +134,8 @@ class Cards:
     def malformed(self, card: int, field: int, text: str, kind: str) -> FormatError:
         """Return the error for a field that is not what it should be."""
         shown = text.strip("\0 ")
-        found = f"'{shown}'" if shown else "nothing"
-        return self.error(card, f"field {field % 8 + 2} holds {found}, expected {kind}", field)
+        content = f"'{shown}'" if shown else "nothing"
+        return self.error(card, f"field {field % 8 + 2} holds {content}, expected {kind}", field)
 
     def tail(self, field: int) -> tuple[Indices, Indices]:
         """Cards (m,) and positions (m,) in ``Bulk.fields`` of all non-blank fields from j on."""

@@ -80,11 +80,11 @@ class _Level:
 def parameter_lines(lines: Lines) -> Lines:
     """Return the PARAM lines of case control; DMAP in front of CEND has others."""
     start = _behind_cend(lines)
-    kept = [i for i in range(start, len(lines.text)) if lines.text[i].lstrip()[:5] == b"PARAM"]
+    rows = [i for i in range(start, len(lines.text)) if lines.text[i].lstrip()[:5] == b"PARAM"]
     return Lines(
-        text=joined([[lines.text[i].lstrip() for i in kept]]),
-        number=lines.number[kept],
-        file=lines.file[kept],
+        text=joined([[lines.text[i].lstrip() for i in rows]]),
+        number=lines.number[rows],
+        file=lines.file[rows],
         files=lines.files,
     )
 
@@ -115,7 +115,7 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
     combinations: dict[int, str] = {}
     others: set[str] = set()
     heat = any(_HEAT.match(line) for line in lines.text[: start + 1])
-    level, own, steps = common, common, 0
+    level, of_subcase, steps = common, common, 0
     for i, name, option, value in _statements(lines, start + 1):
         if name in _MATRICES and start >= 0:
             message = (
@@ -126,7 +126,7 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
         if name == "SUBCASE" or name in _COMBINATIONS:
             number = _number(lines, i, name, value, "an id")
             level, steps = _Level(where=lines.where(i)), 0
-            own = level
+            of_subcase = level
             if name in _COMBINATIONS:
                 combinations[number] = name
             elif number in subcases:
@@ -144,11 +144,11 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
                 others.add("STEP after the first")
         elif name == "BCONTACT":
             word = value.partition(",")[0].strip()
-            wanted = word if word in _BCONTACT else _number(lines, i, name, value, "a table's id")
-            if steps > 1 and own.chosen.get(name, common.chosen.get(name, 0)) == 0:
+            choice = word if word in _BCONTACT else _number(lines, i, name, value, "a table's id")
+            if steps > 1 and of_subcase.chosen.get(name, common.chosen.get(name, 0)) == 0:
                 ignored.append(f"BCONTACT = {word} is that of a later STEP, for the first has none")
-                own.chosen[name] = wanted
-            level.chosen[name] = wanted
+                of_subcase.chosen[name] = choice
+            level.chosen[name] = choice
         elif name == "ANALYSIS":
             heat = heat or value == "HEAT"
             others.add(name)
@@ -210,28 +210,28 @@ def _number(lines: Lines, i: int, name: str, value: str, expected: str) -> int:
 def _subcase(
     subcases: dict[int, _Level],
     combinations: dict[int, str],
-    wanted: int | None,
+    subcase: int | None,
     ignored: list[str],
 ) -> dict[str, int | str]:
     """Return the selections of the subcase that counts, and note the others."""
-    if wanted is not None and wanted not in subcases:
-        known = ", ".join(map(str, subcases)) or "none"
-        kind = combinations.get(wanted)
+    if subcase is not None and subcase not in subcases:
+        numbers = ", ".join(map(str, subcases)) or "none"
+        kind = combinations.get(subcase)
         message = (
-            f"subcase {wanted} is a {kind}, a combination of others; choose one of {known}"
+            f"subcase {subcase} is a {kind}, a combination of others; choose one of {numbers}"
             if kind
-            else f"case control has no subcase {wanted}; subcases are {known}"
+            else f"case control has no subcase {subcase}; subcases are {numbers}"
         )
         raise FormatError(message)
     if combinations:
-        found = ", ".join(f"{kind} {number}" for number, kind in combinations.items())
-        ignored.append(f"case control combinations ({found})")
+        listed = ", ".join(f"{kind} {number}" for number, kind in combinations.items())
+        ignored.append(f"case control combinations ({listed})")
     if not subcases:
         return {}
-    taken = next(iter(subcases)) if wanted is None else wanted
-    others = [str(number) for number in subcases if number != taken]
+    chosen = next(iter(subcases)) if subcase is None else subcase
+    others = [str(number) for number in subcases if number != chosen]
     if others:
         ignored.append(
-            f"case control subcases other than {taken} ({', '.join(others)}); choose by 'subcase'"
+            f"case control subcases other than {chosen} ({', '.join(others)}); choose by 'subcase'"
         )
-    return subcases[taken].chosen
+    return subcases[chosen].chosen

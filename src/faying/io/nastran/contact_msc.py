@@ -122,10 +122,10 @@ def friction_of_all_bodies(
         card.integer(0, 0)
         slides = read_parameters(card, 1, ignored).slides or slides
     bodies = _bodies(cards)
-    found = [
+    all_regions = [
         _region(cards, bodies, regions, card, number, ignored) for number, card in bodies.items()
     ]
-    named = [region.elements for region in found if region.elements is not None]
+    named = [region.elements for region in all_regions if region.elements is not None]
     left = np.setdiff1d(elements, np.concatenate([elements[:0], *named]))
     if left.size:
         message = (
@@ -150,11 +150,11 @@ def _selected_groups(
     cards: Mapping[str, Cards], control: CaseControl, ignored: dict[str, None]
 ) -> list[_Group]:
     tables, lists, pairs = (by_id(cards, name) for name in ("BCTABLE", "BCTABL1", "BCONECT"))
-    for name, found in (("BCTABLE", tables), ("BCTABL1", lists)):
-        if found.pop(0, None) is not None:
+    for name, by_number in (("BCTABLE", tables), ("BCTABL1", lists)):
+        if by_number.pop(0, None) is not None:
             ignored[f"{name} 0 (initial contact)"] = None
     chosen = control.bcontact
-    known = [*tables, *(lists or pairs)]
+    numbers = [*tables, *(lists or pairs)]
     if chosen == "AUTO":
         message = (
             "case control asks for BCONTACT = AUTO; name the pairs by BCTABL1 and BCONECT, or take "
@@ -164,15 +164,15 @@ def _selected_groups(
     if chosen == "ALLBODY":
         return []
     if chosen in ("NONE", 0) or (chosen is None and control.present):
-        if known:
-            shown = ", ".join(map(str, known))
+        if numbers:
+            shown = ", ".join(map(str, numbers))
             ignored[f"contact tables {shown} (case control selects none by BCONTACT)"] = None
         return []
-    wanted = known if chosen is None else [chosen]
+    selected = numbers if chosen is None else [chosen]
     groups: list[_Group] = []
-    for number in wanted:
-        if number not in known:
-            shown = ", ".join(map(str, known)) or "none"
+    for number in selected:
+        if number not in numbers:
+            shown = ", ".join(map(str, numbers)) or "none"
             message = f"case control selects BCONTACT = {number}, but the tables are {shown}"
             raise FormatError(message)
         if number in tables:
@@ -200,8 +200,8 @@ def _table_groups(card: Card, ignored: dict[str, None]) -> list[_Group]:
         if word in _SECONDARY:
             section = "secondary"
             tolerance = Parameters(error=card.real(first + 2, 0.0))
-            own = [card.integer(first + 1)]
-            groups.append(_Group(card=card, secondary=own, parameters=tolerance))
+            secondary = [card.integer(first + 1)]
+            groups.append(_Group(card=card, secondary=secondary, parameters=tolerance))
             if card.text(first + 4):
                 friction = friction_coefficient(card, first + 4)
                 groups[-1].parameters = replace(groups[-1].parameters, friction=friction)
@@ -241,15 +241,15 @@ def _table_groups(card: Card, ignored: dict[str, None]) -> list[_Group]:
 def _connection(cards: Mapping[str, Cards], card: Card, ignored: dict[str, None]) -> _Group:
     """Bodies and parameters of a BCONECT."""
     group = _Group(card=card)
-    for name, at in (("BCONPRG", 1), ("BCONPRP", 2)):
-        number = card.integer(at, 0)
+    for name, parameter_field in (("BCONPRG", 1), ("BCONPRP", 2)):
+        number = card.integer(parameter_field, 0)
         if not number:
             continue
-        found = by_id(cards, name)
-        if number not in found:
+        parameter_cards = by_id(cards, name)
+        if number not in parameter_cards:
             text = f"{name} {number} is not in the deck; define it"
-            raise card.error(text, at)
-        read = read_parameters(found[number], 1, ignored)
+            raise card.error(text, parameter_field)
+        read = read_parameters(parameter_cards[number], 1, ignored)
         group.parameters = Parameters(
             within_error=read.within_error or group.parameters.within_error,
             error=read.error or group.parameters.error,
@@ -257,9 +257,9 @@ def _connection(cards: Mapping[str, Cards], card: Card, ignored: dict[str, None]
             glued=read.glued or group.parameters.glued,
         )
     members = {"secondary": group.secondary, "primary": group.primary}
-    for name, at in (("secondary", 3), ("primary", 4)):
-        if card.text(at):
-            members[name].append(card.integer(at))
+    for name, parameter_field in (("secondary", 3), ("primary", 4)):
+        if card.text(parameter_field):
+            members[name].append(card.integer(parameter_field))
     listed = {name: bool(ids) for name, ids in members.items()}
     current = ""
     for first, texts in list(rows(card))[1:]:
@@ -304,19 +304,19 @@ def _body_friction(cards: Mapping[str, Cards], card: Card, ignored: dict[str, No
     if card.cards.name != "BCBODY1":
         return friction_coefficient(card, 5)
     properties = by_id(cards, "BCBDPRP").get(card.integer(1, 0))
-    found = None if properties is None else read_parameters(properties, 1, ignored).friction
-    return found or 0.0
+    coefficient = None if properties is None else read_parameters(properties, 1, ignored).friction
+    return coefficient or 0.0
 
 
 def _bodies(cards: Mapping[str, Cards]) -> dict[int, Card]:
-    found: dict[int, Card] = {}
+    bodies: dict[int, Card] = {}
     for name in ("BCBODY", "BCBODY1", "BCSURF"):
         for number, card in by_id(cards, name).items():
-            if number in found:
-                text = f"body {number} is already defined at {found[number].where()}; renumber one"
+            if number in bodies:
+                text = f"body {number} is already defined at {bodies[number].where()}; renumber one"
                 raise card.error(text)
-            found[number] = card
-    return found
+            bodies[number] = card
+    return bodies
 
 
 def _region(
@@ -346,9 +346,9 @@ def _region(
         )
         raise card.error(text, behaviour)
     if new and card.integer(1, 0):
-        found = by_id(cards, "BCBDPRP").get(card.integer(1))
-        if found is None:
+        body_properties = by_id(cards, "BCBDPRP").get(card.integer(1))
+        if body_properties is None:
             text = f"BCBDPRP {card.integer(1)} is not in the deck; define it"
             raise card.error(text, 1)
-        read_parameters(found, 1, ignored)
+        read_parameters(body_properties, 1, ignored)
     return region_of(regions, card, region)

@@ -125,10 +125,10 @@ def spec_of(pair: Pair, assembly: Assembly, ignored: dict[str, None]) -> Interfa
 
 def gap_rule(pair: Pair, mesh: Mesh) -> GapRule | None:
     """Return what closes gaps of a pair before the analysis; None if nothing does."""
-    found = pair.parameters
-    closed = [] if found.closed_up_to is None else [found.closed_up_to]
-    if found.within_error:
-        closed.append(found.error or DEFAULT_ERROR * _edges(pair.minus, mesh).min())
+    parameters = pair.parameters
+    closed = [] if parameters.closed_up_to is None else [parameters.closed_up_to]
+    if parameters.within_error:
+        closed.append(parameters.error or DEFAULT_ERROR * _edges(pair.minus, mesh).min())
     return GapRule(closed_up_to=float(max(closed))) if closed else None
 
 

@@ -115,38 +115,38 @@ def read_parameters(card: Card, first: int, ignored: dict[str, None]) -> Paramet
         If a parameter brings other friction than Coulomb's or anything else that is not
         represented.
     """
-    found = Parameters()
-    for name, value, at in _pairs(card, first):
+    parameters = Parameters()
+    for name, value, field in _pairs(card, first):
         zero = numbers.real(value) == 0.0 if value else True
         if name in _OTHER_FRICTION and not zero:
             text = f"{name} = {value}: {FRICTION_REMEDY}"
-            raise card.error(text, at)
+            raise card.error(text, field)
         if name == "INIPENE":
-            found = replace(found, closed_up_to=_chosen(card, at, INIPENE))
+            parameters = replace(parameters, closed_up_to=_chosen(card, field, INIPENE))
         elif name == "ICOORD":
-            found = replace(found, within_error=_chosen(card, at, ICOORD))
+            parameters = replace(parameters, within_error=_chosen(card, field, ICOORD))
         elif name == "ERROR":
-            found = replace(found, error=card.real(at + 1, 0.0))
+            parameters = replace(parameters, error=card.real(field + 1, 0.0))
         elif name == "FRIC":
-            found = replace(found, friction=friction_coefficient(card, at + 1))
+            parameters = replace(parameters, friction=friction_coefficient(card, field + 1))
         elif name == "FTYPE":
-            found = replace(found, slides=_slides(card, at))
+            parameters = replace(parameters, slides=_slides(card, field))
         elif name in _GLUE:
-            found = replace(found, glued=is_glued(card, at + 1))
+            parameters = replace(parameters, glued=is_glued(card, field + 1))
         elif name == "JGLUE":
-            refuse_letting_go(card, at + 1)
+            refuse_letting_go(card, field + 1)
         elif name in _OTHER_FRICTION:
             pass
         elif name in _OFFSETS:
             if not zero:
                 text = f"{name} = {value} is not supported; give 'initial_gap' in the study"
-                raise card.error(text, at)
+                raise card.error(text, field)
         elif name not in HARMLESS:
             text = f"{name} = {value} may change the contact and is not supported; remove it"
-            raise card.error(text, at)
+            raise card.error(text, field)
         else:
             ignored[f"{card.cards.name} {name}"] = None
-    return found
+    return parameters
 
 
 def is_glued(card: Card, field: int) -> bool:
@@ -165,48 +165,48 @@ def refuse_letting_go(card: Card, field: int) -> None:
         raise card.error(text, field)
 
 
-def _slides(card: Card, at: int) -> bool:
+def _slides(card: Card, field: int) -> bool:
     """Return whether FTYPE switches friction off."""
-    value = card.text(at + 1)
+    value = card.text(field + 1)
     if value not in ("", "0", *COULOMB):
         text = f"FTYPE = {value}: {FRICTION_REMEDY}"
-        raise card.error(text, at)
+        raise card.error(text, field)
     return value == "0"
 
 
 _Choice = TypeVar("_Choice")
 
 
-def _chosen(card: Card, at: int, choices: Mapping[str, _Choice]) -> _Choice:
+def _chosen(card: Card, field: int, choices: Mapping[str, _Choice]) -> _Choice:
     """Return what the value behind a parameter's name stands for."""
-    value = card.text(at + 1)
+    value = card.text(field + 1)
     if value not in choices:
-        known = ", ".join(filter(None, choices))
-        text = f"{card.text(at)} = {value} is not supported; give one of {known}"
-        raise card.error(text, at)
+        names = ", ".join(filter(None, choices))
+        text = f"{card.text(field)} = {value} is not supported; give one of {names}"
+        raise card.error(text, field)
     return choices[value]
 
 
 def _pairs(card: Card, first: int) -> list[tuple[str, str, int]]:
     """Names, values and fields; blank fields may stand between pairs."""
-    found = []
-    at = first
-    while at < len(card):
-        name = card.text(at)
+    pairs = []
+    field = first
+    while field < len(card):
+        name = card.text(field)
         if not name:
-            at += 1
+            field += 1
             continue
-        value = card.text(at + 1)
+        value = card.text(field + 1)
         word = value and numbers.real(value) is None and name not in _WORDS
         if not name[:1].isalpha() or word:
             text = (
                 f"'{name}' with '{value}' is no parameter with its value; expected pairs such as "
                 "'PENN', '10.0'"
             )
-            raise card.error(text, at)
-        found.append((name, value, at))
-        at += 2
-    return found
+            raise card.error(text, field)
+        pairs.append((name, value, field))
+        field += 2
+    return pairs
 
 
 def by_id(cards: Mapping[str, Cards], name: str) -> dict[int, Card]:
@@ -217,11 +217,13 @@ def by_id(cards: Mapping[str, Cards], name: str) -> dict[int, Card]:
     FormatError
         If an id occurs twice.
     """
-    found: dict[int, Card] = {}
+    by_number: dict[int, Card] = {}
     for card in cards.get(name, ()):
         number = card.integer(0)
-        if number in found:
-            text = f"{name} {number} is already defined at {found[number].where()}; renumber one"
+        if number in by_number:
+            text = (
+                f"{name} {number} is already defined at {by_number[number].where()}; renumber one"
+            )
             raise card.error(text)
-        found[number] = card
-    return found
+        by_number[number] = card
+    return by_number

@@ -57,12 +57,17 @@ def read_simcenter_pairs(
     parameters = {number: _parameters(cards, number, ignored) for number in chosen}
     pairs = [
         pair
-        for number, found in chosen.items()
-        for card in found
+        for number, cards_of_set in chosen.items()
+        for card in cards_of_set
         for pair in _pairs(card, regions, parameters[number])
     ]
     glue = _chosen(cards, control, _GLUE, ignored)
-    pairs += [pair for found in glue.values() for card in found for pair in _glued(card, regions)]
+    pairs += [
+        pair
+        for cards_of_set in glue.values()
+        for card in cards_of_set
+        for pair in _glued(card, regions)
+    ]
     for name in ("BGPARM", "BGPARA"):
         for card in cards.get(name, ()):
             card.integer(0)
@@ -94,9 +99,9 @@ def _chosen(
             ignored[f"{kind.what} sets {shown} (case control selects none by {kind.word})"] = None
         return {}
     if chosen not in sets and chosen not in combined:
-        known = ", ".join(map(str, [*sets, *combined])) or "none"
+        numbers = ", ".join(map(str, [*sets, *combined])) or "none"
         message = (
-            f"case control selects {kind.word} = {chosen}, but the {kind.what} sets are {known}"
+            f"case control selects {kind.word} = {chosen}, but the {kind.what} sets are {numbers}"
         )
         raise FormatError(message)
     return {number: sets[number] for number in combined.get(chosen, [chosen])}
@@ -104,12 +109,12 @@ def _chosen(
 
 def _parameters(cards: Mapping[str, Cards], number: int, ignored: dict[str, None]) -> Parameters:
     """Read the parameters of a contact set."""
-    found = Parameters()
+    parameters = Parameters()
     for name in ("BCTPARM", "BCTPARA"):
         for card in cards.get(name, ()):
             if card.integer(0) == number:
-                found = read_parameters(card, 1, ignored)
-    return found
+                parameters = read_parameters(card, 1, ignored)
+    return parameters
 
 
 def _source_rows(card: Card) -> Iterator[tuple[int, list[str]]]:
@@ -124,7 +129,7 @@ def _source_rows(card: Card) -> Iterator[tuple[int, list[str]]]:
 
 
 def _pairs(card: Card, regions: dict[int, Region], parameters: Parameters) -> list[Pair]:
-    found = []
+    pairs = []
     for first, texts in _source_rows(card):
         friction = friction_coefficient(card, first + 3)
         if card.real(first + 4, 0.0) > 0:
@@ -137,7 +142,7 @@ def _pairs(card: Card, regions: dict[int, Region], parameters: Parameters) -> li
             text = f"'{texts[6] or texts[7]}' stands behind MAXD, where nothing is expected"
             raise card.error(text, first + 6)
         sides = [region_of(regions, card, first + j) for j in (1, 2)]
-        found.append(
+        pairs.append(
             Pair(
                 name=f"{'glue' if parameters.glued else 'contact'}-{texts[1]}-{texts[2]}",
                 minus=sides[0],
@@ -149,14 +154,14 @@ def _pairs(card: Card, regions: dict[int, Region], parameters: Parameters) -> li
                 friction=friction,
             )
         )
-    return found
+    return pairs
 
 
 def _glued(card: Card, regions: dict[int, Region]) -> list[Pair]:
-    found = []
+    pairs = []
     for first, texts in _source_rows(card):
         sides = [region_of(regions, card, first + j) for j in (1, 2)]
-        found.append(
+        pairs.append(
             Pair(
                 name=f"glue-{texts[1]}-{texts[2]}",
                 minus=sides[0],
@@ -166,7 +171,7 @@ def _glued(card: Card, regions: dict[int, Region]) -> list[Pair]:
                 glued=True,
             )
         )
-    return found
+    return pairs
 
 
 def _check_offsets(cards: Mapping[str, Cards], pairs: list[Pair]) -> None:

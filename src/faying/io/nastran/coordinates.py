@@ -72,10 +72,14 @@ class Frame:
         off = ~self.on_axis(points)
         safe = np.where(off, ring, 1.0)
         cos, sin = np.where(off, x / safe, 1.0), np.where(off, y / safe, 0.0)
-        zero, one = np.zeros_like(x), np.ones_like(x)
+        zero, ones = np.zeros_like(x), np.ones_like(x)
         around = np.stack([-sin, cos, zero], axis=1)
         if self.kind == "C":
-            rows = [np.stack([cos, sin, zero], axis=1), around, np.stack([zero, zero, one], axis=1)]
+            rows = [
+                np.stack([cos, sin, zero], axis=1),
+                around,
+                np.stack([zero, zero, ones], axis=1),
+            ]
         else:
             radius = np.where(off, np.hypot(ring, z), 1.0)
             s, c = ring / radius, z / radius
@@ -142,21 +146,21 @@ def read_frames(
 
 
 def _definitions(cards: Mapping[str, Cards]) -> dict[int, _Definition]:
-    found: dict[int, _Definition] = {}
+    definitions: dict[int, _Definition] = {}
     for kind in "RCS":
         for card in cards.get(f"CORD2{kind}", ()):
             points = np.array([card.real(j, 0.0) for j in range(2, 11)]).reshape(3, 3)
-            _add(found, card, card.integer(0), kind, points, card.integer(1, 0), ())
+            _add(definitions, card, card.integer(0), kind, points, card.integer(1, 0), ())
         for card in cards.get(f"CORD1{kind}", ()):
             for first in (0, 4):
                 if card.text(first):
                     grids = tuple(card.integer(first + j) for j in (1, 2, 3))
-                    _add(found, card, card.integer(first), kind, None, 0, grids)
-    return found
+                    _add(definitions, card, card.integer(first), kind, None, 0, grids)
+    return definitions
 
 
 def _add(
-    found: dict[int, _Definition],
+    definitions: dict[int, _Definition],
     card: Card,
     number: int,
     kind: str,
@@ -164,15 +168,15 @@ def _add(
     reference: int,
     grids: tuple[int, ...],
 ) -> None:
-    if number in found or number <= 0:
-        where = found[number].card.where() if number in found else ""
+    if number in definitions or number <= 0:
+        where = definitions[number].card.where() if number in definitions else ""
         text = (
             f"coordinate system {number} is already defined at {where}; give it another id"
             if where
             else f"coordinate system id {number} must be positive"
         )
         raise card.error(text)
-    found[number] = _Definition(
+    definitions[number] = _Definition(
         card=card, kind=kind, points=points, reference=reference, grids=grids
     )
 
@@ -249,6 +253,6 @@ class Systems:
         result = np.broadcast_to(np.eye(3), (len(nodes), 3, 3)).copy()
         system = self.displacement[nodes]
         for number in np.unique(system[system != 0]).tolist():
-            here = system == number
-            result[here] = self.frames[number].directions(self.nodes[nodes[here]])
+            rows = system == number
+            result[rows] = self.frames[number].directions(self.nodes[nodes[rows]])
         return result

@@ -55,10 +55,12 @@ def _average(card: Card, grids: Grids) -> AverageCoupling:
     if reference in nodes or len(np.unique(nodes)) < len(nodes):
         text = "a node is averaged twice or is the reference node itself; remove it"
         raise card.error(text)
-    union = tuple(sorted({c for own in chosen for c in own}))
+    union = tuple(sorted({c for tied_here in chosen for c in tied_here}))
     apart = len(set(chosen)) > 1
-    for own in set(chosen):
-        _check_frames(card, grids, nodes[[own == one for one in chosen]], own)
+    for tied_here in set(chosen):
+        _check_frames(
+            card, grids, nodes[[tied_here == components_of for components_of in chosen]], tied_here
+        )
     _check_frames(card, grids, np.array([reference]), tied)
     return AverageCoupling(
         id=card.integer(0),
@@ -67,7 +69,9 @@ def _average(card: Card, grids: Grids) -> AverageCoupling:
         weights=np.array(weights),
         components=union if apart else chosen[0],
         reference_components=tied,
-        entering=np.array([[c in own for c in range(6)] for own in chosen]) if apart else None,
+        entering=np.array([[c in tied_here for c in range(6)] for tied_here in chosen])
+        if apart
+        else None,
     )
 
 
@@ -82,7 +86,7 @@ def _groups(card: Card, texts: list[str]) -> tuple[list[tuple[int, ...]], list[i
         if weight is None or numbers.integer(texts[i]) is not None or not weight > 0:
             text = f"'{texts[i]}' stands where a positive real weight is expected"
             raise card.error(text)
-        own = components(texts[i + 1] if i + 1 < len(texts) else "", card.error)
+        tied = components(texts[i + 1] if i + 1 < len(texts) else "", card.error)
         last = i + 2
         while last < len(texts) and (
             texts[last] == "THRU" or numbers.integer(texts[last]) is not None
@@ -90,7 +94,7 @@ def _groups(card: Card, texts: list[str]) -> tuple[list[tuple[int, ...]], list[i
             last += 1
         group = id_list(card, texts[i + 2 : last])
         ids += group
-        averaged += [own] * len(group)
+        averaged += [tied] * len(group)
         weights += [weight] * len(group)
         i = last
     if not ids:

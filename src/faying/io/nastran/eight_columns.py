@@ -34,16 +34,16 @@ def plain_integers(words: npt.NDArray[np.uint64]) -> tuple[Indices, Mask]:
     fours and eights: D. Lemire, "Quickly parsing eight-digit integers" (2018).
     """
     for bits in (32, 16, 8):  # blanks from the end to the front
-        rest = np.uint64(_WIDTH - bits)
-        ends_blank = words >> rest == _BLANKS >> rest
-        words = np.where(ends_blank, words << np.uint64(bits) | _BLANKS >> rest, words)
+        unused_bits = np.uint64(_WIDTH - bits)
+        ends_blank = words >> unused_bits == _BLANKS >> unused_bits
+        words = np.where(ends_blank, words << np.uint64(bits) | _BLANKS >> unused_bits, words)
     digits = words ^ _ZEROS
     above = (digits & ~_HIGHEST_BITS) + _BEYOND_NINE | digits
-    other = (above & _HIGHEST_BITS) >> np.uint64(7)
-    other *= np.uint64(0xFF)  # all bits of characters that are no digits
-    plain: Mask = (other & (other + np.uint64(1)) == 0) & (other != _EVERY_BIT)  # all in front
-    plain &= (words ^ _BLANKS) & other == 0
-    digits &= ~other
+    others = (above & _HIGHEST_BITS) >> np.uint64(7)
+    others *= np.uint64(0xFF)  # all bits of characters that are no digits
+    plain: Mask = (others & (others + np.uint64(1)) == 0) & (others != _EVERY_BIT)  # all in front
+    plain &= (words ^ _BLANKS) & others == 0
+    digits &= ~others
     digits = digits * np.uint64(10) + (digits >> np.uint64(8))
     high = (digits & _PAIRS) * _MILLION_AND_HUNDRED
     low = (digits >> np.uint64(16) & _PAIRS) * _TEN_THOUSAND_AND_ONE

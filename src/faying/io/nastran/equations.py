@@ -41,15 +41,15 @@ def _equation(card: Card, grids: Grids, dependent: set[tuple[int, int]]) -> Equa
     rows = range(0, len(card), 8)
     card.refuse_given([*(row for row in rows if row), *(row + 7 for row in rows)])
     places = [row + j for row in rows for j in (1, 4)]
-    groups = [_term(card, grids, at) for at in places if any(card.texts[at : at + 3])]
+    groups = [_term(card, grids, field) for field in places if any(card.texts[field : field + 3])]
     if not groups:
         text = "it has no terms"
         raise card.error(text)
     total: dict[tuple[int, int], float] = {}
     for group in groups:
-        for place, coefficient in group.items():
-            total[place] = total.get(place, 0.0) + coefficient
-    candidates = sorted(groups[0], key=lambda place: -abs(groups[0][place]))
+        for dof, coefficient in group.items():
+            total[dof] = total.get(dof, 0.0) + coefficient
+    candidates = sorted(groups[0], key=lambda dof: -abs(groups[0][dof]))
     first = next((p for p in candidates if p not in dependent and total[p] != 0.0), None)
     if first is None:
         text = (
@@ -58,20 +58,20 @@ def _equation(card: Card, grids: Grids, dependent: set[tuple[int, int]]) -> Equa
         )
         raise card.error(text)
     dependent.add(first)
-    order = [first, *(place for place in total if place != first)]
+    order = [first, *(dof for dof in total if dof != first)]
     return Equation(
         id=card.integer(0),
         terms=tuple((node, component, total[node, component]) for node, component in order),
     )
 
 
-def _term(card: Card, grids: Grids, at: int) -> dict[tuple[int, int], float]:
-    node = grids.one(card, at)
-    chosen = grids.components(np.array([node]), card.text(at + 1), card.error)
+def _term(card: Card, grids: Grids, field: int) -> dict[tuple[int, int], float]:
+    node = grids.one(card, field)
+    chosen = grids.components(np.array([node]), card.text(field + 1), card.error)
     if len(chosen) != 1:
-        text = f"a term has one component; found '{card.text(at + 1)}'"
-        raise card.error(text, at + 1)
-    coefficient = card.real(at + 2, 0.0)
+        text = f"a term has one component; found '{card.text(field + 1)}'"
+        raise card.error(text, field + 1)
+    coefficient = card.real(field + 2, 0.0)
     axes = grids.systems.axes(node)
     if axes is None:
         return {(node, chosen[0]): coefficient}

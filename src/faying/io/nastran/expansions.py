@@ -42,24 +42,24 @@ def check_constant(cards: Mapping[str, Cards], control: CaseControl) -> None:
     if "material" not in control.temperatures:
         return
     for name, base in _DEPENDING.items():
-        known = {card.integer(0) for card in cards.get(base, ())}
+        dependent = {card.integer(0) for card in cards.get(base, ())}
         for card in cards.get(name, ()):
-            if card.integer(0) in known:
+            if card.integer(0) in dependent:
                 message = f"{card.where()} at temperatures of TEMPERATURE(BOTH) or (MATERIAL)"
                 raise UnreadError(message)
 
 
 def read_expansions(cards: Mapping[str, Cards]) -> dict[int, Expansion]:
     """Return the coefficients of all materials that expand."""
-    found = {}
+    expansions = {}
     for name, (fields, zero) in _COEFFICIENTS.items():
         for card in cards.get(name, ()):
             plane = name in ("MAT2", "MAT8")
             strains = np.zeros(3 if plane else 6)
             strains[: len(fields)] = [card.real(field, 0.0) for field in fields]
             if strains.any():
-                found[card.integer(0)] = Expansion(strains=strains, zero=card.real(zero, 0.0))
-    return found
+                expansions[card.integer(0)] = Expansion(strains=strains, zero=card.real(zero, 0.0))
+    return expansions
 
 
 def expansion_of_plate(
@@ -76,8 +76,8 @@ def expansion_of_plate(
         if card.integer(10, 0) in expansions:
             message = f"{card.where()} with MID4 of a material that expands"
             raise UnreadError(message)
-        one = expansions.get(card.integer(1))
-        return None if one is None else replace(one, strains=_in_plane(one))
+        of_material = expansions.get(card.integer(1))
+        return None if of_material is None else replace(of_material, strains=_in_plane(of_material))
     plies = layers(card)
     if not any(ply.material in expansions for ply in plies):
         return None
@@ -106,5 +106,5 @@ def expansion_of_plate(
     return Expansion(strains=np.asarray(strains[:3]), zero=card.real(5, 0.0))
 
 
-def _in_plane(one: Expansion) -> Vector:
-    return one.strains if len(one.strains) == 3 else one.strains[[0, 1, 3]]
+def _in_plane(expansion: Expansion) -> Vector:
+    return expansion.strains if len(expansion.strains) == 3 else expansion.strains[[0, 1, 3]]

@@ -70,8 +70,8 @@ def integers(fields: Fields) -> tuple[Indices, Mask]:
         short = np.logical_and.reduce([word == _BLANKS for word in words.T[1:]], axis=0)
         values, plain = plain_integers(words[:, 0])
         bad = ~(plain & short)
-    rest = np.flatnonzero(bad)
-    values[rest], bad[rest] = _other_integers(fields[rest], letters[rest])
+    unread = np.flatnonzero(bad)
+    values[unread], bad[unread] = _other_integers(fields[unread], letters[unread])
     return values, bad
 
 
@@ -85,9 +85,9 @@ def _other_integers(fields: Fields, letters: npt.NDArray[np.uint8]) -> tuple[Ind
         values[~bad] = _texts(letters[~bad]).astype(np.int64)
     except ValueError:
         for i in np.flatnonzero(~bad):
-            found = integer(fields[i].decode("latin-1").strip())
-            bad[i] = found is None
-            values[i] = found or 0
+            number = integer(fields[i].decode("latin-1").strip())
+            bad[i] = number is None
+            values[i] = number or 0
     return values, bad
 
 
@@ -95,17 +95,17 @@ def _with_exponent_letters(letters: npt.NDArray[np.uint8]) -> npt.NDArray[np.uin
     """Turn D into E and insert the E that ``1.5-3`` leaves out."""
     letters = np.where(letters == _D, np.uint8(_E), letters)
     sign = (letters[:, 1:] == _PLUS) | (letters[:, 1:] == _MINUS)
-    before = letters[:, :-1]
-    bare = sign & (((before >= _ZERO) & (before <= _NINE)) | (before == _POINT))
+    previous = letters[:, :-1]
+    bare = sign & (((previous >= _ZERO) & (previous <= _NINE)) | (previous == _POINT))
     rows = np.flatnonzero(bare.any(axis=1))
     wide = np.full((len(letters), letters.shape[1] + 1), _BLANK, dtype=np.uint8)
     wide[:, :-1] = letters
     if rows.size:
-        at = bare[rows].argmax(axis=1)[:, None] + 1
+        insertion = bare[rows].argmax(axis=1)[:, None] + 1
         column = np.arange(wide.shape[1])
-        source = np.where(column > at, column - 1, column)
+        source = np.where(column > insertion, column - 1, column)
         wide[rows] = np.take_along_axis(wide[rows], source, axis=1)
-        wide[rows, at[:, 0]] = _E
+        wide[rows, insertion[:, 0]] = _E
     return wide
 
 
@@ -116,16 +116,16 @@ def reals(fields: Fields) -> tuple[Vector, Mask]:
     """
     letters = characters(fields)
     digit = (letters >= _ZERO) & (letters <= _NINE)
-    other = np.isin(letters, (_BLANK, _PLUS, _MINUS, _POINT, _D, _E))
-    bad: Mask = np.asarray(~(digit | other).all(axis=1) | ~digit.any(axis=1))
+    sign_or_exponent = np.isin(letters, (_BLANK, _PLUS, _MINUS, _POINT, _D, _E))
+    bad: Mask = np.asarray(~(digit | sign_or_exponent).all(axis=1) | ~digit.any(axis=1))
     values = np.zeros(len(fields))
     try:
         values[~bad] = _texts(_with_exponent_letters(letters[~bad])).astype(np.float64)
     except ValueError:
         for i in np.flatnonzero(~bad):
-            found = real(fields[i].decode("latin-1").strip("\0 "))
-            bad[i] = found is None
-            values[i] = found or 0.0
+            number = real(fields[i].decode("latin-1").strip("\0 "))
+            bad[i] = number is None
+            values[i] = number or 0.0
     np.logical_or(bad, ~np.isfinite(values), out=bad)
     values[bad] = 0.0
     return values, bad

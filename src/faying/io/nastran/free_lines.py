@@ -33,18 +33,21 @@ def unfolded(text: LineTexts) -> tuple[LineTexts, Indices]:
         if start < done:
             continue
         end = start + 1
-        found: list[bytes] | None = [b"DEQATN"]
+        folded: list[bytes] | None = [b"DEQATN"]
         if text[start][:6] == b"DEQATN":
             while end < len(text) and text[end][:1] in (b" ", b"+", b"*", b"\t", b""):
                 end += 1
         else:
             while end < len(text) and _folded(text[end - 1], text[end]):
                 end += 1
-            found = _rows(text[start:end])
+            folded = _rows(text[start:end])
         done = end
-        if found is not None:
-            lines += [text[copied:start], found]
-            origin += [np.arange(copied, start), np.minimum(start + np.arange(len(found)), end - 1)]
+        if folded is not None:
+            lines += [text[copied:start], folded]
+            origin += [
+                np.arange(copied, start),
+                np.minimum(start + np.arange(len(folded)), end - 1),
+            ]
             copied = end
     lines.append(text[copied:])
     return joined(lines), np.concatenate([*origin, np.arange(copied, len(text))])

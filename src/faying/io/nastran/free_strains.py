@@ -54,10 +54,10 @@ class _Field:
     def of_elements(self, ids: Indices, nodes: Indices) -> Vector:
         """Return the temperature (n,) of elements of nodes (n, n_node)."""
         mean = self.nodes[nodes].mean(axis=1)
-        known = np.array(sorted(self.elements), dtype=np.int64)
-        given = np.isin(ids, known)
-        own = np.array([self.elements[number] for number in known.tolist()])
-        mean[given] = own[np.searchsorted(known, ids[given])]
+        element_ids = np.array(sorted(self.elements), dtype=np.int64)
+        listed = np.isin(ids, element_ids)
+        temperatures = np.array([self.elements[number] for number in element_ids.tolist()])
+        mean[listed] = temperatures[np.searchsorted(element_ids, ids[listed])]
         return np.asarray(mean)
 
 
@@ -86,14 +86,14 @@ def with_free_strains(deck: Deck, bolts: Sequence[BoltSpec]) -> Assembly:
             continue
         loads = dict(assembly.loads)
         load = next((key for key in (str(control.load), *_WITHOUT_LOAD) if key in loads), name)
-        before = loads.pop(load, None)
+        mechanical = loads.pop(load, None)
         try:
             forces = read(deck, tightened)
         except UnreadError as error:
             deck.ignored.append(f"load set {load} ({error} is not supported)")
         else:
-            merged = f"{load}+{name}" if load in _WITHOUT_LOAD and before else load
-            loads = {merged: _sum(before, forces), **loads}
+            merged = f"{load}+{name}" if load in _WITHOUT_LOAD and mechanical else load
+            loads = {merged: _sum(mechanical, forces), **loads}
             deck.ignored.append(
                 f"{name} of set {number}: free strains are part of load '{merged}', which case "
                 "control selects; apply them by deck_load"
@@ -112,7 +112,7 @@ def _not_applied(deck: Deck) -> str:
     cards = [deck.cards[n] for n in (*TEMPERATURES, *UNREAD_TEMPERATURES) if n in deck.cards]
     if not cards and chosen is None:
         return ""
-    what = ", ".join(f"{len(one)} {one.name}" for one in cards)
+    what = ", ".join(f"{len(group)} {group.name}" for group in cards)
     if chosen is None:
         return f"{what}: case control selects none by TEMPERATURE(LOAD), so that nothing expands"
     if deck.control.heat:
@@ -122,10 +122,10 @@ def _not_applied(deck: Deck) -> str:
     return ""
 
 
-def _sum(before: NodalLoads | None, forces: Matrix) -> NodalLoads:
+def _sum(mechanical: NodalLoads | None, forces: Matrix) -> NodalLoads:
     total = forces.copy()
-    if before is not None:
-        np.add.at(total, before.nodes, before.forces)
+    if mechanical is not None:
+        np.add.at(total, mechanical.nodes, mechanical.forces)
     loaded = np.flatnonzero(total.any(axis=1))
     return NodalLoads(nodes=loaded, forces=total[loaded])
 
@@ -133,23 +133,23 @@ def _sum(before: NodalLoads | None, forces: Matrix) -> NodalLoads:
 def _deformed(deck: Deck, tightened: Collection[int]) -> Matrix:
     """Return the forces of DEFORM: pairs of a line element and how much longer it is."""
     control, assembly = deck.control, deck.assembly
-    place = {beam.id: i for i, beam in enumerate(assembly.beams)}
+    index_of = {beam.id: i for i, beam in enumerate(assembly.beams)}
     nodes = assembly.mesh.nodes
-    strains = np.zeros(len(place))
+    strains = np.zeros(len(index_of))
     chosen = False
     for card in deck.cards.get("DEFORM", ()):
         if card.integer(0) != control.deform:
             continue
         chosen = True
-        for at in (1, 3, 5):
-            if not card.text(at):
+        for field in (1, 3, 5):
+            if not card.text(field):
                 continue
-            if card.integer(at) not in place:
-                text = f"element {card.integer(at)} is no CBAR, CBEAM, CROD, CONROD or CTUBE"
-                raise card.error(text, at)
-            i = place[card.integer(at)]
+            if card.integer(field) not in index_of:
+                text = f"element {card.integer(field)} is no CBAR, CBEAM, CROD, CONROD or CTUBE"
+                raise card.error(text, field)
+            i = index_of[card.integer(field)]
             first, second = assembly.beams[i].nodes
-            strains[i] += card.real(at + 1) / np.linalg.norm(nodes[second] - nodes[first])
+            strains[i] += card.real(field + 1) / np.linalg.norm(nodes[second] - nodes[first])
     if not chosen:
         message = f"DEFORM = {control.deform}, a set the deck does not have,"
         raise UnreadError(message)
@@ -178,11 +178,11 @@ def _thermal(deck: Deck, tightened: Collection[int]) -> Matrix:
     of_beams = [expansions.get(int(beam.material.name), NOTHING) for beam in assembly.beams]
     ids = np.array([beam.id for beam in assembly.beams], dtype=np.int64)
     ends = np.array([beam.nodes for beam in assembly.beams], dtype=np.int64).reshape(-1, 2)
-    zero = np.array([one.zero for one in of_beams])
+    zero = np.array([expansion.zero for expansion in of_beams])
     change = final.of_elements(ids, ends) - (
         zero if initial is None else initial.of_elements(ids, ends)
     )
-    coefficients = np.array([one.strains[0] for one in of_beams])
+    coefficients = np.array([expansion.strains[0] for expansion in of_beams])
     strains = np.where(coefficients == 0, 0.0, coefficients * change)
     forces += _stretched(assembly, strains, tightened)
     forces += shell_expansion_forces(
@@ -217,34 +217,34 @@ def _field(cards: Mapping[str, Cards], grids: Grids, number: int, parents: Indic
         for card in cards.get(name, ()):
             if card.integer(0) == number:
                 raise UnreadError(card.where())
-    found = np.full(len(grids.ids), np.nan)
-    known = False
+    temperatures = np.full(len(grids.ids), np.nan)
+    listed = False
     for card in cards.get("TEMPD", ()):
-        for at in (0, 2, 4, 6):
-            if card.text(at) and card.integer(at) == number:
-                found[:], known = card.real(at + 1), True
+        for field in (0, 2, 4, 6):
+            if card.text(field) and card.integer(field) == number:
+                temperatures[:], listed = card.real(field + 1), True
     if "TEMP" in cards:
         of_set = cards["TEMP"].take(cards["TEMP"].integers(0) == number)
-        for at in (1, 3, 5):
-            these = of_set.take(of_set.given(at))
-            found[grids.of_column(these, at)] = these.reals(at + 1)
-        known |= bool(len(of_set))
+        for field in (1, 3, 5):
+            these = of_set.take(of_set.given(field))
+            temperatures[grids.of_column(these, field)] = these.reals(field + 1)
+        listed |= bool(len(of_set))
     elements: dict[int, float] = {}
     for name in ("TEMPP1", "TEMPRB"):
         for card in cards.get(name, ()):
             if card.integer(0) == number:
                 elements.update(_of_elements(card))
-    if not known and not elements:
+    if not listed and not elements:
         message = f"temperature set {number}, which the deck does not have,"
         raise UnreadError(message)
-    return _Field(number=number, nodes=found[parents].mean(axis=1), elements=elements)
+    return _Field(number=number, nodes=temperatures[parents].mean(axis=1), elements=elements)
 
 
 def _of_elements(card: Card) -> Iterator[tuple[int, float]]:
     """Yield elements and their temperatures; gradients across them are not read."""
     rods = card.cards.name == "TEMPRB"
     gradients = range(4, 8) if rods else (3,)
-    if any(card.real(at, 0.0) for at in gradients):
+    if any(card.real(field, 0.0) for field in gradients):
         message = f"{card.where()} with a gradient across the element"
         raise UnreadError(message)
     mean = (card.real(2) + card.real(3)) / 2 if rods else card.real(2)
@@ -265,25 +265,23 @@ def _of_solids(
     properties = by_id(cards, "PSOLID")
     forces = np.zeros((len(assembly.mesh.nodes), 6))
     for number, material in assembly.materials.items():
-        one = expansions.get(int(material.name))
-        if one is None:
+        expansion = expansions.get(int(material.name))
+        if expansion is None:
             continue
         if number not in properties:
             message = f"property {number} (PCOMPS) of a material that expands"
             raise UnreadError(message)
         system = properties[number].integer(2, 0)
         along = np.eye(3) if system == 0 else np.asarray(grids.systems.frames[system].axes)
-        at_zero = np.full(len(final.nodes), one.zero)
+        at_zero = np.full(len(final.nodes), expansion.zero)
         # What other materials have no temperature for does not matter here.
         used = np.zeros(len(final.nodes), dtype=bool)
         for block in assembly.mesh.blocks:
             used[block.nodes[block.properties == number]] = True
         fields = (at_zero if initial is None else initial.nodes, final.nodes)
-        before, after = (np.where(used, values, 0.0) for values in fields)
-        direction = turned_strain(one.strains, along)
-        forces += expansion_forces(
-            assembly, {number: lambda T: T}, before, after, {number: direction}
-        )
+        start, end = (np.where(used, values, 0.0) for values in fields)
+        direction = turned_strain(expansion.strains, along)
+        forces += expansion_forces(assembly, {number: lambda T: T}, start, end, {number: direction})
     return forces
 
 
@@ -297,7 +295,7 @@ def _of_shells(
 ) -> dict[int, Matrix]:
     """Return the free strains of shells, by the index of their block."""
     plates = {n: card for name in _PLATES for n, card in by_id(cards, name).items()}
-    found: dict[int, Matrix] = {}
+    free_strains: dict[int, Matrix] = {}
     for position, block in enumerate(assembly.shells):
         if block.kind == PANEL:
             continue
@@ -306,27 +304,32 @@ def _of_shells(
         if initial is not None:
             change = change - initial.of_elements(block.ids, block.nodes)
         for number in np.unique(block.properties).tolist():
-            one = expansion_of_plate(plates[number], expansions, laws)
-            if one is None:
+            expansion = expansion_of_plate(plates[number], expansions, laws)
+            if expansion is None:
                 continue
-            here: Mask = np.asarray(block.properties == number)
-            degrees = change[here] - (one.zero if initial is None else 0.0)
-            same = np.isclose(one.strains[0], one.strains[1], rtol=1e-12) and not one.strains[2]
+            members: Mask = np.asarray(block.properties == number)
+            degrees = change[members] - (expansion.zero if initial is None else 0.0)
+            same = (
+                np.isclose(expansion.strains[0], expansion.strains[1], rtol=1e-12)
+                and not expansion.strains[2]
+            )
             if same:
-                axes = np.broadcast_to(np.eye(3), (int(here.sum()), 3, 3))
+                axes = np.broadcast_to(np.eye(3), (int(members.sum()), 3, 3))
             elif block.kind in CURVED_SHELLS:
                 message = f"{plates[number].where()} of six- or eight-node shells that expand "
                 message += "more in one direction"
                 raise UnreadError(message)
             else:
-                axes = _material_axes(assembly, block, here)
-            a, b, shear = one.strains
-            own = np.array([[a, shear / 2, 0.0], [shear / 2, b, 0.0], [0.0, 0.0, a if same else 0]])
-            turned = np.einsum("eki,kl,elj->eij", axes, own, axes)
-            strains[here] = degrees[:, None, None] * turned
+                axes = _material_axes(assembly, block, members)
+            a, b, shear = expansion.strains
+            strain = np.array(
+                [[a, shear / 2, 0.0], [shear / 2, b, 0.0], [0.0, 0.0, a if same else 0]]
+            )
+            turned = np.einsum("eki,kl,elj->eij", axes, strain, axes)
+            strains[members] = degrees[:, None, None] * turned
         if strains.any():
-            found[position] = strains
-    return found
+            free_strains[position] = strains
+    return free_strains
 
 
 _PLATES = ("PSHELL", "PCOMP", "PCOMPG")
@@ -336,8 +339,8 @@ def _material_axes(assembly: Assembly, block: ShellBlock, which: Mask) -> Matrix
     """Directions (n, 3, 3) of the materials of flat shells: x, y and the normal."""
     frames, _ = flat_frames(assembly.mesh.nodes[block.nodes[which]], block.ids[which])
     x, normal = frames[:, 0], frames[:, 2]
-    given = block.directions[which]
-    given = np.where(np.asarray(given.any(axis=1))[:, None], given, x)
-    across = np.cross(normal, given)
+    direction = block.directions[which]
+    direction = np.where(np.asarray(direction.any(axis=1))[:, None], direction, x)
+    across = np.cross(normal, direction)
     across /= np.linalg.norm(across, axis=1)[:, None]
     return np.stack([np.cross(across, normal), across, normal], axis=1)

@@ -44,46 +44,46 @@ def springs_between(number: int, places: Sequence[Place], K: Matrix) -> Iterator
 
 def _stiffness(card: Card, grids: Grids) -> tuple[list[Place], Matrix]:
     parts = _parts(card)
-    free, held = (_places(card, parts.get(name, []), grids) for name in ("UI", "UD"))
+    free, dependent = (_places(card, parts.get(name, []), grids) for name in ("UI", "UD"))
     n = len(free)
-    given = "K" if "K" in parts else "Z"
+    letter = "K" if "K" in parts else "Z"
     square = np.zeros((n, n))
-    square[np.triu_indices(n)] = _reals(card, parts.get(given, []), n * (n + 1) // 2, given)
+    square[np.triu_indices(n)] = _reals(card, parts.get(letter, []), n * (n + 1) // 2, letter)
     square = square + np.triu(square, 1).T
     try:
-        K = square if given == "K" else np.linalg.inv(square)
-        S = _following(card, parts, free, held, grids)
+        K = square if letter == "K" else np.linalg.inv(square)
+        S = _following(card, parts, free, dependent, grids)
     except np.linalg.LinAlgError as error:
-        text = f"its {given}, or the rigid motion of its UD, cannot be inverted"
+        text = f"its {letter}, or the rigid motion of its UD, cannot be inverted"
         raise card.error(text) from error
     both = np.hstack([np.eye(n), -S])
-    return [*free, *held], np.asarray(both.T @ K @ both, dtype=np.float64)
+    return [*free, *dependent], np.asarray(both.T @ K @ both, dtype=np.float64)
 
 
 def _following(
     card: Card,
     parts: Mapping[str, list[str]],
     free: Sequence[Place],
-    held: Sequence[Place],
+    dependent: Sequence[Place],
     grids: Grids,
 ) -> Matrix:
     """S (n_free, n_held)."""
-    if not held:
+    if not dependent:
         return np.zeros((len(free), 0))
     if "S" in parts:
-        values = _reals(card, parts["S"], len(free) * len(held), "S")
-        return values.reshape(len(free), len(held))
-    if len(held) != 6:
-        text = f"{len(held)} components in UD and no S; six make a rigid body, else give S"
+        values = _reals(card, parts["S"], len(free) * len(dependent), "S")
+        return values.reshape(len(free), len(dependent))
+    if len(dependent) != 6:
+        text = f"{len(dependent)} components in UD and no S; six make a rigid body, else give S"
         raise card.error(text)
-    origin = grids.nodes[held[0][0]]
+    origin = grids.nodes[dependent[0][0]]
 
     def motions(places: Sequence[Place]) -> Matrix:
         nodes = grids.nodes[[node for node, _ in places]]
         every = rigid_body_motions(nodes, origin).reshape(-1, 6, 6)
         return np.asarray(every[np.arange(len(places)), [c for _, c in places]])
 
-    return np.asarray(np.linalg.solve(motions(held).T, motions(free).T).T)
+    return np.asarray(np.linalg.solve(motions(dependent).T, motions(free).T).T)
 
 
 def _parts(card: Card) -> dict[str, list[str]]:
@@ -99,9 +99,9 @@ def _parts(card: Card) -> dict[str, list[str]]:
 
 
 def _places(card: Card, texts: list[str], grids: Grids) -> list[Place]:
-    given = [text for text in texts if text]
-    found = []
-    for grid, digit in zip(given[::2], given[1::2], strict=False):
+    filled = [text for text in texts if text]
+    places = []
+    for grid, digit in zip(filled[::2], filled[1::2], strict=False):
         number = numbers.integer(grid)
         (node,) = grids.several(card, [-1 if number is None else number]).tolist()
         chosen = (0,) if digit == "0" else components(digit, card.error)
@@ -111,13 +111,13 @@ def _places(card: Card, texts: list[str], grids: Grids) -> list[Place]:
                 "displacement system, is supported"
             )
             raise card.error(text)
-        found.append((node, chosen[0]))
-    return found
+        places.append((node, chosen[0]))
+    return places
 
 
 def _reals(card: Card, texts: list[str], count: int, name: str) -> Matrix:
-    given = [text for text in texts if text]
-    values = [numbers.real(text) for text in given]
+    filled = [text for text in texts if text]
+    values = [numbers.real(text) for text in filled]
     if len(values) != count or None in values:
         text = f"{name} has {len(values)} numbers; {count} are expected for its components"
         raise card.error(text)

@@ -56,8 +56,8 @@ class Grids:
         if not len(self.ids):
             return np.full(len(ids), -1, dtype=np.int64)
         position = np.searchsorted(self.ids, ids, sorter=self.order)
-        found = self.order[np.minimum(position, len(self.order) - 1)]
-        return np.where(self.ids[found] == ids, found, -1)
+        indices = self.order[np.minimum(position, len(self.order) - 1)]
+        return np.where(self.ids[indices] == ids, indices, -1)
 
     def of_column(self, cards: Cards, field: int) -> Indices:
         """Node indices (n,) of field j of every card.
@@ -112,15 +112,15 @@ def read_grids(cards: Mapping[str, Cards]) -> Grids:
     ids = grid.integers(0)
     order = np.argsort(ids, kind="stable")
     _check_ids(grid, ids, order)
-    given = np.stack([grid.reals(j, 0.0) for j in (2, 3, 4)], axis=1)
+    coordinates = np.stack([grid.reals(j, 0.0) for j in (2, 3, 4)], axis=1)
     system_in = grid.integers(1, position)
     system_out = grid.integers(5, displacement)
 
     def locate(number: int, card: Card) -> tuple[int, Matrix]:
-        at = int(np.searchsorted(ids, number, sorter=order))
-        if at == len(order) or ids[order[at]] != number:
+        row = int(np.searchsorted(ids, number, sorter=order))
+        if row == len(order) or ids[order[row]] != number:
             raise card.error(_missing(number))
-        return int(system_in[order[at]]), given[order[at]]
+        return int(system_in[order[row]]), coordinates[order[row]]
 
     frames = read_frames(cards, locate)
     for field, systems in ((1, system_in), (5, system_out)):
@@ -129,10 +129,10 @@ def read_grids(cards: Mapping[str, Cards]) -> Grids:
             card = int(unknown[0])
             text = f"coordinate system {systems[card]} is not in the deck; define it (CORD2R, ...)"
             raise grid.error(card, text, field)
-    nodes = given.copy()
+    nodes = coordinates.copy()
     for number in np.unique(system_in[system_in != 0]).tolist():
-        here = system_in == number
-        nodes[here] = frames[number].to_basic(given[here])
+        rows = system_in == number
+        nodes[rows] = frames[number].to_basic(coordinates[rows])
     scalar = _scalar_points(cards, ids)
     if len(scalar):
         ids = np.concatenate([ids, scalar])
@@ -155,25 +155,25 @@ def _scalar_points(cards: Mapping[str, Cards], grids: Indices) -> Indices:
     blocks = [cards[name] for name in names if name in cards]
     of_elements = (block.integers(field, 0) for block in blocks for field in (2, 3))
     ends = np.concatenate([np.zeros(0, dtype=np.int64), *of_elements])
-    found = [ends[(ends > 0) & ~np.isin(ends, grids)]]
+    parts = [ends[(ends > 0) & ~np.isin(ends, grids)]]
     for card in cards.get("SPOINT", ()):
         numbers = np.array(id_list(card, [text for text in card.texts if text]), dtype=np.int64)
         wrong = numbers[(numbers <= 0) | np.isin(numbers, grids)]
         if wrong.size:
             text = f"scalar point {wrong[0]} is a GRID as well, or not positive; renumber it"
             raise card.error(text)
-        found.append(numbers)
-    return np.unique(np.concatenate(found))
+        parts.append(numbers)
+    return np.unique(np.concatenate(parts))
 
 
 def _defaults(cards: Mapping[str, Cards]) -> tuple[int, int, str]:
-    found = list(cards.get("GRDSET", ()))
-    if len(found) > 1:
-        text = f"a second GRDSET; the first is at {found[0].where()}, keep one"
-        raise found[1].error(text)
-    if not found:
+    defaults = list(cards.get("GRDSET", ()))
+    if len(defaults) > 1:
+        text = f"a second GRDSET; the first is at {defaults[0].where()}, keep one"
+        raise defaults[1].error(text)
+    if not defaults:
         return 0, 0, ""
-    return found[0].integer(1, 0), found[0].integer(5, 0), found[0].text(6)
+    return defaults[0].integer(1, 0), defaults[0].integer(5, 0), defaults[0].text(6)
 
 
 def _check_ids(grid: Cards, ids: Indices, order: Indices) -> None:

@@ -10,7 +10,7 @@ from faying.io.nastran.cards import Card
 _LONGEST = 10_000_000
 
 
-def id_list(card: Card, texts: list[str], known: Indices | None = None) -> list[int]:
+def id_list(card: Card, texts: list[str], known_ids: Indices | None = None) -> list[int]:
     """Return ids from fields with single numbers and ranges ``a THRU b``, with BY and EXCEPT.
 
     ``a THRU b BY n`` takes every n-th id; EXCEPT takes those behind it out of the range before it,
@@ -22,7 +22,7 @@ def id_list(card: Card, texts: list[str], known: Indices | None = None) -> list[
         value = numbers.integer(texts[i])
         if texts[i] == "THRU" and ids and i + 1 < len(texts):
             first, last = ids.pop(), numbers.integer(texts[i + 1]) or 0
-            inside = [first, *_range(card, first, texts[i:], known)]
+            inside = [first, *_range(card, first, texts[i:], known_ids)]
             i += 4 if texts[i + 2 : i + 3] == ["BY"] else 2
             if texts[i : i + 1] == ["EXCEPT"]:
                 out = _exceptions(card, texts[i + 1 :], first, last)
@@ -55,7 +55,7 @@ def _exceptions(card: Card, texts: list[str], low: int, high: int) -> list[int]:
     return out
 
 
-def _range(card: Card, first: int, texts: list[str], known: Indices | None) -> list[int]:
+def _range(card: Card, first: int, texts: list[str], known_ids: Indices | None) -> list[int]:
     """Ids behind ``first`` of a range; ``texts`` begin with THRU."""
     last, step = numbers.integer(texts[1]), 1
     if texts[2:3] == ["BY"]:
@@ -63,11 +63,11 @@ def _range(card: Card, first: int, texts: list[str], known: Indices | None) -> l
         if step < 1:
             text = f"'BY {' '.join(texts[3:4])}' is no positive step between ids"
             raise card.error(text)
-    longest = _LONGEST if known is None else 10**18
+    longest = _LONGEST if known_ids is None else 10**18
     if last is None or not first <= last <= first + longest:
         text = f"'{first} THRU {texts[1]}' is not an ascending range of ids"
         raise card.error(text)
-    if known is None:
+    if known_ids is None:
         return list(range(first + step, last + 1, step))
-    inside = (known > first) & (known <= last) & ((known - first) % step == 0)
-    return [int(number) for number in known[inside]]
+    inside = (known_ids > first) & (known_ids <= last) & ((known_ids - first) % step == 0)
+    return [int(number) for number in known_ids[inside]]

@@ -32,26 +32,26 @@ def layers(card: Card) -> list[Layer]:
     FormatError
         If the first layer has no material or thickness, or a thickness is not positive.
     """
-    found: list[Layer] = []
+    stack: list[Layer] = []
     for first in _places(card):
         if not any(card.text(first + j) for j in range(4)):
             continue
         if card.cards.name in _NUMBERED:
             card.integer(first - 1)  # the layer's own id, which names results
-        before = found[-1] if found else None
+        below = stack[-1] if stack else None
         layer = Layer(
-            material=card.integer(first, before.material if before else None),
-            thickness=card.real(first + 1, before.thickness if before else None),
+            material=card.integer(first, below.material if below else None),
+            thickness=card.real(first + 1, below.thickness if below else None),
             angle=card.real(first + 2, 0.0),
         )
         if not layer.thickness > 0:
             text = f"a layer has thickness {layer.thickness:g}; it must be positive"
             raise card.error(text, first + 1)
-        found.append(layer)
-    if not found:
+        stack.append(layer)
+    if not stack:
         text = "it has no layers"
         raise card.error(text)
-    return found + found[::-1] if card.text(7) == "SYM" else found
+    return stack + stack[::-1] if card.text(7) == "SYM" else stack
 
 
 def _places(card: Card) -> list[int]:
@@ -63,12 +63,12 @@ def _places(card: Card) -> list[int]:
 
 def materials_of_layered_solids(cards: Mapping[str, Cards]) -> frozenset[int]:
     """Return the ids of the materials that PCOMPS name."""
-    found = (
+    numbers_of = (
         numbers.integer(card.text(first))
         for card in cards.get("PCOMPS", ())
         for first in _places(card)
     )
-    return frozenset(number for number in found if number is not None)
+    return frozenset(number for number in numbers_of if number is not None)
 
 
 def materials_of_shells(cards: Mapping[str, Cards]) -> frozenset[int]:
@@ -77,5 +77,5 @@ def materials_of_shells(cards: Mapping[str, Cards]) -> frozenset[int]:
     texts += [card.text(1) for card in cards.get("PSHEAR", ())]
     for name in ("PCOMP", "PCOMPG"):
         texts += [card.text(first) for card in cards.get(name, ()) for first in _places(card)]
-    found = (numbers.integer(text) for text in texts)
-    return frozenset(number for number in found if number is not None)
+    ids = (numbers.integer(text) for text in texts)
+    return frozenset(number for number in ids if number is not None)

@@ -51,8 +51,8 @@ def read_line_loads(
     if "PLOAD1" not in cards:
         return []
     every = _beams(cards["PLOAD1"], cards, beams)
-    own, loaded, kinds, scales = _readable(cards, every, unread)
-    if not len(own):
+    readable, loaded, kinds, scales = _readable(cards, every, unread)
+    if not len(readable):
         return []
     ends = nodes[np.array([beam.nodes for beam in loaded])]
     axes = ends[:, 1] - ends[:, 0]
@@ -64,33 +64,33 @@ def read_line_loads(
     by_length = np.array([scale.startswith("LE") for scale in scales])
     projected = np.array([scale.endswith("PR") for scale in scales]) & ~of_element
     seen = np.linalg.norm(np.cross(axes / length[:, None], directions), axis=1)
-    stations, amounts = _stations(own, np.where(by_length, length, 1.0), length)
-    projected &= _is_spread(own)
+    stations, amounts = _stations(readable, np.where(by_length, length, 1.0), length)
+    projected &= _is_spread(readable)
     amounts[projected] *= seen[projected, None]
-    vectors = np.zeros((len(own), 3, 6))
+    vectors = np.zeros((len(readable), 3, 6))
     for first, these in ((0, components < 3), (3, components >= 3)):
         vectors[these, :, first : first + 3] = amounts[these, :, None] * directions[these, None]
     forces = nodal_forces_of_beams(loaded, nodes, stations, vectors)
     if not np.isfinite(forces).all():
         text = "the load is too large for a number"
-        raise own.error(int(np.flatnonzero(~np.isfinite(forces).all(axis=(1, 2)))[0]), text)
+        raise readable.error(int(np.flatnonzero(~np.isfinite(forces).all(axis=(1, 2)))[0]), text)
     places = np.array([beam.nodes for beam in loaded])
-    return [(np.repeat(own.integers(0), 2), places.ravel(), forces.reshape(-1, 6))]
+    return [(np.repeat(readable.integers(0), 2), places.ravel(), forces.reshape(-1, 6))]
 
 
 def _readable(
     cards: Mapping[str, Cards], beams: Sequence[Beam | None], unread: dict[int, str]
 ) -> tuple[Cards, list[Beam], list[str], list[str]]:
     """Return the cards that are read, their beams, TYPE and SCALE; note the sets of the others."""
-    own = cards["PLOAD1"]
-    kinds, scales = own.words(2), own.words(3)
-    for field, found, known in ((2, kinds, _TYPES), (3, scales, _SCALES)):
-        for i, word in enumerate(found):
-            if word not in known:
-                text = f"{('TYPE', 'SCALE')[field - 2]} = '{word}'; it is {', '.join(known)}"
-                raise own.error(i, text, field)
+    line_loads = cards["PLOAD1"]
+    kinds, scales = line_loads.words(2), line_loads.words(3)
+    for field, words, allowed in ((2, kinds, _TYPES), (3, scales, _SCALES)):
+        for i, word in enumerate(words):
+            if word not in allowed:
+                text = f"{('TYPE', 'SCALE')[field - 2]} = '{word}'; it is {', '.join(allowed)}"
+                raise line_loads.error(i, text, field)
     turned = turned_properties(cards)
-    kept = []
+    loaded = []
     for i, (beam, kind, scale) in enumerate(zip(beams, kinds, scales, strict=True)):
         if beam is None:
             reason = "on a CBEND"
@@ -99,37 +99,39 @@ def _readable(
         elif kind.endswith("E") and beam.property in turned:
             reason = "along the axes of an element whose section has I12"
         else:
-            kept.append((i, beam))
+            loaded.append((i, beam))
             continue
-        unread.setdefault(int(own.integers(0)[i]), f"{own.where(i)} {reason}")
-    rows = [i for i, _ in kept]
+        unread.setdefault(int(line_loads.integers(0)[i]), f"{line_loads.where(i)} {reason}")
+    rows = [i for i, _ in loaded]
     return (
-        own.take(np.array(rows, dtype=np.int64)),
-        [beam for _, beam in kept],
+        line_loads.take(np.array(rows, dtype=np.int64)),
+        [beam for _, beam in loaded],
         [kinds[i] for i in rows],
         [scales[i] for i in rows],
     )
 
 
-def _beams(own: Cards, cards: Mapping[str, Cards], beams: Sequence[Beam]) -> list[Beam | None]:
+def _beams(
+    line_loads: Cards, cards: Mapping[str, Cards], beams: Sequence[Beam]
+) -> list[Beam | None]:
     """Return the beam of each card, None of a CBEND."""
-    known = set[int]().union(*(cards[n].integers(0) for n in ("CBAR", "CBEAM") if n in cards))
+    beam_ids = set[int]().union(*(cards[n].integers(0) for n in ("CBAR", "CBEAM") if n in cards))
     bends = set(cards["CBEND"].integers(0).tolist()) if "CBEND" in cards else set[int]()
-    by_id = {beam.id: beam for beam in beams if beam.id in known}
-    ids = own.integers(1).tolist()
+    by_id = {beam.id: beam for beam in beams if beam.id in beam_ids}
+    ids = line_loads.integers(1).tolist()
     for i, number in enumerate(ids):
         if number not in by_id and number not in bends:
             text = f"element {number} is no CBAR or CBEAM of the deck; correct the id"
-            raise own.error(i, text, 1)
+            raise line_loads.error(i, text, 1)
     return [by_id.get(number) for number in ids]
 
 
-def _stations(own: Cards, unit: Vector, length: Vector) -> tuple[Matrix, Matrix]:
+def _stations(line_loads: Cards, unit: Vector, length: Vector) -> tuple[Matrix, Matrix]:
     """Return places (n, 3) in parts of the length, and the forces there (n, 3)."""
-    spread = _is_spread(own)
-    first, intensity = own.reals(4), own.reals(5)
-    last = np.where(spread, own.reals(6, 0.0), first)
-    final = np.where(spread, own.reals(7, 0.0), intensity)
+    spread = _is_spread(line_loads)
+    first, intensity = line_loads.reals(4), line_loads.reals(5)
+    last = np.where(spread, line_loads.reals(6, 0.0), first)
+    final = np.where(spread, line_loads.reals(7, 0.0), intensity)
     places = np.stack([first, last], axis=1) / unit[:, None]
     outside = np.flatnonzero(~((places >= 0) & (places <= 1 + _BEYOND)).all(axis=1))
     if outside.size:
@@ -138,7 +140,7 @@ def _stations(own: Cards, unit: Vector, length: Vector) -> tuple[Matrix, Matrix]
             f"X1 = {first[i]:g}, X2 = {last[i]:g} lie beyond the ends of the beam, which is "
             f"{length[i]:g} long; correct them, or SCALE"
         )
-        raise own.error(i, text, 4)
+        raise line_loads.error(i, text, 4)
     places = np.minimum(places, 1.0)
     part = (1 + _POINTS) / 2
     stations = places[:, :1] + part * (places[:, 1:] - places[:, :1])
@@ -149,5 +151,5 @@ def _stations(own: Cards, unit: Vector, length: Vector) -> tuple[Matrix, Matrix]
     return stations, weights * amounts
 
 
-def _is_spread(own: Cards) -> Mask:
-    return np.asarray(own.given(6) & (own.reals(4) != own.reals(6, 0.0)))
+def _is_spread(line_loads: Cards) -> Mask:
+    return np.asarray(line_loads.given(6) & (line_loads.reals(4) != line_loads.reals(6, 0.0)))

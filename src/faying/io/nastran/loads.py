@@ -76,15 +76,15 @@ def read_loads(
         number = card.integer(0)
         overall = card.real(1, 1.0)
         combined: list[_Part] = []
-        for at in range(2, len(card), 2):
-            if not card.text(at) and not card.text(at + 1):
+        for field in range(2, len(card), 2):
+            if not card.text(field) and not card.text(field + 1):
                 continue
-            factor, member = overall * card.real(at), card.integer(at + 1)
+            factor, member = overall * card.real(field), card.integer(field + 1)
             if member in spoiled:
                 spoiled.setdefault(number, spoiled[member])
             elif member not in parts or member == number:
                 text = f"load set {member} is not in the deck; define it (FORCE, MOMENT)"
-                raise card.error(text, at)
+                raise card.error(text, field)
             combined += [(nodes, factor * forces) for nodes, forces in parts.get(member, [])]
         if number in parts:
             text = f"load set {number} also has cards of its own; give the LOAD another id"
@@ -102,7 +102,7 @@ def read_loads(
     named = {str(number): parts[number] for number in order}
     if always and chosen not in parts:
         named = {ALWAYS: always, **named}
-    return {name: _merged(found) for name, found in named.items()}
+    return {name: _merged(of_load) for name, of_load in named.items()}
 
 
 def _part(forces: Matrix) -> _Part:
@@ -118,12 +118,12 @@ def _add(cards: Cards, grids: Grids, first: int, parts: dict[int, list[_Part]]) 
     vectors = np.stack([cards.reals(j, 0.0) for j in (4, 5, 6)], axis=1)
     vectors = vectors * cards.reals(3)[:, None]
     for number in np.unique(system[system != 0]).tolist():
-        here = np.flatnonzero(system == number)
+        rows = np.flatnonzero(system == number)
         if number not in grids.systems.frames:
             text = f"coordinate system {number} is not in the deck; define it (CORD2R, ...)"
-            raise cards.error(int(here[0]), text, 2)
-        axes = grids.systems.frames[number].directions(grids.nodes[nodes[here]])
-        vectors[here] = np.einsum("ni,nij->nj", vectors[here], axes)
+            raise cards.error(int(rows[0]), text, 2)
+        axes = grids.systems.frames[number].directions(grids.nodes[nodes[rows]])
+        vectors[rows] = np.einsum("ni,nij->nj", vectors[rows], axes)
     forces = np.zeros((len(cards), 6))
     forces[:, first : first + 3] = vectors
     if not np.isfinite(forces).all():
@@ -147,8 +147,8 @@ def _add_scalar(
         forces = np.zeros((len(these), 6))
         forces[:, 0] = these.reals(first + 1)
         for number in np.unique(these.integers(0)).tolist():
-            here = these.integers(0) == number
-            parts.setdefault(number, []).append((nodes[here], forces[here]))
+            rows = these.integers(0) == number
+            parts.setdefault(number, []).append((nodes[rows], forces[rows]))
 
 
 def _add_pressures(
@@ -169,13 +169,13 @@ def _add_pressures(
 
 def _unsupported(cards: Mapping[str, Cards]) -> dict[int, str]:
     """Load set to the place of its first load that is not supported."""
-    found: dict[int, str] = {}
+    unsupported: dict[int, str] = {}
     for name in UNSUPPORTED:
         if name in cards:
             numbers, first = np.unique(cards[name].integers(0), return_index=True)
             for number, card in zip(numbers.tolist(), first.tolist(), strict=True):
-                found.setdefault(number, cards[name].where(card))
-    return found
+                unsupported.setdefault(number, cards[name].where(card))
+    return unsupported
 
 
 def _merged(parts: list[_Part]) -> NodalLoads:

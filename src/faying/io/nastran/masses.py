@@ -93,29 +93,29 @@ def without_rotation(
     assembly
         Without the masses.
     """
-    turning = [one for one in masses if np.any(one.inertia) or any(one.offset)]
+    turning = [item for item in masses if np.any(item.inertia) or any(item.offset)]
     if not turning:
         return tuple(masses)
     resisted = np.zeros(len(assembly.mesh.nodes), dtype=bool)
     for block in assembly.shells:
         resisted[block.nodes] = True
-    ends = [one.nodes for one in assembly.beams] + [one.nodes for one in assembly.bushes]
+    ends = [item.nodes for item in assembly.beams] + [item.nodes for item in assembly.bushes]
     resisted[[node for nodes in ends for node in nodes]] = True
     for spring in assembly.springs:
         resisted[[node for node, c in spring.ends if c > _TRANSLATIONS]] = True
-    resisted[[one.reference for one in assembly.rigid_couplings]] = True
-    resisted[[one.reference for one in assembly.average_couplings]] = True
+    resisted[[item.reference for item in assembly.rigid_couplings]] = True
+    resisted[[item.reference for item in assembly.average_couplings]] = True
     for rigid in assembly.rigid_couplings:
         resisted[rigid.nodes] |= max(rigid.components) > _TRANSLATIONS
     for equation in assembly.equations:
         resisted[[node for node, c, _ in equation.terms if c > _TRANSLATIONS]] = True
-    held = {one.id for one in turning if not resisted[one.node]}
-    if held:
+    loose = {item.id for item in turning if not resisted[item.node]}
+    if loose:
         ignored.append(
-            f"inertia and offset of {len(held)} CONM1 or CONM2 at grids that nothing keeps from "
+            f"inertia and offset of {len(loose)} CONM1 or CONM2 at grids that nothing keeps from "
             "turning, whose rotation Nastran holds (AUTOSPC)"
         )
     return tuple(
-        PointMass(id=one.id, node=one.node, mass=one.mass) if one.id in held else one
-        for one in masses
+        PointMass(id=item.id, node=item.node, mass=item.mass) if item.id in loose else item
+        for item in masses
     )

@@ -39,7 +39,7 @@ def read_materials(
     FormatError
         If constants are missing, contradict each other or are out of range; or an id occurs twice.
     """
-    found: dict[int, Material] = {}
+    materials: dict[int, Material] = {}
     origin: dict[int, str] = {}
     damped = 0
     contradicting: list[int] = []
@@ -50,7 +50,7 @@ def read_materials(
         number = card.integer(0)
         if number not in named:
             continue
-        if number in found:
+        if number in materials:
             text = f"material {number} is already defined at {origin[number]}; renumber one"
             raise card.error(text)
         lines = _line_constants(card) if number in only_lines else None
@@ -63,7 +63,7 @@ def read_materials(
             text = f"material {number}: E, G and NU are too large for a number; check the units"
             raise card.error(text)
         try:
-            found[number] = Material(
+            materials[number] = Material(
                 youngs_modulus=youngs,
                 poissons_ratio=poisson,
                 density=card.real(4, 0.0) * mass_factor,
@@ -87,7 +87,7 @@ def read_materials(
             f"MAT1 {_listed(single)} with E alone: as in Nastran NU is 0, and G is 0 for torsion "
             "and shear of lines"
         )
-    return found
+    return materials
 
 
 def _listed(numbers: list[int]) -> str:
@@ -164,16 +164,16 @@ def materials_named(cards: Mapping[str, Cards]) -> frozenset[int]:
 
 def _constants(card: Card, number: int, shells: frozenset[int]) -> tuple[float, float]:
     """E and NU, from G where one of them is blank."""
-    given = [bool(card.text(j)) for j in (1, 2, 3)]
+    filled = [bool(card.text(j)) for j in (1, 2, 3)]
     youngs, shear, poisson = (card.real(j, 0.0) for j in (1, 2, 3))
-    if given == [True, False, False] and number not in shells:
+    if filled == [True, False, False] and number not in shells:
         return youngs, 0.0
-    if sum(given) < 2:
-        text = f"material {number} gives {sum(given)} of E, G, NU; two are needed"
+    if sum(filled) < 2:
+        text = f"material {number} gives {sum(filled)} of E, G, NU; two are needed"
         raise card.error(text)
-    if not given[0]:
+    if not filled[0]:
         return 2 * shear * (1 + poisson), poisson
-    if not given[2]:
+    if not filled[2]:
         if not shear > 0:
             text = f"material {number} has G = {shear:g}; it must be positive"
             raise card.error(text)

@@ -52,7 +52,7 @@ class Moved:
     @property
     def places(self) -> list[Place]:
         """All that moves, each once."""
-        every = [place for one in self.by_load.values() for place in one]
+        every = [dof for displaced in self.by_load.values() for dof in displaced]
         return [*dict.fromkeys([*self.always, *every])]
 
     def mask(self, n_node: int) -> Mask:
@@ -72,19 +72,19 @@ class Moved:
             Directions of its components; the basic ones if None.
         """
         rows = np.eye(3) if axes is None else axes
-        found = {}
+        motions = {}
         for name, moved in ((ALWAYS, self.always), *self.by_load.items()):
             along = np.array([moved.get((node, c), 0.0) for c in range(3)])
             if along.any():
-                found[str(name)] = along @ rows
-        return found
+                motions[str(name)] = along @ rows
+        return motions
 
     def without(self, nodes: Indices) -> "Moved":
         """Return what moves at other nodes."""
         gone = set(nodes.tolist())
 
         def others(moved: Mapping[Place, float]) -> dict[Place, float]:
-            return {place: value for place, value in moved.items() if place[0] not in gone}
+            return {dof: value for dof, value in moved.items() if dof[0] not in gone}
 
         by_load = {number: others(moved) for number, moved in self.by_load.items()}
         return replace(self, always=others(self.always), by_load=by_load)
@@ -106,7 +106,7 @@ def displacements(cards: Cards, grids: Grids, control: CaseControl) -> list[Disp
     FormatError
         If a grid is missing, a field malformed, or the analysis is one of heat.
     """
-    found = []
+    moves = []
     for first in (1, 4):
         these = cards.take(cards.given(first))
         values = these.reals(first + 2, 0.0)
@@ -130,10 +130,10 @@ def displacements(cards: Cards, grids: Grids, control: CaseControl) -> list[Disp
                 lambda text, i=i: these.error(i, text, first + 1),  # type: ignore[misc]  # noqa: B023
             )
             where = these.where(i)
-            found += [
+            moves += [
                 Displacement(int(sets[i]), (node, c), float(values[i]), where) for c in chosen
             ]
-    return found
+    return moves
 
 
 def read_moved(
@@ -158,28 +158,28 @@ def read_moved(
         As :func:`displacements`.
     """
     always: dict[Place, float] = {}
-    for one in by_support:
-        if always.setdefault(one.place, one.value) != one.value:
+    for move in by_support:
+        if always.setdefault(move.place, move.value) != move.value:
             text = (
-                f"{one.where}: GRID {grids.ids[one.place[0]]} is moved along component "
-                f"{one.place[1] + 1} by another SPC too; remove one"
+                f"{move.where}: GRID {grids.ids[move.place[0]]} is moved along component "
+                f"{move.place[1] + 1} by another SPC too; remove one"
             )
             raise FormatError(text)
     by_load: dict[int, dict[Place, float]] = {}
     unread: dict[int, str] = {}
-    for one in displacements(cards["SPCD"], grids, control) if "SPCD" in cards else ():
-        node, component = one.place
-        at = f"GRID {grids.ids[node]} along component {component + 1}"
-        if not fixed[one.place]:
+    for move in displacements(cards["SPCD"], grids, control) if "SPCD" in cards else ():
+        node, component = move.place
+        location = f"GRID {grids.ids[node]} along component {component + 1}"
+        if not fixed[move.place]:
             unread.setdefault(
-                one.number, f"{one.where} moves {at}, where no selected SPC holds it; that"
+                move.number, f"{move.where} moves {location}, where no selected SPC holds it; that"
             )
-        elif one.place in always:
-            unread.setdefault(one.number, f"{one.where} moves {at}, as SPC does; that")
-        by_load.setdefault(one.number, {})[one.place] = one.value
+        elif move.place in always:
+            unread.setdefault(move.number, f"{move.where} moves {location}, as SPC does; that")
+        by_load.setdefault(move.number, {})[move.place] = move.value
     return Moved(
         always=always,
-        by_load={number: one for number, one in by_load.items() if number not in unread},
+        by_load={number: move for number, move in by_load.items() if number not in unread},
         unread=unread,
     )
 
@@ -198,14 +198,18 @@ def with_moving(
     """
     numbers = [*moved.by_load]
     courses = {
-        place: (
-            moved.always.get(place, 0.0),
-            *(moved.by_load[number].get(place, 0.0) for number in numbers),
+        dof: (
+            moved.always.get(dof, 0.0),
+            *(moved.by_load[number].get(dof, 0.0) for number in numbers),
         )
-        for place in moved.places
+        for dof in moved.places
     }
     nodes = sorted({node for node, _ in courses})
-    axes = {node: found for node in nodes if (found := grids.systems.axes(node)) is not None}
+    axes = {
+        node: axes_of_node
+        for node in nodes
+        if (axes_of_node := grids.systems.axes(node)) is not None
+    }
     assembly, forces = with_moved_supports(assembly, courses, len(numbers) + 1, axes)
     if not np.isfinite(forces).all():
         message = "SPC or SPCD: a displacement is too large for a number; check the units"
@@ -213,7 +217,7 @@ def with_moving(
     every = [*moved.by_load.values()]
     always = f"the selected load set, or load '{ALWAYS}' without one that is read,"
     for moving, cause, loads in (([moved.always], "SPC", always), (every, "SPCD", "load sets")):
-        if count := len({place for one in moving for place in one}):
+        if count := len({dof for displaced in moving for dof in displaced}):
             ignored.append(moved_note(count, cause, loads))
     by_load = dict(zip(numbers, forces[1:], strict=True))
     return assembly, Moving(always=forces[0], by_load=by_load, unread=moved.unread)

@@ -74,9 +74,9 @@ def _fits(number: int, what: str) -> int:
 
 
 def _sets(numbers: Iterable[int]) -> dict[int, int]:
-    found = list(dict.fromkeys(numbers))
-    free = max([*found, 0]) + 1
-    return {n: _fits(n if n > 0 else free, "constraint set") for n in found}
+    distinct = list(dict.fromkeys(numbers))
+    free = max([*distinct, 0]) + 1
+    return {n: _fits(n if n > 0 else free, "constraint set") for n in distinct}
 
 
 def _joined(sets: Mapping[int, int]) -> int:
@@ -88,8 +88,8 @@ def _named(names: list[str]) -> dict[str, int]:
     """Numbers that names say themselves, free ones for the others."""
     numbers: dict[str, int] = {}
     for name in names:
-        own = name.isascii() and name.isdigit() and name == str(int(name)) and int(name) > 0
-        if own and int(name) <= LARGEST:
+        is_number = name.isascii() and name.isdigit() and name == str(int(name)) and int(name) > 0
+        if is_number and int(name) <= LARGEST:
             numbers[name] = int(name)
     free = max(numbers.values(), default=0)
     for name in names:
@@ -100,33 +100,33 @@ def _named(names: list[str]) -> dict[str, int]:
 
 
 def _materials(assembly: Assembly) -> dict[Material, int]:
-    found = list(
+    materials = list(
         dict.fromkeys([*assembly.materials.values(), *(beam.material for beam in assembly.beams)])
     )
-    names = [material.name for material in found]
+    names = [material.name for material in materials]
     # Different materials of one name get names that are no numbers.
     labels = [
         name if name and names.count(name) == 1 else f"{name}#{i}" for i, name in enumerate(names)
     ]
     numbers = _named(labels)
-    return {material: numbers[label] for material, label in zip(found, labels, strict=True)}
+    return {material: numbers[label] for material, label in zip(materials, labels, strict=True)}
 
 
 def _sections(assembly: Assembly) -> dict[SectionKey, int]:
-    taken = {int(n) for block in assembly.mesh.blocks for n in np.unique(block.properties)}
-    wanted: dict[SectionKey, int] = {}
+    used = {int(n) for block in assembly.mesh.blocks for n in np.unique(block.properties)}
+    preferred: dict[SectionKey, int] = {}
     for beam in assembly.beams:
         key = (beam.section, beam.material)
-        wanted.setdefault(key, beam.property)
-    free = max([*taken, *wanted.values(), 0])
+        preferred.setdefault(key, beam.property)
+    free = max([*used, *preferred.values(), 0])
     numbers: dict[SectionKey, int] = {}
-    for key, number in wanted.items():
-        if number <= 0 or number in taken:
+    for key, number in preferred.items():
+        if number <= 0 or number in used:
             free += 1
             numbers[key] = _fits(free, "property")
         else:
             numbers[key] = _fits(number, "property")
-        taken.add(numbers[key])
+        used.add(numbers[key])
     return numbers
 
 
@@ -140,7 +140,7 @@ def _elements(assembly: Assembly) -> dict[tuple[str, int], int]:
         ("average", [coupling.id for coupling in assembly.average_couplings]),
     )
     free = max((n for _, ids in families for n in ids), default=0)
-    taken: set[int] = set()
+    used: set[int] = set()
     changed: dict[tuple[str, int], int] = {}
     for family, ids in families:
         if len(set(ids)) < len(ids):
@@ -149,8 +149,8 @@ def _elements(assembly: Assembly) -> dict[tuple[str, int], int]:
             raise FormatError(message)
         for number in ids:
             new = number
-            if number <= 0 or number in taken:
+            if number <= 0 or number in used:
                 free += 1
                 new = changed[family, number] = free
-            taken.add(_fits(new, "element"))
+            used.add(_fits(new, "element"))
     return changed

@@ -32,14 +32,14 @@ def read_panel_sides(
     rods: list[Beam] = []
     properties = by_id(cards, "PSHEAR")
     for card in cards.get("CSHEAR", ()):
-        own = properties[card.integer(1, card.integer(0))]
-        factors = own.real(4, 0.0), own.real(5, 0.0)
+        panel = properties[card.integer(1, card.integer(0))]
+        factors = panel.real(4, 0.0), panel.real(5, 0.0)
         if not min(factors) >= 0:
             text = f"F1 = {factors[0]:g}, F2 = {factors[1]:g} must not be negative"
-            raise own.error(text, 4)
+            raise panel.error(text, 4)
         if any(factors):
-            material = material_of(own, 1, materials)
-            rods += _sides(card, grids, factors, own.real(2), material, first + len(rods))
+            material = material_of(panel, 1, materials)
+            rods += _sides(card, grids, factors, panel.real(2), material, first + len(rods))
     return rods
 
 

@@ -49,13 +49,13 @@ def read_plane_materials(
     FormatError
         If constants are missing or give no positive stiffness, or an id occurs twice.
     """
-    found = {
+    by_number = {
         number: PlaneMaterial(
-            law=plane_stress(one.youngs_modulus, one.poissons_ratio),
-            shear=factors.get(number, 1.0) * one.shear_modulus * np.eye(2),
-            density=one.density,
+            law=plane_stress(material.youngs_modulus, material.poissons_ratio),
+            shear=factors.get(number, 1.0) * material.shear_modulus * np.eye(2),
+            density=material.density,
         )
-        for number, one in materials.items()
+        for number, material in materials.items()
     }
     named = materials_of_shells(cards)
     for name, read in (("MAT2", _anisotropic), ("MAT8", _orthotropic)):
@@ -65,13 +65,13 @@ def read_plane_materials(
             if number not in named:
                 unnamed += 1
                 continue
-            if number in found:
+            if number in by_number:
                 text = f"material {number} is defined twice; renumber one"
                 raise card.error(text)
-            found[number] = read(card, mass_factor)
+            by_number[number] = read(card, mass_factor)
         if unnamed:
             ignored.append(f"{unnamed} {name} that no property names")
-    return found
+    return by_number
 
 
 def _anisotropic(card: Card, mass_factor: float) -> PlaneMaterial:
@@ -87,14 +87,17 @@ def _orthotropic(card: Card, mass_factor: float) -> PlaneMaterial:
     first, second, ratio = card.real(1), card.real(2), card.real(3)
     in_plane = card.real(4, 0.0)
     sideways = [card.real(5, 0.0), card.real(6, 0.0)]
-    other = ratio * second / first if first else np.inf
-    if not (first > 0 and second > 0 and abs(ratio * other) < 1) or min(in_plane, *sideways) < 0:
+    minor_ratio = ratio * second / first if first else np.inf
+    if (
+        not (first > 0 and second > 0 and abs(ratio * minor_ratio) < 1)
+        or min(in_plane, *sideways) < 0
+    ):
         text = (
             f"E1 = {first:g}, E2 = {second:g}, NU12 = {ratio:g}, G12 = {in_plane:g}, "
             f"G1Z = {sideways[0]:g}, G2Z = {sideways[1]:g} is no stable material; correct it"
         )
         raise card.error(text)
-    scale = 1 / (1 - ratio * other)
+    scale = 1 / (1 - ratio * minor_ratio)
     law = np.diag([scale * first, scale * second, in_plane])
     law[0, 1] = law[1, 0] = scale * ratio * second
     return PlaneMaterial(

@@ -194,7 +194,7 @@ def read_parts(
         directed = read_anisotropic(cards, materials_of_solids(cards), materials, factor, ignored)
         straight = StraightSides(places=grids.nodes, ids=grids.ids)
         solids = read_solids(cards, grids, {**materials, **directed}, straight, ignored)
-        heavy = any(one.density > 0 for one in {**materials, **directed}.values())
+        heavy = any(item.density > 0 for item in {**materials, **directed}.values())
         if control.present and heavy and lumps_masses(cards, parameters):
             ignored.append(LUMPED)
         check_element_ids([cards[name] for name in ELEMENTS if name in cards])
@@ -228,7 +228,7 @@ def read_parts(
             springs=(
                 *springs,
                 *read_general_elements(cards, grids),
-                *read_warping(cards, grids, sections["CBEAM"], {one.id: one for one in beams}),
+                *read_warping(cards, grids, sections["CBEAM"], {item.id: item for item in beams}),
             ),
             bushes=(
                 *turned,
@@ -264,7 +264,7 @@ def read_parts(
         assembly=assembly,
         parents=_parents(grids, straight, ends),
         plane=plane,
-        thicknesses={number: one.thickness for number, one in laminates.items()},
+        thicknesses={number: item.thickness for number, item in laminates.items()},
         ignored=ignored,
         ignore=ignore,
         moved=moved,
@@ -299,21 +299,23 @@ def _check_supported(
     """Refuse cards that may change the structure, all at once; note what is left out."""
     named = materials_named(cards)
     unread = []
-    for name, found in cards.items():
+    for name, cards_of_name in cards.items():
         if name in _READ:
             continue
         if name in USERS and not any(user in cards for user in USERS[name]):
-            ignored.append(f"{len(found)} {name} that no element names")
+            ignored.append(f"{len(cards_of_name)} {name} that no element names")
             continue
         if name in ADDED_MASS and control.present and control.added_mass is None:
-            ignored.append(f"{len(found)} {name}: case control selects none by NSM")
+            ignored.append(f"{len(cards_of_name)} {name}: case control selects none by NSM")
             continue
         first = 0
         if name in MATERIALS:
-            used = [card.number for card in found if card.integer(0) in named]
+            used = [card.number for card in cards_of_name if card.integer(0) in named]
             if not used:
-                ignored.append(f"{len(found)} {name} that no property names")
+                ignored.append(f"{len(cards_of_name)} {name} that no property names")
                 continue
             first = used[0]
-        unread.append(Occurrence(name=name, count=len(found), where=found.place(first)))
+        unread.append(
+            Occurrence(name=name, count=len(cards_of_name), where=cards_of_name.place(first))
+        )
     ignored += CARDS.notes(unread, ignore, path)

@@ -85,7 +85,7 @@ def read_regions(
         If an id occurs twice, or a BSURFS names an element or grid that is not there, or grids
         that are no corners of one face.
     """
-    found: dict[int, Region] = {}
+    regions: dict[int, Region] = {}
     ids = np.concatenate([np.zeros(0, dtype=np.int64), *(block.ids for block in solids.blocks)])
     properties = np.concatenate([ids[:0], *(block.properties for block in solids.blocks)])
     for card in cards.get("BSURF", ()):
@@ -93,25 +93,29 @@ def read_regions(
         both = np.sort(np.concatenate([ids, shells]))
         listed = np.array(id_list(card, texts, both), dtype=np.int64)
         region = Region(card=card, name=f"bsurf:{card.integer(0)}")
-        solid, thin = (listed[np.isin(listed, some)] for some in (ids, shells))
+        solid, thin = (listed[np.isin(listed, ids_of_kind)] for ids_of_kind in (ids, shells))
         region = replace(region, shells=thin) if len(thin) else replace(region, elements=solid)
         if len(thin) and len(solid):
             text = "a contact region of shells and solids; give each its own region"
             raise card.error(text)
-        _add(found, card, region)
+        _add(regions, card, region)
     for name in ("BCPROP", "BCPROPS"):
         for card in cards.get(name, ()):
             texts = [text for text in card.texts[1:] if text]
             listed = np.array(id_list(card, texts, np.unique(properties)), dtype=np.int64)
             chosen = ids[np.isin(properties, listed)]
-            _add(found, card, Region(card=card, name=f"bcprop:{card.integer(0)}", elements=chosen))
+            _add(
+                regions, card, Region(card=card, name=f"bcprop:{card.integer(0)}", elements=chosen)
+            )
     for card in cards.get("BSURFS", ()):
         facets = _facets(card, grids, solids)
-        _add(found, card, Region(card=card, name=f"bsurfs:{card.integer(0)}", facets=facets))
+        _add(regions, card, Region(card=card, name=f"bsurfs:{card.integer(0)}", facets=facets))
     for card in cards.get("BCSURF", ()):
         facets = _sides(card, solids)
-        found[-card.integer(0)] = Region(card=card, name=f"bcsurf:{card.integer(0)}", facets=facets)
-    return found
+        regions[-card.integer(0)] = Region(
+            card=card, name=f"bcsurf:{card.integer(0)}", facets=facets
+        )
+    return regions
 
 
 def _sides(card: Card, solids: Solids) -> Indices:
@@ -119,8 +123,8 @@ def _sides(card: Card, solids: Solids) -> Indices:
     rows = [[card.text(j + k) for k in range(8)] for j in range(8, len(card), 8)]
     named = [row for row in rows if any(row)]
     bricks = [one for one in solids.blocks if one.kind in ("hex8", "hex20")]
-    found = [numbers.integer(row[0]) for row in named]
-    for row, element in zip(named, found, strict=True):
+    element_ids = [numbers.integer(row[0]) for row in named]
+    for row, element in zip(named, element_ids, strict=True):
         odd = element is None or row[1] not in _SIDES or row[2:] != ["ELEM", *[""] * 5]
         if odd or card.text(4) != "FACE":
             text = (
@@ -129,36 +133,36 @@ def _sides(card: Card, solids: Solids) -> Indices:
             )
             raise card.error(text, 8)
     sides = np.array([list(_SIDES[row[1]]) for row in named], dtype=np.int64).reshape(-1, 3)
-    elements = np.array(found, dtype=np.int64)
+    elements = np.array(element_ids, dtype=np.int64)
     nodes = np.full((len(elements), 3), -1, dtype=np.int64)
     for block in bricks:
         order = np.argsort(block.ids, kind="stable")
         at = order[np.minimum(np.searchsorted(block.ids, elements, sorter=order), len(order) - 1)]
-        here = np.flatnonzero(block.ids[at] == elements)
-        nodes[here] = block.nodes[at[here][:, None], sides[here]]
+        members = np.flatnonzero(block.ids[at] == elements)
+        nodes[members] = block.nodes[at[members][:, None], sides[members]]
     missing = np.flatnonzero(nodes[:, 0] < 0)
     if missing.size:
         text = f"element {elements[missing[0]]} is no CHEXA of the deck; name faces by BSURFS"
         raise card.error(text, 8)
 
-    def fits(here: Indices, _: str, kind: str, corners: Indices) -> Mask:
+    def fits(members: Indices, _: str, kind: str, corners: Indices) -> Mask:
         del kind
-        among = (nodes[here][:, :, None] == corners[:, None, :]).any(axis=2).all(axis=1)
+        among = (nodes[members][:, :, None] == corners[:, None, :]).any(axis=2).all(axis=1)
         return np.asarray(among)
 
     faces, _ = find_faces(bricks, elements, fits)
     return np.unique(faces, axis=0)
 
 
-def _add(found: dict[int, Region], card: Card, region: Region) -> None:
+def _add(regions: dict[int, Region], card: Card, region: Region) -> None:
     number = card.integer(0)
-    if number in found:
+    if number in regions:
         text = (
-            f"contact region {number} is already defined at {found[number].card.where()}; give "
+            f"contact region {number} is already defined at {regions[number].card.where()}; give "
             "each BSURF, BSURFS and BCPROP its own id"
         )
         raise card.error(text)
-    found[number] = region
+    regions[number] = region
 
 
 def _facets(card: Card, grids: Grids, solids: Solids) -> Indices:
@@ -177,18 +181,18 @@ def _facets(card: Card, grids: Grids, solids: Solids) -> Indices:
     table = np.array(values, dtype=np.int64).reshape(-1, 4)
     nodes = grids.several(card, table[:, 1:].ravel().tolist()).reshape(-1, 3)
 
-    def fits(here: Indices, _: str, kind: str, corners: Indices) -> Mask:
+    def fits(rows: Indices, _: str, kind: str, corners: Indices) -> Mask:
         del kind
-        wanted = nodes[here]
-        distinct = (wanted != np.roll(wanted, 1, axis=1)).all(axis=1)
-        among = (wanted[:, :, None] == corners[:, None, :]).any(axis=2).all(axis=1)
+        corners_of = nodes[rows]
+        distinct = (corners_of != np.roll(corners_of, 1, axis=1)).all(axis=1)
+        among = (corners_of[:, :, None] == corners[:, None, :]).any(axis=2).all(axis=1)
         chosen: Mask = distinct & among
         return chosen
 
-    faces, known = find_faces(solids.blocks, table[:, 0], fits)
-    if not known.all():
+    faces, fitting = find_faces(solids.blocks, table[:, 0], fits)
+    if not fitting.all():
         solids_are = ", ".join(SOLID_CARDS)
-        text = f"element {table[~known, 0][0]} is no solid of the deck; name {solids_are}"
+        text = f"element {table[~fitting, 0][0]} is no solid of the deck; name {solids_are}"
         raise card.error(text)
     wrong = np.flatnonzero(faces[:, 0] < 0)
     if wrong.size:

@@ -46,29 +46,29 @@ def replicated(text: LineTexts, origin: Indices, lines: Lines) -> tuple[LineText
     FormatError
         If there is no card of one line above, or nothing that can be counted on.
     """
-    here = [i for i in text.holding(b"=").tolist() if text[i][:1] == b"="]
-    if not here:
+    repeats = [i for i in text.holding(b"=").tolist() if text[i][:1] == b"="]
+    if not repeats:
         return text, origin
-    made: list[Sequence[bytes]] = []
+    parts: list[Sequence[bytes]] = []
     places: list[Indices] = []
     done = 0
     above: _Above | None = None
-    for i in here:
+    for i in repeats:
         where = lines.where(int(origin[i]))
-        before = next((k for k in range(i - 1, done - 1, -1) if text[k].strip()), None)
-        if before is not None:
-            above = _card(text, before, where)
+        previous = next((k for k in range(i - 1, done - 1, -1) if text[k].strip()), None)
+        if previous is not None:
+            above = _card(text, previous, where)
         if above is None:
             message = f"{where}: a line of '=' without a card above it; write the card out"
             raise FormatError(message)
         _check_one_line(text, i, where)
         cards, above = _repeated(_split(text[i]), above, where)
-        made += [text[done:i], cards]
+        parts += [text[done:i], cards]
         places += [np.asarray(origin[done:i]), np.full(len(cards), origin[i], dtype=np.int64)]
         done = i + 1
     places.append(np.asarray(origin[done:]))
-    made.append(text[done:])
-    return joined(made), np.concatenate(places)
+    parts.append(text[done:])
+    return joined(parts), np.concatenate(places)
 
 
 def _split(line: bytes) -> list[bytes]:
@@ -119,15 +119,15 @@ def _repeated(row: list[bytes], above: _Above, where: str) -> tuple[list[bytes],
         wrong = f"it may up to {_MOST} times" if above.steps else "there is none above"
         message = f"{where}: '{_shown(row[0])}' repeats a line that adds to a field (*d); {wrong}"
         raise FormatError(message)
-    made = []
+    cards = []
     fields = above.fields
     for _ in range(count):
         fields = [
             _sum(field, above.steps[k], where) if k in above.steps else field
             for k, field in enumerate(fields)
         ]
-        made.append(b",".join(fields))
-    return made, _Above(fields=fields, steps=above.steps)
+        cards.append(b",".join(fields))
+    return cards, _Above(fields=fields, steps=above.steps)
 
 
 def _derived(row: list[bytes], above: _Above, where: str) -> tuple[list[bytes], dict[int, Decimal]]:

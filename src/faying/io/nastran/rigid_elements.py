@@ -53,10 +53,10 @@ def read_rigid_elements(
         ends = [grids.one(card, 1), grids.one(card, 2)]
         free, tied = _sides(card, ends, 3)
         if free == [(ends[0], c) for c in range(6)] or free == [(ends[1], c) for c in range(6)]:
-            other = ends[1] if free[0][0] == ends[0] else ends[0]
-            chosen = tuple(c for node, c in tied if node == other)
-            if _plain(other, chosen, grids):
-                couplings.append(_coupling(card, free[0][0], np.array([other]), chosen))
+            dependent = ends[1] if free[0][0] == ends[0] else ends[0]
+            chosen = tuple(c for node, c in tied if node == dependent)
+            if _plain(dependent, chosen, grids):
+                couplings.append(_coupling(card, free[0][0], np.array([dependent]), chosen))
                 continue
         equations += rigid_equations(card, free, tied, grids)
     for card in cards.get("RTRPLT", ()):
@@ -101,7 +101,7 @@ def _sides(card: Card, nodes: Sequence[int], first: int) -> tuple[list[Place], l
     tied = _listed(card, nodes, range(second, second + count))
     if not tied:
         tied = [(node, c) for node in nodes for c in range(6) if (node, c) not in free]
-    return free, [place for place in tied if place not in free]
+    return free, [dof for dof in tied if dof not in free]
 
 
 def _listed(card: Card, nodes: Sequence[int], fields: Sequence[int]) -> list[Place]:
@@ -132,14 +132,14 @@ def _rbe1(card: Card, grids: Grids) -> tuple[list[Place], list[Place]]:
 def _rrod(card: Card, grids: Grids) -> Equation:
     """Equal displacements along the line of two nodes; the component given is the dependent one."""
     nodes = [grids.one(card, field) for field in (1, 2)]
-    given = [(node, card.text(field)) for node, field in zip(nodes, (3, 4), strict=True)]
-    tied = [(node, components(text, card.error)) for node, text in given if text not in ("", "0")]
+    fields = [(node, card.text(field)) for node, field in zip(nodes, (3, 4), strict=True)]
+    tied = [(node, components(text, card.error)) for node, text in fields if text not in ("", "0")]
     line = grids.nodes[nodes[1]] - grids.nodes[nodes[0]]
     if len(tied) != 1 or len(tied[0][1]) != 1 or tied[0][1][0] > 2 or not line.any():
         text = "one translation at one of its two ends, which lie apart, must be the dependent one"
         raise card.error(text)
     columns = [(node, c) for node in nodes for c in range(3)]
-    candidates = [columns.index(one) for one in _supports([(tied[0][0], tied[0][1][0])], grids)]
+    candidates = [columns.index(dof) for dof in _supports([(tied[0][0], tied[0][1][0])], grids)]
     # Each equation is solved for the largest of the basic components that make up its dependent.
     (equation,) = solved(card, np.append(-line, line)[None], np.array(candidates), columns)
     return equation
@@ -182,25 +182,25 @@ def rigid_equations(
         raise card.error(text)
     weights *= _scale(free, size) / _scale(tied, size)[:, None]
     columns = sorted({(node, c) for node, c in _supports([*free, *tied], grids)})
-    place = {one: k for k, one in enumerate(columns)}
+    column_of = {basic: k for k, basic in enumerate(columns)}
     rows = np.zeros((len(tied), len(columns)))
-    for number, (own, row) in enumerate(zip(tied, weights, strict=True)):
+    for number, (dependent, row) in enumerate(zip(tied, weights, strict=True)):
         threshold = _ROUNDING * float(np.abs(row).max())
-        for other, value in ((own, 1.0), *zip(free, (-row).tolist(), strict=True)):
+        for dof, value in ((dependent, 1.0), *zip(free, (-row).tolist(), strict=True)):
             if abs(value) > threshold:
-                for c, factor in _factors(other, grids):
-                    rows[number, place[other[0], c]] += value * factor
-    candidates = np.array(sorted(place[one] for one in set(_supports(tied, grids))))
+                for c, factor in _factors(dof, grids):
+                    rows[number, column_of[dof[0], c]] += value * factor
+    candidates = np.array(sorted(column_of[basic] for basic in set(_supports(tied, grids))))
     yield from solved(card, rows, candidates, columns)
 
 
 def _supports(places: Sequence[Place], grids: Grids) -> list[Place]:
     """Return the basic components that make up components."""
-    return [(node, c) for node, own in places for c, _ in _factors((node, own), grids)]
+    return [(node, c) for node, component in places for c, _ in _factors((node, component), grids)]
 
 
-def _factors(place: Place, grids: Grids) -> list[tuple[int, float]]:
-    direction = _direction(*place, grids)
+def _factors(dof: Place, grids: Grids) -> list[tuple[int, float]]:
+    direction = _direction(*dof, grids)
     return [(c, float(direction[c])) for c in np.flatnonzero(direction).tolist()]
 
 
@@ -222,12 +222,12 @@ def solved(
     chosen = candidates[order[: len(rows)]]
     solved = np.linalg.solve(rows[:, chosen], rows)
     solved[np.abs(solved) <= _ROUNDING * np.abs(solved).max()] = 0.0
-    for row, own in zip(solved, chosen.tolist(), strict=True):
+    for row, column in zip(solved, chosen.tolist(), strict=True):
         others = [k for k in np.flatnonzero(row).tolist() if k not in set(chosen.tolist())]
         yield Equation(
             id=card.integer(0),
             terms=(
-                (*columns[own], 1.0),
+                (*columns[column], 1.0),
                 *((*columns[k], float(row[k])) for k in others),
             ),
         )

@@ -30,25 +30,25 @@ def read_rods(
     FormatError
         If a property or node is missing, an area is not positive, or a rod has no length.
     """
-    found: dict[tuple[str, int], tuple[Member, Card]] = {}
+    properties: dict[tuple[str, int], tuple[Member, Card]] = {}
     for name, read in (("PROD", _bar), ("PTUBE", _tube)):
         for card in cards.get(name, ()):
             number = card.integer(0)
-            if (name, number) in found:
-                before = found[name, number][1].where()
-                text = f"property {number} is already defined at {before}; renumber one"
+            if (name, number) in properties:
+                earlier = properties[name, number][1].where()
+                text = f"property {number} is already defined at {earlier}; renumber one"
                 raise card.error(text)
             section, heavy = read(card, material_of(card, 1, materials), mass_factor)
             factor = factors.get(card.integer(1), 1.0)
-            found[name, number] = ((with_shear(section, factor), heavy), card)
+            properties[name, number] = ((with_shear(section, factor), heavy), card)
     rods: list[Beam] = []
     for name, family in (("CROD", "PROD"), ("CTUBE", "PTUBE")):
         for card in cards.get(name, ()):
             number = card.integer(1, card.integer(0))
-            if (family, number) not in found:
+            if (family, number) not in properties:
                 text = f"property {number} is not a {family} of the deck; define it"
                 raise card.error(text, 1)
-            rods.append(_rod(card, grids, (2, 3), found[family, number][0], number))
+            rods.append(_rod(card, grids, (2, 3), properties[family, number][0], number))
     for card in cards.get("CONROD", ()):
         material = material_of(card, 3, materials)
         section, heavy = _member(card, 4, material, mass_factor)
@@ -76,12 +76,12 @@ def _tube(card: Card, material: Material, mass_factor: float) -> Member:
     """Section from outer diameter, wall (none is a solid rod), NSM, diameter at the other end."""
     outer = card.real(2)
     wall = card.real(3, 0.0) or outer / 2
-    other = card.real(5, outer)
+    end = card.real(5, outer)
     if not 0 < wall <= outer / 2:
         text = f"OD = {outer:g} with T = {wall:g} is no tube; T is at most half of OD"
         raise card.error(text, 3)
-    if not math.isclose(other, outer, rel_tol=1e-3):
-        text = f"OD2 = {other:g} differs from OD = {outer:g}; divide the tube into constant pieces"
+    if not math.isclose(end, outer, rel_tol=1e-3):
+        text = f"OD2 = {end:g} differs from OD = {outer:g}; divide the tube into constant pieces"
         raise card.error(text, 5)
     inner = outer - 2 * wall
     area = math.pi / 4 * (outer**2 - inner**2)
@@ -89,7 +89,9 @@ def _tube(card: Card, material: Material, mass_factor: float) -> Member:
     return _checked(card, area, polar, card.real(4, 0.0) * mass_factor, material)
 
 
-def _checked(card: Card, area: float, torsion: float, line_mass: float, own: Material) -> Member:
+def _checked(
+    card: Card, area: float, torsion: float, line_mass: float, material: Material
+) -> Member:
     if not 0 < area < math.inf or not 0 <= torsion < math.inf or not 0 <= line_mass < math.inf:
         text = (
             f"A = {area:g}, J = {torsion:g}, mass per length {line_mass:g}; the area must be "
@@ -97,10 +99,10 @@ def _checked(card: Card, area: float, torsion: float, line_mass: float, own: Mat
         )
         raise card.error(text)
     heavy = Material(
-        youngs_modulus=own.youngs_modulus,
-        poissons_ratio=own.poissons_ratio,
-        density=own.density + line_mass / area,
-        name=own.name,
+        youngs_modulus=material.youngs_modulus,
+        poissons_ratio=material.poissons_ratio,
+        density=material.density + line_mass / area,
+        name=material.name,
     )
     section = BeamSection(area=area, inertia_y=0.0, inertia_z=0.0, torsion=torsion)
     return section, heavy

@@ -71,8 +71,8 @@ def read_sections(
         for card in cards.get(name, ()):
             number = card.integer(0)
             if number in result[element]:
-                before = origin[element, number].where()
-                text = f"property {number} is already defined at {before}; renumber one"
+                earlier = origin[element, number].where()
+                text = f"property {number} is already defined at {earlier}; renumber one"
                 raise card.error(text)
             origin[element, number] = card
             if number not in used and card.integer(1) not in materials:
@@ -86,11 +86,11 @@ def read_sections(
                 text = f"non-structural mass {line_mass:g} must not be negative"
                 raise card.error(text, _mass_field(card))
             heavy += line_mass > 0
-            own = replace(material, density=material.density + line_mass / section.area)
+            heavier = replace(material, density=material.density + line_mass / section.area)
             warping = _warping(card) if name == "PBEAM" else 0.0
-            result[element][number] = Property(with_shear(section, factor), own, angle, warping)
+            result[element][number] = Property(with_shear(section, factor), heavier, angle, warping)
     lists = (cards[name] for name in ("PBARL", "PBEAML") if name in cards)
-    if any(kind in SHAPES for one in lists for kind in one.words(3)):
+    if any(kind in SHAPES for cards_of_kind in lists for kind in cards_of_kind.words(3)):
         ignored.append(ESTIMATED)
     if heavy:
         ignored.append(
@@ -199,9 +199,9 @@ def _check_station(card: Card, row: int) -> None:
             raise card.error(text, row + j)
 
 
-def _differ(one: float, other: float) -> bool:
+def _differ(first: float, second: float) -> bool:
     """Say whether two ends differ by more than the digits of a field."""
-    return not math.isclose(one, other, rel_tol=_DIGITS, abs_tol=0.0)
+    return not math.isclose(first, second, rel_tol=_DIGITS, abs_tol=0.0)
 
 
 def _pbarl(card: Card, material: Material) -> BeamSection:
@@ -211,17 +211,17 @@ def _pbarl(card: Card, material: Material) -> BeamSection:
 
 def _pbeaml(card: Card, material: Material) -> BeamSection:
     kind, sizes = _sizes(card)
-    after = 8 + len(sizes)
-    field = after + 1
+    mass_field = 8 + len(sizes)
+    field = mass_field + 1
     while field < len(card):
         if card.text(field) not in ("", *_STATIONS):
             text = f"expected YES or NO, found '{card.text(field)}'; check the number of dimensions"
             raise card.error(text, field)
-        for j, size in enumerate((*sizes, card.real(after, 0.0))):
-            here = field + 2 + j
-            if card.text(here) and _differ(card.real(here), size):
+        for j, size in enumerate((*sizes, card.real(mass_field, 0.0))):
+            size_field = field + 2 + j
+            if card.text(size_field) and _differ(card.real(size_field), size):
                 text = "a section that changes along the beam is not supported, split the beam"
-                raise card.error(text, here)
+                raise card.error(text, size_field)
         field += 3 + len(sizes)
     return _dimensioned(card, kind, sizes, material)
 

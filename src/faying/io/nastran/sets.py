@@ -20,9 +20,9 @@ def read_sets(
     """
     node_sets: dict[str, Indices] = {}
     element_sets: dict[str, Indices] = {}
-    known = np.concatenate(list(elements.values()) or [np.zeros(0, dtype=np.int64)])
+    element_ids = np.concatenate(list(elements.values()) or [np.zeros(0, dtype=np.int64)])
     for card in cards.get("SET1", ()):
-        _set1(card, grids, known, node_sets, element_sets, ignored)
+        _set1(card, grids, element_ids, node_sets, element_sets, ignored)
     return node_sets, element_sets
 
 
@@ -33,7 +33,7 @@ def _extend(sets: dict[str, Indices], name: str, ids: Indices) -> None:
 def _set1(
     card: Card,
     grids: Grids,
-    known: Indices,
+    element_ids: Indices,
     node_sets: dict[str, Indices],
     element_sets: dict[str, Indices],
     ignored: list[str],
@@ -47,5 +47,5 @@ def _set1(
     index = grids.index(ids)
     if len(ids) and (index >= 0).all():
         _extend(node_sets, name, index)
-    if len(ids) and np.isin(ids, known).all():
+    if len(ids) and np.isin(ids, element_ids).all():
         _extend(element_sets, name, ids)

@@ -43,18 +43,18 @@ def read_shell_properties(
     FormatError
         If an id occurs twice, a material is missing, or a property is not supported.
     """
-    found: dict[int, ShellProperty] = {}
+    properties: dict[int, ShellProperty] = {}
     for name in SHELL_PROPERTIES:
         for card in cards.get(name, ()):
             number = card.integer(0)
-            if number in found:
-                before = found[number].card.where()
-                text = f"property {number} is already defined at {before}; renumber one"
+            if number in properties:
+                earlier = properties[number].card.where()
+                text = f"property {number} is already defined at {earlier}; renumber one"
                 raise card.error(text)
-            found[number] = _READERS[name](card, materials, mass_factor)
+            properties[number] = _READERS[name](card, materials, mass_factor)
         if name.startswith("PCOMP") and name in cards:
             ignored.append(LAMINATE)
-    return found
+    return properties
 
 
 def _plate(card: Card, materials: Mapping[int, PlaneMaterial], mass_factor: float) -> ShellProperty:
@@ -169,15 +169,15 @@ def _stacked(
 ) -> ShellSection:
     """Integrate layers from the bottom through the thickness."""
     t = np.array([ply.thickness for ply in plies])
-    own = []
+    ply_materials = []
     for ply in plies:
         if ply.material not in materials:
             text = f"material {ply.material} is not a MAT1, MAT2 or MAT8 of the deck; define it"
             raise card.error(text)
-        own.append(materials[ply.material])
+        ply_materials.append(materials[ply.material])
     angle = np.radians([ply.angle for ply in plies])
-    laws = turned_law(np.array([one.law for one in own]), angle)
-    density = np.array([one.density for one in own])
+    laws = turned_law(np.array([material.law for material in ply_materials]), angle)
+    density = np.array([material.density for material in ply_materials])
     high = bottom + np.cumsum(t)
     low = high - t
     middle = (low + high) / 2
@@ -192,7 +192,7 @@ def _stacked(
     centre = float(density @ (t * middle)) / mass if mass else 0.0
     return ShellSection(
         stiffness=law,
-        shear=None if card.text(7) == "MEM" else _shear(own, laws, angle, t, low),
+        shear=None if card.text(7) == "MEM" else _shear(ply_materials, laws, angle, t, low),
         mass=mass + extra,
         inertia=float(density @ (t * (middle - centre) ** 2 + t**3 / 12)),
         materials=tuple(dict.fromkeys(str(ply.material) for ply in plies)),
@@ -200,7 +200,7 @@ def _stacked(
 
 
 def _shear(
-    own: Sequence[PlaneMaterial], laws: Matrix, angle: Matrix, t: Matrix, low: Matrix
+    ply_materials: Sequence[PlaneMaterial], laws: Matrix, angle: Matrix, t: Matrix, low: Matrix
 ) -> Matrix | None:
     """Transverse shear stiffness of cylindrical bending in x and in y.
 
@@ -209,12 +209,12 @@ def _shear(
     5/6 G t for one layer. J. M. Whitney, "Shear correction factors for orthotropic laminates
     under static load", J. Appl. Mech. 40 (1973) 302-304. Layers without G1Z or G2Z are rigid.
     """
-    flexible = np.zeros((len(own), 2))
-    for k, one in enumerate(own):
-        if one.shear is not None:
+    flexible = np.zeros((len(ply_materials), 2))
+    for k, material in enumerate(ply_materials):
+        if material.shear is not None:
             c, s = np.cos(angle[k]), np.sin(angle[k])
             turn = np.array([[c, s], [-s, c]])
-            flexible[k] = 1 / np.diag(turn.T @ one.shear @ turn)
+            flexible[k] = 1 / np.diag(turn.T @ material.shear @ turn)
     if not flexible.any(axis=0).all():
         return None
     stiffness = np.zeros((2, 2))

@@ -88,31 +88,31 @@ def read_shells(
     """
     blocks: list[ShellBlock] = []
     sections: dict[int, ShellSection] = {}
-    own: dict[tuple[int, float], int] = {}
+    by_thickness: dict[tuple[int, float], int] = {}
     for name, layout in _LAYOUTS.items():
         if name not in cards:
             continue
-        found = cards[name]
-        nodes = _nodes(found, layout, grids, straight)
-        check_distinct(found, nodes)
-        numbers_of = property_ids(found)
+        cards_of_name = cards[name]
+        nodes = _nodes(cards_of_name, layout, grids, straight)
+        check_distinct(cards_of_name, nodes)
+        numbers_of = property_ids(cards_of_name)
         first = dict(
             zip(*(part.tolist() for part in np.unique(numbers_of, return_index=True)), strict=True)
         )
         for number, card in first.items():
             if number not in properties:
                 text = f"property {number} is not a PSHELL, PCOMP, PCOMPG or PSHEAR of the deck"
-                raise found.error(card, text, 1)
+                raise cards_of_name.error(card, text, 1)
             sections[number] = properties[number].section(properties[number].thickness)
-        numbers_of = _thick(found, layout, numbers_of, properties, sections, own)
+        numbers_of = _thick(cards_of_name, layout, numbers_of, properties, sections, by_thickness)
         blocks.append(
             ShellBlock(
                 kind=layout.kind,
                 nodes=nodes,
-                ids=found.integers(0),
+                ids=cards_of_name.integers(0),
                 properties=numbers_of,
-                offsets=found.reals(layout.offset, 0.0),
-                directions=_directions(found, layout, nodes, grids),
+                offsets=cards_of_name.reals(layout.offset, 0.0),
+                directions=_directions(cards_of_name, layout, nodes, grids),
             )
         )
     if straight.turning:
@@ -130,12 +130,12 @@ def _nodes(cards: Cards, layout: _Layout, grids: Grids, straight: StraightSides)
     corners = [grids.of_column(cards, 2 + j) for j in range(n_corner)]
     columns = list(corners)
     for j in range(n_corner, layout.n_nodes):
-        given = cards.given(2 + j)
+        filled = cards.given(2 + j)
         column = np.zeros(len(cards), dtype=np.int64)
-        column[given] = grids.of_column(cards.take(given), 2 + j)
+        column[filled] = grids.of_column(cards.take(filled), 2 + j)
         ends = corners[j - n_corner], corners[(j - n_corner + 1) % n_corner]
-        if not given.all():
-            column[~given] = straight.between(ends[0][~given], ends[1][~given], turns=True)
+        if not filled.all():
+            column[~filled] = straight.between(ends[0][~filled], ends[1][~filled], turns=True)
         columns.append(column)
     return np.stack(columns, axis=1)
 
@@ -146,16 +146,16 @@ def _thick(
     numbers_of: Indices,
     properties: Mapping[int, ShellProperty],
     sections: dict[int, ShellSection],
-    own: dict[tuple[int, float], int],
+    by_thickness: dict[tuple[int, float], int],
 ) -> Indices:
     """Property numbers of shells; those with a thickness of their own get new ones."""
     n_corner = _N_CORNERS[layout.kind]
     columns = range(layout.own, layout.own + n_corner)
-    given = np.flatnonzero(np.any([cards.given(field) for field in columns], axis=0))
+    thick = np.flatnonzero(np.any([cards.given(field) for field in columns], axis=0))
     result = numbers_of.copy()
-    for card in cards.take(given):
-        place = int(given[card.number])
-        number = int(numbers_of[place])
+    for card in cards.take(thick):
+        row = int(thick[card.number])
+        number = int(numbers_of[row])
         usual = properties[number].thickness
         relative = card.integer(layout.flag, 0) == 1
         values = [card.real(field, 1.0 if relative else usual) for field in columns]
@@ -166,10 +166,10 @@ def _thick(
         if abs(thickness - usual) <= _DIFFERENT * usual:
             continue
         key = (number, thickness)
-        if key not in own:
-            own[key] = max([*properties, *own.values()]) + 1
-            sections[own[key]] = properties[number].section(thickness)
-        result[place] = own[key]
+        if key not in by_thickness:
+            by_thickness[key] = max([*properties, *by_thickness.values()]) + 1
+            sections[by_thickness[key]] = properties[number].section(thickness)
+        result[row] = by_thickness[key]
     return result
 
 
@@ -181,12 +181,12 @@ def _directions(cards: Cards, layout: _Layout, nodes: Indices, grids: Grids) -> 
     places = grids.nodes[nodes[:, : _N_CORNERS[layout.kind]]]
     result = _at_angle(places, np.where(not_integer, angle, 0.0))
     for number in np.unique(system[~not_integer]).tolist():
-        here = np.flatnonzero(~not_integer & (system == number))
+        rows = np.flatnonzero(~not_integer & (system == number))
         if number not in grids.systems.frames:
             text = f"coordinate system {number} is not in the deck; define it (CORD2R, ...)"
-            raise cards.error(int(here[0]), text, layout.theta)
+            raise cards.error(int(rows[0]), text, layout.theta)
         frame = grids.systems.frames[number]
-        result[here] = frame.directions(places[here].mean(axis=1))[:, 0]
+        result[rows] = frame.directions(places[rows].mean(axis=1))[:, 0]
     return result
 
 

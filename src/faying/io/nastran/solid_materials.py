@@ -31,19 +31,19 @@ def read_anisotropic(
     FormatError
         If constants are missing or belong to no stable material, or an id occurs twice.
     """
-    found: dict[int, Material] = {}
+    anisotropic: dict[int, Material] = {}
     kinds: list[str] = []
     for name, law, density in (("MAT9", _general, 22), ("MAT11", _orthotropic, 10)):
         for card in cards.get(name, ()):
             number = card.integer(0)
             if number not in named:
                 continue
-            if number in found or number in materials:
+            if number in anisotropic or number in materials:
                 text = f"material {number} is already defined; renumber one"
                 raise card.error(text)
             kinds.append(name)
             try:
-                found[number] = Material.anisotropic(
+                anisotropic[number] = Material.anisotropic(
                     law(card), density=card.real(density, 0.0) * mass_factor, name=str(number)
                 )
             except (ModelError, ValueError) as error:
@@ -51,7 +51,7 @@ def read_anisotropic(
                 raise card.error(text) from error
         if unnamed := len(cards.get(name, ())) - sum(name == kind for kind in kinds):
             ignored.append(f"{unnamed} {name} that no property names")
-    return found
+    return anisotropic
 
 
 def along(card: Card, material: Material, systems: Systems) -> Material:

@@ -107,16 +107,16 @@ def _blocks(
         (element for element in SOLIDS.values() if element.elsewhere.nastran == name),
         key=lambda element: element.n_nodes,
     )
-    given = np.stack([cards.given(2 + j) for j in range(quadratic.n_nodes)], axis=1)
-    wrong = np.flatnonzero(~given[:, : linear.n_nodes].all(axis=1))
+    filled = np.stack([cards.given(2 + j) for j in range(quadratic.n_nodes)], axis=1)
+    wrong = np.flatnonzero(~filled[:, : linear.n_nodes].all(axis=1))
     if wrong.size:
         card = int(wrong[0])
         text = (
-            f"{given[card].sum()} nodes; supported are {linear.n_nodes} or {quadratic.n_nodes}, of "
-            f"which the first {linear.n_nodes} must be given"
+            f"{filled[card].sum()} nodes; supported are {linear.n_nodes} or {quadratic.n_nodes}, "
+            f"of which the first {linear.n_nodes} must be given"
         )
         raise cards.error(card, text)
-    curved: Mask = np.asarray(given[:, linear.n_nodes :].any(axis=1))
+    curved: Mask = np.asarray(filled[:, linear.n_nodes :].any(axis=1))
     result = []
     for element, chosen in ((linear, ~curved), (quadratic, curved)):
         these = cards.take(chosen)
@@ -147,13 +147,13 @@ def _nodes(
     ends = mid_side_ends(element.kind)
     blank = 0
     for j in range(element.n_nodes):
-        given = cards.given(2 + j)
-        nodes[given, j] = grids.of_column(cards.take(given), 2 + j)
-        if not given.all():
+        filled = cards.given(2 + j)
+        nodes[filled, j] = grids.of_column(cards.take(filled), 2 + j)
+        if not filled.all():
             start, end = ends[j - element.n_corners]
-            sides = nodes[~given, start], nodes[~given, end]
-            nodes[~given, j] = straight.between(*sides, turns=False)
-            blank += int((~given).sum())
+            sides = nodes[~filled, start], nodes[~filled, end]
+            nodes[~filled, j] = straight.between(*sides, turns=False)
+            blank += int((~filled).sum())
     if blank:
         ignored.append(f"{blank} blank mid-side nodes of {cards.name}: straight sides")
     return nodes
@@ -189,14 +189,15 @@ def _note_properties(cards: Cards, users: dict[int, tuple[Cards, int]]) -> None:
 
 
 def _properties(cards: Mapping[str, Cards]) -> dict[int, Card]:
-    found: dict[int, Card] = {}
+    properties: dict[int, Card] = {}
     for card in (card for name in ("PSOLID", LAYERED) for card in cards.get(name, ())):
         number = card.integer(0)
-        if number in found:
-            text = f"property {number} is already defined at {found[number].where()}; renumber one"
+        if number in properties:
+            earlier = properties[number].where()
+            text = f"property {number} is already defined at {earlier}; renumber one"
             raise card.error(text)
-        found[number] = card
-    return found
+        properties[number] = card
+    return properties
 
 
 def _material(card: Card, materials: Mapping[int, Material], grids: Grids) -> Material:
@@ -287,12 +288,12 @@ def check_element_ids(groups: list[Cards]) -> None:
     twice = np.flatnonzero(np.diff(ids[order]) == 0)
     if twice.size:
         first, second = int(order[twice[0]]), int(order[twice[0] + 1])
-        before = groups[group[first]].where(int(within[first]))
-        message = f"element {ids[second]} is already used at {before}; renumber one"
+        earlier = groups[group[first]].where(int(within[first]))
+        message = f"element {ids[second]} is already used at {earlier}; renumber one"
         raise groups[group[second]].error(int(within[second]), message)
     if (ids <= 0).any():
-        at = int(np.flatnonzero(ids <= 0)[0])
-        error: FormatError = groups[group[at]].error(
-            int(within[at]), f"element id {ids[at]} must be positive"
+        worst = int(np.flatnonzero(ids <= 0)[0])
+        error: FormatError = groups[group[worst]].error(
+            int(within[worst]), f"element id {ids[worst]} must be positive"
         )
         raise error

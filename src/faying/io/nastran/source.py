@@ -73,8 +73,8 @@ def _sections(lines: Lines, path: Path) -> Source:
         begin = begins[0] + 1
         for i in begins:
             match = _BEGIN.match(lines.text[i])
-            rest = match.group(1).partition(b"$")[0].strip() if match else b""
-            if rest or i != begins[0]:
+            argument = match.group(1).partition(b"$")[0].strip() if match else b""
+            if argument or i != begins[0]:
                 message = (
                     f"{lines.where(i)}: '{_shown(lines.text[i])}' starts another bulk data "
                     "section; superelement decks are not supported, merge them into one section"
@@ -111,23 +111,23 @@ def _expand(
     """Parts of a file and of what it includes, in their order."""
     index = len(files.names)
     data = files.read(path, included_from)
-    here = path.resolve()
-    if here in parents or len(parents) >= _DEEPEST:
+    resolved = path.resolve()
+    if resolved in parents or len(parents) >= _DEEPEST:
         message = f"{included_from}: INCLUDE of '{path}' goes in a circle; remove one of them"
         raise FormatError(message)
     original, number = lines_of(data)
     upper = original.upper()
     parts: list[_Part] = []
     start = line = 0
-    for found in upper.holding(b"INCLUDE").tolist():
-        match = _INCLUDE.match(original[found])
-        if match is None or found < line:
+    for candidate in upper.holding(b"INCLUDE").tolist():
+        match = _INCLUDE.match(original[candidate])
+        if match is None or candidate < line:
             continue
-        parts.append((upper[start:found], number[start:found], index))
-        origin = f"{files.names[index]}:{number[found]}"
-        name, line = _file_name(original, found, match.end(), origin)
+        parts.append((upper[start:candidate], number[start:candidate], index))
+        origin = f"{files.names[index]}:{number[candidate]}"
+        name, line = _file_name(original, candidate, match.end(), origin)
         included = _included(name, path, parents)
-        parts += _expand(included, files, lines_of, (*parents, here), origin)
+        parts += _expand(included, files, lines_of, (*parents, resolved), origin)
         start = line
     parts.append((upper[start:], number[start:], index))
     return parts
@@ -135,21 +135,21 @@ def _expand(
 
 def _included(name: str, path: Path, parents: tuple[Path, ...]) -> Path:
     """Return an included file: beside the one that includes it, else beside the deck."""
-    beside = path.parent / name
+    neighbour = path.parent / name
     deck = (parents[0] if parents else path).parent / name
     try:
-        return deck if deck.is_file() and not beside.is_file() else beside
+        return deck if deck.is_file() and not neighbour.is_file() else neighbour
     except (OSError, ValueError):  # no name of a file: refused when it is read
-        return beside
+        return neighbour
 
 
-def _file_name(lines: LineTexts, line: int, at: int, origin: str) -> tuple[str, int]:
+def _file_name(lines: LineTexts, line: int, start: int, origin: str) -> tuple[str, int]:
     """File name of an INCLUDE (quoted, over several lines perhaps, or bare) and the next line."""
-    quote = lines[line][at - 1 : at]
+    quote = lines[line][start - 1 : start]
     if quote not in (b"'", b'"'):
-        bare = lines[line][at:].partition(b"$")[0].strip()
+        bare = lines[line][start:].partition(b"$")[0].strip()
         return _decoded(bare, origin), line + 1
-    text = lines[line][at:]
+    text = lines[line][start:]
     while quote not in text and line + 1 < len(lines):
         line += 1
         text = text.rstrip() + lines[line].strip()

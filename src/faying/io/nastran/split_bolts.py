@@ -62,7 +62,7 @@ def read_split_bolts(
         If grids are missing or not in pairs, or nothing pulls or moves the control grid along one
         line.
     """
-    found = {}
+    bolts = {}
     for number, card in by_id(cards, "BOLT").items():
         if not is_split(card):
             continue
@@ -79,18 +79,18 @@ def read_split_bolts(
         shortens = not any(force.any() for force in forces.values())
         if shortens:
             forces = moved.of_node(control, grids.systems.axes(control))
-        given = np.array([force for force in forces.values() if force.any()]).reshape(-1, 3)
-        axis = given[0] / np.linalg.norm(given[0]) if len(given) else np.zeros(3)
-        across = given - np.outer(given @ axis, axis)
+        nonzero = np.array([force for force in forces.values() if force.any()]).reshape(-1, 3)
+        axis = nonzero[0] / np.linalg.norm(nonzero[0]) if len(nonzero) else np.zeros(3)
+        across = nonzero - np.outer(nonzero @ axis, axis)
         # Directions are given with seven digits in small fields.
-        if not len(given) or np.abs(across).max() > 1e-5 * np.abs(given).max():
+        if not len(nonzero) or np.abs(across).max() > 1e-5 * np.abs(nonzero).max():
             text = (
                 f"control grid {card.integer(1)} has no force or displacement along one line, "
                 "which would be the tension; give it one by FORCE or SPCD"
             )
             raise card.error(text, 1)
         sets = {name: float(np.linalg.norm(force)) for name, force in forces.items()}
-        found[number] = SplitBolt(
+        bolts[number] = SplitBolt(
             card=card,
             top=top,
             bottom=bottom,
@@ -99,7 +99,7 @@ def read_split_bolts(
             axis=axis,
             shortens=shortens,
         )
-    return found
+    return bolts
 
 
 def _listed(card: Card, grids: Grids, side: str) -> Indices:
@@ -139,20 +139,22 @@ def parted(mesh: Mesh, number: int, bolt: SplitBolt) -> tuple[Mesh, Cut]:
 
 def _centre(mesh: Mesh, nodes: Indices) -> tuple[Vector, int]:
     """Return the mean place of the elements at nodes, and the id of one of them."""
-    near = [np.isin(block.nodes, nodes).any(axis=1) for block in mesh.blocks]
-    chosen = [block.nodes[mask].ravel() for block, mask in zip(mesh.blocks, near, strict=True)]
-    ids = [block.ids[mask] for block, mask in zip(mesh.blocks, near, strict=True)]
-    place: Vector = mesh.nodes[np.concatenate(chosen)].mean(axis=0)
-    return place, int(np.concatenate(ids)[0])
+    touching = [np.isin(block.nodes, nodes).any(axis=1) for block in mesh.blocks]
+    chosen = [block.nodes[mask].ravel() for block, mask in zip(mesh.blocks, touching, strict=True)]
+    ids = [block.ids[mask] for block, mask in zip(mesh.blocks, touching, strict=True)]
+    centre: Vector = mesh.nodes[np.concatenate(chosen)].mean(axis=0)
+    return centre, int(np.concatenate(ids)[0])
 
 
 def without_controls(assembly: Assembly, bolts: Mapping[int, SplitBolt]) -> Assembly:
     """Return the assembly without loads on control grids, which are the tension of bolts."""
     controls = [bolt.control for bolt in bolts.values()]
-    kept = {name: ~np.isin(load.nodes, controls) for name, load in assembly.loads.items()}
+    uncontrolled = {name: ~np.isin(load.nodes, controls) for name, load in assembly.loads.items()}
     loads = {
-        name: NodalLoads(nodes=load.nodes[kept[name]], forces=load.forces[kept[name]])
+        name: NodalLoads(
+            nodes=load.nodes[uncontrolled[name]], forces=load.forces[uncontrolled[name]]
+        )
         for name, load in assembly.loads.items()
-        if kept[name].any()
+        if uncontrolled[name].any()
     }
     return replace(assembly, loads=loads)

@@ -45,17 +45,17 @@ def _turned(card: Card, stiffness: float, grids: Grids) -> Bush | None:
 
     Its ends stand at one place and act along one direction, or one of them is the ground.
     """
-    found = _own_ends(card, grids)
-    systems = [grids.systems.axes(node) for node, _ in found]
-    if not found or all(_is_basic(a, c) for a, (_, c) in zip(systems, found, strict=True)):
+    ends = _own_ends(card, grids)
+    systems = [grids.systems.axes(node) for node, _ in ends]
+    if not ends or all(_is_basic(a, c) for a, (_, c) in zip(systems, ends, strict=True)):
         return None
-    nodes, components = zip(*found, strict=True)
+    nodes, components = zip(*ends, strict=True)
     axes = np.eye(3) if systems[0] is None else systems[0]
     others = [np.eye(3) if one is None else one for one in systems]
     places = grids.nodes[list(nodes)]
     apart = np.abs(places - places[0]).max() > _SAME * np.abs(grids.nodes).max()
-    own, *rest = (one[c % 3] for one, c in zip(others, components, strict=True))
-    across = any(np.abs(other - own).max() > _SAME for other in rest)
+    first, *second = (one[c % 3] for one, c in zip(others, components, strict=True))
+    across = any(np.abs(direction - first).max() > _SAME for direction in second)
     if apart or across or len(set(components)) > 1 or len(set(nodes)) < len(nodes):
         text = (
             f"GRID {grids.ids[nodes[0]]} has a displacement coordinate system whose axis is not a "
@@ -120,16 +120,16 @@ def _valued(
 def _properties(cards: Mapping[str, Cards], name: str) -> dict[int, float]:
     # PELAS holds two properties of four fields, PMASS four of two.
     starts = (0, 4) if name == "PELAS" else (0, 2, 4, 6)
-    found: dict[int, float] = {}
+    stiffnesses: dict[int, float] = {}
     for card in cards.get(name, ()):
         for first in starts:
             if card.text(first):
                 number = card.integer(first)
-                if number in found:
+                if number in stiffnesses:
                     text = f"property {number} is defined twice; renumber one"
                     raise card.error(text, first)
-                found[number] = card.real(first + 1)
-    return found
+                stiffnesses[number] = card.real(first + 1)
+    return stiffnesses
 
 
 def _own_ends(card: Card, grids: Grids) -> list[End]:
@@ -153,8 +153,8 @@ def _own_ends(card: Card, grids: Grids) -> list[End]:
 def _ends(card: Card, grids: Grids) -> tuple[End, ...]:
     ends: list[End] = []
     signs: list[int] = []
-    for node, own in _own_ends(card, grids):
-        component, sign = _basic(card, node, own, grids)
+    for node, component_of_system in _own_ends(card, grids):
+        component, sign = _basic(card, node, component_of_system, grids)
         ends.append((node, component))
         signs.append(sign)
     if not ends or len(set(signs)) > 1 or len(set(ends)) < len(ends):

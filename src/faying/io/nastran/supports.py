@@ -65,8 +65,8 @@ def read_supports(
     moving = moved.mask(len(grids.ids))
     supports: list[Support] = []
     for (number, numbers), nodes in joined.items():
-        for kept, remaining in _standing(nodes, numbers, moving):
-            supports += _supports(number, remaining, kept, grids)
+        for standing, remaining in _standing(nodes, numbers, moving):
+            supports += _supports(number, remaining, standing, grids)
     return supports, moved
 
 
@@ -88,7 +88,7 @@ def _permanent_error(text: str) -> FormatError:
     return FormatError(f"GRID or GRDSET: permanent support (PS): {text}")
 
 
-def _collect(cards: Cards, nodes: Indices, field: int, held: _Held, grids: Grids) -> None:
+def _collect(cards: Cards, nodes: Indices, field: int, fixed: _Held, grids: Grids) -> None:
     """Add one node per card, grouped by set and components."""
     if not len(cards):
         return
@@ -107,24 +107,24 @@ def _collect(cards: Cards, nodes: Indices, field: int, held: _Held, grids: Grids
             digits,
             lambda text, card=card: cards.error(card, text, field),  # type: ignore[misc]
         )
-        held.setdefault((int(number), chosen), []).append(nodes[which == i])
+        fixed.setdefault((int(number), chosen), []).append(nodes[which == i])
 
 
-def _lists(cards: Cards, grids: Grids, sets: set[int], held: _Held) -> None:
+def _lists(cards: Cards, grids: Grids, sets: set[int], fixed: _Held) -> None:
     for card in cards.take(np.isin(cards.integers(0), list(sets))):
         texts = [text for text in card.texts[2:] if text]
         ids = id_list(card, texts, grids.ids)
         if "THRU" in texts:
             # The reference guide: points of a range need not exist.
-            found = grids.index(np.array(ids, dtype=np.int64))
-            nodes = found[found >= 0]
+            indices = grids.index(np.array(ids, dtype=np.int64))
+            nodes = indices[indices >= 0]
         else:
             nodes = grids.several(card, ids)
         if not len(nodes):
             text = "none of its GRIDs is in the deck; define them or remove the card"
             raise card.error(text)
         chosen = grids.components(nodes, card.text(1), card.error)
-        held.setdefault((card.integer(0), chosen), []).append(nodes)
+        fixed.setdefault((card.integer(0), chosen), []).append(nodes)
 
 
 def _supports(number: int, numbers: tuple[int, ...], nodes: Indices, grids: Grids) -> list[Support]:
@@ -138,8 +138,8 @@ def _supports(number: int, numbers: tuple[int, ...], nodes: Indices, grids: Grid
     keys = np.round(axes.reshape(-1, 9), 12)
     _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     which = which.ravel()
-    for i, at in enumerate(first.tolist()):
+    for i, row in enumerate(first.tolist()):
         result.append(
-            Support(id=number, nodes=turned[which == i], components=numbers, axes=axes[at])
+            Support(id=number, nodes=turned[which == i], components=numbers, axes=axes[row])
         )
     return result

@@ -49,15 +49,15 @@ class TellingLines:
         scan = _Scan(codes=np.array([_code(name) for name in self.passed_over], dtype=np.uint64))
         lines: list[bytes] = []
         numbers = [np.empty(0, dtype=np.int64)]
-        before = 0
+        count = 0
         for begin, end in line_places(data):
-            kept = np.flatnonzero(scan.kept(LineTexts(data, begin, end).letters(_WIDTH)))
+            telling = np.flatnonzero(scan.kept(LineTexts(data, begin, end).letters(_WIDTH)))
             if scan.repeats:
                 return all_lines(data)
-            places = zip(begin[kept].tolist(), end[kept].tolist(), strict=True)
+            places = zip(begin[telling].tolist(), end[telling].tolist(), strict=True)
             lines += [data[a:b] for a, b in places]
-            numbers.append(before + 1 + kept)
-            before += len(begin)
+            numbers.append(count + 1 + telling)
+            count += len(begin)
         return joined([lines]), np.concatenate(numbers)
 
 
@@ -101,8 +101,8 @@ class _Scan:
         owner = np.maximum.accumulate(owner)
         states = np.append(self.passing, passed)
         self.passing = bool(states[-1])
-        kept: Mask = ~comment & ~states[owner]
-        return kept
+        telling: Mask = ~comment & ~states[owner]
+        return telling
 
 
 def _code(name: str) -> int:

@@ -52,21 +52,26 @@ def read_cards(lines: Lines) -> Bulk:
     rows = np.flatnonzero((_words(letters) != _BLANKS).any(axis=1))
     if len(rows) < len(letters):
         letters, origin = letters[rows], origin[rows]
-    kept = origin
+    source_lines = origin
     free = np.zeros(len(rows), dtype=bool)
     maybe = np.flatnonzero(np.isin(rows, text.holding(b",")))
     free[maybe] = (letters[maybe] == _COMMA).any(axis=1)
-    split = {int(i): _split_free(text[rows[i]], lines, int(kept[i])) for i in np.flatnonzero(free)}
+    split = {
+        int(i): _split_free(text[rows[i]], lines, int(source_lines[i]))
+        for i in np.flatnonzero(free)
+    }
     head = letters[:, :8].copy()
     for i, parts in split.items():
         head[i] = np.frombuffer(parts[0].ljust(8)[:8], dtype=np.uint8)
     first = head[:, 0]
     continued = (first == _PLUS) | (first == _STAR) | (_words(head)[:, 0] == _BLANKS)
-    if len(kept) and continued[0]:
-        message = f"{lines.where(int(kept[0]))}: a continuation line without a card above it"
+    if len(source_lines) and continued[0]:
+        message = (
+            f"{lines.where(int(source_lines[0]))}: a continuation line without a card above it"
+        )
         raise FormatError(message)
-    _check_markers(letters, continued, free, kept, lines)
-    _check_straddling(letters, continued, free, kept, lines)
+    _check_markers(letters, continued, free, source_lines, lines)
+    _check_straddling(letters, continued, free, source_lines, lines)
     large = (head == _STAR).any(axis=1)
     count = np.where(large, 4, 8) + _padding(large, continued)
     start = np.concatenate([[0], np.cumsum(count)]).astype(np.int64)
@@ -77,7 +82,7 @@ def read_cards(lines: Lines) -> Bulk:
         names=names,
         start=np.append(start[heads], start[-1]),
         line_start=start[:-1],
-        line=kept,
+        line=source_lines,
         lines=lines,
     )
 
@@ -129,7 +134,7 @@ def _split_free(line: bytes, lines: Lines, i: int) -> list[bytes]:
 
 
 def _check_markers(
-    letters: _Letters, continued: Mask, free: Mask, kept: Indices, lines: Lines
+    letters: _Letters, continued: Mask, free: Mask, source_lines: Indices, lines: Lines
 ) -> None:
     """Refuse continuations whose mark belongs to another card, as in a deck sorted by name."""
     below = np.flatnonzero(continued & ~free)
@@ -143,7 +148,7 @@ def _check_markers(
     mark, expected = np.char.strip(mark, b"+* "), np.char.strip(expected, b"+* ")
     wrong = below[(mark != b"") & (expected != b"") & (mark != expected) & ~named]
     if wrong.size:
-        i = int(kept[wrong[0]])
+        i = int(source_lines[wrong[0]])
         message = (
             f"{lines.where(i)}: this continuation does not belong to the line above (its mark "
             "differs); put continuation lines directly below their card"
@@ -153,12 +158,12 @@ def _check_markers(
 
 def _behind_first(marks: Fields) -> Fields:
     """Eight columns without the first."""
-    rest: Fields = np.ascontiguousarray(numbers.characters(marks)[:, 1:]).view("S7").ravel()
-    return rest
+    remainder: Fields = np.ascontiguousarray(numbers.characters(marks)[:, 1:]).view("S7").ravel()
+    return remainder
 
 
 def _check_straddling(
-    letters: _Letters, continued: Mask, free: Mask, kept: Indices, lines: Lines
+    letters: _Letters, continued: Mask, free: Mask, source_lines: Indices, lines: Lines
 ) -> None:
     """Refuse numbers that run over column 72, whose last digits would be lost.
 
@@ -175,8 +180,8 @@ def _check_straddling(
         if below != mark:
             shown = letters[i, _DATA - 8 :].tobytes().decode("latin-1").strip()
             message = (
-                f"{lines.where(int(kept[i]))}: '{shown}' runs over column {_DATA}, where the data "
-                "fields end; are fields shifted?"
+                f"{lines.where(int(source_lines[i]))}: '{shown}' runs over column {_DATA}, where "
+                "the data fields end; are fields shifted?"
             )
             raise FormatError(message)
 

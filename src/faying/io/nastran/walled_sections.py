@@ -30,13 +30,13 @@ def _i1(overhang: float, web: float, within: float, h: float) -> list[Rectangle]
 
 
 def _h(bar: float, sides: float, h: float, t: float) -> list[Rectangle]:
-    at = bar / 2 + sides / 4
-    return [(bar, t, 0.0, 0.0), (sides / 2, h, 0.0, at), (sides / 2, h, 0.0, -at)]
+    distance = bar / 2 + sides / 4
+    return [(bar, t, 0.0, 0.0), (sides / 2, h, 0.0, distance), (sides / 2, h, 0.0, -distance)]
 
 
 def _cross(arms: float, web: float, h: float, t: float) -> list[Rectangle]:
-    at = web / 2 + arms / 4
-    return [(web, h, 0.0, 0.0), (arms / 2, t, 0.0, at), (arms / 2, t, 0.0, -at)]
+    distance = web / 2 + arms / 4
+    return [(web, h, 0.0, 0.0), (arms / 2, t, 0.0, distance), (arms / 2, t, 0.0, -distance)]
 
 
 def _t(w: float, h: float, flange: float, web: float) -> list[Rectangle]:
@@ -49,8 +49,12 @@ def _t1(h: float, length: float, flange: float, web: float) -> list[Rectangle]:
 
 def _chan(w: float, h: float, web: float, flange: float) -> list[Rectangle]:
     arm, middle = w - web, (h - flange) / 2
-    at = web + arm / 2
-    return [(web, h, 0.0, web / 2), (arm, flange, middle, at), (arm, flange, -middle, at)]
+    distance = web + arm / 2
+    return [
+        (web, h, 0.0, web / 2),
+        (arm, flange, middle, distance),
+        (arm, flange, -middle, distance),
+    ]
 
 
 def _chan1(arm: float, web: float, within: float, h: float) -> list[Rectangle]:
@@ -58,10 +62,10 @@ def _chan1(arm: float, web: float, within: float, h: float) -> list[Rectangle]:
 
 
 def _hat(h: float, t: float, w: float, brim: float) -> list[Rectangle]:
-    at, out, rise = (w - t) / 2, w / 2 + brim / 2, h - t
+    distance, out, rise = (w - t) / 2, w / 2 + brim / 2, h - t
     return [
         (w, t, h - t / 2, 0.0),
-        *((t, rise, rise / 2, side * at) for side in (1, -1)),
+        *((t, rise, rise / 2, side * distance) for side in (1, -1)),
         *((brim, t, t / 2, side * out) for side in (1, -1)),
     ]
 

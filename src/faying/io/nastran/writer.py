@@ -77,8 +77,8 @@ def _deck(assembly: Assembly, title: str, loads: str | None, modes: int | None) 
         )
         raise FormatError(message)
     if loads is not None and loads not in assembly.loads:
-        known = ", ".join(assembly.loads) or "none"
-        message = f"the assembly has no load set '{loads}'; load sets are {known}"
+        names = ", ".join(assembly.loads) or "none"
+        message = f"the assembly has no load set '{loads}'; load sets are {names}"
         raise FormatError(message)
     if modes is not None and modes < 1:
         message = f"{modes} modes are asked for; ask for one or more, or leave modes out"
@@ -159,11 +159,11 @@ def _check_turned(assembly: Assembly, nodes: Indices) -> None:
     for mean in assembly.average_couplings:
         used |= set() if frame_independent(mean.components) else set(mean.nodes.tolist())
         used |= set() if frame_independent(mean.reference_components) else {mean.reference}
-    for other in assembly.supports:
+    for support in assembly.supports:
         used |= (
             set()
-            if _turned(other) or frame_independent(other.components)
-            else set(other.nodes.tolist())
+            if _turned(support) or frame_independent(support.components)
+            else set(support.nodes.tolist())
         )
     both = used & set(nodes.tolist())
     if both:
@@ -175,20 +175,20 @@ def _check_turned(assembly: Assembly, nodes: Indices) -> None:
 
 
 def _properties(assembly: Assembly, numbering: Numbering) -> Iterator[str]:
-    for material, own in numbering.materials.items():
-        if material.name and material.name != str(own):
-            yield f"$ material {own} is '{' '.join(material.name.split())[:50]}'"
+    for material, number_of_material in numbering.materials.items():
+        if material.name and material.name != str(number_of_material):
+            yield f"$ material {number_of_material} is '{' '.join(material.name.split())[:50]}'"
         e, nu, rho = material.youngs_modulus, material.poissons_ratio, material.density
-        yield large("MAT1", [own, e, None, nu, rho])
+        yield large("MAT1", [number_of_material, e, None, nu, rho])
     kinds: dict[int, set[str]] = {}
     for block in assembly.mesh.blocks:
         for number in np.unique(block.properties).tolist():
             kinds.setdefault(number, set()).add(block.kind)
-    for number, found in kinds.items():
+    for number, kinds_of_property in kinds.items():
         if number not in assembly.materials:
             message = f"property {number} has no material; add it to Assembly.materials"
             raise FormatError(message)
-        network, scheme = _scheme(found, assembly.element)
+        network, scheme = _scheme(kinds_of_property, assembly.element)
         made_of = numbering.materials[assembly.materials[number]]
         yield small("PSOLID", [number, made_of, None, network, None, scheme])
     for (section, material), number in numbering.sections.items():
@@ -205,8 +205,11 @@ def _scheme(kinds: set[str], element: str) -> tuple[str | None, str | None]:
     """IN and ISOP of PSOLID for which Nastran's element is the one faying uses."""
     schemes = {kind: solid_element(kind, element).elsewhere.nastran_scheme for kind in kinds}
     # Only eight-node bricks lose something by more points than they need.
-    found = {schemes["hex8"]} if "hex8" in kinds else set(schemes.values())
-    return next((one for one in (("THREE", "FULL"), ("TWO", "FULL")) if one in found), (None, None))
+    allowed = {schemes["hex8"]} if "hex8" in kinds else set(schemes.values())
+    return next(
+        (scheme for scheme in (("THREE", "FULL"), ("TWO", "FULL")) if scheme in allowed),
+        (None, None),
+    )
 
 
 def _block(block: CellBlock, assembly: Assembly, numbering: Numbering) -> Iterator[str]:
@@ -267,8 +270,8 @@ def _constraints(assembly: Assembly, numbering: Numbering) -> Iterator[str]:
     ids = assembly.mesh.node_ids
     for support in assembly.supports:
         number = numbering.supports[support.id]
-        held = ids[support.nodes].tolist()
-        yield small("SPC1", [number, digits_of(support.components), *held])
+        node_ids = ids[support.nodes].tolist()
+        yield small("SPC1", [number, digits_of(support.components), *node_ids])
     yield from _combined("SPCADD", numbering.spc, numbering.supports.values())
     for equation in assembly.equations:
         fields: list[Value] = []
