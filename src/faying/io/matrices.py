@@ -122,7 +122,7 @@ def read_matrices(
     dofs: _Path | None = None,
     faces: _Path | None = None,
     node_sets: _Path | None = None,
-    supports_file: _Path | None = None,
+    held: _Path | None = None,
     **parts: Any,
 ) -> Assembly:
     """Read matrices and tables from files.
@@ -140,7 +140,7 @@ def read_matrices(
         through the nodes with three or six components each, whichever fits.
     faces, node_sets
         Rows of set name, node id, node id, …; or an ``.npz`` with one array per set.
-    supports_file
+    held
         Node id and component 1..6 of each degree of freedom to hold at zero, where the matrices
         come unconstrained; a file like ``dofs``.
     **parts
@@ -170,9 +170,9 @@ def read_matrices(
         node_sets={**geometry.node_sets, **{k: np.concatenate(v) for k, v in named.items()}},
         **parts,
     )
-    if supports_file is None:
+    if held is None:
         return assembly
-    supports = _supports(assembly.mesh, read_dof_table(supports_file))
+    supports = _supports(assembly.mesh, read_dof_table(held))
     return replace(assembly, supports=(*assembly.supports, *supports))
 
 

@@ -84,13 +84,13 @@ def read_mesh_file(
 
         archive = read_archive(path, materials=materials)
         return replace(archive, mesh=separated(archive.mesh, separate))
-    found = _read(path)
-    points = _points(path, found)
-    groups = groups_of(found)
-    blocks, turned = _blocks(path, found, points, volume_groups(found, groups))
-    element_sets, node_sets = _sets(found, groups, blocks)
+    mesh_read = _read(path)
+    points = _points(path, mesh_read)
+    groups = groups_of(mesh_read)
+    blocks, turned = _blocks(path, mesh_read, points, volume_groups(mesh_read, groups))
+    element_sets, node_sets = _sets(mesh_read, groups, blocks)
     used = sorted({int(number) for block in blocks for number in np.unique(block.properties)})
-    names = {group.number: group.name for group in volume_groups(found, groups)}
+    names = {group.number: group.name for group in volume_groups(mesh_read, groups)}
     mesh = separated(
         Mesh(
             nodes=points,
@@ -101,7 +101,7 @@ def read_mesh_file(
         ),
         separate,
     )
-    face_sets, notes = _face_sets(found, groups, exterior_facets(mesh))
+    face_sets, notes = _face_sets(mesh_read, groups, exterior_facets(mesh))
     chosen = {number: _material(path, names[number], materials) for number in used}
     others = [name for name in materials if name not in {*names.values(), ANY_GROUP}]
     chosen |= {n: materials[name] for n, name in enumerate(others, max([*names, *used]) + 1)}
@@ -167,8 +167,8 @@ def _check_whole(path: Path) -> None:
         raise FormatError(message)
 
 
-def _points(path: Path, found: Any) -> Matrix:
-    points = np.asarray(found.points, dtype=np.float64)
+def _points(path: Path, mesh: Any) -> Matrix:
+    points = np.asarray(mesh.points, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
         message = (
             f"mesh file '{path}': points of shape {points.shape}, or not all finite; expected "
@@ -179,11 +179,11 @@ def _points(path: Path, found: Any) -> Matrix:
 
 
 def _blocks(
-    path: Path, found: Any, points: Matrix, groups: list[Group]
+    path: Path, mesh: Any, points: Matrix, groups: list[Group]
 ) -> tuple[tuple[CellBlock, ...], list[str]]:
     """Blocks of solids, and what was changed."""
     blocks, first, turned = [], 1, 0
-    for number, block in enumerate(found.cells):
+    for number, block in enumerate(mesh.cells):
         if dimension(block.type) != 3:
             continue
         if block.type not in SOLID_KINDS:
@@ -191,8 +191,8 @@ def _blocks(
             message = f"mesh file '{path}' has solids of kind '{block.type}'; {remedy}"
             raise FormatError(message)
         element = SOLID_KINDS[block.type]
-        given = element.elsewhere.ours(_connectivity(path, block, len(points)))
-        nodes, inside_out = right_side_out(element.kind, given, points)
+        connectivity = element.elsewhere.ours(_connectivity(path, block, len(points)))
+        nodes, inside_out = right_side_out(element.kind, connectivity, points)
         turned += int(inside_out.sum())
         blocks.append(
             CellBlock(
@@ -247,15 +247,15 @@ def _properties(path: Path, groups: list[Group], block: int, n_cells: int) -> In
 
 
 def _sets(
-    found: Any, groups: list[Group], blocks: tuple[CellBlock, ...]
+    mesh: Any, groups: list[Group], blocks: tuple[CellBlock, ...]
 ) -> tuple[dict[str, Indices], dict[str, Indices]]:
     """Element sets of volume groups and node sets of all groups."""
     ids: list[Indices | None] = []
     solids = iter(blocks)
-    ids = [next(solids).ids if dimension(block.type) == 3 else None for block in found.cells]
+    ids = [next(solids).ids if dimension(block.type) == 3 else None for block in mesh.cells]
     element_sets: dict[str, Indices] = {}
     node_sets: dict[str, Indices] = {}
-    for group in volume_groups(found, groups):
+    for group in volume_groups(mesh, groups):
         parts = [
             numbers[cells]
             for numbers, cells in zip(ids, group.cells, strict=True)
@@ -264,15 +264,15 @@ def _sets(
         element_sets[group.name] = np.concatenate(parts)
     for group in groups:
         if group.name not in element_sets:
-            nodes = [np.ravel(block.data[cells]) for block, cells in cells_of(found, group)]
+            nodes = [np.ravel(block.data[cells]) for block, cells in cells_of(mesh, group)]
             node_sets[group.name] = np.unique(np.concatenate([*nodes, np.empty(0, np.int64)]))
-    for name, members in found.point_sets.items():
+    for name, members in mesh.point_sets.items():
         node_sets.setdefault(name, np.unique(np.asarray(members, dtype=np.int64)))
     return element_sets, node_sets
 
 
 def _face_sets(
-    found: Any, groups: list[Group], exterior: Facets
+    mesh: Any, groups: list[Group], exterior: Facets
 ) -> tuple[dict[str, FaceSet], list[str]]:
     """Surface groups as facets of the solids, which know what is outside.
 
@@ -284,19 +284,19 @@ def _face_sets(
     for group in groups:
         tables = [
             padded(np.asarray(block.data[cells], dtype=np.int64))
-            for block, cells in cells_of(found, group)
+            for block, cells in cells_of(mesh, group)
             if np.shape(block.data)[1:] == (FACE_NODES.get(block.type),)
         ]
         if not tables:
             continue
-        wanted = np.concatenate(tables)
-        nobody = np.full(len(wanted), -1)
-        given = Facets(nodes=wanted, elements=nobody, properties=nobody, bodies=nobody)
-        first, which, _ = unique_rows(exterior.joined(given).corner_keys)
+        group_nodes = np.concatenate(tables)
+        nobody = np.full(len(group_nodes), -1)
+        group_facets = Facets(nodes=group_nodes, elements=nobody, properties=nobody, bodies=nobody)
+        first, which, _ = unique_rows(exterior.joined(group_facets).corner_keys)
         owner = np.unique(first[which[len(exterior) :]])
         facets = exterior.taken(owner[owner < len(exterior)])
         kinds = facets.by_kind()
-        if len(kinds) == 1 and len(facets) == len(np.unique(given.corner_keys, axis=0)):
+        if len(kinds) == 1 and len(facets) == len(np.unique(group_facets.corner_keys, axis=0)):
             ((kind, nodes),) = kinds.items()
             face_sets[group.name] = FaceSet(kind=kind, nodes=nodes)
         else:
@@ -308,11 +308,11 @@ def _face_sets(
 
 
 def _material(path: Path, group: str, materials: Mapping[str, Material]) -> Material:
-    found = materials.get(group, materials.get(ANY_GROUP))
-    if found is None:
+    material = materials.get(group, materials.get(ANY_GROUP))
+    if material is None:
         message = (
             f"mesh file '{path}': group '{group}' has no material; add [material.{group}] or "
             f"[material.{ANY_GROUP}] with E, nu and rho"
         )
         raise FormatError(message)
-    return found
+    return material

@@ -45,21 +45,21 @@ def moving_together(
     equations: list[Equation] = []
     partial: list[tuple[str, float]] = []
     for spec in specs:
-        found, share = _tied_equations(assembly, spec, first + len(equations))
-        equations += found
+        tied, share = _tied_equations(assembly, spec, first + len(equations))
+        equations += tied
         if share < MOST_OF_IT:
             partial.append((spec.name, share))
     return equations, partial
 
 
 def following(
-    assembly: Assembly, own: Indices, surface: str, reach: float, first: int
+    assembly: Assembly, node_indices: Indices, surface: str, reach: float, first: int
 ) -> tuple[tuple[Equation, ...], int]:
     """Return the equations by which single nodes follow a surface, and how many nodes do.
 
     Parameters
     ----------
-    own : (n,)
+    node_indices : (n,)
         Indices of the nodes; those of the surface itself move with it anyway.
     reach : [length]
         Largest distance of a node from its place.
@@ -67,15 +67,15 @@ def following(
         Id of the first equation.
     """
     facets = select_facets(assembly, surface)
-    places = nearest_places(assembly.mesh.nodes, own, facets, reach)
-    free = ~np.isin(own[places.rows], facets.nodes)
+    places = nearest_places(assembly.mesh.nodes, node_indices, facets, reach)
+    free = ~np.isin(node_indices[places.rows], facets.nodes)
     rows = np.repeat(np.arange(int(free.sum())), places.shape.shape[1])
     shape = (int(free.sum()), len(assembly.mesh.nodes))
     follow = sp.csr_array(
         (places.shape[free].ravel(), (rows, places.columns[free].ravel())), shape=shape
     )
     follow.eliminate_zeros()
-    slaves = own[places.rows[free]]
+    slaves = node_indices[places.rows[free]]
     ones = np.ones(len(slaves))
     own_part = sp.csr_array((ones, (np.arange(len(slaves)), slaves)), shape=shape)
     return tuple(equal_motions(slaves, follow - own_part, first)), len(places.rows)
@@ -104,20 +104,22 @@ def with_elastic_layer(
     first = max((equation.id for equation in assembly.equations), default=0) + 1
     for part in _layer_points(assembly.mesh, coupling.segments):
         mesh, count = assembly.mesh, len(part.areas)
-        own = len(mesh.nodes) + np.arange(count)
-        minus = sp.csr_array((-np.ones(count), (np.arange(count), own)))
+        point_nodes = len(mesh.nodes) + np.arange(count)
+        minus = sp.csr_array((-np.ones(count), (np.arange(count), point_nodes)))
         motion = part.motion.copy()
         motion.resize(minus.shape)
         across = tangents_of(part.normals)
         axes = np.stack([part.normals, across, np.cross(part.normals, across)], axis=1)
         stiffness = np.outer(part.areas, [normal, tangential, tangential, 0.0, 0.0, 0.0])
-        table = zip(own, stiffness.tolist(), axes.tolist(), part.places.tolist(), strict=True)
+        table = zip(
+            point_nodes, stiffness.tolist(), axes.tolist(), part.places.tolist(), strict=True
+        )
         bushes = [
             Bush(id=i, nodes=(int(node),), stiffness=tuple(springs), axes=tuple(map(tuple, rows)),
                  place=(x, y, z))
             for i, (node, springs, rows, (x, y, z)) in enumerate(table, assembly.largest_id + 1)
         ]  # fmt: skip
-        equations = list(equal_motions(own, motion + minus, first))
+        equations = list(equal_motions(point_nodes, motion + minus, first))
         first += len(equations)
         assembly = replace(
             assembly,
@@ -144,24 +146,27 @@ class _LayerPoints(NamedTuple):
 def _layer_points(mesh: Mesh, segments: Segments) -> Iterator[_LayerPoints]:
     """Yield the Gauss points of the segments between facets of two kinds each."""
     nodes = mesh.nodes
-    for (minus, own), (plus, others) in product(
+    for (minus, minus_facets), (plus, others) in product(
         rows_by_kind(segments.minus.nodes).items(), rows_by_kind(segments.plus.nodes).items()
     ):
-        rows = np.flatnonzero(np.isin(segments.minus_of, own) & np.isin(segments.plus_of, others))
+        rows = np.flatnonzero(
+            np.isin(segments.minus_of, minus_facets) & np.isin(segments.plus_of, others)
+        )
         if not len(rows):
             continue
         linear = all(FACES[kind].degree == 1 for kind in (minus, plus))
         rule = gauss_rule("tri3", 2 if linear else 4)
         seen = on_side("minus", minus, nodes, segments, rows, rule)
         facing = on_side("plus", plus, nodes, segments, rows, rule)
-        at = segments.minus.nodes[segments.minus_of[rows], : FACES[minus].n_nodes]
+        minus_nodes = segments.minus.nodes[segments.minus_of[rows], : FACES[minus].n_nodes]
         partner = segments.plus.nodes[segments.plus_of[rows], : FACES[plus].n_nodes]
         vectors = seen.area_vectors
         slope = np.linalg.norm(vectors, axis=-1)
         frames = segments.frames[segments.minus_of[rows]]
         yield _LayerPoints(
-            motion=_at_points(facing.shape, partner, nodes) - _at_points(seen.shape, at, nodes),
-            places=np.einsum("nqa,nad->nqd", seen.shape, nodes[at]).reshape(-1, 3),
+            motion=_at_points(facing.shape, partner, nodes)
+            - _at_points(seen.shape, minus_nodes, nodes),
+            places=np.einsum("nqa,nad->nqd", seen.shape, nodes[minus_nodes]).reshape(-1, 3),
             normals=np.einsum("nqa,nad->nqd", vectors / slope[..., None], frames).reshape(-1, 3),
             areas=(2 * segments.areas[rows][:, None] * rule.weights * slope).ravel(),
         )
@@ -222,22 +227,22 @@ def _opposite(assembly: Assembly, spec: InterfaceSpec) -> Indices:
     none = np.empty((0, 2), dtype=np.int64)
     nodes = assembly.mesh.nodes
     facets, side = candidates(assembly, spec)
-    minus, plus = (facets.nodes[side == one] for one in (0, 1))
+    minus, plus = (facets.nodes[side == side_number] for side_number in (0, 1))
     if not len(minus) or not len(plus):
         return none
-    own, others = (np.unique(part[part >= 0]) for part in (minus, plus))
-    distance, nearest = cKDTree(nodes[others]).query(nodes[own])
+    minus_nodes, others = (np.unique(part[part >= 0]) for part in (minus, plus))
+    distance, nearest = cKDTree(nodes[others]).query(nodes[minus_nodes])
     corners = facets.taken(side == 0).corners
     edges = np.linalg.norm(nodes[np.roll(corners, 1, axis=1)] - nodes[corners], axis=2)
     reach = min(spec.search_distance or 0.0, float(edges[edges > 0].min()) / 2)
     if distance.max() > reach or len(np.unique(nearest)) < len(nearest):
         return none
     image = np.full(len(nodes) + 1, -1)
-    image[own] = others[nearest]
+    image[minus_nodes] = others[nearest]
     theirs = {tuple(row) for row in np.sort(plus, axis=1).tolist()}
     if not {tuple(row) for row in np.sort(image[minus], axis=1).tolist()} <= theirs:
         return none
-    return np.column_stack([own, others[nearest]])
+    return np.column_stack([minus_nodes, others[nearest]])
 
 
 def _node_on_node(pairs: Indices, n_node: int) -> tuple[Indices, SparseMatrix]:
@@ -247,17 +252,20 @@ def _node_on_node(pairs: Indices, n_node: int) -> tuple[Indices, SparseMatrix]:
     return pairs[:, 0], plus - sp.csr_array((ones, (rows, pairs[:, 0])), shape=plus.shape)
 
 
-def equal_motions(own: Indices, motion: SparseMatrix, first: int) -> Iterator[Equation]:
+def equal_motions(slave_nodes: Indices, motion: SparseMatrix, first: int) -> Iterator[Equation]:
     """Yield the equations of the relative displacements, for the slave's own nodes first."""
     table = motion.tocsr()
     number = first
-    for row, node in enumerate(own.tolist()):
+    for row, node in enumerate(slave_nodes.tolist()):
         part = slice(table.indptr[row], table.indptr[row + 1])
         terms = dict(zip(table.indices[part].tolist(), table.data[part].tolist(), strict=True))
         mine = terms.pop(node, 0.0)
         for c in range(3 if mine else 0):  # nodes that see nothing are not tied
             yield Equation(
                 id=number,
-                terms=((node, c, mine), *((other, c, value) for other, value in terms.items())),
+                terms=(
+                    (node, c, mine),
+                    *((node_of_term, c, value) for node_of_term, value in terms.items()),
+                ),
             )
             number += 1

@@ -131,7 +131,7 @@ def _stiffness(keyword: Keyword, row: list[str], ignored: list[str]) -> float | 
     parameter = next((name for name in _ELASTIC_SLIPS if keyword.has(name)), "SLIP TOLERANCE")
     ignored.append(
         f"*FRICTION: the elastic slip of its program ({parameter}) makes sticking points softer "
-        "where pressure is low; here the tangential penalty is the same everywhere, automatic unless "
-        "the study gives tangential_penalty"
+        "where pressure is low; here the tangential penalty is the same everywhere, automatic "
+        "unless the study gives tangential_penalty"
     )
     return "auto"

@@ -39,20 +39,20 @@ class Shells:
         side
             1 where the normal points, -1 on the other side.
         """
-        found: dict[str, list[Indices]] = {}
+        facets: dict[str, list[Indices]] = {}
         heights = [np.empty(0)]
         for block in self.blocks:
-            here = np.isin(block.ids, ids)
+            chosen = np.isin(block.ids, ids)
             corners = FACES[block.kind].n_corners
             turned = [*range(corners)][::-1], [*range(corners, block.nodes.shape[1])][::-1]
             # Backwards from the last corner: the middle of the last two corners comes first.
             order = [*turned[0], *turned[1][1:], *turned[1][:1]] if side < 0 else slice(None)
-            thick = np.array([self.thicknesses[n] for n in block.properties[here].tolist()])
-            heights.append(side * block.offsets[here] + thick / 2)
-            if here.any():
-                parts = found.setdefault(block.kind, [])
-                parts.append(block.nodes[here][:, order])
-        joined = {kind: np.concatenate(parts) for kind, parts in found.items()}
+            thick = np.array([self.thicknesses[n] for n in block.properties[chosen].tolist()])
+            heights.append(side * block.offsets[chosen] + thick / 2)
+            if chosen.any():
+                parts = facets.setdefault(block.kind, [])
+                parts.append(block.nodes[chosen][:, order])
+        joined = {kind: np.concatenate(parts) for kind, parts in facets.items()}
         return joined, np.concatenate(heights)
 
 
@@ -71,40 +71,40 @@ def read_shells(
         Naming the line of a shell without section, of layers, of a thickness that is not positive,
         or of a material whose directions differ.
     """
-    found = elements.of(*SHELL_TYPES)
-    if not found:
+    all_blocks = elements.of(*SHELL_TYPES)
+    if not all_blocks:
         return Shells()
-    ids = np.concatenate([block.ids for block in found])
+    ids = np.concatenate([block.ids for block in all_blocks])
     number = np.zeros(len(ids), dtype=np.int64)
     offset = np.zeros(len(ids))
     sections: dict[int, ShellSection] = {}
     thicknesses: dict[int, float] = {}
     others = deck.of("SOLID SECTION", "BEAM SECTION", "BEAM GENERAL SECTION")
-    for own, keyword in enumerate(deck.of("SHELL SECTION"), start=len(others) + 1):
+    for section_number, keyword in enumerate(deck.of("SHELL SECTION"), start=len(others) + 1):
         keyword.allow("ELSET", "MATERIAL", "OFFSET", "ORIENTATION", "SECTION INTEGRATION",
                       "POISSON", "DENSITY", "CONTROLS")  # fmt: skip
         chosen = np.isin(ids, sets.find(keyword, keyword.required("ELSET")))
-        thickness = thicknesses[own] = _thickness(keyword)
-        number[chosen] = own
+        thickness = thicknesses[section_number] = _thickness(keyword)
+        number[chosen] = section_number
         # Theirs is that of the nodes from the middle, ours that of the middle from the nodes.
         offset[chosen] = -_offset(keyword) * thickness
-        sections[own] = _section(find_isotropic(materials, keyword), thickness)
+        sections[section_number] = _section(find_isotropic(materials, keyword), thickness)
     missing = np.flatnonzero(number == 0)
     start, blocks = 0, []
-    for block in found:
-        here = slice(start, start + len(block.ids))
+    for block in all_blocks:
+        rows = slice(start, start + len(block.ids))
         start += len(block.ids)
-        lost = missing[(missing >= here.start) & (missing < here.stop)]
+        lost = missing[(missing >= rows.start) & (missing < rows.stop)]
         if lost.size:
             message = f"shell {ids[lost[0]]} has no *SHELL SECTION; give its set one"
-            raise block.keyword.error(message, int(block.rows[lost[0] - here.start]))
+            raise block.keyword.error(message, int(block.rows[lost[0] - rows.start]))
         blocks.append(
             ShellBlock(
                 kind=SHELL_TYPES[block.type][0],
                 nodes=block.nodes,
                 ids=block.ids,
-                properties=number[here],
-                offsets=offset[here],
+                properties=number[rows],
+                offsets=offset[rows],
                 directions=np.zeros((len(block.ids), 3)),
             )
         )

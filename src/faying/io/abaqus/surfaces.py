@@ -61,8 +61,8 @@ def find_surface(surfaces: Surfaces, keyword: Keyword, name: str, row: int | Non
     for key in (f"{keyword.scope.name.upper()}.{plain}", plain):
         if key in surfaces:
             return surfaces[key]
-    known = ", ".join([surface.name for surface in surfaces.values()][:8]) or "none that has faces"
-    message = f"there is no surface '{name}'; known are {known}"
+    names = ", ".join([surface.name for surface in surfaces.values()][:8]) or "none that has faces"
+    message = f"there is no surface '{name}'; known are {names}"
     raise keyword.error(message, row)
 
 
@@ -94,12 +94,12 @@ def removed_sides(surfaces: Surfaces, keyword: Keyword, row: int, fields: list[s
 
 def face_sets(surfaces: Surfaces) -> dict[str, FaceSet]:
     """Return surfaces whose facets are all of one kind as face sets."""
-    found = {}
+    by_name = {}
     for surface in surfaces.values():
         if len(surface.facets) == 1:
             kind, nodes = next(iter(surface.facets.items()))
-            found[surface.name] = FaceSet(kind=kind, nodes=nodes)
-    return found
+            by_name[surface.name] = FaceSet(kind=kind, nodes=nodes)
+    return by_name
 
 
 def read_surfaces(
@@ -114,13 +114,13 @@ def read_surfaces(
     FormatError
         Naming the line of an unknown element, set or face.
     """
-    found: dict[str, DeckSurface] = {}
+    surfaces: dict[str, DeckSurface] = {}
     for keyword in deck.of("SURFACE"):
         keyword.allow("NAME", "TYPE", "INTERNAL", "COMBINE")
         label = keyword.required("NAME")
         name = f"{keyword.scope.name}.{label}" if keyword.scope.name else label
         kind = keyword.choice("TYPE", "ELEMENT")
-        if name.upper() in found:
+        if name.upper() in surfaces:
             message = f"there are two surfaces '{name}'; rename one of them"
             raise keyword.error(message)
         if keyword.has("COMBINE") or kind not in ("ELEMENT", "NODE"):
@@ -130,10 +130,10 @@ def read_surfaces(
         if not keyword.data:
             continue  # meshers write surfaces of nothing; whoever names one is told
         if kind == "NODE":
-            found[name.upper()] = _of_nodes(keyword, name, mesh, by_node)
+            surfaces[name.upper()] = _of_nodes(keyword, name, mesh, by_node)
         else:
-            found[name.upper()] = _of_elements(keyword, name, mesh, by_element, shells)
-    return found
+            surfaces[name.upper()] = _of_elements(keyword, name, mesh, by_element, shells)
+    return surfaces
 
 
 def _of_nodes(keyword: Keyword, name: str, mesh: Mesh, by_node: NamedSets) -> DeckSurface:
@@ -158,12 +158,12 @@ def _of_elements(
     facets: dict[str, list[Indices]] = {}
     heights = [np.empty(0)]
     for side, number in ((-1.0, 1), (1.0, 2)):
-        own = np.isin(ids, thin) & (faces == number)
-        parts, off = shells.facets(ids[own], side)
+        on_side = np.isin(ids, thin) & (faces == number)
+        parts, off = shells.facets(ids[on_side], side)
         heights.append(off)
         for kind, part in parts.items():
             facets.setdefault(kind, []).append(part)
-        ids, faces, rows = ids[~own], faces[~own], rows[~own]
+        ids, faces, rows = ids[~on_side], faces[~on_side], rows[~on_side]
     height = np.unique(np.concatenate([*heights, np.zeros(min(len(ids), 1))]))
     whole = faces == 0
     owners = []
@@ -205,15 +205,15 @@ def facets_of_faces(
     for block in mesh.blocks:
         order = np.argsort(block.ids, kind="stable")
         cell = order[np.minimum(np.searchsorted(block.ids[order], ids), len(order) - 1)]
-        here = np.flatnonzero(block.ids[cell] == ids)
+        members = np.flatnonzero(block.ids[cell] == ids)
         table_of_faces = SOLIDS[block.kind].faces
-        over = here[(faces[here] > len(table_of_faces)) | (faces[here] < 1)]
+        over = members[(faces[members] > len(table_of_faces)) | (faces[members] < 1)]
         if over.size:
             bad = int(over[0])
             message = f"element {ids[bad]} ({block.kind}) has no face {faces[bad]}"
             raise keyword.error(message, int(rows[bad]))
         for number, (face, local) in enumerate(table_of_faces, start=1):
-            of_face = here[faces[here] == number]
+            of_face = members[faces[members] == number]
             if of_face.size:
                 corners = block.nodes[cell[of_face]][:, list(local)]
                 facets.setdefault(face.name, []).append(corners)

@@ -97,7 +97,7 @@ def _behaviour(
 def _facets(assembly: Assembly, facets: Indices) -> Iterator[str]:
     """Element and face number of facets (n_facet, n_node), given by node indices."""
     n_corner = 3 if triangular(facets).all() else 4
-    wanted = {tuple(row) for row in np.sort(facets[:, :n_corner], axis=1).tolist()}
+    corner_sets = {tuple(row) for row in np.sort(facets[:, :n_corner], axis=1).tolist()}
     touched = np.zeros(len(assembly.mesh.nodes), dtype=bool)
     touched[facets] = True
     for block in assembly.mesh.blocks:
@@ -105,8 +105,8 @@ def _facets(assembly: Assembly, facets: Indices) -> Iterator[str]:
         for face, corners in enumerate(_FACES[family]):
             if len(corners) == n_corner:
                 nodes = block.nodes[:, list(corners)]
-                near = np.flatnonzero(touched[nodes].all(axis=1))
-                rows = np.sort(nodes[near], axis=1).tolist()
-                for element, row in zip(block.ids[near].tolist(), rows, strict=True):
-                    if tuple(row) in wanted:
+                touching = np.flatnonzero(touched[nodes].all(axis=1))
+                rows = np.sort(nodes[touching], axis=1).tolist()
+                for element, row in zip(block.ids[touching].tolist(), rows, strict=True):
+                    if tuple(row) in corner_sets:
                         yield f"{element},S{face + 1}"

@@ -87,12 +87,12 @@ def _on_grids(cards: Cards, grids: Grids) -> list[Part]:
 
 
 def _on_shells(cards: Cards, nodes: Matrix, shells: Sequence[ShellBlock]) -> list[Part]:
-    known = np.sort(np.concatenate([cards.index[:0], *(block.ids for block in shells)]))
+    shell_ids = np.sort(np.concatenate([cards.index[:0], *(block.ids for block in shells)]))
     pairs = []
     for card in cards:
         texts = [text for text in card.texts[2:] if text]
-        listed = id_list(card, texts, known if "THRU" in texts else None)
-        missing = sorted(set(listed) - set(known.tolist()))
+        listed = id_list(card, texts, shell_ids if "THRU" in texts else None)
+        missing = sorted(set(listed) - set(shell_ids.tolist()))
         if missing or not listed:
             text = f"element {missing[0] if missing else texts} is no shell of the deck"
             raise card.error(text, 2)
@@ -102,15 +102,15 @@ def _on_shells(cards: Cards, nodes: Matrix, shells: Sequence[ShellBlock]) -> lis
     parts = []
     for block in shells:
         order = np.argsort(block.ids, kind="stable")
-        at = np.minimum(np.searchsorted(block.ids, ids, sorter=order), len(order) - 1)
-        here = np.flatnonzero(block.ids[order[at]] == ids)
-        if not len(here):
+        positions = np.minimum(np.searchsorted(block.ids, ids, sorter=order), len(order) - 1)
+        members = np.flatnonzero(block.ids[order[positions]] == ids)
+        if not len(members):
             continue
         if block.kind not in FACES:
-            text = f"element {ids[here[0]]} takes no pressure; correct the id"
-            raise cards.error(int(which[here[0]]), text, 2)
-        table = block.nodes[order[at[here]]]
-        parts.append(_pressed(cards, sets[here], block.kind, table, nodes, pressures[here]))
+            text = f"element {ids[members[0]]} takes no pressure; correct the id"
+            raise cards.error(int(which[members[0]]), text, 2)
+        table = block.nodes[order[positions[members]]]
+        parts.append(_pressed(cards, sets[members], block.kind, table, nodes, pressures[members]))
     return parts
 
 

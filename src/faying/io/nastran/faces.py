@@ -27,23 +27,23 @@ def find_faces(blocks: Sequence[CellBlock], elements: Indices, fits: Fits) -> tu
     faces : (n, 8)
         Node indices, corners then mid-sides, counter-clockwise seen from outside, -1 behind the
         last; all -1 where not exactly one face fits.
-    known : (n,)
+    fitting : (n,)
         Whether the id is a solid element.
     """
     faces = np.full((len(elements), WIDTH), -1, dtype=np.int64)
     count = np.zeros(len(elements), dtype=np.int64)
-    known = np.zeros(len(elements), dtype=bool)
+    fitting = np.zeros(len(elements), dtype=bool)
     for block in blocks:
         order = np.argsort(block.ids, kind="stable")
-        at = np.searchsorted(block.ids, elements, sorter=order)
-        row = order[np.minimum(at, len(order) - 1)]
-        here = np.flatnonzero(block.ids[row] == elements)
-        known[here] = True
-        nodes = block.nodes[row[here]]
+        positions = np.searchsorted(block.ids, elements, sorter=order)
+        row = order[np.minimum(positions, len(order) - 1)]
+        members = np.flatnonzero(block.ids[row] == elements)
+        fitting[members] = True
+        nodes = block.nodes[row[members]]
         for face, local in SOLIDS[block.kind].faces:
             corners = nodes[:, list(local[: face.n_corners])]
-            chosen = fits(here, block.kind, face.name, corners)
-            faces[here[chosen]] = padded(nodes[chosen][:, list(local)])
-            count[here[chosen]] += 1
+            chosen = fits(members, block.kind, face.name, corners)
+            faces[members[chosen]] = padded(nodes[chosen][:, list(local)])
+            count[members[chosen]] += 1
     faces[count != 1] = -1
-    return faces, known
+    return faces, fitting

@@ -71,7 +71,9 @@ def _described(deck: Deck) -> JointDescription:
     cuts = [*cut.cuts.values()]
     parents = deck.parents[origins(cut.assembly.mesh, cuts)]
     deck = replace(deck, assembly=cut.assembly, parents=parents)
-    regions = {number: one.on_sides_of(cut.assembly.mesh, cuts) for number, one in regions.items()}
+    regions = {
+        number: item.on_sides_of(cut.assembly.mesh, cuts) for number, item in regions.items()
+    }
     notes: dict[str, None] = {}
     pairs = [
         *read_simcenter_pairs(deck.cards, deck.control, regions, notes),
@@ -89,7 +91,7 @@ def _described(deck: Deck) -> JointDescription:
         raise FormatError(message)
     assembly = close_cuts(_with_regions(deck, regions, pairs), cuts)
     springs = assembly.springs[len(assembly.springs) - len(cuts) :]
-    closing = {number: one.id for number, one in zip(cut.cuts, springs, strict=True)}
+    closing = {number: item.id for number, item in zip(cut.cuts, springs, strict=True)}
     bolts, preloads = read_bolts(deck.cards, assembly.beams, closing, deck.control, deck.ignored)
     preloads |= {f"bolt-{number}": force for number, force in cut.preloads.items()}
     assembly = with_free_strains(replace(deck, assembly=assembly), bolts)
@@ -178,14 +180,14 @@ def _grouped(notes: Mapping[str, None]) -> list[str]:
     """Join the parameters of one card to one note."""
     groups: dict[str, list[str]] = {}
     for note in notes:
-        name, _, rest = note.partition(" ")
-        single = rest.isalnum() and rest.isupper()
-        groups.setdefault(name if single else note, []).append(rest)
+        name, _, subject = note.partition(" ")
+        single = subject.isalnum() and subject.isupper()
+        groups.setdefault(name if single else note, []).append(subject)
     return [
-        f"{name} {', '.join(rest)} (the study's penalty and tolerance count)"
+        f"{name} {', '.join(subject)} (the study's penalty and tolerance count)"
         if " " not in name
         else name
-        for name, rest in groups.items()
+        for name, subject in groups.items()
     ]
 
 
@@ -204,7 +206,7 @@ def _with_regions(deck: Deck, regions: Mapping[int, Region], pairs: list[Pair]) 
     every |= {region.name: region for pair in pairs for region in (pair.minus, pair.plus)}
     used = {region.name for pair in pairs for region in (pair.minus, pair.plus)}
     faces = {r.name: r.face_set for r in every.values() if r.facets is not None}
-    mixed = {name for name, one in faces.items() if one is None}
+    mixed = {name for name, face_set in faces.items() if face_set is None}
     exterior = np.zeros((0, WIDTH), dtype=np.int64)
     if used | mixed:
         exterior = exterior_facets(assembly.mesh).nodes
@@ -229,16 +231,16 @@ def _with_regions(deck: Deck, regions: Mapping[int, Region], pairs: list[Pair]) 
             else:
                 deck.ignored.append(f"{region.name} (faces of several kinds)")
     mesh = replace(assembly.mesh, element_sets=element_sets, node_sets=node_sets)
-    named = {name: one for name, one in faces.items() if one is not None}
+    named = {name: face_set for name, face_set in faces.items() if face_set is not None}
     return replace(assembly, mesh=mesh, face_sets=named)
 
 
 def _check_exterior(region: Region, exterior: Indices) -> None:
     """Refuse a region with a face inside a body."""
-    own = region.facets if region.facets is not None else exterior[:0]
-    keys = np.sort(np.concatenate([exterior, own]), axis=1)
+    facets = region.facets if region.facets is not None else exterior[:0]
+    keys = np.sort(np.concatenate([exterior, facets]), axis=1)
     first, group, _ = unique_rows(keys)
-    if (first[group[len(exterior) :]] >= len(exterior)).any() or not len(own):
+    if (first[group[len(exterior) :]] >= len(exterior)).any() or not len(facets):
         text = "a face of this contact region lies inside a body; name exterior faces"
         raise region.card.error(text)
 

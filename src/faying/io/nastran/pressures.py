@@ -81,15 +81,15 @@ def _on_shells(
         order = np.argsort(block.ids, kind="stable")
         low = np.searchsorted(block.ids, first, sorter=order)
         count = np.maximum(np.searchsorted(block.ids, last, "right", sorter=order) - low, 0)
-        here = np.repeat(np.arange(len(cards)), count)
-        within = np.arange(len(here)) - np.repeat(np.cumsum(count) - count, count)
+        card_of = np.repeat(np.arange(len(cards)), count)
+        within = np.arange(len(card_of)) - np.repeat(np.cumsum(count) - count, count)
         table = block.nodes[order[np.repeat(low, count) + within]]
-        reached[here] = True
+        reached[card_of] = True
         if len(table):
             area = _Faces(block.kind, table, nodes[table], sense=1.0)
-            values = pressures[here, : 3 if block.kind.startswith("tri") else 4]
-            forces = _forces(area, grids, values, cards, here, direction)
-            parts.append((cards.integers(0)[here], table, forces))
+            values = pressures[card_of, : 3 if block.kind.startswith("tri") else 4]
+            forces = _forces(area, grids, values, cards, card_of, direction)
+            parts.append((cards.integers(0)[card_of], table, forces))
     if not reached.all():
         card = int(np.flatnonzero(~reached)[0])
         text = f"no shell that takes a pressure is among elements {first[card]} to {last[card]}"
@@ -100,29 +100,31 @@ def _on_shells(
 def _faces(cards: Cards, grids: Grids, blocks: Sequence[CellBlock]) -> tuple[Indices, Indices]:
     """Return the loaded faces (n, 8) and which of their corners is G1."""
     elements = cards.integers(1)
-    one = grids.of_column(cards, 6)
-    other = np.full(len(cards), -1, dtype=np.int64)
-    given = np.flatnonzero(cards.given(7))
-    other[given] = grids.of_column(cards.take(given), 7)
+    first_grid = grids.of_column(cards, 6)
+    second_grid = np.full(len(cards), -1, dtype=np.int64)
+    with_second = np.flatnonzero(cards.given(7))
+    second_grid[with_second] = grids.of_column(cards.take(with_second), 7)
     first_corner = np.zeros(len(cards), dtype=np.int64)
 
-    def fits(here: Indices, element: str, _: str, corners: Indices) -> Mask:
-        at = corners == one[here, None]
-        hit = at.any(axis=1)
-        second = other[here]
+    def fits(rows: Indices, element: str, _: str, corners: Indices) -> Mask:
+        is_first = corners == first_grid[rows, None]
+        hit = is_first.any(axis=1)
+        second = second_grid[rows]
         if element.startswith("tet"):
             chosen = hit & (second >= 0) & (corners != second[:, None]).all(axis=1)
         elif corners.shape[1] == 3:
             chosen = hit & (second < 0)
         else:
-            opposite = np.take_along_axis(corners, (at.argmax(axis=1)[:, None] + 2) % 4, axis=1)
+            opposite = np.take_along_axis(
+                corners, (is_first.argmax(axis=1)[:, None] + 2) % 4, axis=1
+            )
             chosen = hit & (opposite[:, 0] == second)
-        first_corner[here[chosen]] = at.argmax(axis=1)[chosen]
+        first_corner[rows[chosen]] = is_first.argmax(axis=1)[chosen]
         return np.asarray(chosen)
 
-    faces, known = find_faces(blocks, elements, fits)
-    if not known.all():
-        card = int(np.flatnonzero(~known)[0])
+    faces, fitting = find_faces(blocks, elements, fits)
+    if not fitting.all():
+        card = int(np.flatnonzero(~fitting)[0])
         text = f"element {elements[card]} is no solid or shell of the deck; correct the id"
         raise cards.error(card, text, 1)
     missing = np.flatnonzero(faces[:, 0] < 0)
@@ -155,9 +157,9 @@ def _turned(kind: str, pressures: Matrix, first_corner: Indices) -> Matrix:
 def _directions(cards: Cards) -> Matrix:
     """Vectors (n, 3) in their coordinate systems; zero where the load is a normal pressure."""
     vectors = np.stack([cards.reals(j, 0.0) for j in (9, 10, 11)], axis=1)
-    wanted = cards.given(8) | cards.given(9) | cards.given(10) | cards.given(11)
+    directed = cards.given(8) | cards.given(9) | cards.given(10) | cards.given(11)
     length = np.linalg.norm(vectors, axis=1)
-    wrong = np.flatnonzero(wanted & ~((length > 0) & np.isfinite(length)))
+    wrong = np.flatnonzero(directed & ~((length > 0) & np.isfinite(length)))
     if wrong.size:
         text = "the direction N1, N2, N3 has no length; give a vector, or leave CID and N blank"
         raise cards.error(int(wrong[0]), text, 9)
@@ -179,7 +181,7 @@ def _forces(
     grids: Grids,
     pressures: Matrix,
     cards: Cards,
-    here: Indices,
+    rows: Indices,
     direction: Matrix,
 ) -> Matrix:
     """Consistent forces (n_face, n_node, 3)."""
@@ -189,12 +191,12 @@ def _forces(
     intensity = pressures @ shape_functions(FACES[kind].linear, rule.points).T
     area = area_vectors(kind, coordinates, rule.points)
     traction = sense * area * intensity[:, :, None]
-    vector = direction[here]
+    vector = direction[rows]
     fixed = np.flatnonzero(vector.any(axis=1))
     if len(fixed):
         places = np.einsum("qa,fad->fqd", shape, coordinates[fixed])
         size = intensity[fixed] * np.linalg.norm(area[fixed], axis=2)
-        turned = _basic(cards, grids, here[fixed], vector[fixed], places)
+        turned = _basic(cards, grids, rows[fixed], vector[fixed], places)
         traction[fixed] = size[:, :, None] * turned
     forces: Matrix = np.einsum("qa,q,fqd->fad", shape, rule.weights, traction)
     return forces

@@ -40,15 +40,17 @@ def read_shell_to_solid(
     done: set[int] = set()
     for card in cards.get("RSSCON", ()):
         by_grids = card.text(1) == "GRID"
-        found = _of_grids(card, grids) if by_grids else _of_elements(card, solids, shells, grids)
-        for node, below, above in found:
+        connections = (
+            _of_grids(card, grids) if by_grids else _of_elements(card, solids, shells, grids)
+        )
+        for node, below, above in connections:
             if node not in done:
                 done.add(node)
                 yield from _clamped(card, grids.nodes, node, below, above)
 
 
 def _of_grids(card: Card, grids: Grids) -> list[tuple[int, Mean, Mean]]:
-    rows = [[grids.one(card, at + j) for j in range(3)] for at in (2, 5) if card.text(at)]
+    rows = [[grids.one(card, field + j) for j in range(3)] for field in (2, 5) if card.text(field)]
     return [(shell, {below: 1.0}, {above: 1.0}) for shell, below, above in rows]
 
 
@@ -61,19 +63,24 @@ def _of_elements(
         text = "one shell with one solid is supported; give another RSSCON for others"
         raise card.error(text, 4)
     faces = _faces(card, solids, card.integer(3))
-    found = [one for face in faces for edge in edges if (one := _on_face(grids.nodes, edge, face))]
-    if found:
+    connections = [
+        connection
+        for face in faces
+        for edge in edges
+        if (connection := _on_face(grids.nodes, edge, face))
+    ]
+    if connections:
         # An edge along a side of the solid lies on two faces: one continues the shell, the other
         # goes through its thickness.
         corners = grids.nodes[[edge[0] for edge in edges]]
         normal = np.cross(corners[1] - corners[0], corners[-1] - corners[0])
 
-        def across(one: list[tuple[int, Mean, Mean]]) -> float:
-            _, below, above = one[0]
+        def across(connection: list[tuple[int, Mean, Mean]]) -> float:
+            _, below, above = connection[0]
             h = _middle(grids.nodes, above) - _middle(grids.nodes, below)
             return float(abs(h @ normal) / np.linalg.norm(h))
 
-        return max(found, key=across)
+        return max(connections, key=across)
     text = (
         f"no edge of shell {card.integer(2)} lies on a face of solid {card.integer(3)} with four "
         "corners; use TYPE = GRID"
@@ -113,7 +120,7 @@ def _on_face(nodes: Matrix, edge: list[int], face: Indices) -> list[tuple[int, M
     for first in (0, 1):
         # Below runs from corner a to b, above beside it from d to c.
         a, b, c, d = (int(face[(first + k) % 4]) for k in range(4))
-        found = []
+        ends = []
         for node in edge:
             s, t = _place(nodes, (a, b, c, d), nodes[node])
             point = (1 - t) * ((1 - s) * nodes[a] + s * nodes[b]) + t * (
@@ -126,10 +133,10 @@ def _on_face(nodes: Matrix, edge: list[int], face: Indices) -> list[tuple[int, M
             between = face[4:].tolist()
             low = between[first] if between else None
             high = between[(first + 2) % 4] if between else None
-            found.append((s, t, node, _along(a, b, low, s), _along(d, c, high, s)))
-        (s0, t0, *_), (s1, t1, *_) = found[:2]
+            ends.append((s, t, node, _along(a, b, low, s), _along(d, c, high, s)))
+        (s0, t0, *_), (s1, t1, *_) = ends[:2]
         if abs(t1 - t0) < abs(s1 - s0):
-            return [(node, below, above) for _, _, node, below, above in found]
+            return [(node, below, above) for _, _, node, below, above in ends]
     return []
 
 
@@ -165,17 +172,17 @@ def _clamped(card: Card, nodes: Matrix, node: int, below: Mean, above: Mean) -> 
     t = float((nodes[node] - low) @ h) / square
     columns = [(node, c) for c in range(6)]
     columns += [(k, c) for k in sorted({*below, *above} - {node}) for c in range(3)]
-    place = {one: k for k, one in enumerate(columns)}
+    column_of = {dof: k for k, dof in enumerate(columns)}
     across = np.linalg.svd(h[None])[2][1:]
     rows = np.zeros((5, len(columns)))
     rows[:3, :3] = np.eye(3)
     rows[3:, 3:6] = across
-    for sign, part, one in ((-1, 1 - t, below), (1, t, above)):
-        for k, weight in one.items():
+    for sign, part, dof in ((-1, 1 - t, below), (1, t, above)):
+        for k, weight in dof.items():
             for c in range(3):
-                rows[c, place[k, c]] -= part * weight
+                rows[c, column_of[k, c]] -= part * weight
                 turn = np.cross(h, np.eye(3)[c]) / square
-                rows[3:, place[k, c]] -= sign * weight * across @ turn
+                rows[3:, column_of[k, c]] -= sign * weight * across @ turn
     # A node of the solid itself needs nothing for its translations.
     free = node in below or node in above
     first = 3 if free else 0

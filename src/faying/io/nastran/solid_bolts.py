@@ -31,16 +31,16 @@ def read_solid_bolts(cards: Mapping[str, Cards], grids: Grids, mesh: Mesh) -> di
     FormatError
         If a grid, element or coordinate system is missing, or the card determines no section.
     """
-    found = {}
+    sections = {}
     for number, card in by_id(cards, "BOLT").items():
         if is_split(card) or card.integer(1) not in (OF_GRIDS, OF_ELEMENTS):
             continue
-        found[number] = (
+        sections[number] = (
             _of_grids(number, card, grids, mesh)
             if card.integer(1) == OF_GRIDS
             else _of_elements(number, card, grids, mesh)
         )
-    return found
+    return sections
 
 
 def is_split(card: Card) -> bool:
@@ -56,27 +56,27 @@ def control_grids(cards: Mapping[str, Cards], grids: Grids) -> Indices:
     FormatError
         If one is missing.
     """
-    found = [grids.one(card, 1) for card in cards.get("BOLT", ()) if is_split(card)]
-    return np.array(found, dtype=np.int64)
+    controls = [grids.one(card, 1) for card in cards.get("BOLT", ()) if is_split(card)]
+    return np.array(controls, dtype=np.int64)
 
 
 def _of_grids(number: int, card: Card, grids: Grids, mesh: Mesh) -> Section:
     nodes = grids.several(card, id_list(card, _texts(card, 4), np.sort(grids.ids)))
     inside = np.zeros(len(mesh.nodes) + 1, dtype=bool)
     inside[nodes] = True
-    given = _axis(card, grids, grids.nodes[nodes].mean(axis=0) if len(nodes) else np.zeros(3))
-    axis = _normal(grids.nodes[nodes]) if given is None else given
-    near = [inside[block.nodes].sum(axis=1) > 2 for block in mesh.blocks]
-    below, _ = _neighbours(mesh, near, axis)
+    direction = _axis(card, grids, grids.nodes[nodes].mean(axis=0) if len(nodes) else np.zeros(3))
+    axis = _normal(grids.nodes[nodes]) if direction is None else direction
+    touching = [inside[block.nodes].sum(axis=1) > 2 for block in mesh.blocks]
+    below, _ = _neighbours(mesh, touching, axis)
     corners = corner_nodes(below.nodes)
     across: Mask = np.asarray(inside[corners].all(axis=1))
-    return _section(number, card, below, across, given)
+    return _section(number, card, below, across, direction)
 
 
 def _of_elements(number: int, card: Card, grids: Grids, mesh: Mesh) -> Section:
-    known = np.sort(mesh.element_ids)
-    ids = np.array(id_list(card, _texts(card, 5), known), dtype=np.int64)
-    missing = ids[~np.isin(ids, known)]
+    element_ids = np.sort(mesh.element_ids)
+    ids = np.array(id_list(card, _texts(card, 5), element_ids), dtype=np.int64)
+    missing = ids[~np.isin(ids, element_ids)]
     if missing.size or not ids.size:
         what = f"element {missing[0]} is no solid of the deck" if missing.size else "no elements"
         text = f"{what}; list the solids of the shank"
@@ -86,10 +86,10 @@ def _of_elements(number: int, card: Card, grids: Grids, mesh: Mesh) -> Section:
     if axis is None:
         text = "the axis is blank; give CSID and IDIR"
         raise card.error(text, 2)
-    at = card.text(4)
+    grid_text = card.text(4)
     heights = nodes @ axis
     level = float(heights.min() + heights.max()) / 2
-    if at and at != "0":
+    if grid_text and grid_text != "0":
         level = float(grids.nodes[grids.several(card, [card.integer(4)])[0]] @ axis)
     below, above = _neighbours(mesh, [np.isin(block.ids, ids) for block in mesh.blocks], axis)
     across = (below.heights < level) & (above.heights >= level)
@@ -100,7 +100,7 @@ def _texts(card: Card, first: int) -> list[str]:
     return [text for text in card.texts[first:] if text]
 
 
-def _axis(card: Card, grids: Grids, place: Vector) -> Vector | None:
+def _axis(card: Card, grids: Grids, point: Vector) -> Vector | None:
     """Return the unit vector of CSID and IDIR at a place; None if they are blank."""
     if not card.text(3) or card.text(3) == "0":
         return None
@@ -111,7 +111,7 @@ def _axis(card: Card, grids: Grids, place: Vector) -> Vector | None:
     if system not in grids.systems.frames:
         text = f"coordinate system {system} is not in the deck; define it (CORD2R, ...)"
         raise card.error(text, 2)
-    axes: Matrix = grids.systems.frames[system].directions(place[None])[0]
+    axes: Matrix = grids.systems.frames[system].directions(point[None])[0]
     return np.array(axes[direction - 1])
 
 
