@@ -3,6 +3,7 @@
 from faying.assessment.accuracy import Accuracy as Accuracy
 from faying.assessment.accuracy import compare as compare
 from faying.assessment.accuracy import relative_error as relative_error
+from faying.assessment.backbone_band import backbone_band as backbone_band
 from faying.assessment.backbone_response import backbone_response as backbone_response
 from faying.assessment.certificate import certify as certify
 from faying.assessment.choose import choose_joint_modes as choose_joint_modes
@@ -12,14 +13,18 @@ from faying.assessment.energy import energy_balance as energy_balance
 from faying.assessment.frequencies import count_frequencies_below as count_frequencies_below
 from faying.assessment.frequencies import preloaded_frequencies as preloaded_frequencies
 from faying.assessment.frequency_response import frequency_response as frequency_response
+from faying.assessment.identification import identify as identify
 from faying.assessment.imported_recovery import (
     recover_from_boundary_loads as recover_from_boundary_loads,
 )
 from faying.assessment.imported_recovery import recover_from_modal as recover_from_modal
 from faying.assessment.joint_assessment import assess as assess
 from faying.assessment.load_path import load_path as load_path
+from faying.assessment.measured_curve import MeasuredCurve as MeasuredCurve
 from faying.assessment.mesh_error import mesh_error as mesh_error
 from faying.assessment.modal_analysis import backbone as backbone
+from faying.assessment.parameter import Parameter as Parameter
+from faying.assessment.parameter import design as design
 from faying.assessment.penalty_advice import recommend_penalty as recommend_penalty
 from faying.assessment.penalty_sweep import penalty_sweep as penalty_sweep
 from faying.assessment.preload_scatter import PreloadScatter as PreloadScatter

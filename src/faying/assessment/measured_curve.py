@@ -28,6 +28,8 @@ class MeasuredCurve:
         Cyclic; None where it was not measured.
     damping_ratio : (n,) [1]
         Of everything that damps; None where it was not measured.
+    frequency_scatter, damping_scatter : [1]
+        Standard deviation of a measurement over its value; None where it is not known.
     """
 
     name: str
@@ -36,6 +38,8 @@ class MeasuredCurve:
     amplitude: Vector
     frequency: Vector | None = None
     damping_ratio: Vector | None = None
+    frequency_scatter: float | None = None
+    damping_scatter: float | None = None
 
     def __post_init__(self) -> None:
         for column in ("amplitude", "frequency", "damping_ratio"):

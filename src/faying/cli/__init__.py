@@ -8,6 +8,7 @@ import typer
 from faying.cli.check import check
 from faying.cli.demo import demo
 from faying.cli.export import export
+from faying.cli.fit import band, fit
 from faying.cli.init import init
 from faying.cli.recover import recover
 from faying.cli.reduce import reduce
@@ -42,6 +43,8 @@ for command in (
     reduce,
     solve,
     tighten,
+    fit,
+    band,
     schema,
     view,
 ):

@@ -177,3 +177,13 @@ def test_tighten_prints_the_turns_and_writes_them(monkeypatch, capsys, tmp_path)
     status, _, error = call(monkeypatch, capsys, "tighten", tmp_path / "loose.toml")
     assert status == 2
     assert "no bolt has a preload to be brought to" in error
+
+
+def test_fit_needs_parameters_and_band_needs_backbones(monkeypatch, capsys, tmp_path):
+    (tmp_path / "joint.toml").write_text(TINY_JOINT)
+    status, _, error = call(monkeypatch, capsys, "fit", tmp_path / "joint.toml")
+    assert (status, "has no [[parameter]]" in error) == (2, True)
+    parameter = '[[parameter]]\nname = "N"\nkeys = ["bolt.bolt.preload"]\nrange = [1e3, 9e3]\n'
+    (tmp_path / "joint.toml").write_text(TINY_JOINT + parameter)
+    status, _, error = call(monkeypatch, capsys, "band", tmp_path / "joint.toml")
+    assert (status, 'has no [[load_case]] of kind = "backbone"' in error) == (2, True)

@@ -44,7 +44,12 @@ from faying.study.keys.loadings import loadings
 from faying.study.keys.section import Section
 from faying.study.keys.tables import Study
 from faying.study.keys.temperatures import temperature_name_problems, temperatures_of
-from faying.study.keys.topographies import TopographySection, with_topographies
+from faying.study.keys.topographies import (
+    CrownSection,
+    TopographySection,
+    with_crowns,
+    with_topographies,
+)
 
 Spec = TypeVar("Spec", InterfaceSpec, BoltSpec, BoundarySpec)
 
@@ -63,6 +68,8 @@ class LoadedModel:
         Interface name to what is added to its gap: a number, or a file.
     topographies
         Interface name to the scans of its surfaces.
+    crowns
+        Interface name to its crowned or hollow surfaces.
     gap_rules
         Interface name to what the source makes of the gap of its mesh.
     deck_loads
@@ -87,6 +94,7 @@ class LoadedModel:
     initial_forces: Mapping[str, float] = field(default_factory=dict)
     gap_offsets: Mapping[str, float | Path] = field(default_factory=dict)
     topographies: Mapping[str, tuple[TopographySection, ...]] = field(default_factory=dict)
+    crowns: Mapping[str, tuple[CrownSection, ...]] = field(default_factory=dict)
     gap_rules: Mapping[str, GapRule] = field(default_factory=dict)
     deck_loads: tuple[str, ...] = ()
     temperatures: Mapping[str, Temperature] = field(default_factory=dict)
@@ -95,8 +103,13 @@ class LoadedModel:
     weak_springs: float | Literal["auto"] | None = None
 
 
-def load_model(study: Study) -> LoadedModel:
+def load_model(study: Study, source: JointDescription | None = None) -> LoadedModel:
     """Read or generate the structure a study names and put the study's own wishes on top.
+
+    Parameters
+    ----------
+    source
+        What :func:`read_source` gave for a study of the same structure; read unless given.
 
     Raises
     ------
@@ -105,7 +118,7 @@ def load_model(study: Study) -> LoadedModel:
     FormatError, ModelError
         If the source cannot be read or does not make a model.
     """
-    described = _described(study)
+    described = read_source(study) if source is None else source
     assembly = with_study_supports(with_study_sets(described.assembly, study), study)
     assembly = with_study_masses(assembly, study)
     bolts = _merged(study, "bolt", described.bolts, bolt_entries(study, assembly))
@@ -131,6 +144,7 @@ def load_model(study: Study) -> LoadedModel:
         initial_forces=locked,
         gap_offsets=_gap_offsets(study, described),
         topographies={one.name: one.topography for one in study.interfaces if one.topography},
+        crowns={one.name: one.crown for one in study.interfaces if one.crown},
         gap_rules=_gap_rules(study, described),
         deck_loads=tuple(dict.fromkeys(deck_loads)),
         temperatures=temperatures_of(study, assembly),
@@ -169,7 +183,7 @@ def build_loaded(loaded: LoadedModel) -> Model:
     model = model.with_interfaces(
         {name: _with_gap(model, name, offset) for name, offset in loaded.gap_offsets.items()}
     ).with_deck_loads(*loaded.deck_loads)
-    model = with_topographies(model, loaded.topographies)
+    model = with_crowns(with_topographies(model, loaded.topographies), loaded.crowns)
     for name, temperature in loaded.temperatures.items():
         with naming(f"temperature '{name}'"):
             model = with_temperature(model, name, temperature)
@@ -218,8 +232,14 @@ def build(study: Study) -> Model:
     return model
 
 
-def _described(study: Study) -> JointDescription:
-    """Read what the source says, with the study's materials and formulation of bricks."""
+def read_source(study: Study) -> JointDescription:
+    """Read what the source says, with the study's materials and formulation of bricks.
+
+    Raises
+    ------
+    StudyError, FormatError, ModelError
+        As :func:`load_model`.
+    """
     source, model = SOURCES[study.model.source], study.model
     described = source.read(
         SourceKeys(
@@ -292,8 +312,8 @@ def _interface_entries(study: Study) -> list[dict[str, Any]]:
     """Return the keys of each interface but its gap, which its points must exist for."""
     entries = _entries(study.interfaces)
     for entry in entries:
-        entry.pop("initial_gap", None)
-        entry.pop("topography", None)
+        for key in ("initial_gap", "topography", "crown"):
+            entry.pop(key, None)
     return entries
 
 

@@ -22,6 +22,7 @@ from faying.study.keys.history import read_history
 from faying.study.keys.lap_joint import lap_joint_problems
 from faying.study.keys.loadings import loadings
 from faying.study.keys.measurements import measurement_problems
+from faying.study.keys.parameter_rules import parameter_problems
 from faying.study.keys.positions import Location
 from faying.study.keys.ranges import MOST_LOADS, MOST_STEPS
 from faying.study.keys.tables import LoadCaseSection, Loading, Study, Timed
@@ -340,6 +341,7 @@ RULES: tuple[Callable[[Study], Iterable[Problem]], ...] = (
     _coupled,
     _supports,
     measurement_problems,
+    parameter_problems,
     _mesh_materials,
     _load_targets,
     temperature_problems,

@@ -1,6 +1,6 @@
 """The table [[measurement]]."""
 
-from faying.study.keys.section import Count, ExistingFile, Name, Section
+from faying.study.keys.section import Count, ExistingFile, Name, Positive, Section
 
 
 class MeasurementSection(Section):
@@ -10,3 +10,5 @@ class MeasurementSection(Section):
     load_case: Name
     mode: Count
     file: ExistingFile
+    frequency_scatter: Positive | None = None
+    damping_scatter: Positive | None = None

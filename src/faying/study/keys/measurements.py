@@ -47,6 +47,8 @@ def _curve(section: MeasurementSection) -> MeasuredCurve:
         amplitude=columns["amplitude"],
         frequency=columns.get("frequency"),
         damping_ratio=columns.get("damping"),
+        frequency_scatter=section.frequency_scatter,
+        damping_scatter=section.damping_scatter,
     )
 
 
@@ -91,10 +93,10 @@ def compared(curve: MeasuredCurve, backbones: Mapping[str, Backbone]) -> dict[st
     computed = backbones.get(str(curve.mode))
     if computed is None:
         return figures
-    found = deviations(curve, computed)
+    differences = deviations(curve, computed)
     for name in ("frequency", "damping_ratio", "frequency_error", "damping_error"):
         key = name if name.endswith("error") else f"computed_{name}"
-        values = getattr(found, name).tolist()
+        values = getattr(differences, name).tolist()
         figures[key] = [value if np.isfinite(value) else None for value in values]
     return figures
 
@@ -104,18 +106,18 @@ def sentence(curve: MeasuredCurve, backbones: Mapping[str, Backbone]) -> str:
     computed = backbones.get(str(curve.mode))
     if computed is None:
         return f"'{curve.name}' has no computed curve beside it"
-    found = deviations(curve, computed)
-    count, said = int(np.count_nonzero(found.within)), []
+    differences = deviations(curve, computed)
+    count, said = int(np.count_nonzero(differences.within)), []
     if not count:
         return f"'{curve.name}' was measured at amplitudes that mode {curve.mode} does not reach"
     for what, errors in (
-        ("frequencies", found.frequency_error),
-        ("damping ratios", found.damping_error),
+        ("frequencies", differences.frequency_error),
+        ("damping ratios", differences.damping_error),
     ):
         off = 100 * errors[np.isfinite(errors)]
         if len(off):
             said.append(f"{what} {off.min():+.2g} to {off.max():+.2g} %")
     return (
         f"mode {curve.mode} is off '{curve.name}' (triangles) by {', '.join(said)} at {count} of "
-        f"{len(found.within)} measured amplitudes"
+        f"{len(differences.within)} measured amplitudes"
     )

@@ -31,7 +31,7 @@ from faying.study.keys.section import (
     TangentialPenalty,
     name_in,
 )
-from faying.study.keys.topographies import TopographySection
+from faying.study.keys.topographies import CrownSection, TopographySection
 
 DisplacementComponent = Literal["ux", "uy", "uz", "rx", "ry", "rz"]
 
@@ -177,6 +177,8 @@ class InterfaceSection(Section):
         file for :func:`faying.interface.gap_field.read_gap_field`.
     topography
         Scans of one side, of both or of the gap, whose gap is added too.
+    crown
+        Crowned or hollow surfaces, whose gap is added too.
     """
 
     name: Name
@@ -193,6 +195,7 @@ class InterfaceSection(Section):
     search_distance: Positive | None = None
     initial_gap: InitialGap | None = None
     topography: tuple[TopographySection, ...] = ()
+    crown: tuple[CrownSection, ...] = ()
 
 
 def _size(name: str) -> str:

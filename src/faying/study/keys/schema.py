@@ -48,7 +48,7 @@ def parse_study(text: str, path: Path) -> Study:
     StudyError
         As :func:`read_study`.
     """
-    return _checked(_tables(text, path), StudySource(path.resolve(), text, line_numbers(text)))
+    return parse_tables(_tables(text, path), StudySource(path.resolve(), text, line_numbers(text)))
 
 
 def read_load_cases(
@@ -82,7 +82,7 @@ def read_load_cases(
             raise StudyError(message)
         # A load case is checked as in a study, whose model is a file here.
         tables = {**tables, "model": {"source": "lap-joint"}}
-    study = _checked(tables, source)
+    study = parse_tables(tables, source)
     if not study.load_cases:
         message = f"{source.path.name} has no [[load_case]]; add one, there is nothing to compute"
         raise StudyError(message)
@@ -106,8 +106,14 @@ def _tables(text: str, path: Path) -> dict[str, Any]:
         raise StudyError(message) from None
 
 
-def _checked(tables: Mapping[str, Any], source: StudySource) -> Study:
-    """Return the study of some tables."""
+def parse_tables(tables: Mapping[str, Any], source: StudySource) -> Study:
+    """Check the tables of a study file as :func:`read_study` does.
+
+    Raises
+    ------
+    StudyError
+        As :func:`read_study`.
+    """
     try:
         study = Study.model_validate(tables, context=source)
     except ValidationError as error:

@@ -28,6 +28,7 @@ from faying.study.keys.model_tables import (
     TemperatureSection,
 )
 from faying.study.keys.output_tables import OutputSection, ValidationSection
+from faying.study.keys.parameter_tables import BandSection, ParameterSection
 from faying.study.keys.ranges import showable
 from faying.study.keys.requirement_tables import RequirementSection, ScatterSection
 from faying.study.keys.section import (
@@ -151,6 +152,9 @@ JointModes = Annotated[
 ]
 
 
+DEFAULT_NORMAL_MODES = 20
+
+
 class ReductionSection(Section):
     """[reduction]: the bases to build and compare.
 
@@ -170,7 +174,7 @@ class ReductionSection(Section):
         ``compliance+inertia``, which the study does not name.
     """
 
-    normal_modes: CountOrAuto = 20
+    normal_modes: CountOrAuto = DEFAULT_NORMAL_MODES
     joint_modes: JointModes = (5, 10, 20, 40)
     tolerance: Positive = 0.05
     methods: Annotated[tuple[MethodName, ...], Field(min_length=1)] = COMPARED
@@ -326,6 +330,8 @@ class Study(Section):
     supports: tuple[SupportSection, ...] = Field(default=(), alias="support")
     masses: tuple[MassSection, ...] = Field(default=(), alias="mass")
     measurements: tuple[MeasurementSection, ...] = Field(default=(), alias="measurement")
+    parameters: tuple[ParameterSection, ...] = Field(default=(), alias="parameter")
+    band: BandSection = BandSection()
     sticking: StickingSection | None = None
     damping: DampingSection = DampingSection()
     reduction: ReductionSection = ReductionSection()

@@ -1,14 +1,15 @@
-"""[[interface.topography]]: what scans of the surfaces add to the gap."""
+"""[[interface.topography]] and [[interface.crown]]: what the form of surfaces adds to the gap."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
+from faying.interface.crown import Crown, crown_gap
 from faying.interface.gap_field import with_gap_offset
 from faying.interface.scan import read_scan
 from faying.interface.topography import ScanPlacement, topography
 from faying.joint.model import Model
-from faying.study.keys.section import ExistingFile, Point, Positive, Section
+from faying.study.keys.section import ExistingFile, Number, Point, Positive, Section
 
 
 class TopographySection(Section):
@@ -28,6 +29,31 @@ class TopographySection(Section):
         return ScanPlacement(**self.model_dump(exclude={"file"}))
 
 
+class CrownSection(Section):
+    """[[interface.crown]]: see :class:`faying.interface.crown.Crown`."""
+
+    origin: Point
+    along: Point
+    distance: Positive
+    height: Number
+    exponent: Positive = 2.0
+
+
+def with_crowns(model: Model, crowns: Mapping[str, Sequence[CrownSection]]) -> Model:
+    """Return a model with the gaps of crowned surfaces, interface by interface.
+
+    Raises
+    ------
+    ModelError
+        As :func:`faying.interface.crown.crown_gap`.
+    """
+    for name, sections in crowns.items():
+        interface = model.interfaces[name]
+        gap = crown_gap(interface, [Crown(**section.model_dump()) for section in sections])
+        model = model.with_interfaces({name: with_gap_offset(interface, gap)})
+    return model
+
+
 def with_topographies(model: Model, scans: Mapping[str, Sequence[TopographySection]]) -> Model:
     """Return a model with the gaps that scans leave, interface by interface, noted in its source.
 
@@ -41,8 +67,8 @@ def with_topographies(model: Model, scans: Mapping[str, Sequence[TopographySecti
     for name, sections in scans.items():
         interface = model.interfaces[name]
         read = [(read_scan(section.file), section.placement) for section in sections]
-        found = topography(interface, read)
-        model = model.with_interfaces({name: with_gap_offset(interface, found.gap)})
-        noted = (*model.assembly.ignored, *found.notes)
+        surfaces = topography(interface, read)
+        model = model.with_interfaces({name: with_gap_offset(interface, surfaces.gap)})
+        noted = (*model.assembly.ignored, *surfaces.notes)
         model = replace(model, assembly=replace(model.assembly, ignored=noted))
     return model

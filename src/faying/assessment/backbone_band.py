@@ -1,0 +1,130 @@
+"""The band that backbones of many possible joints fill."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, final
+
+import numpy as np
+
+from faying._typing import Indices, Vector, frozen
+from faying.assessment.backbone import Backbone, amplitude_unit
+from faying.display.facts import Shown, with_unit
+from faying.exceptions import ModelError
+from faying.units import units_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class BackboneBand(Shown):
+    """Ends of frequency and damping over amplitude; arrays have one entry for each amplitude.
+
+    They are those of the samples: between them a curve may leave the band.
+
+    Attributes
+    ----------
+    amplitude : (n,) [length]
+    frequency_low, frequency_high : (n,) [1/time]
+    damping_low, damping_high : (n,) [1]
+    samples : (n,) [1]
+        Backbones that reach the amplitude.
+    measured_at
+        Where the amplitude is measured.
+    units
+        Consistent unit set of the model, length-mass-time.
+    """
+
+    amplitude: Vector
+    frequency_low: Vector
+    frequency_high: Vector
+    damping_low: Vector
+    damping_high: Vector
+    samples: Indices
+    measured_at: str
+    units: str = "mm-t-s"
+
+    def __post_init__(self) -> None:
+        for name in ("amplitude", "frequency_low", "frequency_high", "damping_low", "damping_high"):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    @property
+    def facts(self) -> Mapping[str, str]:
+        """Ranges of amplitude, frequency and damping."""
+        units = units_of(self.units)
+        length = amplitude_unit(self.measured_at, self.units)
+        ranges = {
+            "amplitudes": (self.amplitude, self.amplitude, length),
+            "frequencies": (self.frequency_low, self.frequency_high, f"1/{units.time}"),
+            "damping ratios": (100 * self.damping_low, 100 * self.damping_high, "%"),
+        }
+        return {
+            name: f"{low.min():.4g} to {with_unit(high.max(), unit)}"
+            for name, (low, high, unit) in ranges.items()
+        } | {"backbones": str(int(self.samples.max()))}
+
+    def plot(self) -> "Figure":
+        """Draw frequency above damping over amplitude, in a new figure."""
+        from matplotlib import pyplot
+
+        units = units_of(self.units)
+        figure, (upper, lower) = pyplot.subplots(2, 1, sharex=True, layout="constrained")
+        upper.fill_between(self.amplitude, self.frequency_low, self.frequency_high, alpha=0.3)
+        lower.fill_between(
+            self.amplitude, 100 * self.damping_low, 100 * self.damping_high, alpha=0.3
+        )
+        upper.set_xscale("log")
+        upper.set_ylabel(f"frequency [1/{units.time}]")
+        lower.set_ylabel("damping ratio [%]")
+        length = amplitude_unit(self.measured_at, self.units)
+        lower.set_xlabel(f"amplitude at {self.measured_at} [{length}]")
+        return figure
+
+
+def backbone_band(backbones: Sequence[Backbone]) -> BackboneBand:
+    """Return the band of backbones of one mode of joints that differ.
+
+    Amplitudes are those of the first backbone. Frequencies and logarithms of damping ratios are
+    linear over the logarithm of the amplitude between those of a backbone.
+
+    Raises
+    ------
+    ModelError
+        If there is none.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    >>> joint = joint.with_bolt_forces({"bolt": 10e3})
+    >>> friction = fy.Parameter(name="friction", low=0.1, high=0.4)
+    >>> rubbing = [joint.with_friction(trial["friction"]) for trial in fy.design([friction])]
+    >>> band = fy.backbone_band([fy.backbone(one, 1, [0.05, 0.2]) for one in rubbing])
+    >>> bool((band.damping_low < band.damping_high).all())
+    True
+    """
+    if not backbones:
+        message = "a band needs backbones; give one at least"
+        raise ModelError(message)
+    amplitude = np.sort(backbones[0].amplitude)
+    frequency: list[Vector] = []
+    damping: list[Vector] = []
+    for backbone in backbones:
+        order = np.argsort(backbone.amplitude)
+        x = np.log(backbone.amplitude[order])
+        with np.errstate(divide="ignore"):
+            logarithm = np.log(backbone.damping_ratio[order])
+        for rows, values in ((frequency, backbone.frequency[order]), (damping, logarithm)):
+            rows.append(np.interp(np.log(amplitude), x, values, left=np.nan, right=np.nan))
+    ratio = np.exp(damping)
+    return BackboneBand(
+        amplitude=amplitude,
+        frequency_low=np.nanmin(frequency, axis=0),
+        frequency_high=np.nanmax(frequency, axis=0),
+        damping_low=np.nanmin(ratio, axis=0),
+        damping_high=np.nanmax(ratio, axis=0),
+        samples=np.count_nonzero(np.isfinite(frequency), axis=0),
+        measured_at=backbones[0].measured_at,
+        units=backbones[0].units,
+    )

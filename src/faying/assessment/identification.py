@@ -1,0 +1,325 @@
+"""Parameters of a joint from measured backbones, by least squares, and how well they are known."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.stats import t as student
+
+from faying._typing import Mask, Matrix, Vector
+from faying.assessment.backbone import Backbone
+from faying.assessment.measured_curve import MeasuredCurve
+from faying.assessment.parameter import Parameter, values_at
+from faying.display.facts import Shown
+from faying.exceptions import ModelError
+
+STEP = 0.02
+"""Share of a range by which derivatives differ.
+
+Cycles repeat to 1e-3 of their energy, which is the noise of a damping ratio: a step that changes it
+by a few percent keeps that noise to a few percent of the derivative.
+"""
+
+ENOUGH = 1e-3
+"""Change of the sum of squares, over it, and of shares of ranges, at which a search ends: less than
+the noise of cycles tells apart."""
+
+MOST_STEPS = 30
+
+CONFIDENCE = 0.95
+
+Compute = Callable[[Sequence[Mapping[str, float]]], Sequence[Mapping[str, Backbone]]]
+"""From values of the parameters, one mapping a trial, to backbones by the name of the curve."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True, repr=False)
+class Identification(Shown):
+    """What measured backbones say of parameters.
+
+    Attributes
+    ----------
+    parameters
+        As they were given.
+    values
+        Name to the value that fits best.
+    intervals
+        Name to both ends of its 95 % interval, cut at the range.
+    correlations : (n_parameter, n_parameter) [1]
+        Between the errors of the values.
+    directions : (n_parameter, n_parameter) [1]
+        Rows: combinations of parameters, as shares of their ranges, the best known first.
+    spreads : (n_parameter,) [1]
+        Standard deviation along each direction, over the ranges.
+    misfit : [1]
+        Root mean square of the deviations over the scatter of the measurements, per degree of
+        freedom; about 1 where the model explains the data.
+    residuals : (n_residual,) [1]
+        Logarithm of computed over measured, over the scatter: curve by curve, frequencies first.
+    curves
+        Name of each measured curve to the computed backbone that fits best.
+    trials
+        How many values of the parameters were computed.
+    remarks
+        What the data do not tell, and what else a reader should know.
+    """
+
+    parameters: tuple[Parameter, ...]
+    values: Mapping[str, float]
+    intervals: Mapping[str, tuple[float, float]]
+    correlations: Matrix
+    directions: Matrix
+    spreads: Vector
+    misfit: float
+    residuals: Vector
+    curves: Mapping[str, Backbone]
+    trials: int
+    remarks: tuple[str, ...]
+
+    @property
+    def facts(self) -> Mapping[str, str]:
+        """Values with their intervals, and the misfit."""
+        shown = {
+            name: f"{value:.4g} ({low:.4g} to {high:.4g})"
+            for (name, value), (low, high) in zip(
+                self.values.items(), self.intervals.values(), strict=True
+            )
+        }
+        return {**shown, "misfit": f"{self.misfit:.3g}"}
+
+
+def identify(
+    compute: Compute, parameters: Sequence[Parameter], measured: Sequence[MeasuredCurve]
+) -> Identification:
+    """Find the parameters whose backbones come closest to measured ones.
+
+    Parameters
+    ----------
+    compute
+        From trials, each a mapping of names to values, to the backbones of each by the names of
+        the measured curves. Trials of one call may be computed side by side.
+    parameters
+        Numbers with their ranges, which the search does not leave.
+    measured
+        Curves with the scatter of what they have: ``frequency_scatter``, ``damping_scatter``.
+
+    Returns
+    -------
+    Identification
+
+    Raises
+    ------
+    ModelError
+        If scatter is missing, or there are not more measured numbers than parameters.
+    FayingError
+        As ``compute`` raises.
+
+    Notes
+    -----
+    Minimizes the squares of ln(computed/measured)/scatter at the measured amplitudes that the
+    backbones of the start reach, by SciPy's trust-region method with derivatives by differences: a
+    trial a step and one a parameter. Intervals are those of the linear problem at the end. Where
+    the model misses the data by more than their scatter, they are as much wider.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    >>> joint = joint.with_bolt_forces({"bolt": 10e3}).with_friction(0.2)
+    >>> rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=8), compliance=True)
+    >>> test = fy.backbone(rom, 1, [0.05, 0.1, 0.2])
+    >>> ring = fy.MeasuredCurve(
+    ...     name="ring", case="ring", mode=1, amplitude=test.amplitude,
+    ...     damping_ratio=test.damping_ratio, damping_scatter=0.05,
+    ... )
+    >>> def compute(trials):
+    ...     return [{"ring": fy.backbone(rubbing(one), 1, [0.04, 0.1, 0.25])} for one in trials]
+    >>> def rubbing(trial):
+    ...     other = joint.with_friction(trial["friction"])
+    ...     basis = fy.craig_bampton(other, normal_modes=8)
+    ...     return fy.reduce(other, basis, compliance=True)
+    >>> friction = fy.Parameter(name="friction", low=0.1, high=0.4, start=0.3)
+    >>> found = fy.identify(compute, [friction], [ring])
+    >>> low, high = found.intervals["friction"]
+    >>> low < 0.2 < high
+    True
+    """
+    comparison = _Comparison(compute, tuple(parameters), tuple(measured))
+    _check(parameters, measured)
+    start = np.array([0.5 if p.start is None else p.share(p.start) for p in parameters])
+    comparison.reach(start)
+    n_residual = len(comparison.residuals([start])[0])
+    free = n_residual - len(parameters)
+    if free <= 0:
+        message = (
+            f"{n_residual} measured numbers at amplitudes that the backbones reach do not give "
+            f"{len(parameters)} parameters; measure more, widen the amplitudes of the backbones, "
+            "or fix parameters"
+        )
+        raise ModelError(message)
+    ended = least_squares(
+        lambda shares: comparison.residuals([shares])[0],
+        start,
+        comparison.derivatives,
+        bounds=(0.0, 1.0),
+        ftol=ENOUGH,
+        xtol=ENOUGH,
+        max_nfev=MOST_STEPS,
+    )
+    return _judged(comparison, ended.x, ended.fun, ended.jac, free, ended.success)
+
+
+@dataclass(eq=False)
+class _Comparison:
+    """Deviations of computed from measured curves, which remembers what it has computed."""
+
+    compute: Compute
+    parameters: tuple[Parameter, ...]
+    measured: tuple[MeasuredCurve, ...]
+    within: dict[str, Mask] = field(default_factory=dict)
+    computed: dict[bytes, tuple[Vector, Mapping[str, Backbone]]] = field(default_factory=dict)
+
+    def reach(self, start: Vector) -> None:
+        """Leave out measured amplitudes that the backbones of the start do not reach."""
+        (curves,) = self.compute([values_at(self.parameters, start)])
+        for test in self.measured:
+            reached = curves[test.name].amplitude
+            inside = (test.amplitude >= reached.min()) & (test.amplitude <= reached.max())
+            self.within[test.name] = inside
+        self.computed[start.tobytes()] = (self._deviations(curves), curves)
+
+    def residuals(self, trials: Sequence[Vector]) -> list[Vector]:
+        """Return the residuals (n_residual,) of shares of the ranges."""
+        missing = [point for point in trials if point.tobytes() not in self.computed]
+        if missing:
+            answers = self.compute([values_at(self.parameters, point) for point in missing])
+            for point, curves in zip(missing, answers, strict=True):
+                self.computed[point.tobytes()] = (self._deviations(curves), curves)
+        return [self.computed[point.tobytes()][0] for point in trials]
+
+    def derivatives(self, shares: Vector) -> Matrix:
+        """Return their derivatives (n_residual, n_parameter), by steps that stay in the ranges."""
+        steps = np.where(shares + STEP <= 1.0, STEP, -STEP)
+        moved = [shares + step * row for step, row in zip(steps, np.eye(len(steps)), strict=True)]
+        still, *stepped = self.residuals([shares, *moved])
+        columns = [(values - still) / step for values, step in zip(stepped, steps, strict=True)]
+        return np.column_stack(columns)
+
+    def _deviations(self, curves: Mapping[str, Backbone]) -> Vector:
+        parts = []
+        for test in self.measured:
+            curve, inside = curves[test.name], self.within[test.name]
+            for truth, scatter, computed in (
+                (test.frequency, test.frequency_scatter, curve.frequency),
+                (test.damping_ratio, test.damping_scatter, curve.damping_ratio),
+            ):
+                if truth is not None and scatter is not None:
+                    there = _at(test.amplitude[inside], curve.amplitude, np.log(computed))
+                    parts.append((there - np.log(truth[inside])) / scatter)
+        return np.concatenate(parts)
+
+
+def _at(amplitude: Vector, reached: Vector, values: Vector) -> Vector:
+    """Interpolate over the logarithm of the amplitude; go straight on past both ends."""
+    order = np.argsort(reached)
+    x, y, there = np.log(reached[order]), values[order], np.log(amplitude)
+    if len(x) == 1:
+        return np.full(len(there), y[0])
+    piece = np.clip(np.searchsorted(x, there) - 1, 0, len(x) - 2)
+    share = (there - x[piece]) / (x[piece + 1] - x[piece])
+    return np.asarray(y[piece] + share * (y[piece + 1] - y[piece]))
+
+
+def _check(parameters: Sequence[Parameter], measured: Sequence[MeasuredCurve]) -> None:
+    wrong = [] if parameters else ["there is no parameter; give one with its range"]
+    wrong += [] if measured else ["there is no measured curve; give one"]
+    for test in measured:
+        columns = ("frequency", test.frequency), ("damping", test.damping_ratio)
+        for name, column in columns:
+            if column is not None and getattr(test, f"{name}_scatter") is None:
+                wrong.append(
+                    f"curve '{test.name}' says nothing of how its {name} scatters; give "
+                    f"{name}_scatter, the standard deviation of a measurement over its value"
+                )
+    if wrong:
+        raise ModelError("; ".join(wrong))
+
+
+def _judged(
+    comparison: _Comparison,
+    shares: Vector,
+    residuals: Vector,
+    slopes: Matrix,
+    free: int,
+    ended: bool,
+) -> Identification:
+    parameters = comparison.parameters
+    names = [parameter.name for parameter in parameters]
+    misfit = float(np.sqrt(residuals @ residuals / free))
+    _, sizes, directions = np.linalg.svd(slopes, full_matrices=False)
+    # A direction that no number depends on is known by the ranges alone.
+    with np.errstate(divide="ignore"):
+        spreads = max(misfit, 1.0) / sizes
+    finite = np.minimum(spreads, 1.0 / np.finfo(float).eps)
+    covariance = (directions.T * finite**2) @ directions
+    errors = np.sqrt(np.diag(covariance))
+    half = float(student.ppf((1 + CONFIDENCE) / 2, free)) * errors
+    intervals = {
+        p.name: (p.value(max(share - wide, 0.0)), p.value(min(share + wide, 1.0)))
+        for p, share, wide in zip(parameters, shares, half, strict=True)
+    }
+    remarks = [
+        f"the data do not tell {_combination(names, row)}: along it values are uncertain by more "
+        "than half of their ranges"
+        for row, spread in zip(directions, spreads, strict=True)
+        if not student.ppf((1 + CONFIDENCE) / 2, free) * spread < 0.5
+    ]
+    for name, share in zip(names, shares, strict=True):
+        if min(share, 1.0 - share) < ENOUGH:
+            remarks.append(
+                f"'{name}' ends at the {'lower' if share < 0.5 else 'upper'} end of its "
+                "range; better values may lie outside"
+            )
+    if misfit > 2.0:
+        remarks.append(
+            f"computed curves miss the measured ones by {misfit:.2g} times their scatter: the "
+            "model lacks something, and intervals are as much wider"
+        )
+    for test in comparison.measured:
+        out = int(np.count_nonzero(~comparison.within[test.name]))
+        if out:
+            remarks.append(
+                f"{out} of {len(test.amplitude)} amplitudes of '{test.name}' are not used, for "
+                "backbones do not reach them at the start"
+            )
+    if not ended:
+        remarks.append(f"the search was stopped after {MOST_STEPS} steps and still went on")
+    return Identification(
+        parameters=parameters,
+        values=values_at(parameters, shares),
+        intervals=intervals,
+        correlations=covariance / np.outer(errors, errors),
+        directions=directions,
+        spreads=spreads,
+        misfit=misfit,
+        residuals=residuals,
+        curves=comparison.computed[shares.tobytes()][1],
+        trials=len(comparison.computed),
+        remarks=tuple(remarks),
+    )
+
+
+SHOWN = 0.3
+"""Share of a direction from which on a parameter is named as part of it."""
+
+
+def _combination(names: Sequence[str], direction: Vector) -> str:
+    """Say which parameters change along a direction, and which way."""
+    direction = direction * np.sign(direction[np.argmax(np.abs(direction) >= SHOWN)])
+    parts = [(name, x) for name, x in zip(names, direction, strict=True) if abs(x) >= SHOWN]
+    if len(parts) == 1:
+        return f"'{parts[0][0]}'"
+    ways = ", ".join(f"'{name}' {'up' if x > 0 else 'down'} by {abs(x):.1f}" for name, x in parts)
+    return f"{ways} (shares of the ranges)"

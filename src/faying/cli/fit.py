@@ -1,0 +1,99 @@
+"""``faying fit`` and ``faying band``: what a test says of a joint, what ranges leave open."""
+
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from faying.cli.arguments import StudyPath, shared_executor, usable_folder
+
+if TYPE_CHECKING:
+    from faying.assessment.identification import Identification
+
+Out = Annotated[
+    Path | None, typer.Option(help="Folder for results.  [default: STUDY-fit]", show_default=False)
+]
+BandOut = Annotated[
+    Path | None, typer.Option(help="Folder for results.  [default: STUDY-band]", show_default=False)
+]
+Workers = Annotated[int, typer.Option(help="Processes that share the backbones.")]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(metavar="ADDRESS|FILE", help="Dask cluster in place of such processes."),
+]
+
+
+def fit(
+    study: StudyPath, out: Out = None, workers: Workers = 1, scheduler: Scheduler = None
+) -> None:
+    """Find the parameters of a study by its measured curves, with intervals and what stays open.
+
+    Run again it goes on from what an interrupted fit has computed.
+    """
+    from rich.console import Console
+
+    from faying.cli.progress import progress_bar
+    from faying.study.keys.naming_tables import naming_tables
+    from faying.study.keys.schema import read_study
+    from faying.workflow.fit import fit_study
+
+    checked = read_study(study)
+    folder = usable_folder(out or Path(f"{study.stem}-fit"))
+    with ExitStack() as stack:
+        executor = shared_executor(workers, scheduler, stack)
+        bar = stack.enter_context(progress_bar(Console(stderr=True)))
+        stack.enter_context(naming_tables(checked))
+        fitted = fit_study(checked, folder, progress=bar, executor=executor)
+    _show(fitted)
+    typer.echo(f"Results are in {folder}")
+
+
+def band(
+    study: StudyPath, out: BandOut = None, workers: Workers = 1, scheduler: Scheduler = None
+) -> None:
+    """Compute the band of backbones that the ranges of a study's parameters leave open.
+
+    Run again it goes on from what an interrupted call has computed.
+    """
+    from rich.console import Console
+
+    from faying.cli.progress import progress_bar
+    from faying.study.keys.naming_tables import naming_tables
+    from faying.study.keys.schema import read_study
+    from faying.workflow.fit import band_of_study
+
+    checked = read_study(study)
+    folder = usable_folder(out or Path(f"{study.stem}-band"))
+    with ExitStack() as stack:
+        executor = shared_executor(workers, scheduler, stack)
+        bar = stack.enter_context(progress_bar(Console(stderr=True)))
+        stack.enter_context(naming_tables(checked))
+        bands = band_of_study(checked, folder, progress=bar, executor=executor)
+    for name, covered in bands.items():
+        shown = ", ".join(f"{what} {text}" for what, text in covered.facts.items())
+        typer.echo(f"{name}: {shown}")
+    typer.echo(f"Results are in {folder}")
+
+
+def _show(fitted: "Identification") -> None:
+    """Print values, intervals, correlations and remarks."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console(markup=False, highlight=False)
+    table = Table(title="Parameters", box=box.SIMPLE_HEAD, title_justify="left")
+    for column in ("parameter", "value", "95 % interval", *(f"with {n}" for n in fitted.values)):
+        table.add_column(column)
+    for (name, value), row in zip(fitted.values.items(), fitted.correlations, strict=True):
+        low, high = fitted.intervals[name]
+        correlated = (f"{entry:+.2f}" for entry in row)
+        table.add_row(name, f"{value:.4g}", f"{low:.4g} to {high:.4g}", *correlated)
+    console.print(table)
+    console.print(
+        f"Misfit {fitted.misfit:.3g} times the scatter of the measurements, after {fitted.trials} "
+        "backbones."
+    )
+    for remark in fitted.remarks:
+        typer.echo(f"Note: {remark}", err=True)

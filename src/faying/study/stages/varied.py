@@ -1,0 +1,185 @@
+"""Backbones of a study whose parameters take other values, on one structure reduced once."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import Any
+
+from faying import __version__
+from faying.assessment.backbone import Backbone
+from faying.assessment.modal_analysis import backbone
+from faying.exceptions import StudyError, naming
+from faying.execution.checkpoint import Arrays
+from faying.execution.executor import Function
+from faying.files.flattening import flattened, restored
+from faying.joint.model import Model
+from faying.linalg.threads import one_thread
+from faying.model.description import JointDescription
+from faying.reduction.craig_bampton import craig_bampton
+from faying.reduction.projection import projected
+from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.frictional_preload import tighten_with_friction
+from faying.simulation.preload import tighten
+from faying.simulation.without_friction import smooth_joint
+from faying.study.inputs.bolts import losses
+from faying.study.inputs.load_model import (
+    LoadedModel,
+    build_loaded,
+    check_interfaces,
+    load_model,
+    read_source,
+)
+from faying.study.keys.parameter_tables import steps_to, value_at
+from faying.study.keys.schema import parse_study, parse_tables
+from faying.study.keys.tables import DEFAULT_NORMAL_MODES, Study
+from faying.study.stages.backbone_cases import cycle_increments
+from faying.study.stages.path_cases import rest_state
+
+Curves = Mapping[tuple[str, int], Backbone]
+"""Load case and number of the mode to its backbone."""
+
+
+def with_values(study: Study, values: Mapping[str, float]) -> Study:
+    """Return a study whose parameters, by name, have other values; its file stays as it is.
+
+    Raises
+    ------
+    StudyError
+        If a key does not take the value.
+    """
+    tables = tomllib.loads(study.text)
+    for section in study.parameters:
+        for key in section.keys if section.name in values else ():
+            steps = steps_to(key, tables)
+            value_at(steps[:-1], tables)[steps[-1]] = float(values[section.name])
+    with naming(", ".join(f"{name} = {value:g}" for name, value in values.items())):
+        return parse_tables(tables, study.source)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class VariedJoint:
+    """What all values of the parameters share.
+
+    Attributes
+    ----------
+    study
+        With the values that the file has.
+    source
+        What it was read from.
+    model
+        Full model.
+    rom
+        Its reduction, with the compliance that keeps statics exact.
+    """
+
+    study: Study
+    source: JointDescription
+    model: Model
+    rom: ReducedModel
+
+    def curves(self, values: Mapping[str, float]) -> Curves:
+        """Return the backbones of all load cases that are some.
+
+        Raises
+        ------
+        FayingError
+            If a key does not take its value, or a solution does not converge; with the values.
+        """
+        study = with_values(self.study, values)
+        loaded = load_model(study, self.source)
+        system = self._with_contact(loaded)
+        curves: dict[tuple[str, int], Backbone] = {}
+        with naming(", ".join(f"{name} = {value:g}" for name, value in values.items())):
+            forces = {name: force for name, force in loaded.preloads.items() if force > 0}
+            if study.friction_during_preload:
+                tightened = tighten_with_friction(system, forces, losses=losses(study))
+                initial, loads = tightened.tightening.initial_forces, tightened.loads
+            else:
+                smooth = tighten(smooth_joint(system), forces, losses=losses(study))
+                initial, loads = smooth.initial_forces, ()
+            locked = system.with_bolt_forces(initial)
+            state = rest_state(locked, loads)
+            for case in study.load_cases:
+                for mode in case.modes if case.kind == "backbone" else ():
+                    curves[case.name, mode] = backbone(
+                        locked,
+                        mode,
+                        case.levels,
+                        over=case.over,
+                        at=case.at,
+                        initial=state,
+                        increments=cycle_increments(case),
+                    )
+        return curves
+
+    def _with_contact(self, loaded: LoadedModel) -> ReducedModel:
+        """Return the reduced model with the laws, gaps, damping and locked bolts of a study."""
+        model = self.model.with_interfaces(build_loaded(loaded).interfaces)
+        rom, rayleigh, law = self.rom, self.model.damping, loaded.damping
+        contact = replace(
+            rom.contact, laws=model.contact.laws, initial_gap=model.contact.initial_gap
+        )
+        C = rom.C + (law.alpha - rayleigh.alpha) * rom.M + (law.beta - rayleigh.beta) * rom.K
+        changed = replace(rom, contact=contact, C=C)
+        return changed.with_bolt_forces(loaded.initial_forces)
+
+
+def varied_joint(study: Study) -> VariedJoint:
+    """Build and reduce the joint of a study once.
+
+    Raises
+    ------
+    FayingError
+        If study and model do not fit together.
+    """
+    source = read_source(study)
+    # Within the ranges, so that what may rub rubs.
+    inside = {parameter.name: sum(parameter.range) / 2 for parameter in study.parameters}
+    loaded = load_model(with_values(study, inside), source)
+    check_interfaces(study, loaded)
+    model = build_loaded(loaded)
+    count = study.reduction.normal_modes or DEFAULT_NORMAL_MODES
+    basis = craig_bampton(model, normal_modes=count)
+    return VariedJoint(
+        study=study, source=source, model=model, rom=projected(model, basis, compliance=True)
+    )
+
+
+@lru_cache(maxsize=1)
+def prepare_curves(text: str, path: Path, version: str) -> Function:
+    """Prepare the joint of a study on a worker; what it returns packs the curves of values.
+
+    Raises
+    ------
+    StudyError
+        If the worker has another version of faying.
+    """
+    if version != __version__:
+        message = (
+            f"a worker has faying {__version__}, this run is of {version}; "
+            "install the same version everywhere"
+        )
+        raise StudyError(message)
+    study = parse_study(text, path)
+    return partial(_packed, varied_joint(study))
+
+
+@one_thread()
+def _packed(joint: VariedJoint, values: Mapping[str, float]) -> Arrays:
+    return {
+        f"{mode} {case}/{name}": array
+        for (case, mode), curve in joint.curves(values).items()
+        for name, array in flattened(curve).items()
+    }
+
+
+def unpacked_curves(arrays: Arrays) -> Curves:
+    """Return the backbones that a worker packed."""
+    members: dict[tuple[str, int], dict[str, Any]] = {}
+    for name, array in arrays.items():
+        where, _, member = name.rpartition("/")
+        mode, _, case = where.partition(" ")
+        members.setdefault((case, int(mode)), {})[member] = array
+    return {where: restored(Backbone, packed) for where, packed in members.items()}
