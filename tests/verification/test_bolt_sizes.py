@@ -14,7 +14,7 @@ from faying.assessment.strength.tightening import (
 )
 from faying.exceptions import ModelError, StudyError
 from faying.study.keys.schema import parse_study
-from faying.study.keys.threads import final_forces, threads_of
+from faying.study.keys.threads import final_forces, preload_ranges, threads_of
 from small_study import SMALL_JOINT
 
 
@@ -63,6 +63,33 @@ def test_utilisation_gives_the_preloads_that_are_widely_quoted(size, force):
     # 90 % of the yield stress at mu_G = 0.12, grade 8.8; tables round diameters
     thread = fy.Thread.named(size, "8.8", friction=0.12)
     assert force_of_utilisation(thread, 0.9, "mm-t-s") == pytest.approx(force, rel=1e-2)
+
+
+SCATTERED = """preload_scatter = { thread_friction = [0.1, 0.14], head_friction = [0.1, 0.14] }
+[model]
+source = "lap-joint"
+
+[[bolt]]
+name = "bolt"
+size = "M6"
+grade = "8.8"
+thread_friction = 0.12
+head_friction = 0.12
+tightening_factor = 1.6
+"""
+
+
+def test_utilisation_is_that_of_the_largest_preload_and_friction_widens_its_range(tmp_path):
+    study = parse_study(SCATTERED + "utilisation = 0.9\n", tmp_path / "joint.toml")
+    thread, spread = threads_of(study)["bolt"], preload_ranges(study)["bolt"]
+    (nominal,) = final_forces(study).values()
+    most = force_of_utilisation(thread, 0.9, "mm-t-s")
+    gamma = 0.6 / 2.6
+    assert (1 + gamma) * nominal == pytest.approx(most, rel=1e-14)
+    # One torque, at the ends of both coefficients of friction
+    meant, slippery, rough = (float(thread.torque_per_force(mu, mu)) for mu in (0.12, 0.10, 0.14))
+    assert spread.most(1.0) == pytest.approx((1 + gamma) * meant / slippery, rel=1e-14)
+    assert spread.least(1.0) == pytest.approx((1 - gamma) * meant / rough, rel=1e-14)
 
 
 def test_torque_agrees_with_the_widely_quoted_sum():

@@ -9,7 +9,9 @@ from faying._typing import Mask, Matrix, Vector
 from faying.assessment.bolt_bending import bending_of
 from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.certificate import certifier
+from faying.assessment.check import Check
 from faying.assessment.clamp_range import ClampRange, certified_clamps, clamp_range
+from faying.assessment.joint_checks import joint_checks
 from faying.assessment.joint_record import (
     Assessment,
     BoltAssessment,
@@ -28,7 +30,7 @@ from faying.assessment.requirements import Requirements, check_names
 from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
 from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.strength.clamp_ends import clamp_checks
-from faying.assessment.strength.preload_ends import preload_ends
+from faying.assessment.strength.preload_ends import LEAST, preload_ends
 from faying.assessment.strength.stressed import with_threads
 from faying.assessment.strength.thread import Thread
 from faying.assessment.strength.tightening import PreloadRange, variation_of
@@ -45,6 +47,7 @@ from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static_cases
 from faying.simulation.static_case import solve_static
+from faying.units import Units
 
 AXIAL = 0.2
 """Axial load over all that changes in a bolt and around it, from which it has a load factor.
@@ -156,7 +159,7 @@ def assess(
     ranges = dict.fromkeys(system.bolts, PreloadRange(variation=variation_of(factor)))
     ends = preload_ends(system, at_rest, states, {load.name: load for load in loads}, ranges)
     limits = wanted_clamps(demanded.min_clamp_force, surfaces)
-    clamps = tuple(clamp_checks(ends, surfaces, limits, system.units))
+    clamps = tuple(clamp_checks(ends, surfaces, system.bolts, limits, system.units))
     assessment = replace(assessment, scatter=tuple(spreads), checks=clamps)
     return with_threads(assessment, states, threads or {}, system.units, ends)
 
@@ -248,6 +251,26 @@ def judged(
         ),
         open_below=limits.open_share,
     )
+
+
+LOOSE = ("opening", "slip")
+"""What is judged at the end of the scatter where bolts are loosest."""
+
+
+def loosest_checks(loose: Assessment, units: Units) -> tuple[Check, ...]:
+    """Return the checks of opening and slip of a joint that was judged at P_p,min."""
+    return tuple(
+        replace(check, scatter=LEAST)
+        for check in joint_checks(loose, units)
+        if check.quantity.split(" at ")[0] in LOOSE and check.outcome != "unknown"
+    )
+
+
+def opening_cases(found: Assessment) -> list[str]:
+    """Return the load cases that open some area before all others do."""
+    areas = [interface.opening for interface in found.interfaces.values()]
+    areas += [one for bolt in found.bolts.values() for one in bolt.opening_around.values()]
+    return list(dict.fromkeys(min(one, key=one.__getitem__) for one in areas if one))
 
 
 def _interface(

@@ -43,9 +43,13 @@ def joint_checks(
     for name, bolt in found.bolts.items():
         checks += _bolt_checks(name, bolt, found, demands, units)
     for name, interface in found.interfaces.items():
-        given = [one for one in found.checks if (one.kind, one.part) == ("interface", name)]
+        at_ends = [
+            check
+            for check in (*found.checks, *found.loosened)
+            if (check.kind, check.part) == ("interface", name)
+        ]
         nominal = _interface_checks(name, interface, demands, reserves or {}, units)
-        checks += _worse_ends([*given, *nominal])
+        checks += _worse_ends([*at_ends, *nominal])
     return tuple(checks)
 
 
@@ -67,7 +71,10 @@ def _bolt_checks(
     demands: Mapping[str, Sequence[Verdict]],
     units: Units,
 ) -> Iterator[Check]:
-    strength = [check for check in found.checks if (check.kind, check.part) == ("bolt", name)]
+    checks = [check for check in found.checks if (check.kind, check.part) == ("bolt", name)]
+    clamps = [check for check in checks if check.quantity.startswith("clamp loss")]
+    strength = [check for check in checks if check not in clamps]
+    loosened = [check for check in found.loosened if (check.kind, check.part) == ("bolt", name)]
     yield from strength
     if not strength:
         yield _unknown(name, "bolt", "yield", NO_THREAD)
@@ -88,14 +95,14 @@ def _bolt_checks(
             bolt.clamp_around[place].least_case,
         )
     ]
-    yield from _most_used(losses)
+    yield from _most_used([*clamps, *losses])
     demand = demands.get("min_opening_factor", ())
     openings = [
         _least_factor(name, "bolt", f"opening at {place}", factors, demand)
         for place, factors in bolt.opening_around.items()
         if factors and bolt.clamp_around[place].preload > 0
     ]
-    yield from _most_used(openings)
+    yield from _most_used([*loosened, *openings])
     for verdict in demands.get("no_opening_within", ()):
         if verdict.place == name:
             yield _judged(verdict, "bolt", f"pressed within {verdict.limit:g} {units.length}")

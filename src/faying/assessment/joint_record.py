@@ -181,6 +181,8 @@ class Assessment:
         Share of the area pressed at rest below which an area is open.
     checks
         Strength of the bolts whose thread is known, each where it is nearest to failing.
+    loosened
+        Opening and slip where all preloads are at their least; none where nothing scatters.
     """
 
     bolts: Mapping[str, BoltAssessment]
@@ -189,6 +191,7 @@ class Assessment:
     scatter: tuple[Spread, ...] = ()
     open_below: float = OPEN_BELOW
     checks: tuple[Check, ...] = ()
+    loosened: tuple[Check, ...] = ()
 
     @property
     def met(self) -> bool:

@@ -1,6 +1,6 @@
 """The verdict on a joint: a row for each bolt and each interface, and a sentence over all."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -78,6 +78,11 @@ class JointVerdict:
     missing: str = ""
 
     @property
+    def interfaces(self) -> tuple[str, ...]:
+        """Names of its interfaces."""
+        return tuple(one.part for one in self.parts if one.kind == "interface")
+
+    @property
     def holds(self) -> bool:
         """Whether no check fails, and all that is demanded is known to be met."""
         return not self.missing and all(
@@ -95,7 +100,7 @@ class JointVerdict:
         if self.missing:
             return f"The joint was not judged: {self.missing}."
         failed, unknown = (list(self._of(outcome)) for outcome in ("not met", "unknown"))
-        said = [f"The joint does not hold: {_several(failed, self.units)}."] if failed else []
+        said = [f"The joint does not hold: {_several(failed, self)}."] if failed else []
         if unknown:
             said.append(f"Not known: {'; '.join(_questions(unknown))}.")
         if said:
@@ -105,7 +110,8 @@ class JointVerdict:
             return "Nothing of the joint could be judged."
         used = "" if worst.utilisation is None else f" {share_used(worst)} of what is allowed"
         return (
-            f"The joint holds. The most used is {worst.part}, by {worst.quantity}:{used}"
+            f"The joint holds. The most used is {worst.part}, by "
+            f"{shown_quantity(worst, self.interfaces)}:{used}"
             f"{_where(worst, self.units)}."
         )
 
@@ -120,6 +126,11 @@ class JointVerdict:
         return _questions(
             check for part in self.parts for check in part.checks if check not in part.counted
         )
+
+    @property
+    def advice(self) -> tuple[str, ...]:
+        """What to do where checks are not met, each remedy once."""
+        return _questions(check for check in self._of("not met") if check.reason)
 
 
 def joint_verdict(checks: Iterable[Check], units: Units, missing: str = "") -> JointVerdict:
@@ -143,10 +154,10 @@ COLUMNS = ("part", "verdict", "used", "by", "where", "all checks")
 
 def verdict_rows(verdict: JointVerdict) -> list[tuple[str, ...]]:
     """Return the rows of the table of a verdict, as text."""
-    return [tuple(_row(part, verdict.units)) for part in verdict.parts]
+    return [tuple(_row(part, verdict.interfaces, verdict.units)) for part in verdict.parts]
 
 
-def _row(part: PartVerdict, units: Units) -> Iterator[str]:
+def _row(part: PartVerdict, interfaces: Sequence[str], units: Units) -> Iterator[str]:
     worst = part.worst
     yield part.part
     yield part.outcome
@@ -155,15 +166,24 @@ def _row(part: PartVerdict, units: Units) -> Iterator[str]:
     else:
         yield share_used(worst)
         amount = amount_of(worst) if worst.outcome == "not met" else ""
-        yield f"{worst.quantity}: {amount}" if amount else worst.quantity
+        shown = shown_quantity(worst, interfaces)
+        yield f"{shown}: {amount}" if amount else shown
         yield place_of(worst, units) or "—"
-    yield ", ".join(f"{one.quantity} {share_used(one)}" for one in part.checks) or "—"
+    shares = (f"{shown_quantity(one, interfaces)} {share_used(one)}" for one in part.checks)
+    yield ", ".join(shares) or "—"
+
+
+def shown_quantity(check: Check, interfaces: Sequence[str]) -> str:
+    """Return what is checked, without the name of the interface where a joint has but one."""
+    (name,) = interfaces if len(interfaces) == 1 else ("",)
+    return check.quantity.removesuffix(f" at {name}") if name else check.quantity
 
 
 def share_used(check: Check) -> str:
     """Return the utilisation in percent, or what the check says where it has none."""
     if check.utilisation is None:
-        return check.outcome
+        amount = amount_of(check) if check.outcome == "unknown" else ""
+        return f"{check.outcome} ({amount})" if amount else check.outcome
     if not np.isfinite(check.utilisation):
         return "lost"
     return percent(check.utilisation) if check.utilisation < 1e3 else "> 1000 ×"
@@ -192,18 +212,26 @@ def _where(check: Check, units: Units) -> str:
 
 def _questions(checks: Iterable[Check]) -> tuple[str, ...]:
     """Say what is not known, of which parts and why, each reason once."""
-    parts: dict[tuple[str, str], list[str]] = {}
+    parts: dict[tuple[str, str], dict[str, str]] = {}
     for check in checks:
-        parts.setdefault((check.quantity, check.reason), []).append(check.part)
-    return tuple(
-        f"{quantity} of {', '.join(names)}: {reason}" for (quantity, reason), names in parts.items()
-    )
+        detail, colon, remedy = check.reason.rpartition(": ")
+        parts.setdefault((check.quantity, remedy), {})[check.part] = detail + colon
+    return tuple(_question(*key, details) for key, details in parts.items())
 
 
-def _several(checks: Sequence[Check], units: Units) -> str:
+def _question(quantity: str, remedy: str, details: Mapping[str, str]) -> str:
+    """Return a sentence on parts, what differs between them in brackets."""
+    if len({*details.values()}) == 1:
+        return f"{quantity} of {', '.join(details)}: {next(iter(details.values()))}{remedy}"
+    names = (f"{part} ({detail.rstrip(': ')})" for part, detail in details.items())
+    return f"{quantity} of {', '.join(names)}: {remedy}"
+
+
+def _several(checks: Sequence[Check], verdict: JointVerdict) -> str:
     """Name checks that are not met, with by how much."""
     said = [
-        f"{check.part}, {check.quantity} {amount_of(check) or 'not met'}" + _where(check, units)
+        f"{check.part}, {shown_quantity(check, verdict.interfaces)} "
+        f"{amount_of(check) or 'not met'}{_where(check, verdict.units)}"
         for check in checks[:NAMED]
     ]
     more = len(checks) - NAMED
@@ -215,6 +243,7 @@ def summarized(verdict: JointVerdict) -> dict[str, Any]:
     return {
         "holds": verdict.holds,
         "sentence": verdict.sentence,
+        "advice": list(verdict.advice),
         "open_questions": list(verdict.open_questions),
         "table": [dict(zip(COLUMNS, row, strict=True)) for row in verdict_rows(verdict)],
         "parts": [

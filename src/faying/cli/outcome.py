@@ -82,6 +82,8 @@ def show_verdict(summary: Mapping[str, Any], console: Console) -> None:
         for row in verdict["table"]:
             table.add_row(*row.values(), style=STYLES[row["verdict"]])
         console.print(table)
+    for text in verdict["advice"]:
+        console.print(f"What to do: {text}", highlight=False, soft_wrap=True)
     for text in verdict["open_questions"]:
         console.print(f"Not judged: {text}", highlight=False, soft_wrap=True)
     console.print(verdict["sentence"], highlight=False, soft_wrap=True)

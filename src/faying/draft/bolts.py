@@ -9,12 +9,14 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Mask, Vector
+from faying.assessment.strength.sizes import size_named, size_through
 from faying.draft.cylinders import Cylinders
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Spring
 from faying.model.clamping import check_clamping, element_seats
 from faying.model.deck_bolt import bolt_axis_element
 from faying.model.specs import BoltSpec
+from faying.units import LENGTHS
 
 PARALLEL = 1 - 1e-4
 """Cosine between axes that are one."""
@@ -30,6 +32,9 @@ SAME_SIZE = 0.02
 
 ACROSS = 0.7
 """Cosine between a spring and the normal of a face above which it may hold that closed."""
+
+DIAMETER = 0.9
+"""Diameter of a bolt over that of its hole, of holes that no size is listed for."""
 
 MOST_CHAINS = 500
 """Chains of beams beyond which they are a frame rather than bolts."""
@@ -190,6 +195,20 @@ def _hole(found: Cylinders, members: Indices) -> Hole:
         radius=float(found.radii[members].min()),
         filled=bool(shank.any()),
     )
+
+
+def size_of(hole: Hole, units: str) -> str | None:
+    """Return the size of the bolt whose clearance hole it is; None where none has such a hole."""
+    metre = LENGTHS.get(units.split("-")[0])
+    return None if metre is None else size_through(2 * hole.radius * metre)
+
+
+def bolt_diameter(hole: Hole, units: str) -> float:
+    """Return the diameter of the bolt in a hole [length]."""
+    size = size_of(hole, units)
+    if size is None:
+        return DIAMETER * 2 * hole.radius
+    return size_named(size).diameter / LENGTHS[units.split("-")[0]]
 
 
 def pattern(holes: list[Hole]) -> list[Hole]:

@@ -7,12 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from faying._typing import Indices, Mask, Vector
-from faying.draft.bolts import Hole, clamping_lines, holes_in_line, pattern
+from faying.draft.bolts import Hole, bolt_diameter, clamping_lines, holes_in_line, pattern
 from faying.draft.cylinders import cylinders
 from faying.draft.held import HELD, LOADED, far_node, loose_groups, named, pins
 from faying.draft.look import Look, look_at
 from faying.draft.study_text import (
-    DIAMETER,
     MARK,
     STRAIN,
     BoltEntry,
@@ -156,13 +155,13 @@ def _bolts(
         return entries, holes, [], _pointing(assembly, specs[0])
     # Where shanks are of solids, another hole is no place for a bolt but a bore.
     empty = [] if any(one.filled for one in holes) else pattern(holes)
+    strained = STRAIN * _modulus(assembly)
     for number, hole in enumerate(empty, start=1):
-        area = np.pi * (DIAMETER * hole.radius) ** 2
         entries.append(
             BoltEntry(
                 name=f"bolt-{number}" if len(empty) > 1 else "bolt",
-                keys=hole_keys(hole),
-                preload=STRAIN * _modulus(assembly) * area,
+                keys=hole_keys(hole, look.units),
+                preload=strained * np.pi / 4 * bolt_diameter(hole, look.units) ** 2,
             )
         )
     along = _vector(np.array(empty[0].ends[1]) - empty[0].ends[0]) if empty else None

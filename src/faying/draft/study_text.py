@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from faying.draft.bolts import Hole
+from faying.draft.bolts import DIAMETER, Hole, size_of
 from faying.draft.held import Pin
 from faying.draft.look import Look
 from faying.interface.facing import Facing
@@ -25,8 +25,11 @@ MARK = "DECIDE:"
 STRAIN = 1.5e-3
 """Strain of the shank by the preload that stands where none is said."""
 
-DIAMETER, WASHER = 0.9, 1.5
-"""Diameter of a bolt over that of its hole, radius of its washer over that of the hole."""
+WASHER = 1.5
+"""Radius of a washer over that of the hole."""
+
+GRADE = "8.8"
+"""Of a bolt until it is decided."""
 
 MOST_LOADS = 10
 """Loads of a deck that become load cases."""
@@ -247,9 +250,14 @@ def _bolts(found: Findings) -> Iterator[str]:
                     f"that name with another {kind} overrides it"
                 )
     if found.made:
+        measures = (
+            f"their diameter is {DIAMETER:g} of the hole's, the radius of washers {WASHER:g} of it"
+            if size_of(found.made[0], found.look.units) is None
+            else "clearance holes of ISO 273; heads are hexagons unless 'head' says otherwise"
+        )
         yield from _comment(
-            f"{MARK} bolts are made for holes in line, of radius {found.made[0].radius:.4g}: their "
-            f"diameter is {DIAMETER:g} of the hole's, the radius of washers {WASHER:g} of it"
+            f"{MARK} bolts are made for holes in line, of radius {found.made[0].radius:.4g}: "
+            f"{measures}"
         )
     for bolt in found.bolts:
         yield "[[bolt]]"
@@ -272,17 +280,21 @@ def _bolts(found: Findings) -> Iterator[str]:
                 "and take"
             )
         yield from _comment(f"{MARK} {said}")
-        for key, value in hole_keys(hole).items():
+        for key, value in hole_keys(hole, found.look.units).items():
             yield f"#   {key} = {value}"
     if not (described.bolts or found.bolts or found.holes):
         yield from _comment(f"{MARK} no bolt was found; [[bolt]] tightens beams, or makes one")
 
 
-def hole_keys(hole: Hole) -> dict[str, str]:
+def hole_keys(hole: Hole, units: str) -> dict[str, str]:
     """Return the keys of a bolt in a hole."""
+    size = size_of(hole, units)
     # Digits of the fit of a cylinder are no digits of the drawing.
     places = np.round(hole.ends, 4 - int(np.floor(np.log10(hole.radius)))) + 0.0
     ends = ", ".join(f"[{', '.join(map(_number, end))}]" for end in places.tolist())
+    if size is not None:
+        grade = f"{quoted(GRADE)}  # {MARK} a placeholder, by which its strength is judged"
+        return {"axis": f"[{ends}]", "size": quoted(size), "grade": grade}
     return {
         "axis": f"[{ends}]",
         "diameter": _number(DIAMETER * 2 * hole.radius),
@@ -375,3 +387,4 @@ def _rest(found: Findings, built: Mapping[str, Interface]) -> Iterator[str]:
     yield f"# max_pressure = ?  # [{units.pressure}]"
     yield f"# max_nodal_pressure = ?  # [{units.pressure}]"
     yield f"# no_opening_within = ?  # of the axis of every bolt [{units.length}]"
+    yield "# slip_friction = ?  # of faying surfaces, by which slip is judged"

@@ -9,7 +9,8 @@ from urllib.parse import quote
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from faying.assessment.joint_verdict import JointVerdict, share_used, verdict_rows
+from faying.assessment.check import Check
+from faying.assessment.joint_verdict import JointVerdict, share_used, shown_quantity, verdict_rows
 from faying.files.atomic import write_text
 from faying.report.certified import sharpness
 from faying.report.errors import (
@@ -162,9 +163,16 @@ def _page(template: str, results: Results, folder: Path, **values: Any) -> str:
     )
     environment.filters["link"] = lambda path: quote(Path(path).relative_to(folder).as_posix())
     environment.filters["instant"] = _instant
-    environment.filters["used"] = share_used
+    environment.filters["used"], environment.filters["shown"] = share_used, shown_quantity
     environment.globals |= {"LONG": LONG, "NARROW": NARROW, "GRADES": GRADES, "MARKS": MARKS}
     return environment.get_template(template).render(results=results, own=own(), **values)
+
+
+def _end(check: Check) -> str | None:
+    """Return the end of the scatter that decides, and whether it bounds all within it."""
+    if not check.scatter:
+        return None
+    return f"{check.scatter}, {'bound' if check.bound else 'sample'}"
 
 
 def check_table(verdict: JointVerdict) -> Table:
@@ -178,7 +186,7 @@ def check_table(verdict: JointVerdict) -> Table:
         Column("unit", lambda one: one.unit or None),
         Column("load case", lambda one: one.case or None),
         Column("at", lambda one: one.instant, "time"),
-        Column("scatter", lambda one: one.scatter or None),
+        Column("scatter", _end),
         Column("demanded", lambda one: "yes" if one.required else "no"),
         Column("source", lambda one: one.source or None),
         Column("reason", lambda one: one.reason or None),

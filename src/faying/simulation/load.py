@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 
@@ -42,6 +43,13 @@ class History:
         """Values at the given instants."""
         values: Vector = np.interp(times, self.times, self.values)
         return values
+
+
+class StaticLoad(Protocol):
+    """What loads a joint at one instant."""
+
+    def inputs(self, system: Joint, times: Vector) -> Matrix:
+        """Return the inputs (n_time, n_input) of a system."""
 
 
 @dataclass(frozen=True, eq=False)

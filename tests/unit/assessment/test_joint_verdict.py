@@ -130,6 +130,28 @@ def test_only_what_is_demanded_may_not_be_unknown(second, holds, said):
     assert said in verdict.sentence
 
 
+def test_reasons_are_told_once_with_what_differs_between_parts():
+    checks = [
+        replace(BOLT, part=name, quantity="fatigue", outcome="unknown", reason=f"{why}: count")
+        for name, why in (("a", "borne 1 times"), ("b", "borne 2 times"))
+    ]
+    assert joint_verdict([BOLT, *checks], UNITS).open_questions == (
+        "fatigue of b (borne 2 times), a (borne 1 times): count",
+    )
+    failed = [replace(BOLT, part=name, outcome="not met", reason="thicker") for name in "ab"]
+    assert joint_verdict(failed, UNITS).advice == ("yield of a, b: thicker",)
+
+
+def test_the_only_interface_is_not_named_with_each_check():
+    opening = replace(BOLT, quantity="opening at face")
+    face = Check(part="face", kind="interface", quantity="slip", outcome="met", utilisation=0.1)
+    ((_, _, _, by, *_), _) = verdict_rows(joint_verdict([opening, face], UNITS))
+    assert by == "opening"
+    second = replace(face, part="other")
+    ((_, _, _, by, *_), *_) = verdict_rows(joint_verdict([opening, face, second], UNITS))
+    assert by == "opening at face"
+
+
 def test_a_joint_that_was_not_judged_does_not_hold():
     verdict = joint_verdict((), UNITS, "it met what nobody foresaw")
     assert not verdict.holds

@@ -85,7 +85,9 @@ def test_two_rings_become_a_bolted_joint(tmp_path):
     assert {joint["minus"], joint["plus"]} == {"volume 1", "volume 2"}
     (bolt,) = tables["bolt"]
     assert bolt["axis"] == [[3.0, 1.0, -8.0], [3.0, 1.0, 8.0]]  # as drawn, all digits
-    assert bolt["diameter"] == pytest.approx(0.9 * 11.0, abs=1e-6)  # seven digits are written
+    assert (bolt["size"], bolt["grade"]) == ("M10", "8.8")  # a clearance hole of 11 mm, ISO 273
+    strained = 1.5e-3 * 210e3 * np.pi / 4 * 10.0**2
+    assert bolt["preload"] == pytest.approx(strained, rel=1e-6)  # seven digits are written
     assert tables["load_case"][0]["forces"][0]["component"] == "Fz"
     assert len(tables["support"]) == 3
     assert study.undecided == study.text.count(MARK) >= 5

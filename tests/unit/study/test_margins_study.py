@@ -52,6 +52,11 @@ def test_a_run_tells_the_margins_of_its_standard(tmp_path):
     assert found["MS_u"].scatter == "P_p,max"
     assert found["MS_sep"].scatter == "P_p,min"
     assert "NASA-STD-5020B 4.4.3 (19)" in found["MS_sep"].source
+    # Gaps are none and springs linear: what opens or slips the joint goes with its preloads.
+    opening = results.assessment.loosened[0]
+    nominal = results.assessment.interfaces["joint"].opening["bend"]
+    assert (opening.quantity, opening.scatter) == ("opening", "P_p,min")
+    assert opening.value == pytest.approx(0.8 * 0.95 * nominal, rel=1e-5)  # found to a millionth
     assert results.omissions == ()
     assert len(summary["assessment"]["checks"]) == len(found)
     rows = {row["part"]: row["all checks"] for row in summary["verdict"]["table"]}

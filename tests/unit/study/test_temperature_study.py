@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import faying as fy
+from faying.assessment.joint_record import CaseState
+from faying.assessment.strength.preload_ends import preload_ends
 from faying.exceptions import FayingError
 from faying.study.inputs.load_model import build
 from faying.study.inputs.loads import case_load
@@ -78,3 +80,27 @@ def test_what_does_not_fit_is_said(study, old, new, message):
     assert old in STUDY
     with pytest.raises(FayingError, match=message):
         build(study(STUDY.replace(old, new)))
+
+
+def test_scattered_temperatures_are_named_and_taken_beside_every_load(study):
+    scatter = 'preload_scatter = { temperatures = ["hot"] }\n'
+    read = study(scatter + STUDY)
+    model = build(read)
+    model = fy.preload(model, {"bolt": 5e3})
+    load, hot = fy.Load({"tip.Fz": -100.0}), fy.Load({"hot": 1.0})
+    rest, pulled = (
+        CaseState(
+            pressure=one.pressure[None], bolt_forces={"bolt": np.ravel(one.bolt_force("bolt"))}
+        )
+        for one in (fy.solve_static(model), fy.solve_static(model, load))
+    )
+    cases, temperatures = {"pull": pulled}, {"hot": hot}
+    ends = preload_ends(model, rest, cases, {"pull": load}, {}, temperatures=temperatures)
+    both = fy.solve_static(model, fy.Load({"tip.Fz": -100.0, "hot": 1.0})).pressure
+    assert [end.name for end in ends] == ["", "hot"]
+    for end, expected in zip(ends, (pulled.pressure[0], both), strict=True):
+        # The same contact problem from another initial force, which is found within 1e-10
+        found = end.cases["pull"].pressure[0]
+        np.testing.assert_allclose(found, expected, rtol=1e-7, atol=1e-7)
+    with pytest.raises(FayingError, match=r"no \[temperature.cold\]"):
+        study(scatter.replace("hot", "cold") + STUDY)

@@ -121,6 +121,14 @@ def _tightening_check(bolt: str, thread: Thread, ends: Sequence[PreloadEnd], uni
     )
 
 
+STRESSED = "take a larger size, a higher grade, or relieve the bolt"
+BENT = (
+    "bending decides, and without it the check is met; where friction of the faces carries what "
+    "acts along them, say so by 'friction' of the interface or by [sticking]"
+)
+"""What to do about a bolt that yields."""
+
+
 def _yield_check(bolt: str, thread: Thread, ends: Sequence[PreloadEnd], units: str) -> Check:
     worst = _largest(
         ends,
@@ -137,7 +145,10 @@ def _yield_check(bolt: str, thread: Thread, ends: Sequence[PreloadEnd], units: s
     )
     if check.outcome == "met":
         return check
-    return replace(check, reason="take a larger size, a higher grade, or relieve the bolt")
+    state = worst.end.cases[worst.case]
+    forces = state.bolt_forces[bolt][worst.row : worst.row + 1]
+    straight = working_stress(thread, worst.end.preload(bolt), forces, None)
+    return replace(check, reason=BENT if straight[0] <= check.limit else STRESSED)
 
 
 def _pressure_check(bolt: str, thread: Thread, ends: Sequence[PreloadEnd], units: str) -> Check:
@@ -167,6 +178,7 @@ def _stripping_check(bolt: str, thread: Thread, ends: Sequence[PreloadEnd], unit
 
 FATIGUE = "σ_a over σ_ASV = 0.85 (150/d + 45) (VDI symbols)"
 UNRATED = "endurance is known of steels of 8.8 to 12.9"
+UNCOUNTED = "give the load cases 'repetitions'"
 MINER = "Miner's sum, rainflow by ASTM E1049, σ_ASV = 0.85 (150/d + 45)"
 
 
@@ -222,13 +234,7 @@ def _endurance_check(
     amplitude, end = amplitudes[worst], ends[worst]
     each = {case: largest_amplitude(_stresses(bolt, thread, end, case)) for case in cases}
     endures = amplitude <= limit
-    reason = ""
-    if not endures:
-        cycles = ENDURANCE_CYCLES * (limit / amplitude) ** EXPONENT
-        reason = (
-            f"σ_a = {amplitude:.3g} of {limit:.3g} {units_of(units).pressure}, borne {cycles:.1g} "
-            "times: give the load cases 'repetitions'"
-        )
+    borne = f"{ENDURANCE_CYCLES * (limit / max(amplitude, limit)) ** EXPONENT:.1g}"
     return Check(
         part=bolt,
         kind="bolt",
@@ -240,7 +246,7 @@ def _endurance_check(
         unit=units_of(units).pressure,
         case=max(each, key=each.__getitem__),
         scatter=end.name,
-        reason=reason,
+        reason="" if endures else f"borne {borne} times: {UNCOUNTED}",
         source=FATIGUE,
     )
 

@@ -5,19 +5,25 @@ from dataclasses import replace
 
 import numpy as np
 
+from faying._typing import Vector
 from faying.assessment.check import Check, PartKind
 from faying.assessment.strength.preload_ends import PreloadEnd
 from faying.interface.surface import ContactSurface
+from faying.joint.bolt_surroundings import surroundings
+from faying.model.bolt import Bolt
 from faying.units import units_of
 
 
 def clamp_checks(
     ends: Sequence[PreloadEnd],
     surfaces: Mapping[str, ContactSurface],
+    bolts: Mapping[str, Bolt],
     limits: Mapping[str, float],
     units: str,
 ) -> Iterator[Check]:
     """Yield the least clamp force of each interface over load cases that were solved at the ends.
+
+    Of several bolts, that of the area around each too.
 
     Parameters
     ----------
@@ -25,34 +31,52 @@ def clamp_checks(
         Interface to the least clamp force that is demanded of it; others must not lose theirs.
     """
     for name, surface in surfaces.items():
-        span, weights = slice(*surface.slice), surface.weights
-        forces = [
-            (float(np.min(end.cases[case].pressure[:, span] @ weights)), case, end)
-            for end in ends
-            for case in end.solved
-        ]
-        if not forces:
+        smallest = _smallest(ends, slice(*surface.slice), surface.weights)
+        if smallest is None:
             continue
-        least, case, end = min(forces, key=lambda force: force[0])
-        rest = float(end.rest.pressure[0, span] @ weights)
-        if name in limits:
-            limit = limits[name]
-            yield Check(
-                part=name,
-                kind="interface",
-                quantity="clamp force",
-                outcome="met" if least >= limit else "not met",
-                utilisation=limit / least if least > 0 else np.inf,
-                value=least,
-                limit=limit,
-                unit=units_of(units).force,
-                case=case,
-                scatter=end.name,
-                required=True,
-            )
-        else:
-            for check in clamp_loss(name, "interface", "clamp loss", rest, least, case):
-                yield replace(check, scatter=end.name)
+        force, end, case, rest = smallest
+        if name not in limits:
+            for check in clamp_loss(name, "interface", "clamp loss", rest, force, case):
+                yield replace(check, scatter=end)
+            continue
+        limit = limits[name]
+        yield Check(
+            part=name,
+            kind="interface",
+            quantity="clamp force",
+            outcome="met" if force >= limit else "not met",
+            utilisation=limit / force if force > 0 else np.inf,
+            value=force,
+            limit=limit,
+            unit=units_of(units).force,
+            case=case,
+            scatter=end,
+            required=True,
+        )
+    several = len(bolts) > 1
+    for (interface, bolt), points in surroundings(surfaces, bolts).items() if several else ():
+        span = slice(*surfaces[interface].slice)
+        smallest = _smallest(ends, span, surfaces[interface].weights * points[span])
+        if smallest is not None:
+            force, end, case, rest = smallest
+            quantity = f"clamp loss at {interface}"
+            for check in clamp_loss(bolt, "bolt", quantity, rest, force, case):
+                yield replace(check, scatter=end)
+
+
+def _smallest(
+    ends: Sequence[PreloadEnd], span: slice, weights: Vector
+) -> tuple[float, str, str, float] | None:
+    """Return the least force on an area, its end and load case, and the force there at rest."""
+    forces = [
+        (float(np.min(end.cases[case].pressure[:, span] @ weights)), end.name, case, end)
+        for end in ends
+        for case in end.solved
+    ]
+    if not forces:
+        return None
+    force, name, case, end = min(forces, key=lambda entry: entry[:3])
+    return force, name, case, float(end.rest.pressure[0, span] @ weights)
 
 
 def clamp_loss(

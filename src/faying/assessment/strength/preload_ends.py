@@ -1,4 +1,4 @@
-"""A joint at both ends of the scatter of its preloads."""
+"""A joint at both ends of the scatter of its preloads, and at the temperatures it may have."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -6,14 +6,14 @@ from types import MappingProxyType
 
 import numpy as np
 
-from faying._typing import Vector
+from faying._typing import Matrix, Vector
 from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.joint_record import CaseState
 from faying.assessment.strength.tightening import PreloadRange
-from faying.joint.system import System, initial_bolt_forces
+from faying.joint.system import Joint, System, initial_bolt_forces
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.bolts_by_force import BoltsByForce
-from faying.simulation.load import Load
+from faying.simulation.load import StaticLoad
 from faying.simulation.solution import Solution
 from faying.simulation.static import AT_REST, solve_static_inputs
 from faying.simulation.without_friction import smooth_joint
@@ -56,9 +56,10 @@ def preload_ends(
     system: System,
     rest: CaseState,
     cases: Mapping[str, CaseState],
-    loads: Mapping[str, Load],
+    loads: Mapping[str, StaticLoad],
     ranges: Mapping[str, PreloadRange],
     tightened: Mapping[str, float] = MappingProxyType({}),
+    temperatures: Mapping[str, StaticLoad] = MappingProxyType({}),
 ) -> tuple[PreloadEnd, ...]:
     """Return a joint at both ends of its preloads, or as it is where they do not scatter.
 
@@ -69,11 +70,13 @@ def preload_ends(
     rest, cases
         At nominal preloads.
     loads
-        Static load case without friction to its load: these are solved anew.
+        Static load case without friction to its load: these are solved anew where they change.
     ranges
         Bolt to the range of its preload.
     tightened : [force]
         Bolt to the nominal force it was tightened to, of those that lost some since.
+    temperatures
+        Name to what it loads the joint with beside each of the loads.
 
     Raises
     ------
@@ -82,50 +85,89 @@ def preload_ends(
 
     Notes
     -----
-    One contact problem for each end and one for each of its static load cases.
+    One contact problem for each end, and one for each static load case at each end and temperature.
     """
     nominal = {name: float(force[0]) for name, force in rest.bolt_forces.items()}
-    ranged = {name: spread for name, spread in ranges.items() if nominal.get(name, 0.0) > 0}
-    ends: dict[str, dict[str, float]] = {LEAST: {}, MOST: {}}
-    for name, spread in ranged.items():
-        ends[LEAST][name] = spread.least(nominal[name])
-        ends[MOST][name] = spread.most(nominal[name])
-    if all(force == nominal[name] for end in ends.values() for name, force in end.items()):
-        return (PreloadEnd(name="", rest=rest, cases=cases, tightened=tightened),)
-    before: dict[str, dict[str, float]] = {LEAST: {}, MOST: {}}
-    for name, force in tightened.items():
-        spread = ranges.get(name, PreloadRange())
-        before[LEAST][name], before[MOST][name] = spread.least(force), spread.most(force)
-    return tuple(
-        replace(
-            _at(system, name, {**nominal, **forces}, rest, cases, loads), tightened=before[name]
+    scattered = ends_of(nominal, ranges)
+    before = {"": dict(tightened)} | {
+        end: {name: _at_end(ranges.get(name), force, end) for name, force in tightened.items()}
+        for end in (LEAST, MOST)
+    }
+    ends = []
+    for end, forces in scattered.items():
+        shifts = {name: force - nominal[name] for name, force in forces.items()}
+        moved = PreloadEnd(
+            name=end,
+            rest=_shifted(rest, shifts),
+            cases={name: _shifted(state, shifts) for name, state in cases.items()},
+            tightened=before[end],
         )
-        for name, forces in ends.items()
-    )
+        if not loads or (not end and not temperatures):
+            ends.append(moved)
+            continue
+        initial = initial_forces_at(system, forces)
+        for name, heated in {"": None, **temperatures}.items():
+            solved = solved_end(moved, system, loads, initial, heated)
+            ends.append(replace(solved, name=", ".join(filter(None, (end, name)))))
+    return tuple(ends)
 
 
-def _at(
+def ends_of(
+    nominal: Mapping[str, float], ranges: Mapping[str, PreloadRange]
+) -> dict[str, dict[str, float]]:
+    """Return the forces of all bolts at both ends, or the nominal ones where nothing scatters."""
+    ends = {
+        end: {
+            name: _at_end(ranges.get(name), force, end) if force > 0 else force
+            for name, force in nominal.items()
+        }
+        for end in (LEAST, MOST)
+    }
+    same = all(forces == nominal for forces in ends.values())
+    return {"": dict(nominal)} if same else ends
+
+
+def _at_end(spread: PreloadRange | None, nominal: float, end: str) -> float:
+    if spread is None:
+        return nominal
+    return spread.least(nominal) if end == LEAST else spread.most(nominal)
+
+
+def solved_end(
+    moved: PreloadEnd,
     system: System,
-    end: str,
-    forces: Mapping[str, float],
-    rest: CaseState,
-    cases: Mapping[str, CaseState],
-    loads: Mapping[str, Load],
+    loads: Mapping[str, StaticLoad],
+    initial: Vector,
+    heated: StaticLoad | None,
 ) -> PreloadEnd:
-    shifts = {name: force - float(rest.bolt_forces[name][0]) for name, force in forces.items()}
-    moved = {name: _shifted(state, shifts) for name, state in cases.items()}
-    if not loads:
-        return PreloadEnd(name=end, rest=_shifted(rest, shifts), cases=moved)
-    initial = initial_forces_at(system, forces)
-    solution = solve_at(system, loads, initial)
-    bent = [name for name in bent_bolts(system.bolts) if name in rest.bolt_moments]
+    """Return an end whose static load cases are solved, with a temperature beside them."""
+    solution = solve_at(system, loads, initial, heated)
+    bent = [name for name in bent_bolts(system.bolts) if name in moved.rest.bolt_moments]
     solved = {name: _state(solution, row, bent) for row, name in enumerate(loads, start=1)}
-    return PreloadEnd(
-        name=end,
+    return replace(
+        moved,
         rest=_state(solution, 0, bent),
-        cases={**moved, **solved},
+        cases={**moved.cases, **solved},
         solved=frozenset(loads),
     )
+
+
+def loosest_forces(
+    system: System, rest: CaseState, ranges: Mapping[str, PreloadRange]
+) -> Vector | None:
+    """Return the initial forces (n_bolt,) at P_p,min of all bolts; None where nothing scatters."""
+    nominal = {name: float(force[0]) for name, force in rest.bolt_forces.items()}
+    ends = ends_of(nominal, ranges)
+    return initial_forces_at(system, ends[LEAST]) if LEAST in ends else None
+
+
+def with_initial(joint: Joint, inputs: Matrix, initial: Vector | None) -> Matrix:
+    """Return inputs (n_case, n_input) with bolts locked at other initial forces (n_bolt,)."""
+    if initial is None:
+        return inputs
+    locked = inputs.copy()
+    locked[:, joint.port_compliance.bolts] = initial
+    return locked
 
 
 def initial_forces_at(system: System, forces: Mapping[str, float]) -> Vector:
@@ -140,13 +182,20 @@ def initial_forces_at(system: System, forces: Mapping[str, float]) -> Vector:
     return initial
 
 
-def solve_at(system: System, loads: Mapping[str, Load], initial: Vector) -> Solution:
-    """Solve rest, then static loads, with bolts locked at initial forces (n_bolt,)."""
+def solve_at(
+    system: System,
+    loads: Mapping[str, StaticLoad],
+    initial: Vector,
+    heated: StaticLoad | None = None,
+) -> Solution:
+    """Solve rest, then static loads and a temperature, bolts locked at initial forces (n_bolt,)."""
     start = np.zeros(1)
-    every = [AT_REST, *loads.values()]
-    inputs = np.concatenate([load.inputs(system, start) for load in every])
-    inputs[:, system.port_compliance.bolts] = initial
-    return solve_static_inputs(system, inputs, "ends of the preloads")
+    rest = AT_REST.inputs(system, start)
+    inputs = np.concatenate([rest, *(load.inputs(system, start) for load in loads.values())])
+    if heated is not None:
+        inputs[1:] += heated.inputs(system, start) - rest
+    locked = with_initial(system, inputs, initial)
+    return solve_static_inputs(system, locked, "ends of the preloads")
 
 
 def _state(solution: Solution, row: int, bent: list[str]) -> CaseState:

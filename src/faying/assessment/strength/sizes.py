@@ -61,6 +61,10 @@ SOCKET: dict[float, float] = {
 }  # fmt: skip
 """d to the face under a socket head [mm]."""
 
+HOLE_TOLERANCE = 0.02
+"""Of a hole's diameter in a mesh, whose nodes lie on a circle that was rounded somewhere; holes of
+listed sizes differ by 5 % or more."""
+
 HEADS = ("ISO 4014", "ISO 4762", "ISO 7089")
 """Hexagon head, socket head, and a hexagon head on a plain washer."""
 
@@ -113,10 +117,17 @@ def size_named(name: str, head: str = HEADS[0]) -> Size:
         return _metric(name, float(metric["diameter"]), metric["pitch"], head)
     if unified := UNIFIED.fullmatch(text):
         return _unified(unified)
-    near = get_close_matches(text.upper(), [f"M{d:g}" for d in HEXAGON], n=1)
-    hint = f"; did you mean '{near[0]}'?" if near else ""
+    suggested = get_close_matches(text.upper(), [f"M{d:g}" for d in HEXAGON], n=1)
+    hint = f"; did you mean '{suggested[0]}'?" if suggested else ""
     message = f"no size is called '{name}': give it as 'M8', 'M8x1' or '3/8-24 UNF'{hint}"
     raise ModelError(message)
+
+
+def size_through(hole: float) -> str | None:
+    """Return the metric size whose clearance hole has a diameter [m]; None where none has."""
+    nearest = min(HEXAGON, key=lambda size: abs(HEXAGON[size][2] * MILLIMETRE - hole))
+    fits = abs(HEXAGON[nearest][2] * MILLIMETRE / hole - 1) < HOLE_TOLERANCE
+    return f"M{nearest:g}" if fits else None
 
 
 def _metric(name: str, diameter: float, pitch: str | None, head: str) -> Size:

@@ -76,7 +76,7 @@ def error_figure(results: Results, case: CaseResult) -> Drawn | None:
     Returns
     -------
     Drawn or None
-        None where there is no method or no reference pressure.
+        None where there is no method, no reference pressure, or no error beyond round-off.
     """
     methods = list(shown_methods(case))
     reference = case.reference.pressure
@@ -86,6 +86,8 @@ def error_figure(results: Results, case: CaseResult) -> Drawn | None:
     units, records = units_of(results.units), results.interfaces
     errors = [(result.response.pressure - reference) / top for _, result in methods]
     worst = max(float(np.abs(error).max()) for error in errors)
+    if worst < ROUND_OFF:
+        return None
     largest = min(max(worst, VISIBLE), SATURATED)
     sizes = [panel_size(record, best_plane(record), 4.4) for record in records.values()]
     figure = new_figure(max(5.4 * len(methods), 7.0), max(sum(h + 0.3 for _, h in sizes), 2.4))

@@ -77,7 +77,7 @@ def scatter_problems(study: Study) -> Iterator[Problem]:
     if section is None:
         return
     try:
-        PreloadScatter(**section.model_dump())
+        PreloadScatter(**section.model_dump(exclude={"temperatures"}))
     except ModelError as error:
         yield _problem(study, ("preload_scatter",), str(error))
     if section.thread_friction is not None:

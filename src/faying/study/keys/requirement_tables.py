@@ -21,7 +21,13 @@ MOST_SAMPLES = 10_000
 
 
 class ScatterSection(Section):
-    """preload_scatter: see :class:`faying.assessment.preload_scatter.PreloadScatter`."""
+    """preload_scatter: see :class:`faying.assessment.preload_scatter.PreloadScatter`.
+
+    Attributes
+    ----------
+    temperatures
+        Those that every static load case may have beside its loads.
+    """
 
     tightening_factor: Annotated[Number, Field(ge=1)] = 1.0
     settlement: NotNegative = 0.0
@@ -29,6 +35,7 @@ class ScatterSection(Section):
     head_friction: tuple[NotNegative, NotNegative] | None = None
     surface_friction: tuple[NotNegative, NotNegative] | None = None
     samples: Annotated[Count, Field(le=MOST_SAMPLES)] = 200
+    temperatures: tuple[Name, ...] = ()
 
 
 class RingSection(Section):

@@ -20,7 +20,13 @@ def temperature_problems(study: Study) -> Iterator[Problem]:
             at: Location = (*location, "temperature")
             text = f"no [temperature.{load.temperature}]; {remedy}"
             yield Problem(at, f"{study.source.place(at)}: {text}")
-    used = {load.temperature for _, load in loads}
+    scattered = () if study.preload_scatter is None else study.preload_scatter.temperatures
+    for name in scattered:
+        if name not in study.temperatures:
+            at = ("preload_scatter", "temperatures")
+            text = f"no [temperature.{name}]; {nearest(name, study.temperatures)}"
+            yield Problem(at, f"{study.source.place(at)}: {text}")
+    used = {load.temperature for _, load in loads} | {*scattered}
     for name, section in study.temperatures.items():
         table: Location = ("temperature", name)
         text = ""

@@ -3,6 +3,8 @@
 import tomllib
 from dataclasses import replace
 
+import numpy as np
+
 from faying.assessment.strength.grades import BoltStrength
 from faying.assessment.strength.thread import Thread
 from faying.assessment.strength.tightening import (
@@ -62,15 +64,38 @@ def threads_of(study: Study) -> dict[str, Thread]:
 
 def preload_ranges(study: Study) -> dict[str, PreloadRange]:
     """Return how far the preloads of the bolts whose size and grade are known scatter."""
-    every, losses = study.preload_scatter, _losses(study.requirement.margins)
+    losses = _losses(study.requirement.margins)
     ranges = {}
     for bolt in study.bolts:
-        variation = bolt.gamma
-        if variation is None:
-            factor = bolt.tightening_factor or (every.tightening_factor if every else 1.0)
-            variation = variation_of(factor)
-        ranges[bolt.name] = replace(losses, variation=variation)
+        least, most = _of_friction(study, bolt)
+        ranges[bolt.name] = replace(
+            losses,
+            variation=variation_in(study, bolt),
+            least_control=losses.least_control * least,
+            most_control=losses.most_control * most,
+        )
     return ranges
+
+
+def _of_friction(study: Study, bolt: BoltSection) -> tuple[float, float]:
+    """Return the preload of a torque where friction is largest and smallest, over that meant."""
+    scatter, thread = study.preload_scatter, thread_of(bolt, study.units)
+    if scatter is None or scatter.thread_friction is None or scatter.head_friction is None:
+        return 1.0, 1.0
+    if thread is None or thread.head_diameter is None:
+        return 1.0, 1.0
+    in_thread, at_head = np.array([scatter.thread_friction, scatter.head_friction])
+    meant = thread.torque_per_force(in_thread.mean(), at_head.mean())
+    most, least = meant / thread.torque_per_force(in_thread, at_head)
+    return float(least), float(most)
+
+
+def variation_in(study: Study, bolt: BoltSection) -> float:
+    """Return Γ of the preload of a bolt, its own or that of all."""
+    if bolt.gamma is not None:
+        return bolt.gamma
+    every = study.preload_scatter
+    return variation_of(bolt.tightening_factor or (every.tightening_factor if every else 1.0))
 
 
 def _losses(margins: MarginsSection | None) -> PreloadRange:
@@ -88,8 +113,13 @@ def _losses(margins: MarginsSection | None) -> PreloadRange:
     )
 
 
-def final_force(bolt: BoltSection, units: str) -> float | None:
+def final_force(bolt: BoltSection, units: str, variation: float = 0.0) -> float | None:
     """Return the force that a bolt is tightened to; None where the study does not tell.
+
+    Parameters
+    ----------
+    variation
+        Γ of its preload: a utilisation is that at the largest one, (1 + Γ) F_V.
 
     Raises
     ------
@@ -100,13 +130,15 @@ def final_force(bolt: BoltSection, units: str) -> float | None:
     if thread is not None and bolt.torque is not None:
         return force_of_torque(thread, bolt.torque)
     if thread is not None and bolt.utilisation is not None:
-        return force_of_utilisation(thread, bolt.utilisation, units)
+        return force_of_utilisation(thread, bolt.utilisation, units) / (1 + variation)
     return bolt.preload
 
 
 def final_forces(study: Study) -> dict[str, float]:
     """Return the forces that bolts of a study are tightened to, of those that are."""
-    forces = {bolt.name: final_force(bolt, study.units) for bolt in study.bolts}
+    forces = {
+        bolt.name: final_force(bolt, study.units, variation_in(study, bolt)) for bolt in study.bolts
+    }
     return {name: force for name, force in forces.items() if force is not None}
 
 

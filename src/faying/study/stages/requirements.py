@@ -5,9 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from faying._typing import Vector
 from faying.assessment.case_metrics import bent_bolts
+from faying.assessment.check import Check
 from faying.assessment.clamp_range import CertifiedClamps, certified_clamps
-from faying.assessment.joint_assessment import judged
+from faying.assessment.joint_assessment import judged, loosest_checks, opening_cases
 from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.opening import Openings, areas_that_open, opening_factors
 from faying.assessment.preload_scatter import PreloadScatter, Spread, preload_spreads
@@ -15,7 +17,7 @@ from faying.assessment.requirements import Requirements
 from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
 from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.strength.clamp_ends import clamp_checks
-from faying.assessment.strength.preload_ends import preload_ends
+from faying.assessment.strength.preload_ends import loosest_forces, preload_ends, with_initial
 from faying.assessment.strength.stressed import with_threads
 from faying.assessment.strength.thread import Thread
 from faying.assessment.verdicts import wanted_clamps
@@ -37,6 +39,7 @@ from faying.study.stages.offline import PreparedJoint
 from faying.study.stages.optional import Extras
 from faying.study.stages.path_cases import has_friction
 from faying.study.stages.progress import Stages
+from faying.units import units_of
 
 
 def assess_run(
@@ -64,9 +67,6 @@ def assess_run(
         intervals = _intervals(joint, smooth, cases, extras)
         reserves = {n: case.reserve for n, case in cases.items() if case.reserve is not None}
         states = {name: _state(case, intervals.get(name)) for name, case in cases.items()}
-        demands: dict[tuple[str, str], SlipDemand] = {}
-        with extras.attempt("slip by sums"):
-            demands = _demands(joint, study, wanted)
         rest = CaseState(
             pressure=joint.rest.pressure.reshape(-1, model.contact.n_points)[-1:],
             bolt_forces={n: np.ravel(joint.rest.bolt_force(n))[-1:] for n in model.bolts},
@@ -76,6 +76,9 @@ def assess_run(
                 if all(n in one.bolt_moments for one in states.values())
             },
         )
+        demands: dict[tuple[str, str], SlipDemand] = {}
+        with extras.attempt("slip by sums"):
+            demands = _demands(joint, study, wanted)
         found = judged(
             contact_surfaces(model),
             model.bolts,
@@ -87,22 +90,40 @@ def assess_run(
             demands,
         )
         threads = threads_of(study)
-        found = replace(found, scatter=_scatter(study, exact, static, threads, extras))
+        spreads = _scatter(study, exact, static, threads, extras)
+        found = replace(found, scatter=spreads)
         with extras.attempt("strength of bolts"):
             loads = {case.name: case_load(case) for case in smooth}
             goal = joint.loaded.preloads
-            ends = preload_ends(exact, rest, states, loads, preload_ranges(study), goal)
+            ranges, hot = preload_ranges(study), _temperatures(study)
+            ends = preload_ends(exact, rest, states, loads, ranges, goal, hot)
             surfaces = contact_surfaces(model)
             limits = wanted_clamps(wanted.min_clamp_force, surfaces)
-            found = replace(found, checks=tuple(clamp_checks(ends, surfaces, limits, study.units)))
+            clamps = clamp_checks(ends, surfaces, model.bolts, limits, study.units)
+            initial = loosest_forces(model, rest, ranges)
+            loosened: tuple[Check, ...] = ()
+            if initial is not None:
+                opens = set(opening_cases(found))
+                follow = [case for case in smooth if case.name in opens]
+                paths = _paths(joint, follow, wanted, extras, initial)
+                slips = _demands(joint, study, wanted, initial)
+                loose = judged(surfaces, model.bolts, rest, states, wanted, paths, reserves, slips)
+                loosened = loosest_checks(loose, units_of(study.units))
+            found = replace(found, checks=tuple(clamps), loosened=loosened)
             counted = {c.name: c.repetitions for c in study.load_cases if c.repetitions}
             found = with_threads(found, states, threads, study.units, ends, counted)
         with extras.attempt("margins of bolts"):
-            every, rubs = [case_load(case) for case in static], _coefficients(model, wanted)
+            every, rubs = [case_load(case) for case in static], _coefficients(model, study, wanted)
             checks = demanded_checks(study, exact, threads, every, rubs, found)
             return replace(found, checks=checks)
         return found
     return None
+
+
+def _temperatures(study: Study) -> dict[str, Load]:
+    """Return the temperatures that every static load case may have beside its loads."""
+    names = () if study.preload_scatter is None else study.preload_scatter.temperatures
+    return {name: Load({name: 1.0}, name=name) for name in names}
 
 
 def _scatter(
@@ -115,7 +136,7 @@ def _scatter(
     """Return what scatter of the preloads does to static load cases."""
     if study.preload_scatter is None:
         return ()
-    scatter = PreloadScatter(**study.preload_scatter.model_dump())
+    scatter = PreloadScatter(**study.preload_scatter.model_dump(exclude={"temperatures"}))
     spreads: list[Spread] = []
     with extras.attempt("preload scatter"):
         surfaces = exact.interfaces if isinstance(exact, ReducedModel) else contact_surfaces(exact)
@@ -175,7 +196,7 @@ ENDS = ("forth", "back")
 
 
 def _demands(
-    joint: PreparedJoint, study: Study, wanted: Requirements
+    joint: PreparedJoint, study: Study, wanted: Requirements, initial: Vector | None = None
 ) -> dict[tuple[str, str], SlipDemand]:
     """Return the friction that static load cases and ends of cycles need, as if there were none."""
     model, loads = joint.model, list[Load]()
@@ -188,31 +209,45 @@ def _demands(
                 loads.append(replace(load.scaled(factor), name=f"{case.name}, {end}"))
     if not loads:
         return {}
-    coefficients = _coefficients(model, wanted)
+    coefficients = _coefficients(model, study, wanted)
     names, start = [load.name for load in loads], np.zeros(1)
     inputs = np.concatenate([load.inputs(model, start) for load in loads])
+    inputs = with_initial(model, inputs, initial)
     pressure = pressures_without_friction(model, inputs)
     rows, surfaces = tangential_rows(model), contact_surfaces(model)
     return slip_demands(model, surfaces, rows, names, inputs, pressure, coefficients)
 
 
-def _coefficients(model: Model, wanted: Requirements) -> dict[str, float]:
-    """Return the coefficient that each interface is judged with, of those that have one."""
+def _coefficients(model: Model, study: Study, wanted: Requirements) -> dict[str, float]:
+    """Return the coefficient that each interface is judged with, of those that have one.
+
+    Of a range it is the smallest.
+    """
+    scatter = study.preload_scatter
+    lowest = scatter.surface_friction[0] if scatter and scatter.surface_friction else None
     known = {name: one.law.friction for name, one in model.interfaces.items()}
     smooth = [name for name, friction in known.items() if not friction > 0]
-    own = {name: friction for name, friction in known.items() if friction > 0}
+    own = {
+        name: friction if lowest is None else lowest
+        for name, friction in known.items()
+        if friction > 0
+    }
     return own | slip_coefficients(wanted.slip_friction, smooth)
 
 
 def _paths(
-    joint: PreparedJoint, static: list[LoadCaseSection], wanted: Requirements, extras: Extras
+    joint: PreparedJoint,
+    static: list[LoadCaseSection],
+    wanted: Requirements,
+    extras: Extras,
+    initial: Vector | None = None,
 ) -> dict[str, Openings]:
     """Follow static load cases without friction to their openings; not those where that failed."""
     model, found, start = joint.model, dict[str, Openings](), np.zeros(1)
     areas = areas_that_open(model.interfaces, model.contact.slices, model.bolts)
     for case in static:
         with extras.attempt(f"{case.name}, load factors of opening"):
-            inputs = case_load(case).inputs(model, start)[0]
+            inputs = with_initial(model, case_load(case).inputs(model, start), initial)[0]
             found[case.name] = opening_factors(model, inputs, areas, open_below=wanted.open_share)
     return found
 
