@@ -7,7 +7,8 @@ over the order of the scheme, is its error: ``docs/theory/time_integration.md``.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -50,6 +51,27 @@ Tried = tuple[Solution, Restart]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class StepLength:
+    """Steps of one length; those that no interval needs are not factorized."""
+
+    system: System
+    scheme: Integrator
+    step: float
+    compiled: bool
+
+    @cached_property
+    def solver(self) -> TransientSolver:
+        """What takes steps of this length."""
+        return transient_solver(
+            self.system,
+            step=self.step,
+            integrator=self.scheme,
+            compiled=self.compiled,
+            warn=False,
+        )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class DividedSteps:
     """Transients of a system whose steps are divided as their pressures need it.
 
@@ -64,8 +86,8 @@ class DividedSteps:
     tolerance
         Largest sum over the whole duration of the errors of its intervals, over the largest
         pressure so far.
-    compiled
-        Whether steps of reduced models are compiled.
+    lengths
+        Of the steps of intervals in 1, 2, 4, … steps.
     given : (n_time,) or None
         Steps that lead to each instant; chosen unless given.
     """
@@ -74,9 +96,8 @@ class DividedSteps:
     scheme: Integrator
     step: float
     tolerance: float
-    compiled: bool = False
+    lengths: tuple[StepLength, ...]
     given: Indices | None = None
-    _solvers: dict[int, TransientSolver] = field(default_factory=dict)
 
     def solve(
         self,
@@ -188,25 +209,13 @@ class DividedSteps:
 
     def _tried(self, load: Load, here: Restart, level: int) -> Tried:
         """Integrate over one interval in 2 to the power ``level`` steps."""
-        count, solver = 2**level, self._solver(level)
+        count, solver = 2**level, self.lengths[level].solver
         start = replace(_at_level(here, level), done=here.done * count)
         first = start.done
         (piece,), (end,) = solver.advanced(
             [start], [load], [], end=first + count, last=first + count, progress=None
         )
         return piece, replace(end, done=here.done + 1, peak=here.peak)
-
-    def _solver(self, level: int) -> TransientSolver:
-        """Return the solver of a level, factorized once."""
-        if level not in self._solvers:
-            self._solvers[level] = transient_solver(
-                self.system,
-                step=self.step / 2**level,
-                integrator=self.scheme,
-                compiled=self.compiled,
-                warn=False,
-            )
-        return self._solvers[level]
 
 
 def divided_steps(
@@ -228,12 +237,13 @@ def divided_steps(
     if not tolerance > 0:
         message = f"the tolerance is {tolerance:g}; give a positive share of the largest pressure"
         raise ModelError(message)
+    scheme = ImplicitEuler() if integrator is None else integrator
+    lengths = (
+        StepLength(system=system, scheme=scheme, step=step / 2**level, compiled=bool(compiled))
+        for level in range(FINEST + 1)
+    )
     return DividedSteps(
-        system=system,
-        scheme=ImplicitEuler() if integrator is None else integrator,
-        step=step,
-        tolerance=tolerance,
-        compiled=bool(compiled),
+        system=system, scheme=scheme, step=step, tolerance=tolerance, lengths=tuple(lengths)
     )
 
 
