@@ -38,6 +38,7 @@ from faying.assessment.strength.thread import Thread as Thread
 from faying.assessment.transient_error import transient_error as transient_error
 from faying.assessment.tresca import certify_increments as certify_increments
 from faying.contact.laws import ExponentialClosure as ExponentialClosure
+from faying.contact.laws import GasketClosure as GasketClosure
 from faying.contact.laws import PowerClosure as PowerClosure
 from faying.contact.laws import TableClosure as TableClosure
 from faying.contact.problem import contact_problem as contact_problem

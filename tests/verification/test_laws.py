@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from test_bolts import HOLDING, STEEL, squeezed_blocks
 
 import faying as fy
 from faying.assessment.stuck_stiffness import stuck_springs
@@ -52,6 +53,7 @@ LAWS = {
     "table": fy.TableClosure((0.0, 1e-5, 1e-4), (0.0, 2.0, 60.0)),
     "exponential": fy.ExponentialClosure(pressure=5.0, clearance=2e-5),
     "power": fy.PowerClosure(pressure=20.0, depth=5e-5, exponent=2.0),
+    "gasket": fy.GasketClosure((0.0, 1e-5, 1e-4), (0.0, 2.0, 60.0), (4e5, 7e5, 3e6)),
 }
 
 
@@ -110,6 +112,10 @@ def test_every_law_holds_on_every_road(road, name, friction, tmp_path):
         pytest.skip("files know the laws of faying alone")
     model = jointed(name, friction)
     law = model.interfaces["joint"].law
+    if name == "gasket" and "transient" in road:
+        with pytest.raises(ModelError, match="'joint' has the law 'gasket', which remembers how f"):
+            ROADS[road](model, tmp_path)
+        return
     found = ROADS[road](model, tmp_path)
     check_law(law, found, friction)
     if isinstance(found, Solution) and found.times is None:
@@ -136,7 +142,10 @@ def check_law(law, found, friction):
     largest = found.max_pressure.max()
     assert largest > 1.0
     if law.normal.yields:
-        expected = np.array([law.normal.respond(g[None], weights)[0][0] for g in gap]) / weights
+        deepest = -np.inf + np.zeros(gap.shape) if found.deepest is None else found.deepest
+        laws = [law.normal.after(one) for one in np.atleast_2d(deepest)]
+        every = [one.respond(g[None], weights)[0][0] for one, g in zip(laws, gap, strict=True)]
+        expected = np.array(every) / weights
         # Natural residual 1e-13 of the largest force, times what the steepest slope makes of it.
         np.testing.assert_allclose(forces / weights, expected, rtol=0, atol=1e-9 * largest)
     else:
@@ -243,3 +252,63 @@ def test_another_coefficient_shares_the_factorization(smooth):
     first = smooth.with_friction(0.1)
     assert first.with_friction(0.3).structure is first.structure
     assert first.with_friction(0.3).port_compliance is first.port_compliance
+
+
+VM250 = fy.GasketClosure(
+    closures=(0.0, 0.0508, 0.1016, 0.1524, 0.2032, 0.254, 0.3048, 0.3556, 0.4064, 0.4572, 0.508,
+              0.5588, 0.6096, 0.68326),
+    pressures=(0.0, 1.61226, 5.20884, 11.3134, 20.0499, 25.996, 29.0345, 35.7453, 44.0064, 56.3189,
+               74.8254, 96.7287, 129.001, 157.147),
+    unloading=(243.0, 243.0, 265.7, 288.4, 311.1, 333.8, 356.5, 474.4, 592.3, 757.533, 922.767,
+               1088.0, 1249.0, 1490.0),
+)  # fmt: skip
+"""Ansys' verification problem 250 [mm, MPa]: compression and slopes of ``TB,GASKET``."""
+
+
+def test_a_gasket_is_loaded_and_unloaded_as_in_vm250():
+    """44.0064 MPa at 0.4064 mm and 157.147 at 0.68326, and back along the slopes there."""
+    model = squeezed_blocks("hex8", 1e5, "gauss").with_closure(VM250)
+    pressures = np.array([44.0064, 1.0, 30.0, 157.147, 5.0, 150.0])
+    closures = np.array([0.4064, 0.4064 - 43.0064 / 592.3, 0.4064 - 14.0064 / 592.3, 0.68326,
+                         0.68326 - 152.147 / 1490.0, 0.68326 - 7.147 / 1490.0])  # fmt: skip
+    # The spring that holds the plate is shortened with 8 mm of steel.
+    forces = 54.0 * pressures + HOLDING * (closures + 8.0 * pressures / STEEL.youngs_modulus)
+    path = fy.solve_path(model, [fy.Load({"plate.Fz": -force}) for force in forces])
+    # Points in an even field differ by round-off of displacements of 1 mm over slopes of 1000.
+    np.testing.assert_allclose(-path.gap.T, closures + 0 * path.gap.T, rtol=1e-9)
+    np.testing.assert_allclose(path.pressure.T, pressures + 0 * path.gap.T, rtol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("slopes", "message"),
+    [((4e5, 7e5), "3 closures and 2 slopes"), ((4e5, 7e5, 1e5), "from closure 0.0001 pressure go")],
+)
+def test_a_gasket_that_would_give_back_more_than_it_took_is_refused(slopes, message):
+    with pytest.raises(ModelError, match=message):
+        fy.GasketClosure((0.0, 1e-5, 1e-4), (0.0, 2.0, 60.0), slopes)
+
+
+@pytest.mark.parametrize(
+    "solve",
+    [
+        lambda model: fy.solve_static_cases(model, LOADS[:2]),
+        lambda model: fy.backbone(model, 1, [1e-3]),
+        lambda model: fy.frequency_response(model, {"tip.Fz": 1.0}, [640.0], [1.0]),
+        lambda model: fy.certify(model, LOADS[1], np.zeros(model.contact.n_points)),
+    ],
+)
+def test_what_does_not_follow_closures_refuses_a_gasket(solve):
+    with pytest.raises(ModelError, match="'joint' has the law 'gasket'"):
+        solve(jointed("gasket", 0.0))
+
+
+def test_a_gasket_stays_flat_where_a_path_goes_on():
+    """From where a saved path ended, and through an open joint."""
+    model = jointed("gasket", 0.0)
+    loads = [*LOADS[:3], fy.Load({"tip.Fz": -2000.0}), LOADS[1]]
+    whole, first = fy.solve_path(model, loads), fy.solve_path(model, loads[:4])
+    after = fy.solve_static(model, loads[4], initial=first)
+    largest = whole.max_pressure.max()
+    assert (whole.contact_forces[3] == 0).sum() > (whole.contact_forces[0] == 0).sum()
+    # Displacements are formed anew from the forces that are told: round-off of 0.1.
+    np.testing.assert_allclose(after.pressure, whole.pressure[-1], rtol=0, atol=1e-7 * largest)

@@ -108,6 +108,7 @@ def frequency_response(
     >>> found.curves[0].missed
     ()
     """
+    system.contact.check_forgetful("steady vibrations", "solve_cycles")
     asked = np.asarray(frequencies, dtype=float)
     factors = np.atleast_1d(np.asarray(levels, dtype=float))
     _check(asked, factors, harmonics, samples, tolerance)

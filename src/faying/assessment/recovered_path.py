@@ -10,7 +10,7 @@ from faying.contact.increment import Increment
 from faying.contact.increment_solver import displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.joint.system import Joint
-from faying.simulation.path import PathStep, follow
+from faying.simulation.path import PathStep, deepest_of, follow
 from faying.simulation.solution import Solution
 
 
@@ -32,6 +32,7 @@ class ContactPath:
     shear_forces: Matrix
     slip: Matrix
     iterations: Indices
+    deepest: Matrix | None
 
 
 def solve_increments(model: Joint, free: Matrix, begin: Solution | None) -> ContactPath:
@@ -51,6 +52,7 @@ def solve_increments(model: Joint, free: Matrix, begin: Solution | None) -> Cont
     """
     contact, solver = model.contact, model.static_contact.increments
     slip, forces = np.zeros((2, contact.n_points)), np.zeros((3, contact.n_points))
+    deepest = None if begin is None or begin.deepest is None else np.atleast_2d(begin.deepest)[0]
     if begin is not None and begin.shear_slip is not None and begin.shear_forces is not None:
         slip = np.reshape(begin.shear_slip, (-1, *slip.shape))[0]
         forces[0] = np.atleast_2d(begin.contact_forces)[0]
@@ -63,6 +65,7 @@ def solve_increments(model: Joint, free: Matrix, begin: Solution | None) -> Cont
             moved=displaced(solver, free[0], forces),
             iterations=0,
             residual=0.0,
+            deepest=deepest,
         ),
         slip=slip,
     )
@@ -73,4 +76,5 @@ def solve_increments(model: Joint, free: Matrix, begin: Solution | None) -> Cont
         shear_forces=np.array([step.increment.forces[1:] for step in steps]),
         slip=np.array([step.slip for step in steps]),
         iterations=np.array([step.iterations for step in steps]),
+        deepest=deepest_of(contact, steps),
     )

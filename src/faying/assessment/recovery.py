@@ -70,6 +70,8 @@ class Recovered(ContactFields):
         Tangential components of the contact forces of a joint with friction.
     shear_slip : (..., 2, n_point) or None [length]
         Tangential components of the slip.
+    deepest : (..., n_point) or None [length]
+        Largest closures so far, of a joint with gaskets.
     """
 
     name: str
@@ -82,6 +84,7 @@ class Recovered(ContactFields):
     times: Vector | None = None
     shear_forces: Matrix | None = None
     shear_slip: Matrix | None = None
+    deepest: Matrix | None = None
 
     def __post_init__(self) -> None:
         for name in ("contact_forces", "gap", "port_displacements", "inputs"):
@@ -155,8 +158,8 @@ def recover_pressure(
     """
     picked = slice(None) if instants is None else np.asarray(instants, dtype=np.int64)
     joint = model.joint if isinstance(model, ReducedModel) else model
-    rubs = joint.contact.components > 1
-    chosen = solution if rubs else _selected(solution, picked)
+    forgets = joint.contact.forgets
+    chosen = _selected(solution, picked) if forgets else solution
     if isinstance(chosen.system, ReducedModel):
         free = _free_from_reduced(model, joint, chosen.system, chosen, operator)
     elif isinstance(model, ReducedModel):
@@ -164,7 +167,7 @@ def recover_pressure(
         raise ModelError(message)
     else:
         free = _free_from_full(model, chosen)
-    if not rubs:
+    if forgets:
         return solve_instants(joint, chosen.name, chosen.inputs, free, chosen.times)
     path = solve_instants(joint, chosen.name, chosen.inputs, free, chosen.times, begin=solution)
     return path if instants is None or free.ndim == 1 else _taken(path, picked)
@@ -301,6 +304,7 @@ def solve_instants(
             times=times,
             shear_forces=path.shear_forces[index],
             shear_slip=path.slip[index],
+            deepest=None if path.deepest is None else path.deepest[index],
         )
     forces, gaps, iterations, _ = solved_cases(model, rows)
     return Recovered(

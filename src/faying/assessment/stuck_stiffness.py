@@ -68,7 +68,8 @@ def stuck_springs(system: System, state: Solution) -> tuple[SparseMatrix, Vector
     forces = np.zeros((3, contact.n_points))
     forces[0] = np.atleast_2d(state.contact_forces)[-1]
     closed = forces[0] > 0
-    compliance = LawsAtPoints(contact=contact).closure(forces)[1]
+    deepest = None if state.deepest is None else np.atleast_2d(state.deepest)[-1]
+    compliance = LawsAtPoints(contact=contact, deepest=deepest).closure(forces)[1]
     parts, yields = [contact.interpolation[closed]], [compliance[0, closed]]
     if contact.shear is not None:
         stuck = np.tile(closed[contact.rubbing], 2)

@@ -218,10 +218,15 @@ class CondensedContact:
         """
         forces = self.frictional
         if not self.contact.yields:
+            self.contact.check_forgetful("joints with hard contact", "a penalty there")
             return forces
         try:
             return YieldingContact.of(self.contact, forces.S, self.pulled)
         except la.LinAlgError:
+            self.contact.check_forgetful(
+                "solutions for forces, as where the compliance between pairs is singular,",
+                "the full model or compliance=True",
+            )
             return forces
 
     @property

@@ -174,9 +174,14 @@ class Contact:
         return all(law.proportional for law in self.laws.values())
 
     @property
+    def remembers(self) -> bool:
+        """Whether at some points pressure depends on how far they were closed before."""
+        return any(law.remembers for law in self.laws.values())
+
+    @property
     def forgets(self) -> bool:
-        """Whether nothing is remembered from load to load, as without friction."""
-        return self.components == 1
+        """Whether nothing is remembered from load to load: neither slip nor closure."""
+        return self.components == 1 and not self.remembers
 
     def check_frictionless(self) -> None:
         """Refuse friction, for what solves without increments.
@@ -194,6 +199,27 @@ class Contact:
                 "take certificates of the model without friction"
             )
             raise ModelError(message)
+
+    def check_forgetful(self, what: str, instead: str) -> None:
+        """Refuse laws that remember how far points were closed, for what does not carry that.
+
+        Parameters
+        ----------
+        what, instead
+            What does not, and what does.
+
+        Raises
+        ------
+        ModelError
+            Naming such an interface and its law.
+        """
+        for name, law in self.laws.items():
+            if law.remembers:
+                message = (
+                    f"interface '{name}' has the law '{law.normal.name}', which remembers how far "
+                    f"it was closed; {what} do not carry that: take {instead}, or give it a 'table'"
+                )
+                raise ModelError(message)
 
     def check_proportional(self) -> None:
         """Refuse laws whose closure is not in proportion to their force.

@@ -26,6 +26,8 @@ class Increment:
         Newton steps.
     residual
         Residual of the equations solved over the largest force.
+    deepest : (n_point,) or None [length]
+        Largest closures so far, where some law remembers them.
     """
 
     forces: Matrix
@@ -33,10 +35,16 @@ class Increment:
     moved: Vector
     iterations: int
     residual: float
+    deepest: Vector | None = None
 
     def gap(self, laws: LawsAtPoints) -> Vector:
         """Return the gap (n_point,) [length], negative by the penetration where contact yields."""
-        return np.asarray(self.slack[0] - laws.closure(self.forces)[0][0])
+        return np.asarray(self.slack[0] - laws.after(self.deepest).closure(self.forces)[0][0])
+
+    @property
+    def begun(self) -> bool:
+        """Whether anything presses, or is remembered: what follows can start from here."""
+        return bool(self.forces[0].any()) or self.deepest is not None
 
     @property
     def dissipation(self) -> float:

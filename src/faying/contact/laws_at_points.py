@@ -1,6 +1,6 @@
 """The laws of all interfaces, point by point: what a solver of increments asks them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import final
 
@@ -17,9 +17,26 @@ class LawsAtPoints:
     """Laws with one or three components, each at its own points, as one with three.
 
     A component that a law does not have carries no force.
+
+    Attributes
+    ----------
+    contact
+    deepest : (n_point,) or None [length]
+        Largest closures so far, where some law remembers them.
     """
 
     contact: Contact
+    deepest: Vector | None = None
+
+    def after(self, deepest: Vector | None) -> "LawsAtPoints":
+        """Return the laws of points that have been closed so far, if any remembers that."""
+        return self if deepest is None else replace(self, deepest=deepest)
+
+    def closed_to(self, gap: Vector) -> Vector | None:
+        """Return the largest closures (n_point,) once the gap is so; None if nothing remembers."""
+        if not self.contact.remembers:
+            return None
+        return -gap if self.deepest is None else np.maximum(self.deepest, -gap)
 
     @property
     def components(self) -> int:
@@ -93,4 +110,7 @@ class LawsAtPoints:
 
     @cached_property
     def _members(self) -> list[tuple[Law, slice]]:
-        return [(self.contact.laws[name], points) for name, points in self.contact.slices.items()]
+        laws = self.contact.laws
+        if self.deepest is not None:
+            laws = {n: laws[n].after(self.deepest[at]) for n, at in self.contact.slices.items()}
+        return [(laws[name], points) for name, points in self.contact.slices.items()]

@@ -128,6 +128,8 @@ class YieldingContact:
         try:
             found = solve_yielding(self.laws, self.pairs, free, offset, start, compliance=self.S)
         except ConvergenceError:
+            if self.contact.remembers:
+                raise
             return FrictionalContact(contact=self.contact, S=self.S).solve(free, offset, start)
         return replace(found, moved=displaced(self, free, found.forces))
 
@@ -189,6 +191,7 @@ def solve_yielding(
         If Newton's method does not arrive.
     """
     G, k = pairs.G, laws.components
+    laws = laws.after(None if start is None else start.deepest)
     shape, given = (k, offset.shape[1]), offset[:k]
 
     pulled = np.zeros(len(free)) if pull is None else pull
@@ -232,6 +235,7 @@ def solve_yielding(
         moved=state.y,
         iterations=steps,
         residual=state.left,
+        deepest=laws.closed_to(state.z[0]),
     )
 
 

@@ -68,8 +68,8 @@ class BoltedState:
         ConvergenceError
             If bolts come loose and tight again without end.
         """
-        pressed = self.contact is not None and self.contact.forces[0].any()
-        before, loose = self.contact if pressed else None, self.loose.copy()
+        begun = self.contact is not None and self.contact.begun
+        before, loose = self.contact if begun else None, self.loose.copy()
         for _ in range(MOST_TRIALS):
             loose[bolts] = False
             told = np.append(np.flatnonzero(loose), bolts)

@@ -150,7 +150,7 @@ class BoltsByForce:
         ports, contact = self.joint.port_compliance, self.joint.contact
         free, offset = -initial @ ports.contact_columns[ports.bolts], contact.offset(slip)
         condensed = self.joint.static_contact
-        if condensed.cases is not None or contact.components > 1:
+        if condensed.cases is not None or not contact.forgets:
             return condensed.increments.solve(free, offset, start)
         solution, _ = condensed.solve(condensed.free_gap(free))
         forces, slack = np.zeros((3, contact.n_points)), offset.copy()

@@ -9,6 +9,7 @@ from faying.exceptions import ModelError
 from faying.joint.system import System, input_forces
 from faying.simulation.load import Load
 from faying.simulation.path import (
+    PathStep,
     assembled,
     follow,
     moved_alone,
@@ -155,9 +156,18 @@ def _repeated(
         work = float(np.ptp(load_work(reversals, load))) * float(np.abs(factors[1]).max())
         change = abs(energies[-1] - energies[-2]) if len(energies) > 1 else energies[-1]
         stationary = change <= max(STATIONARY * energies[-1], NO_LOSS * work)
+        stationary = stationary and not _deepened(start, steps[-1])
     begun = assembled(system, rise[-1:], [start], load.name)
     last = assembled(system, cycle, steps, load.name)
     return begun, last, np.array(energies), stationary
+
+
+def _deepened(before: PathStep, after: PathStep) -> bool:
+    """Say whether a cycle closed gaskets further than all before."""
+    earlier, now = before.increment.deepest, after.increment.deepest
+    if earlier is None or now is None:
+        return now is not None
+    return bool((now - earlier).max() > STATIONARY * np.abs(now).max())
 
 
 def scaled_loads(load: Load, factors: Vector) -> list[Load]:

@@ -88,7 +88,7 @@ def tighten_with_friction(
     reached: list[tuple[str, Vector]] = []
     for stage, chosen, goal in _stages(names, forces, increments):
         here = path[-1]
-        start = here.increment if here.increment.forces[0].any() else None
+        start = here.increment if here.increment.begun else None
         problem = BoltsByForce(joint=system, bolts=chosen)
         found, state = problem.solve(goal, state, here.slip, start)
         inputs.append(_inputs(system, state))

@@ -130,7 +130,13 @@ def assembled(system: System, inputs: Matrix, steps: Sequence["PathStep"], name:
         shear_forces=shear,
         shear_slip=np.array([step.slip for step in steps]),
         dissipation=np.array([step.dissipation for step in steps]),
+        deepest=deepest_of(system.contact, steps),
     )
+
+
+def deepest_of(contact: Contact, steps: Sequence["PathStep"]) -> Matrix | None:
+    """Return the largest closures (n_step, n_point) after steps; None where nothing remembers."""
+    return np.array([step.increment.deepest for step in steps]) if contact.remembers else None
 
 
 def last_of(solution: Solution) -> Solution:
@@ -188,7 +194,8 @@ def path_start(system: System, initial: Solution | None) -> PathStep:
         slip = initial.shear_slip.reshape(shape)[-1]
     forces[0] = np.atleast_2d(initial.contact_forces)[-1]
     moved = displaced(system.static_contact.increments, relative, forces)
-    begun = replace(nothing, forces=forces, moved=moved)
+    deepest = None if initial.deepest is None else np.atleast_2d(initial.deepest)[-1]
+    begun = replace(nothing, forces=forces, moved=moved, deepest=deepest)
     return PathStep(relative=relative, increment=begun, slip=slip)
 
 
@@ -227,9 +234,8 @@ def _in_proportion(contact: Contact, here: PathStep) -> bool:
 def _to(solver: IncrementSolver, here: PathStep, target: Vector, divisions: int) -> PathStep:
     """Go to a load in one increment, or by halves of it where that is too far."""
     offset = solver.contact.offset(here.slip)
-    pressed = here.increment.forces[0].any()
     try:
-        found = solver.solve(target, offset, here.increment if pressed else None)
+        found = solver.solve(target, offset, here.increment if here.increment.begun else None)
     except ConvergenceError:
         if divisions == 0 or _in_proportion(solver.contact, here):
             raise

@@ -57,6 +57,8 @@ class Solution(ContactFields, Shown):
         Tangential components of the slip.
     dissipation : (...)
         Energy that friction took in each increment or step [force·length].
+    deepest : (..., n_point) or None [length]
+        Largest closures so far, of a joint with gaskets.
     substeps : (n_time,) or None
         Steps that led to each instant, where they were divided to hold a tolerance.
     step_error : (n_time,) or None
@@ -79,6 +81,7 @@ class Solution(ContactFields, Shown):
     shear_forces: Matrix | None = None
     shear_slip: Matrix | None = None
     dissipation: Matrix | float = 0.0
+    deepest: Matrix | None = None
     substeps: Indices | None = None
     step_error: Vector | None = None
 

@@ -27,6 +27,7 @@ OF_EACH_STATE = (
     "shear_forces",
     "shear_slip",
     "dissipation",
+    "deepest",
 )
 """Arrays of a solution that begin with the case or instant, where there are several."""
 

@@ -124,6 +124,7 @@ def solved_cases(system: Joint, free: Matrix) -> tuple[Matrix, Matrix, Indices, 
 
     Each case starts from the most similar one before it.
     """
+    system.contact.check_forgetful("cases that do not follow each other", "solve_path")
     shape = (len(free), system.contact.n_points)
     forces, gaps = np.empty(shape), np.empty(shape)
     iterations, errors = np.empty(len(free), dtype=np.int64), np.zeros(len(free))

@@ -17,8 +17,8 @@ def solve_static(system: System, load: Load = AT_REST, initial: Solution | None 
     system
         Full or reduced model; histories are taken at time zero.
     initial
-        With friction, the state to go on from in one increment; by default the joint is unstressed
-        and nothing has slipped. Without friction where it comes from does not matter.
+        With friction or gaskets, the state to go on from in one increment; by default the joint is
+        unstressed and nothing has slipped. Else where it comes from does not matter.
 
     Raises
     ------
@@ -30,7 +30,7 @@ def solve_static(system: System, load: Load = AT_REST, initial: Solution | None 
     One dense contact problem and one back-substitution; the compliance of the system is
     formed at the first call and kept.
     """
-    if system.contact.components > 1:
+    if not system.contact.forgets:
         return last_of(solve_path(system, [load], initial, name=load.name))
     cases = solve_static_cases(system, [load])
     return Solution(

@@ -65,7 +65,8 @@ def transient_solver(
     Raises
     ------
     ModelError
-        If the step is not positive, or compiled steps are asked for without numba.
+        If the step is not positive, a law remembers closure, or compiled steps are asked for
+        without numba.
 
     Notes
     -----
@@ -73,6 +74,7 @@ def transient_solver(
     :meth:`TransientSolver.solve` then has only the steps left to do.
     """
     check_times(step, step)
+    system.contact.check_forgetful("time steps", "solve_path")
     if compiled:
         check_compiler()
     scheme = ImplicitEuler() if integrator is None else integrator

@@ -13,7 +13,6 @@ from faying.simulation.without_friction import smooth_joint
 from faying.study.inputs.load_model import build_loaded, check_interfaces, load_model
 from faying.study.keys.tables import Study
 from faying.study.keys.threads import thread_of
-from faying.study.stages.path_cases import has_friction
 from faying.study.stages.progress import ProgressBar, Stages
 
 
@@ -45,8 +44,8 @@ def plan_of_study(
     with stages.stage("compliance"):
         _ = model.static_contact
     with stages.stage("tightening"):
-        rubs = has_friction(model) and study.friction_during_preload
-        return tightening_plan(model if rubs else smooth_joint(model), targets, passes=passes)
+        joint = model if study.friction_during_preload else smooth_joint(model)
+        return tightening_plan(joint, targets, passes=passes)
 
 
 def torques_per_force(study: Study) -> dict[str, float]:

@@ -13,6 +13,7 @@ from faying.interface.closure_table import read_closure_table
 from faying.interface.surface import contact_surface, recorded_law
 from faying.joint.lap_joint import STEEL
 from faying.study.inputs.load_model import build_loaded, load_model
+from faying.study.inputs.loads import check_loads
 from faying.study.keys.schema import read_study
 from faying.study.results.store import read_results
 from faying.study.stages.recover import reduced_model
@@ -50,6 +51,10 @@ KEYS = {
     "power": (
         "{ power = { pressure = 20.0, depth = 0.005, exponent = 2 } }",
         fy.PowerClosure(20.0, 0.005, 2.0),
+    ),
+    "gasket": (
+        "{ gasket = { closures = [0, 0.1], pressures = [0, 3], unloading = [30, 60] } }",
+        fy.GasketClosure((0.0, 0.1), (0.0, 3.0), (30.0, 60.0)),
     ),
 }
 CURVES = [curve for _, curve in KEYS.values()]
@@ -117,6 +122,37 @@ def test_files_that_hold_no_curve_are_refused_by_line(tmp_path, layer, message):
         study(tmp_path, KEYS["table"][0], layer)
     with pytest.raises(FormatError, match=message):
         read_closure_table(tmp_path / "layer.csv")
+
+
+GASKET = "closure,pressure,unloading\n0,0,20000\n0.001,3,20000\n0.004,30,40000\n"
+
+
+@pytest.mark.long
+def test_a_study_follows_a_gasket(tmp_path):
+    """Down from where tightening left it: on the line of the largest closure, not on the table."""
+    given = study(tmp_path, "{ gasket = 'layer.csv' }", GASKET)
+    run(given, tmp_path / "out")
+    case = read_results(tmp_path / "out/results.h5").cases["bending"]
+    curve = build_loaded(load_model(given)).interfaces["joint"].law
+    table = curve.pressure_of(-case.reference.gap.ravel())[0]
+    pressure = case.reference.pressure.ravel()
+    below = pressure < table - 0.01 * pressure.max()
+    assert 0.1 < below.mean() < 0.9
+    np.testing.assert_allclose(pressure[~below], table[~below], rtol=0, atol=0.02 * pressure.max())
+    # Both solve for displacements to 1e-9 of the largest force, and the line is steep.
+    assert case.methods["compliance"][0].accuracy.max_relative_error < 1e-7
+
+
+STEP = 'kind = "step"\nduration = 1e-3\nstep = 1e-4'
+
+
+def test_a_study_refuses_a_gasket_in_motion(tmp_path):
+    text = study(tmp_path, "{ gasket = 'layer.csv' }", GASKET).text
+    (tmp_path / "study.toml").write_text(text.replace('kind = "static"', STEP), encoding="utf-8")
+    given = read_study(tmp_path / "study.toml")
+    model = build_loaded(load_model(given))
+    with pytest.raises(StudyError, match="'joint' has the closure 'gasket', which remembers how"):
+        check_loads(given, model)
 
 
 @pytest.mark.long

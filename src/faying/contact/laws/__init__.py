@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from faying.contact.laws.coulomb import Coulomb
 from faying.contact.laws.curve import Curve
 from faying.contact.laws.exponential import ExponentialClosure
+from faying.contact.laws.gasket import GasketClosure
 from faying.contact.laws.hard import Hard
 from faying.contact.laws.law import Law
 from faying.contact.laws.penalty import Penalty
@@ -17,6 +18,7 @@ __all__ = [
     "Coulomb",
     "Curve",
     "ExponentialClosure",
+    "GasketClosure",
     "Hard",
     "Law",
     "Penalty",
@@ -29,6 +31,7 @@ CLOSURES: Mapping[str, type[Curve]] = {
     "table": TableClosure,
     "exponential": ExponentialClosure,
     "power": PowerClosure,
+    "gasket": GasketClosure,
 }
 """Curves of pressure over closure by the names that studies and files give them."""
 

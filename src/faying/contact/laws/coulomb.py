@@ -1,6 +1,6 @@
 """Coulomb friction on elastic or hard normal contact."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
@@ -84,6 +84,15 @@ class Coulomb:
     def proportional(self) -> bool:
         """Whether the normal law is; shear is in proportion to the tangential force."""
         return self.normal.proportional
+
+    @property
+    def remembers(self) -> bool:
+        """What the normal law does; slip is part of displacements."""
+        return self.normal.remembers
+
+    def after(self, deepest: Vector) -> "Coulomb":
+        """Return friction on the normal law after that."""
+        return replace(self, normal=self.normal.after(deepest))
 
     def closure(self, forces: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:
         """Return that of the normal law and λ_t / (c_t w), with 1/(c_t w); zero where rigid."""

@@ -61,6 +61,15 @@ class Law(Protocol):
         """Whether c(x) is in proportion to x, as active sets need it; others take solve_path."""
         ...
 
+    @property
+    def remembers(self) -> bool:
+        """Whether pressure depends on how far a point was closed before, as of gaskets."""
+        ...
+
+    def after(self, deepest: Vector) -> "Law":
+        """Return the law of points whose largest closures so far are (n_point,) [length]."""
+        ...
+
     def closure(self, forces: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:
         """Return c(x) [length] and its derivative c′(x) [length/force], (components, n_point) each.
 

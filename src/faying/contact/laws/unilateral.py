@@ -6,6 +6,7 @@ from typing import Self
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.contact.laws.law import Law
 
 
 class Unilateral:
@@ -35,6 +36,15 @@ class Unilateral:
     def proportional(self) -> bool:
         """What contact yields is in proportion to its force, or nothing."""
         return True
+
+    @property
+    def remembers(self) -> bool:
+        """Nothing."""
+        return False
+
+    def after(self, deepest: Vector) -> Law:  # noqa: ARG002
+        """Return itself: it remembers nothing."""
+        return self
 
     @abstractmethod
     def closure(self, forces: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:

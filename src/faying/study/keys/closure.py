@@ -9,11 +9,9 @@ from pydantic import BeforeValidator, ValidationInfo
 
 from faying.contact.laws import CLOSURES, Curve
 from faying.exceptions import FormatError, ModelError
-from faying.interface.closure_table import read_closure_table
+from faying.interface.closure_table import COLUMNS, read_closure_table
 from faying.study.keys.errors import nearest, one_of, refusal, shown
 from faying.study.keys.section import Number, existing_file
-
-TABLE = "table"
 
 
 def _closure(value: Any, info: ValidationInfo) -> Curve:
@@ -28,8 +26,8 @@ def _closure(value: Any, info: ValidationInfo) -> Curve:
     if name not in CLOSURES:
         raise refusal(one_of(name, list(CLOSURES)))
     try:
-        if name == TABLE and isinstance(given, (str, Path)):
-            return read_closure_table(existing_file(Path(given), info))
+        if name in COLUMNS and isinstance(given, (str, Path)):
+            return read_closure_table(existing_file(Path(given), info), name)
         return CLOSURES[name](**_parameters(name, given))
     except (ModelError, FormatError) as error:
         raise refusal(str(error)) from None
@@ -58,8 +56,8 @@ def _parameters(name: str, given: Any) -> dict[str, Any]:
 
 
 def _example(name: str) -> str:
-    if name == TABLE:
-        return 'table = "file.csv"'
+    if name in COLUMNS:
+        return f'{name} = "file.csv"'
     names = ", ".join(f"{one.name} = …" for one in fields(CLOSURES[name]))  # type: ignore[arg-type]
     return f"{name} = {{ {names} }}"
 

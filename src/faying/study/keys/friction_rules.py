@@ -93,7 +93,7 @@ def scatter_problems(study: Study) -> Iterator[Problem]:
 
 
 def check_friction(study: Study, model: Model) -> None:
-    """Refuse what a study asks for that a joint with friction, or without it, cannot give.
+    """Refuse what a study asks for that a joint with friction or gaskets, or without, cannot give.
 
     Raises
     ------
@@ -102,7 +102,9 @@ def check_friction(study: Study, model: Model) -> None:
     """
     rubbing = [name for name, one in model.interfaces.items() if one.law.friction > 0]
     problems = [*_bolt_columns(study, model), *backbones_of(study, model)]
-    problems += _with_friction(study, rubbing[0]) if rubbing else _without(study)
+    problems += _with_friction(study, rubbing[0]) if rubbing else _without(study, model)
+    gaskets = [name for name, law in model.contact.laws.items() if law.remembers]
+    problems += _with_gasket(study, gaskets[0]) if gaskets else []
     reject(study.source, problems)
 
 
@@ -130,10 +132,29 @@ def _bolt_columns(study: Study, model: Model) -> Iterator[Problem]:
                 yield _problem(study, ("load_case", i, "factors"), text)
 
 
-def _without(study: Study) -> Iterator[Problem]:
-    """Find keys that only friction gives a meaning."""
+def _with_gasket(study: Study, interface: str) -> Iterator[Problem]:
+    """Find what does not carry how far a gasket was closed."""
+    reason = f"interface '{interface}' has the closure 'gasket', which remembers how far it was"
     for i, case in enumerate(study.load_cases):
-        for key in ("increments", "slip_share"):
+        if case.transient or case.kind == "backbone":
+            text = f"{reason} closed: take 'static', 'path' or 'cycle', or the closure 'table'"
+            yield _problem(study, ("load_case", i, "kind"), text)
+    for name in study.reduction.methods:
+        if METHODS[name].trained:
+            text = f"{reason} closed, and method '{name}' learns from single cases; take others"
+            yield _problem(study, ("reduction", "methods"), text)
+    if study.sticking is not None:
+        text = f"{reason} closed, and parts that stick are solved anew; remove [sticking]"
+        yield _problem(study, ("sticking",), text)
+    if not study.friction_during_preload:
+        text = f"{reason} closed by tightening, friction and all; remove this key"
+        yield _problem(study, ("friction_during_preload",), text)
+
+
+def _without(study: Study, model: Model) -> Iterator[Problem]:
+    """Find keys that only friction gives a meaning, or a gasket."""
+    for i, case in enumerate(study.load_cases):
+        for key in ("increments", "slip_share")[not model.contact.forgets :]:
             if case.kind == "static" and key in case.model_fields_set:
                 text = "no interface has friction, so one solution is enough; remove it"
                 yield _problem(study, ("load_case", i, key), text)

@@ -329,12 +329,11 @@ class CaseRunner:
 
         def compute() -> Mapping[str, Matrix]:
             with self.stages.stage(f"{case.name} {label}", total) as advance:
-                rubs = has_friction(model)
                 if goes_in_increments(case, model):
                     rest, pieces = self._rest(system, label), Pieces(self.checkpoint, key)
                     response = path_response(model, case, system, rest, pieces, advance, like)
                 else:
-                    initial = self._rest(system, label) if rubs else None
+                    initial = None if model.contact.forgets else self._rest(system, label)
                     solution, seconds = solve_case(
                         self.joint, case, system, advance, refinement, initial, like
                     )

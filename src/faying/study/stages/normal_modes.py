@@ -15,7 +15,7 @@ from faying.study.results.mode_choice import chosen_count
 from faying.study.stages.checkpoint import Checkpoint
 from faying.study.stages.full_transients import integrator_of
 from faying.study.stages.offline import PreparedJoint
-from faying.study.stages.path_cases import has_friction, rest_state
+from faying.study.stages.path_cases import rest_state
 from faying.study.stages.progress import Stages
 
 Modes = Callable[[int], NormalModes]
@@ -56,7 +56,6 @@ def _chosen(
     study: Study, joint: PreparedJoint, case: LoadCaseSection, known: Modes
 ) -> dict[str, Matrix]:
     mark = study.reduction.transient_tolerance if case.tolerance is None else case.tolerance
-    rubs = has_friction(joint.model)
     choice = choose_normal_modes(
         joint.model,
         case_load(case),
@@ -65,7 +64,9 @@ def _chosen(
         integrator=integrator_of(case),
         tolerance=mark,
         step_tolerance=case.tolerance,
-        rest=partial(rest_state, tightening=joint.preload_path) if rubs else None,
+        rest=partial(rest_state, tightening=joint.preload_path)
+        if not joint.model.contact.forgets
+        else None,
         modes=known,
     )
     return flattened(choice)

@@ -40,7 +40,7 @@ from faying.study.stages.kept_preload import (
     kept_state,
     kept_tightening,
 )
-from faying.study.stages.path_cases import has_friction, rest_state
+from faying.study.stages.path_cases import rest_state
 from faying.study.stages.progress import Stages
 from faying.study.stages.training import StepTraining, step_groups, step_loads
 
@@ -106,7 +106,7 @@ def prepare_joint(
             check_same_joint(checkpoint, model)
     _condense(model, stages, checkpoint, "compliance")
     forces = {name: force for name, force in loaded.preloads.items() if force > 0}
-    if has_friction(model):
+    if not model.contact.forgets:
         return _rubbing_joint(study, loaded, model, forces, stages, checkpoint)
     # What sticks is decided by the preload that was meant, and lost after that.
     lost = (losses(study), {}) if study.sticking is None else ({}, losses(study))
@@ -149,7 +149,7 @@ def _rubbing_joint(
     stages: Stages,
     checkpoint: Checkpoint | None,
 ) -> PreparedJoint:
-    """Tighten the bolts of a joint with friction, along a path or as if there were none."""
+    """Tighten the bolts of a joint with friction or gaskets along a path, or without friction."""
 
     def tightened() -> Tightened:
         if not study.friction_during_preload:

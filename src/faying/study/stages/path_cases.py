@@ -43,7 +43,7 @@ def has_friction(model: Model) -> bool:
 def goes_in_increments(case: LoadCaseSection, model: Model) -> bool:
     """Say whether a load case is a path."""
     return case.kind in ("path", "cycle", "backbone") or (
-        case.kind == "static" and has_friction(model)
+        case.kind == "static" and not model.contact.forgets
     )
 
 

@@ -11,7 +11,6 @@ from faying.study.keys.tables import Study
 from faying.study.results.second_solution import Remedy
 from faying.study.results.values import FULL_MODEL, Response
 from faying.study.stages.offline import PreparedJoint
-from faying.study.stages.path_cases import has_friction
 from faying.study.stages.progress import Stages
 
 FULL_UP_TO = 100_000
@@ -77,8 +76,8 @@ class Solved:
 def reference_kind(study: Study, model: Model) -> tuple[Kind, str]:
     """Return the kind of reference of a study, and why where the study leaves it open."""
     asked, n_dof = study.validation.reference, model.structure.n_dof
-    if has_friction(model):
-        reason = "with friction, all load cases are compared with the full model"
+    if not model.contact.forgets:
+        reason = "with friction or gaskets, all load cases are compared with the full model"
         return "full", "" if asked in (None, "full") else reason
     if asked is not None:
         return asked, ""

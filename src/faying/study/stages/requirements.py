@@ -37,7 +37,6 @@ from faying.study.keys.threads import preload_ranges, threads_of
 from faying.study.results.values import CaseResult
 from faying.study.stages.offline import PreparedJoint
 from faying.study.stages.optional import Extras
-from faying.study.stages.path_cases import has_friction
 from faying.study.stages.progress import Stages
 from faying.units import units_of
 
@@ -63,7 +62,7 @@ def assess_run(
     with stages.stage("joint assessment"), extras.attempt("joint assessment"):
         wanted = requirements_of(study.requirement)
         static = [case for case in study.load_cases if case.kind == "static"]
-        smooth = [] if has_friction(model) else static
+        smooth = static if model.contact.forgets else []
         intervals = _intervals(joint, smooth, cases, extras)
         reserves = {n: case.reserve for n, case in cases.items() if case.reserve is not None}
         states = {name: _state(case, intervals.get(name)) for name, case in cases.items()}

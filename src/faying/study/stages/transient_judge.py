@@ -11,7 +11,7 @@ from faying.simulation.solution import Solution
 from faying.study.results.values import Response
 from faying.study.stages.offline import PreparedJoint
 from faying.study.stages.optional import Extras
-from faying.study.stages.path_cases import has_friction, rest_state
+from faying.study.stages.path_cases import rest_state
 from faying.study.stages.progress import Stages
 
 
@@ -54,6 +54,6 @@ class TransientJudge:
     def _estimate(self, solution: Solution, load: Load, integrator: Integrator) -> Accuracy:
         """Estimate how far off a transient is from that of the full model, without it."""
         finer = finer_model(self.joint.model, solution)
-        rubs = has_friction(self.joint.model)
-        initial = rest_state(finer, self.joint.preload_path) if rubs else None
+        forgets = self.joint.model.contact.forgets
+        initial = None if forgets else rest_state(finer, self.joint.preload_path)
         return transient_error(finer, solution, load, integrator=integrator, initial=initial)

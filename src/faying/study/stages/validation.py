@@ -25,7 +25,6 @@ from faying.study.results.validation_record import (
 )
 from faying.study.stages.offline import PreparedJoint, TrainedBases
 from faying.study.stages.optional import Extras
-from faying.study.stages.path_cases import has_friction
 from faying.study.stages.progress import Stages
 from faying.units import units_of
 
@@ -55,7 +54,7 @@ def validate(
             box = training_box(study.reduction.training)
             space = _load_space(joint.model, box, count, models, extras)
     sweep = None
-    swept = study.validation.penalty_sweep and not has_friction(joint.model)
+    swept = study.validation.penalty_sweep and joint.model.contact.forgets
     if swept and joint.model.contact.proportional:
         with stages.stage("penalty sweep"), extras.attempt("penalty sweep"):
             sweep = _penalty(study, joint.model, trained, models)
