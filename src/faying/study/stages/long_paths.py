@@ -15,6 +15,7 @@ from faying.simulation.load import Load
 from faying.simulation.path import (
     PathStep,
     assembled,
+    deepest_of,
     follow,
     moved_alone,
     path_inputs,
@@ -73,7 +74,9 @@ def follow_path(
 def _followed(solver: IncrementSolver, relative: Matrix, here: PathStep, part: range) -> Arrays:
     """Return what is reached after some of the loads, by name, each with them as first axis."""
     steps = list(follow(solver, relative, here, part=part))
+    deepest = deepest_of(solver.contact, steps)
     return {
+        **({} if deepest is None else {"deepest": deepest}),
         "forces": np.array([step.increment.forces for step in steps]),
         "slack": np.array([step.increment.slack for step in steps]),
         "moved": np.array([step.increment.moved for step in steps]),
@@ -95,6 +98,7 @@ def _unpacked(arrays: Mapping[str, Matrix], relative: Matrix) -> list[PathStep]:
                 moved=arrays["moved"][row],
                 iterations=int(arrays["last"][row, 0]),
                 residual=float(arrays["last"][row, 1]),
+                deepest=arrays["deepest"][row] if "deepest" in arrays else None,
             ),
             slip=arrays["slip"][row],
             iterations=int(arrays["iterations"][row]),
