@@ -1,7 +1,7 @@
 """What elastic and hard normal contact share: it presses and never pulls, Eq. (15.7)."""
 
 from abc import abstractmethod
-from typing import Self
+from typing import Self, cast
 
 import numpy as np
 
@@ -44,7 +44,7 @@ class Unilateral:
 
     def after(self, deepest: Vector) -> Law:  # noqa: ARG002
         """Return itself: it remembers nothing."""
-        return self
+        return cast("Law", self)
 
     @abstractmethod
     def closure(self, forces: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:
