@@ -8,7 +8,7 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.beam_ends import BeamEnds
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.cards import Card, Cards, property_of
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.principal_axes import turned_about
 from faying.io.nastran.sections import Property
@@ -73,12 +73,8 @@ def _filled(card: Card, default: Card | None) -> Card:
 
 def _beam(card: Card, grids: Grids, sections: Mapping[int, Property], ends: BeamEnds) -> Beam:
     number = card.integer(0)
-    pid = card.integer(1, number)
-    if pid not in sections:
-        kinds = "PBAR or PBARL" if card.cards.name == "CBAR" else "PBEAM or PBEAML"
-        text = f"property {pid} is not a {kinds} of the deck; define it"
-        raise card.error(text, 1)
-    section, material, angle, _ = sections[pid]
+    kinds = "PBAR or PBARL" if card.cards.name == "CBAR" else "PBEAM or PBEAML"
+    section, material, angle, _ = property_of(card, sections, kinds)
     grid_ends = grids.one(card, 2), grids.one(card, 3)
     vector = _orientation(card, grids, grid_ends[0])
     along = _between(card, grids, grid_ends, vector)
@@ -93,7 +89,7 @@ def _beam(card: Card, grids: Grids, sections: Mapping[int, Property], ends: Beam
         section=section,
         material=material,
         orientation=(x, y, z),
-        property=pid,
+        property=card.integer(1, number),
     )
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from faying._typing import Vector
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.bushes import orientation
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.cards import Card, Cards, properties_by_id, property_of
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.solids import material_of
 from faying.model.assembly import Bush, Material
@@ -78,20 +78,12 @@ def read_bends(
         those of no arc up to a half circle.
     """
     bushes: list[Bush] = []
-    properties: dict[int, Card] = {}
-    for card in cards.get("PBEND", ()):
-        earlier = properties.setdefault(card.integer(0), card)
-        if earlier is not card:
-            text = f"property {card.text(0)} is already defined at {earlier.where()}; renumber one"
-            raise card.error(text)
+    properties = properties_by_id(cards, "PBEND")
     heavy = 0
     for card in cards.get("CBEND", ()):
-        number = card.integer(1, card.integer(0))
-        if number not in properties:
-            text = f"property {number} is not a PBEND of the deck; define it"
-            raise card.error(text, 1)
-        section = _section(properties[number], materials, factors, mass_factor)
-        arc = _arc(card, properties[number], grids)
+        bend = property_of(card, properties, "PBEND")
+        section = _section(bend, materials, factors, mass_factor)
+        arc = _arc(card, bend, grids)
         heavy += section.line_mass > 0
         ends = grids.one(card, 2), grids.one(card, 3)
         bushes += _bushes(card, ends, arc, section)

@@ -64,11 +64,7 @@ def read_accelerations(
 
 def _basic(card: Card, field: int, values: list[float], grids: Grids) -> Vector | None:
     """Turn a vector to the basic frame; None if its system has other directions elsewhere."""
-    system = card.integer(field, 0)
-    if system == 0:
+    if card.integer(field, 0) == 0:
         return np.array(values)
-    if system not in grids.systems.frames:
-        text = f"coordinate system {system} is not in the deck; define it (CORD2R, ...)"
-        raise card.error(text, field)
-    frame = grids.systems.frames[system]
+    frame = grids.systems.frame_of(card, field)
     return np.asarray(np.array(values) @ frame.axes) if frame.kind == "R" else None

@@ -11,9 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from faying.exceptions import FormatError
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.case_control import CaseControl
-from faying.io.nastran.contact_parameters import by_id
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.moved_supports import Moved

@@ -7,7 +7,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.cards import Card, Cards, properties_by_id, property_of
 from faying.io.nastran.grids import Grids
 from faying.model.assembly import Bush
 
@@ -42,34 +42,20 @@ def read_bushes(
     FormatError
         If a property, node or coordinate system is missing, or the axes are not determined.
     """
-    properties = _properties(cards)
+    properties = {
+        name: {number: read(card) for number, card in properties_by_id(cards, name).items()}
+        for name, read in (("PBUSH", _general), ("PBUSH1D", _axial))
+    }
     bushes: list[Bush] = []
     damped = 0
     for name, family in (("CBUSH", "PBUSH"), ("CBUSH1D", "PBUSH1D")):
         for card in cards.get(name, ()):
-            number = card.integer(1, card.integer(0))
-            if (family, number) not in properties:
-                text = f"property {number} is not a {family} of the deck; define it"
-                raise card.error(text, 1)
-            bush_property = properties[family, number]
+            bush_property = property_of(card, properties[family], family)
             damped += bush_property.damped
             bushes.append(_bush(card, bush_property, grids, mass_factor))
     if damped:
         ignored.append(f"damping of {damped} CBUSH (give [damping] in the study)")
     return bushes
-
-
-def _properties(cards: Mapping[str, Cards]) -> dict[tuple[str, int], _Property]:
-    properties: dict[tuple[str, int], _Property] = {}
-    for name, read in (("PBUSH", _general), ("PBUSH1D", _axial)):
-        for card in cards.get(name, ()):
-            key = (name, card.integer(0))
-            if key in properties:
-                earlier = properties[key].card.where()
-                text = f"property {key[1]} is already defined at {earlier}; renumber one"
-                raise card.error(text)
-            properties[key] = read(card)
-    return properties
 
 
 def _general(card: Card) -> _Property:
@@ -128,11 +114,8 @@ def _bush(card: Card, bush_property: _Property, grids: Grids, mass_factor: float
 def _axes(card: Card, bush_property: _Property, grids: Grids, start: int, line: Vector) -> Matrix:
     field = 7 if card.cards.name == "CBUSH" else 4
     if card.text(field):
-        number = card.integer(field)
-        if number not in grids.systems.frames:
-            text = f"coordinate system {number} is not in the deck; define it (CORD2R, ...)"
-            raise card.error(text, field)
-        axes = np.asarray(grids.systems.frames[number].directions(grids.nodes[start][None])[0])
+        frame = grids.systems.frame_of(card, field)
+        axes = np.asarray(frame.directions(grids.nodes[start][None])[0])
         if card.cards.name == "CBUSH1D" and np.abs(np.cross(axes[0], line)).max() > _OFF * max(
             float(np.abs(line).max()), 1e-300
         ):
@@ -175,11 +158,7 @@ def _place(card: Card, grids: Grids, start: int, line: Vector) -> Vector:
     """Where the springs act."""
     if card.cards.name == "CBUSH1D":
         return np.asarray(grids.nodes[start])
-    system = card.integer(9, -1)
-    if system >= 0:
-        if system not in grids.systems.frames:
-            text = f"coordinate system {system} is not in the deck; define it (CORD2R, ...)"
-            raise card.error(text, 9)
+    if card.integer(9, -1) >= 0:
         location = np.array([[card.real(field, 0.0) for field in (10, 11, 12)]])
-        return np.asarray(grids.systems.frames[system].to_basic(location)[0])
+        return np.asarray(grids.systems.frame_of(card, 9).to_basic(location)[0])
     return np.asarray(grids.nodes[start] + card.real(8, 0.5) * line)

@@ -3,8 +3,9 @@
 Field j of a card is where the reference guide puts it: row j // 8, field j % 8 + 2 of the row.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -13,6 +14,8 @@ from faying.exceptions import FormatError
 from faying.io.deck_lines import Lines
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.fields import Fields
+
+Read = TypeVar("Read")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -211,3 +214,46 @@ class Card:
             if text and numbers.real(text) != 0.0:
                 message = f"{what} '{text}' (field {field % 8 + 2}) is not supported; {remedy}"
                 raise self.error(message, field)
+
+
+def by_id(cards: Mapping[str, Cards], *names: str, what: str = "") -> dict[int, Card]:
+    """Return cards by the id in their first field.
+
+    Parameters
+    ----------
+    what
+        As messages call such a card; its name unless given.
+
+    Raises
+    ------
+    FormatError
+        If an id occurs twice.
+    """
+    by_number: dict[int, Card] = {}
+    for card in (card for name in names for card in cards.get(name, ())):
+        earlier = by_number.setdefault(card.integer(0), card)
+        if earlier is not card:
+            called = f"{what or card.cards.name} {card.integer(0)}"
+            text = f"{called} is already defined at {earlier.where()}; renumber one"
+            raise card.error(text)
+    return by_number
+
+
+def properties_by_id(cards: Mapping[str, Cards], *names: str) -> dict[int, Card]:
+    """Return the properties of some names; see :func:`by_id`."""
+    return by_id(cards, *names, what="property")
+
+
+def property_of(card: Card, properties: Mapping[int, Read], kinds: str) -> Read:
+    """Return the property of an element, whose own id is that of a blank field.
+
+    Raises
+    ------
+    FormatError
+        If there is none; ``kinds`` names the cards that could define it.
+    """
+    number = card.integer(1, card.integer(0))
+    if number not in properties:
+        text = f"property {number} is not a {kinds} of the deck; define it"
+        raise card.error(text, 1)
+    return properties[number]

@@ -11,13 +11,12 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.exceptions import FormatError
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.contact_pairs import Pair, region_of, rows
 from faying.io.nastran.contact_parameters import (
     ICOORD,
     Parameters,
-    by_id,
     friction_coefficient,
     is_glued,
     note_friction,

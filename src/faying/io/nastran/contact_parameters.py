@@ -8,7 +8,7 @@ import numpy as np
 
 from faying.contact.laws.coulomb import LARGEST_FRICTION
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.cards import Card
 
 FRICTION_REMEDY = (
     "only Coulomb's friction with one coefficient for a pair is read; remove it, or set friction = "
@@ -207,23 +207,3 @@ def _pairs(card: Card, first: int) -> list[tuple[str, str, int]]:
         pairs.append((name, value, field))
         field += 2
     return pairs
-
-
-def by_id(cards: Mapping[str, Cards], name: str) -> dict[int, Card]:
-    """Return the cards of a name by the id in their first field.
-
-    Raises
-    ------
-    FormatError
-        If an id occurs twice.
-    """
-    by_number: dict[int, Card] = {}
-    for card in cards.get(name, ()):
-        number = card.integer(0)
-        if number in by_number:
-            text = (
-                f"{name} {number} is already defined at {by_number[number].where()}; renumber one"
-            )
-            raise card.error(text)
-        by_number[number] = card
-    return by_number

@@ -10,12 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying.exceptions import FormatError
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.contact_pairs import Pair, region_of, rows
 from faying.io.nastran.contact_parameters import (
     Parameters,
-    by_id,
     friction_coefficient,
     read_parameters,
 )

@@ -231,6 +231,20 @@ class Systems:
     nodes: Matrix
     displacement: Indices
 
+    def frame_of(self, card: Card, field: int, number: int | None = None) -> Frame:
+        """Return the system that a field of a card names, or ``number`` for the field.
+
+        Raises
+        ------
+        FormatError
+            If the deck has no such system.
+        """
+        number = card.integer(field, 0) if number is None else number
+        if number not in self.frames:
+            text = f"coordinate system {number} is not in the deck; define it (CORD2R, ...)"
+            raise card.error(text, field)
+        return self.frames[number]
+
     @property
     def n_on_axis(self) -> int:
         """Number of grid points whose directions their system leaves open."""

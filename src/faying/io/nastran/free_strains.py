@@ -12,8 +12,7 @@ import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.io.left_out import IGNORABLE
-from faying.io.nastran.cards import Card, Cards
-from faying.io.nastran.contact_parameters import by_id
+from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.expansions import (
     NOTHING,
     Expansion,

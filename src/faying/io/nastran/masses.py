@@ -47,13 +47,9 @@ def _matrix(card: Card, grids: Grids, factor: float) -> PointMass:
 
 
 def _axes(card: Card, grids: Grids, node: int) -> Matrix:
-    system = card.integer(2, 0)
-    if system <= 0:
+    if card.integer(2, 0) <= 0:
         return np.eye(3)
-    if system not in grids.systems.frames:
-        text = f"coordinate system {system} is not in the deck; define it (CORD2R, ...)"
-        raise card.error(text, 2)
-    return np.asarray(grids.systems.frames[system].directions(grids.nodes[node][None])[0])
+    return np.asarray(grids.systems.frame_of(card, 2).directions(grids.nodes[node][None])[0])
 
 
 def _mass(card: Card, grids: Grids, factor: float) -> PointMass:

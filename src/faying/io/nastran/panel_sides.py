@@ -10,8 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from faying.io.nastran.cards import Card, Cards
-from faying.io.nastran.contact_parameters import by_id
+from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.solids import material_of
 from faying.model.assembly import Beam, BeamSection, Material

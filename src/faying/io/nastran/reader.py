@@ -29,7 +29,6 @@ from faying.io.nastran.loads import UNSUPPORTED, read_loads
 from faying.io.nastran.masses import read_masses, without_rotation
 from faying.io.nastran.materials import (
     MATERIALS,
-    PROPERTIES,
     materials_named,
     materials_of_solids,
     read_materials,
@@ -58,7 +57,6 @@ from faying.io.nastran.solids import (
 from faying.io.nastran.source import read_source
 from faying.io.nastran.springs import read_scalar_masses, read_springs
 from faying.io.nastran.supports import read_supports
-from faying.io.nastran.telling_lines import TellingLines
 from faying.io.nastran.tokenizer import read_cards
 from faying.io.nastran.warping import read_warping
 from faying.io.straight_sides import StraightSides
@@ -121,8 +119,6 @@ _READ = frozenset(
         *("BOLT", "BOLTFOR", "BOLTLD", "BOLTFRC", "BOLTSEQ"),
     )
 )
-_PASSED_OVER = _READ - {*PROPERTIES, *SHELL_PROPERTIES, "CONROD"}
-"""Cards whose fields do not say whether others are refused: all but those that name materials."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -171,7 +167,6 @@ def read_parts(
         With file and line.
     """
     path = Path(path)
-    _refuse_by_names(path, subcase, ignore)
     source = read_source(path)
     bulk = read_cards(source.bulk)
     cards = bulk.cards()
@@ -276,17 +271,6 @@ def _parents(grids: Grids, straight: StraightSides, ends: BeamEnds) -> Indices:
     sides = np.array(list(straight.ends), dtype=np.int64).reshape(-1, 2)
     alone = np.column_stack([whole, whole])
     return np.vstack([alone[: len(grids.ids)], sides, alone[len(grids.ids) :]])
-
-
-def _refuse_by_names(path: Path, subcase: int | None, ignore: frozenset[str]) -> None:
-    """Refuse a deck that has cards which are not read before its tables fill the memory."""
-    try:
-        source = read_source(path, TellingLines(passed_over=_PASSED_OVER))
-        cards = read_cards(source.bulk).cards()
-        control = read_case_control(source.control, [], subcase)
-    except FormatError:
-        return  # of the whole deck the same is told with all that stands in front of it
-    _check_supported(cards, control, [], ignore, path)
 
 
 def _check_supported(

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.cards import Card, Cards, properties_by_id, property_of
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.sections import with_shear
 from faying.io.nastran.solids import material_of
@@ -30,25 +30,15 @@ def read_rods(
     FormatError
         If a property or node is missing, an area is not positive, or a rod has no length.
     """
-    properties: dict[tuple[str, int], tuple[Member, Card]] = {}
-    for name, read in (("PROD", _bar), ("PTUBE", _tube)):
-        for card in cards.get(name, ()):
-            number = card.integer(0)
-            if (name, number) in properties:
-                earlier = properties[name, number][1].where()
-                text = f"property {number} is already defined at {earlier}; renumber one"
-                raise card.error(text)
-            section, heavy = read(card, material_of(card, 1, materials), mass_factor)
-            factor = factors.get(card.integer(1), 1.0)
-            properties[name, number] = ((with_shear(section, factor), heavy), card)
     rods: list[Beam] = []
-    for name, family in (("CROD", "PROD"), ("CTUBE", "PTUBE")):
+    for name, family, read in (("CROD", "PROD", _bar), ("CTUBE", "PTUBE", _tube)):
+        members: dict[int, Member] = {}
+        for number, card in properties_by_id(cards, family).items():
+            section, heavy = read(card, material_of(card, 1, materials), mass_factor)
+            members[number] = with_shear(section, factors.get(card.integer(1), 1.0)), heavy
         for card in cards.get(name, ()):
-            number = card.integer(1, card.integer(0))
-            if (family, number) not in properties:
-                text = f"property {number} is not a {family} of the deck; define it"
-                raise card.error(text, 1)
-            rods.append(_rod(card, grids, (2, 3), properties[family, number][0], number))
+            member = property_of(card, members, family)
+            rods.append(_rod(card, grids, (2, 3), member, card.integer(1, card.integer(0))))
     for card in cards.get("CONROD", ()):
         material = material_of(card, 3, materials)
         section, heavy = _member(card, 4, material, mass_factor)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Matrix
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.cards import Card, Cards, properties_by_id
 from faying.io.nastran.layers import SHELL_PROPERTIES, Layer, layers
 from faying.io.nastran.plane_materials import PlaneMaterial
 from faying.model.shells import ShellSection, turned_law
@@ -43,18 +43,11 @@ def read_shell_properties(
     FormatError
         If an id occurs twice, a material is missing, or a property is not supported.
     """
-    properties: dict[int, ShellProperty] = {}
-    for name in SHELL_PROPERTIES:
-        for card in cards.get(name, ()):
-            number = card.integer(0)
-            if number in properties:
-                earlier = properties[number].card.where()
-                text = f"property {number} is already defined at {earlier}; renumber one"
-                raise card.error(text)
-            properties[number] = _READERS[name](card, materials, mass_factor)
-        if name.startswith("PCOMP") and name in cards:
-            ignored.append(LAMINATE)
-    return properties
+    ignored += [LAMINATE for name in SHELL_PROPERTIES if name.startswith("PCOMP") and name in cards]
+    return {
+        number: _READERS[card.cards.name](card, materials, mass_factor)
+        for number, card in properties_by_id(cards, *SHELL_PROPERTIES).items()
+    }
 
 
 def _plate(card: Card, materials: Mapping[int, PlaneMaterial], mass_factor: float) -> ShellProperty:

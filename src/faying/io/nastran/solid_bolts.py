@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.io.nastran.cards import Card, Cards
-from faying.io.nastran.contact_parameters import by_id
+from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
 from faying.io.solid_cuts import Section
@@ -104,14 +103,11 @@ def _axis(card: Card, grids: Grids, point: Vector) -> Vector | None:
     """Return the unit vector of CSID and IDIR at a place; None if they are blank."""
     if not card.text(3) or card.text(3) == "0":
         return None
-    direction, system = card.integer(3), card.integer(2, 0)
+    direction = card.integer(3)
     if direction not in (1, 2, 3):
         text = f"IDIR = {direction}; it is 1, 2 or 3"
         raise card.error(text, 3)
-    if system not in grids.systems.frames:
-        text = f"coordinate system {system} is not in the deck; define it (CORD2R, ...)"
-        raise card.error(text, 2)
-    axes: Matrix = grids.systems.frames[system].directions(point[None])[0]
+    axes: Matrix = grids.systems.frame_of(card, 2).directions(point[None])[0]
     return np.array(axes[direction - 1])
 
 

@@ -65,14 +65,10 @@ def along(card: Card, material: Material, systems: Systems) -> Material:
     number = card.integer(2, 0)
     if material.law is None or number == 0:
         return material
-    if number not in systems.frames:
-        text = (
-            "CORDM = -1, axes of each element, is not supported; give a rectangular system"
-            if number < 0
-            else f"coordinate system {number} is not in the deck; define it (CORD2R, ...)"
-        )
+    if number < 0:
+        text = "CORDM = -1, axes of each element, is not supported; give a rectangular system"
         raise card.error(text, 2)
-    frame = systems.frames[number]
+    frame = systems.frame_of(card, 2)
     if frame.kind != "R":
         text = f"CORDM = {number} is not rectangular; only directions that stay are supported"
         raise card.error(text, 2)

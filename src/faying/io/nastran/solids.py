@@ -7,7 +7,7 @@ import numpy as np
 
 from faying._typing import Indices, Mask
 from faying.exceptions import FormatError
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.cards import Card, Cards, properties_by_id
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.layers import layers
 from faying.io.nastran.solid_materials import along
@@ -71,7 +71,7 @@ def read_solids(
         if name in cards:
             blocks += _blocks(cards[name], name, grids, straight, ignored)
             _note_properties(cards[name], users)
-    properties = _properties(cards)
+    properties = properties_by_id(cards, "PSOLID", LAYERED)
     used: dict[int, Material] = {}
     for number, (users_cards, card) in users.items():
         if number not in properties:
@@ -186,18 +186,6 @@ def _note_properties(cards: Cards, users: dict[int, tuple[Cards, int]]) -> None:
     numbers, first = np.unique(property_ids(cards), return_index=True)
     for number, card in zip(numbers.tolist(), first.tolist(), strict=True):
         users.setdefault(number, (cards, card))
-
-
-def _properties(cards: Mapping[str, Cards]) -> dict[int, Card]:
-    properties: dict[int, Card] = {}
-    for card in (card for name in ("PSOLID", LAYERED) for card in cards.get(name, ())):
-        number = card.integer(0)
-        if number in properties:
-            earlier = properties[number].where()
-            text = f"property {number} is already defined at {earlier}; renumber one"
-            raise card.error(text)
-        properties[number] = card
-    return properties
 
 
 def _material(card: Card, materials: Mapping[int, Material], grids: Grids) -> Material:

@@ -1,7 +1,7 @@
 """The lines of a deck with its INCLUDE files spliced in, split into case control and bulk data."""
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -28,25 +28,10 @@ class Source:
     bulk: Lines
 
 
-LinesOf = Callable[[bytes], tuple[LineTexts, Indices]]
-"""From the text of a file to the lines of it that are read, and their numbers from 1."""
-
-
-def all_lines(data: bytes) -> tuple[LineTexts, Indices]:
-    """Split text into its lines."""
-    lines = split_lines(data)
-    return lines, np.arange(1, len(lines) + 1, dtype=np.int64)
-
-
-def read_source(path: Path, lines_of: LinesOf = all_lines) -> Source:
+def read_source(path: Path) -> Source:
     """Read a deck and its includes and find where the bulk data begin and end.
 
     A file without BEGIN BULK is bulk data from its first line, unless it holds a CEND or SOL.
-
-    Parameters
-    ----------
-    lines_of
-        What is read of each file.
 
     Raises
     ------
@@ -54,7 +39,7 @@ def read_source(path: Path, lines_of: LinesOf = all_lines) -> Source:
         If a file is missing, includes itself, or BEGIN BULK is missing or names a superelement.
     """
     files = DeckFiles("Nastran deck", "INCLUDE")
-    parts = _expand(path, files, lines_of, ())
+    parts = _expand(path, files, ())
     lines = Lines(
         text=joined([text for text, _, _ in parts]),
         number=np.concatenate([number for _, number, _ in parts]),
@@ -102,11 +87,7 @@ _Part = tuple[LineTexts, Indices, int]
 
 
 def _expand(
-    path: Path,
-    files: DeckFiles,
-    lines_of: LinesOf,
-    parents: tuple[Path, ...],
-    included_from: str = "",
+    path: Path, files: DeckFiles, parents: tuple[Path, ...], included_from: str = ""
 ) -> list[_Part]:
     """Parts of a file and of what it includes, in their order."""
     index = len(files.names)
@@ -115,7 +96,8 @@ def _expand(
     if resolved in parents or len(parents) >= _DEEPEST:
         message = f"{included_from}: INCLUDE of '{path}' goes in a circle; remove one of them"
         raise FormatError(message)
-    original, number = lines_of(data)
+    original = split_lines(data)
+    number = np.arange(1, len(original) + 1, dtype=np.int64)
     upper = original.upper()
     parts: list[_Part] = []
     start = line = 0
@@ -127,7 +109,7 @@ def _expand(
         origin = f"{files.names[index]}:{number[candidate]}"
         name, line = _file_name(original, candidate, match.end(), origin)
         included = _included(name, path, parents)
-        parts += _expand(included, files, lines_of, (*parents, resolved), origin)
+        parts += _expand(included, files, (*parents, resolved), origin)
         start = line
     parts.append((upper[start:], number[start:], index))
     return parts

@@ -1,11 +1,11 @@
 """CELAS1 to CELAS4 and CMASS1 to CMASS4: springs and masses at single components."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
 from faying._typing import Matrix
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.cards import Card, Cards, property_of
 from faying.io.nastran.grids import Grids
 from faying.model.assembly import Bush, ScalarMass, Spring
 
@@ -98,23 +98,11 @@ def _valued(
     """Return elements of a family and their values; 1 and 3 have theirs from a property."""
     properties = _properties(cards, property_name)
 
-    def of_property(card: Card) -> float:
-        number = card.integer(1, card.integer(0))
-        if number not in properties:
-            text = f"property {number} is not a {property_name} of the deck; define it"
-            raise card.error(text, 1)
-        return properties[number]
-
-    def own(card: Card) -> float:
-        return card.real(1)
-
-    kinds: tuple[tuple[str, Callable[[Card], float]], ...] = (
-        (f"{family}1", of_property),
-        (f"{family}2", own),
-        (f"{family}3", of_property),
-        (f"{family}4", own),
-    )
-    return [(card, value(card)) for name, value in kinds for card in cards.get(name, ())]
+    return [
+        (card, property_of(card, properties, property_name) if kind in "13" else card.real(1))
+        for kind in "1234"
+        for card in cards.get(f"{family}{kind}", ())
+    ]
 
 
 def _properties(cards: Mapping[str, Cards], name: str) -> dict[int, float]:
