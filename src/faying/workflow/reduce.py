@@ -43,7 +43,7 @@ def reduce_study(
     joint_modes: int | None = None,
     shapes: bool = True,
     progress: ProgressBar | None = None,
-    told: Callable[[str], object] | None = None,
+    report: Callable[[str], object] | None = None,
 ) -> ReducedModel:
     """Reduce the model of a study by one method and write it to a file.
 
@@ -57,7 +57,7 @@ def reduce_study(
         Of methods that have them; by default the most that the study names.
     shapes
         Keep the trial vectors, as :meth:`ReducedModel.save`.
-    told
+    report
         Called with a sentence for each load case that a number of normal modes was chosen for.
 
     Returns
@@ -93,9 +93,9 @@ def reduce_study(
         checkpoint = open_checkpoint(Path(folder), study.text, resume=False)
         modes = normal_modes_of(alone, joint, stages, checkpoint)
         trained = build_bases(alone, joint, modes.modes, stages, checkpoint)
-    if told is not None:
+    if report is not None:
         for line in mode_sentences(modes.choices, units_of(study.units)):
-            told(line)
+            report(line)
     choices = choose_counts(alone, joint.model, trained, stages)
     bare = reduced_models(alone, joint.model, trained, choices, stages)
     (rom,) = (one for one in bare[chosen.name].values() if isinstance(one, ReducedModel))
