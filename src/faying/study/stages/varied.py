@@ -22,6 +22,7 @@ from faying.reduction.projection import projected
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.frictional_preload import tighten_with_friction
 from faying.simulation.preload import tighten
+from faying.simulation.solution import Solution
 from faying.simulation.without_friction import smooth_joint
 from faying.study.inputs.bolts import losses
 from faying.study.inputs.load_model import (
@@ -54,8 +55,12 @@ def with_values(study: Study, values: Mapping[str, float]) -> Study:
         for key in section.keys if section.name in values else ():
             steps = steps_to(key, tables)
             value_at(steps[:-1], tables)[steps[-1]] = float(values[section.name])
-    with naming(", ".join(f"{name} = {value:g}" for name, value in values.items())):
+    with naming(_written(values)):
         return parse_tables(tables, study.source)
+
+
+def _written(values: Mapping[str, float]) -> str:
+    return ", ".join(f"{name} = {value:g}" for name, value in values.items())
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -79,40 +84,52 @@ class VariedJoint:
     model: Model
     rom: ReducedModel
 
+    def tightened(self, values: Mapping[str, float]) -> tuple[ReducedModel, Solution]:
+        """Return the reduced model with locked bolts, and the state that tightening leaves.
+
+        Raises
+        ------
+        FayingError
+            If a key does not take its value, or tightening does not converge; with the values.
+        """
+        study = with_values(self.study, values)
+        loaded = load_model(study, self.source)
+        system = self._with_contact(loaded)
+        forces = {name: force for name, force in loaded.preloads.items() if force > 0}
+        with naming(_written(values)):
+            if study.friction_during_preload:
+                path = tighten_with_friction(system, forces, losses=losses(study))
+                initial, loads = path.tightening.initial_forces, path.loads
+            else:
+                smooth = tighten(smooth_joint(system), forces, losses=losses(study))
+                initial, loads = smooth.initial_forces, ()
+            locked = system.with_bolt_forces(initial)
+            return locked, rest_state(locked, loads)
+
     def curves(self, values: Mapping[str, float]) -> Curves:
         """Return the backbones of all load cases that are some.
 
         Raises
         ------
         FayingError
-            If a key does not take its value, or a solution does not converge; with the values.
+            As :meth:`tightened`, or if a cycle is not solved; with the values.
         """
-        study = with_values(self.study, values)
-        loaded = load_model(study, self.source)
-        system = self._with_contact(loaded)
-        curves: dict[tuple[str, int], Backbone] = {}
-        with naming(", ".join(f"{name} = {value:g}" for name, value in values.items())):
-            forces = {name: force for name, force in loaded.preloads.items() if force > 0}
-            if study.friction_during_preload:
-                tightened = tighten_with_friction(system, forces, losses=losses(study))
-                initial, loads = tightened.tightening.initial_forces, tightened.loads
-            else:
-                smooth = tighten(smooth_joint(system), forces, losses=losses(study))
-                initial, loads = smooth.initial_forces, ()
-            locked = system.with_bolt_forces(initial)
-            state = rest_state(locked, loads)
-            for case in study.load_cases:
-                for mode in case.modes if case.kind == "backbone" else ():
-                    curves[case.name, mode] = backbone(
-                        locked,
-                        mode,
-                        case.levels,
-                        over=case.over,
-                        at=case.at,
-                        initial=state,
-                        increments=cycle_increments(case),
-                    )
-        return curves
+        locked, state = self.tightened(values)
+        with naming(_written(values)):
+            return {
+                (case.name, mode): backbone(
+                    locked,
+                    mode,
+                    case.levels,
+                    over=case.over,
+                    at=case.at,
+                    initial=state,
+                    increments=cycle_increments(case),
+                )
+                for case in self.study.load_cases
+                if case.kind == "backbone"
+                for mode in case.modes
+            }
 
     def _with_contact(self, loaded: LoadedModel) -> ReducedModel:
         """Return the reduced model with the laws, gaps, damping and locked bolts of a study."""
