@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 from faying.exceptions import FayingError
 from faying.io.nastran import read_deck, write_deck
-from faying.io.nastran.eight_columns import plain_integers
-from faying.io.nastran.fields import format_real, integer, integers, real, reals
+from faying.io.nastran.fields import format_real, integer, integers, plain_integers, real, reals
 from faying.joint.lap_joint import lap_joint_assembly
 
 # Beyond 1e300 a shortened mantissa may round up to infinity.

@@ -7,7 +7,7 @@ import scipy.sparse as sp
 
 from faying.exceptions import FormatError
 from faying.io.isolated import read_isolated
-from faying.io.labelled_matrix import LabelledMatrix
+from faying.io.matrix_labels import LabelledMatrix
 
 MATRICES = {"K": "k", "M": "m"}
 _SCRIPT = """

@@ -17,8 +17,8 @@ from faying._typing import Indices, Vector
 from faying.exceptions import FormatError
 from faying.files.contents import file_bytes
 from faying.io.deck_lines import Lines
-from faying.io.labelled_matrix import LabelledMatrix
 from faying.io.line_texts import split_lines
+from faying.io.matrix_labels import LabelledMatrix
 from faying.io.named_matrices import DamageError, chosen_name
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Cards

@@ -16,8 +16,8 @@ from faying._typing import SparseMatrix
 from faying.exceptions import FayingError, FormatError
 from faying.files.contents import check_rows, reason_of
 from faying.files.numpy_archive import read_matrices
-from faying.io.labelled_matrix import LabelledMatrix
 from faying.io.matlab5 import HEADER, read_matlab5
+from faying.io.matrix_labels import LabelledMatrix
 from faying.io.matrix_market import HEADING, read_market_matrix
 
 READERS: Mapping[str, str] = {

@@ -1,11 +1,30 @@
-"""Rows of several matrices brought into one order by the labels their files carry."""
+"""Matrices with labelled rows, and several of them brought into one order by their labels."""
+
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, SparseMatrix
 from faying.exceptions import ModelError
-from faying.io.labelled_matrix import LabelledMatrix
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LabelledMatrix:
+    """A matrix as read.
+
+    Attributes
+    ----------
+    matrix : (n, n)
+    dofs : (n, 2) or None
+        Node id and component 1..6 of each row, where the file says so itself.
+    held : (n_held, 2) or None
+        The same of rows the file marks as held, which ``matrix`` does not have.
+    """
+
+    matrix: SparseMatrix
+    dofs: Indices | None = None
+    held: Indices | None = None
 
 
 def aligned(

@@ -18,7 +18,7 @@ import scipy.sparse as sp
 from faying._typing import SparseMatrix
 from faying.exceptions import FormatError
 from faying.files.contents import file_bytes
-from faying.io.labelled_matrix import LabelledMatrix
+from faying.io.matrix_labels import LabelledMatrix
 from faying.io.named_matrices import DamageError, chosen_name
 from faying.io.op4_binary import BinaryFile, looks_binary
 from faying.io.op4_text import TextFile

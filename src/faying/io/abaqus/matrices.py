@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.exceptions import FormatError
 from faying.files.contents import file_bytes
-from faying.io.labelled_matrix import LabelledMatrix
+from faying.io.matrix_labels import LabelledMatrix
 
 _ALLOWED = re.compile(rb"[\d\s,.+\-EeDd]*")
 _DOF = re.compile(rb"\s*(\d{1,15})\.([1-6])\s*")

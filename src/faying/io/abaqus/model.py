@@ -32,7 +32,7 @@ from faying.io.abaqus.keyword_names import READ, without_blanks
 from faying.io.abaqus.left_out import KEYWORDS
 from faying.io.abaqus.loads import nodal_forces, read_concentrated
 from faying.io.abaqus.lone_nodes import with_lone_nodes
-from faying.io.abaqus.masses import read_masses
+from faying.io.abaqus.masses import note_masses, read_masses
 from faying.io.abaqus.model_changes import (
     is_from_the_start,
     without_removed,
@@ -55,7 +55,6 @@ from faying.io.abaqus.temperatures import (
 )
 from faying.io.abaqus.ties import read_ties, with_ties
 from faying.io.abaqus.trusses import read_trusses
-from faying.io.abaqus.vibrations import note_masses
 from faying.io.left_out import Occurrence
 from faying.io.moved_supports import moved_note, with_moved_supports
 from faying.io.solid_cuts import Cut, close_cuts, cut_mesh, origins

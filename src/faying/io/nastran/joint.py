@@ -12,14 +12,14 @@ from faying.io.deck_lines import naming
 from faying.io.left_out import IGNORABLE, checked_ignore
 from faying.io.nastran.bolts import cut_bolts, read_bolts
 from faying.io.nastran.contact_msc import friction_of_all_bodies, read_msc_pairs
-from faying.io.nastran.contact_pairs import Pair, check_distinct, gap_rule, spec_of
+from faying.io.nastran.contact_pairs import Pair, check_distinct, gap_rule, glue_distance, spec_of
 from faying.io.nastran.contact_simcenter import read_simcenter_pairs
 from faying.io.nastran.free_strains import with_free_strains
-from faying.io.nastran.glue import with_glue
 from faying.io.nastran.reader import Deck, read_parts
 from faying.io.nastran.regions import Region, read_regions
 from faying.io.nastran.shell_sides import with_shell_sides
 from faying.io.solid_cuts import close_cuts, origins
+from faying.io.tied_surfaces import moving_together
 from faying.model.assembly import Assembly
 from faying.model.deck_bolt import axial_stiffness, bolt_axis_element
 from faying.model.description import JointDescription
@@ -250,3 +250,39 @@ def _spanned(nodes: Indices, exterior: Indices) -> int:
     within = np.zeros(max(int(exterior.max(initial=0)), int(nodes.max())) + 2, dtype=bool)
     within[nodes] = within[-1] = True
     return int(within[exterior].all(axis=1).sum())
+
+
+def with_glue(assembly: Assembly, pairs: Sequence[Pair], ignored: dict[str, None]) -> Assembly:
+    """Add the equations of pairs that are glued.
+
+    Parameters
+    ----------
+    assembly
+        With the regions of the pairs as sets.
+
+    Raises
+    ------
+    ModelError
+        If two regions see nothing of each other within the search distance.
+    """
+    if not pairs:
+        return assembly
+    specs = [
+        InterfaceSpec(
+            name=pair.name,
+            minus=pair.minus.name,
+            plus=pair.plus.name,
+            meshes="non-matching",
+            search_distance=glue_distance(pair, assembly.mesh),
+        )
+        for pair in pairs
+    ]
+    equations, partial = moving_together(assembly, specs)
+    for name, share in partial:
+        ignored[f"{name}: {share:.0%} of the smaller surface is glued"] = None
+    ignored[
+        "glued surfaces move together where they see each other within the search distance, node "
+        "by node where meshes match and else in the mean (mortar); Nastran's glue is a stiff "
+        "penalty or holds node by node"
+    ] = None
+    return replace(assembly, equations=(*assembly.equations, *equations))
