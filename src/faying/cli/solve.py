@@ -78,7 +78,7 @@ def solve(
         from faying.study.inputs.load_set import read_loads
         from faying.study.keys.requirement_rules import requirements_of
         from faying.study.keys.schema import stored_requirement
-        from faying.study.keys.threads import stored_threads
+        from faying.study.keys.threads import stored_ranges, stored_threads
         from faying.workflow.solve import SolveOptions, bolt_loads, solve_loads
 
         if step is not None and not 0 < step < float("inf"):
@@ -88,13 +88,16 @@ def solve(
         wanted = read_loads(loads, rom, step=step, integrator=named_integrator(integrator))
         usable_folder(folder)
         tightened, text = preload_path_of(model), study_of(model)
+        demanded = wanted.requirement or stored_requirement(text)
         options = SolveOptions(
             worst=worst,
             named=tuple(keep or ()),
             certificates=certificates,
             table=table,
-            requirements=requirements_of(wanted.requirement or stored_requirement(text)),
+            requirements=requirements_of(demanded),
             threads=stored_threads(text, rom.units),
+            ranges=stored_ranges(text, rom.units),
+            margins=demanded.margins,
         )
         with ExitStack() as stack:
             executor = shared_executor(workers, scheduler, stack)

@@ -52,6 +52,33 @@ class StaticLoad(Protocol):
         """Return the inputs (n_time, n_input) of a system."""
 
 
+class NamedLoad(StaticLoad, Protocol):
+    """One that is told apart by its name."""
+
+    @property
+    def name(self) -> str:
+        """Of the load case."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class InputRow:
+    """A static load that is a row of inputs already.
+
+    Attributes
+    ----------
+    name
+        Of the load case.
+    row : (n_input,)
+    """
+
+    name: str
+    row: Vector
+
+    def inputs(self, system: Joint, times: Vector) -> Matrix:  # noqa: ARG002 - of every system
+        """Return the row once for each of the times (n_time, n_input)."""
+        return np.tile(self.row, (len(times), 1))
+
+
 @dataclass(frozen=True, eq=False)
 class Load:
     """A load case.

@@ -16,6 +16,7 @@ from faying.assessment.joint_checks import joint_checks
 from faying.assessment.joint_verdict import joint_verdict, summarized
 from faying.assessment.requirements import Requirements, check_names
 from faying.assessment.strength.thread import Thread
+from faying.assessment.strength.tightening import PreloadRange
 from faying.assessment.weak_share import weak_warnings
 from faying.exceptions import StudyError
 from faying.execution.executor import Executor
@@ -28,6 +29,7 @@ from faying.simulation.load import History, Load
 from faying.study.inputs.load_set import LoadSet
 from faying.study.judgement.summary import plain
 from faying.study.keys.errors import nearest
+from faying.study.keys.requirement_tables import MarginsSection
 from faying.study.results.metric_table import TableFormat, check_table_format, write_metrics
 from faying.study.results.solved_fields import SolvedFields, write_solved
 from faying.study.stages.checkpoint import open_checkpoint
@@ -38,6 +40,7 @@ from faying.workflow.outcome import Outcome
 from faying.workflow.solve_cases import CaseSolver
 from faying.workflow.solve_workers import compute_pieces
 from faying.workflow.solved_pieces import Pieces
+from faying.workflow.solved_strength import BoltStrengths
 from faying.workflow.solved_verdicts import areas_of, rings_of, sliding_checks, solved_assessment
 
 
@@ -59,6 +62,10 @@ class SolveOptions:
         What must hold.
     threads
         Bolt to its thread, whose strength is then judged.
+    ranges
+        Bolt to the range of its preload.
+    margins
+        Standard that is demanded of the bolts, with its factors.
     """
 
     worst: int = 1
@@ -67,6 +74,13 @@ class SolveOptions:
     table: TableFormat = "csv"
     requirements: Requirements = field(default_factory=Requirements)
     threads: Mapping[str, Thread] = field(default_factory=dict)
+    ranges: Mapping[str, PreloadRange] = field(default_factory=dict)
+    margins: MarginsSection | None = None
+
+    @property
+    def strengths(self) -> BoltStrengths:
+        """What the strength of bolts is judged by."""
+        return BoltStrengths(threads=self.threads, ranges=self.ranges, margins=self.margins)
 
 
 @one_thread()
@@ -155,7 +169,7 @@ def solve_loads(
         verdict = joint_verdict((), units, "see the warnings")
         with stages.stage("requirements"), extras.attempt("requirements"):
             judged = solved_assessment(
-                chosen.requirements, rom, loads, static, transients, solver.rest, chosen.threads
+                chosen.requirements, rom, loads, static, transients, solver.rest, chosen.strengths
             )
             checks = [*joint_checks(judged, units), *sliding_checks(rom, static, transients)]
             verdict = joint_verdict(checks, units)

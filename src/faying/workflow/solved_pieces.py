@@ -18,6 +18,9 @@ from faying.interface.surface import ContactSurface
 from faying.joint.tangential import TangentialRows
 from faying.simulation.solution import Solution
 
+BENDING = "bending "
+"""What begins the names of arrays of bending moments, before that of the bolt."""
+
 _EXTREMES = tuple(field.name for field in fields(Envelope))
 
 
@@ -121,6 +124,10 @@ class Pieces:
         at = [one.name for one in self.metrics].index(metric)
         return np.concatenate([piece["metrics"][:, at] for piece in self])
 
+    def bending(self, bolt: str) -> Matrix:
+        """Return the bending moments of a bolt (n_row, 2, 2), NaN where there is no solution."""
+        return np.concatenate([piece[f"{BENDING}{bolt}"] for piece in self])
+
     def fields(self, rows: Sequence[int]) -> tuple[list[int], Matrix, Matrix]:
         """Return those of some rows that were kept, with pressures and gaps (n_row, n_point)."""
         known: dict[int, tuple[Vector, Vector]] = {}
@@ -185,6 +192,13 @@ def piece_of(
         pressure += list(solution.pressure[wanted])
         gap += list(solution.gap[wanted])
         envelopes.append(envelope_of(solution, own))
+    prefix = "bolt_bending."
+    bent = [one.name.removeprefix(prefix) for one in metrics if one.name.startswith(prefix)]
+    for bolt in bent:
+        moments = np.full((len(rows), 2, 2), np.nan)
+        for own, solution, _ in solved:
+            moments[own - rows.start] = solution.bolt_bending(bolt)
+        arrays[f"{BENDING}{bolt}"] = moments
     n_point = len(next(iter(solved))[1].system.contact.weights) if solved else 0
     arrays["kept"] = np.array(chosen, dtype=np.int64)
     arrays["pressure"] = np.array(pressure).reshape(-1, n_point)

@@ -1,30 +1,73 @@
-"""Strength of bolts over many solved cases, from their forces and bending moments alone."""
+"""Strength of bolts over many solved cases, and the cases that decide at the ends of preloads."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from faying._typing import Indices
+from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.check import Check
 from faying.assessment.joint_record import CaseState
 from faying.assessment.strength.checks import strength_checks
-from faying.assessment.strength.preload_ends import PreloadEnd
+from faying.assessment.strength.clamp_ends import clamp_checks
+from faying.assessment.strength.preload_ends import PreloadEnd, preload_ends
 from faying.assessment.strength.thread import Thread
+from faying.assessment.strength.tightening import PreloadRange
 from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.load import InputRow
 from faying.simulation.solution import Solution
+from faying.study.inputs.load_set import LoadSet
+from faying.study.keys.requirement_tables import MarginsSection
 from faying.workflow.solved_pieces import Pieces
 
-NO_DIRECTION = "of bending moments the size alone is kept here; faying run judges it"
-"""Why fatigue of bolts that are bent is not known."""
+STATIC = ""
+"""Name of the static cases among sets of cases."""
+
+ALL_STATIC = "all static cases"
+"""Where a range of stress over all of them is from."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoltStrengths:
+    """What the strength of bolts is judged by.
+
+    Attributes
+    ----------
+    threads
+        Of the bolts whose strength is judged.
+    ranges
+        Of the preloads.
+    margins
+        Standard that is demanded, with its factors.
+    """
+
+    threads: Mapping[str, Thread] = field(default_factory=dict)
+    ranges: Mapping[str, PreloadRange] = field(default_factory=dict)
+    margins: MarginsSection | None = None
+
+
+def deciding_loads(loads: LoadSet, static: Pieces | None) -> list[InputRow]:
+    """Return the static cases in which some metric is worst, as loads.
+
+    These alone are solved at the ends of the preloads and under factored loads.
+    """
+    rows = sorted({worst.row for worst in static.worst(1)}) if static is not None else []
+    return [InputRow(name=loads.names[row], row=loads.inputs[row]) for row in rows]
 
 
 def solved_strength(
-    threads: Mapping[str, Thread],
+    judged: BoltStrengths,
     rom: ReducedModel,
     sets: Mapping[str, Pieces],
     rest: Solution,
+    loads: LoadSet,
+    limits: Mapping[str, float],
 ) -> Iterator[Check]:
     """Yield the checks of the bolts whose threads are known, each in its worst case.
+
+    Where preloads scatter, the static cases that decide are solved at both ends, and bolt forces of
+    all others moved by as much as the preloads; clamp forces at the ends are judged then, too.
 
     Parameters
     ----------
@@ -32,53 +75,97 @@ def solved_strength(
         Solved cases: static ones under an empty name, and transients by name.
     rest
         The preloaded state.
+    limits : [force]
+        Interface to the least clamp force that is demanded of it.
     """
-    bent = {name for name in threads if rom.bolts[name].bending is not None}
+    if not rom.bolts:
+        return
     solved = {name: np.flatnonzero(_solved(pieces, rom)) for name, pieces in sets.items()}
-    end = PreloadEnd(
-        name="",
-        rest=CaseState(
-            pressure=np.empty((1, 0)),
-            bolt_forces={name: np.ravel(rest.bolt_force(name))[-1:] for name in rom.bolts},
-            bolt_moments={name: rest.bolt_bending(name).reshape(-1, 2, 2)[-1:] for name in bent},
-        ),
-        cases={
-            name: _state(pieces, rom, bent, solved[name])
-            for name, pieces in sets.items()
-            if len(solved[name])
-        },
-    )
-    for check in strength_checks(threads, [end], rom.units):
-        if check.quantity.startswith("fatigue") and check.part in bent:
-            yield Check(
-                part=check.part,
-                kind="bolt",
-                quantity=check.quantity,
-                outcome="unknown",
-                reason=NO_DIRECTION,
-            )
-            continue
+    preloaded = _rest(rom, rest)
+    nominal = {
+        name: _state(pieces, rom, solved[name])
+        for name, pieces in sets.items()
+        if len(solved[name])
+    }
+    rubs = bool(len(rom.contact.rubbing))
+    solving = [] if rubs else deciding_loads(loads, sets.get(STATIC))
+    anew = {load.name: load for load in solving}
+    ends = preload_ends(rom, preloaded, nominal, anew, judged.ranges)
+    if ends[0].solved:
+        yield from clamp_checks(ends, rom.interfaces, rom.bolts, limits, rom.units)
+    counted = {name: times for name, times in loads.repetitions.items() if times}
+    told_apart = [_told_apart(end, loads.names, solved, anew, counted) for end in ends]
+    for check in strength_checks(judged.threads, told_apart, rom.units, counted):
         label = check.case
         if check.instant is not None:  # the number of a row, as it was given below
             label = sets[check.case].named(check.case, int(check.instant))
-        elif check.quantity.startswith("fatigue"):  # of the range over all of them
-            label = label or "all static cases"
+        elif check.quantity.startswith("fatigue"):
+            label = label or ALL_STATIC
         yield replace(check, case=label, instant=None)
+
+
+def _told_apart(
+    end: PreloadEnd,
+    names: Sequence[str],
+    solved: Mapping[str, Indices],
+    anew: Mapping[str, InputRow],
+    counted: Mapping[str, float],
+) -> PreloadEnd:
+    """Return an end with what was solved anew among all static cases, and those counted apart."""
+    if STATIC not in end.cases:
+        return replace(end, solved=frozenset())
+    static = end.cases[STATIC]
+    place = {names[row]: number for number, row in enumerate(solved[STATIC].tolist())}
+    forces = {bolt: values.copy() for bolt, values in static.bolt_forces.items()}
+    moments = {bolt: values.copy() for bolt, values in static.bolt_moments.items()}
+    for name in end.solved & anew.keys() & place.keys():
+        state = end.cases[name]
+        for bolt, values in forces.items():
+            values[place[name]] = state.bolt_forces[bolt][0]
+        for bolt, bent in moments.items():
+            bent[place[name]] = state.bolt_moments[bolt][0]
+    merged = replace(static, bolt_forces=forces, bolt_moments=moments)
+    apart = {
+        name: replace(_rows(merged, [place[name]]), times=None) for name in counted if name in place
+    }
+    others = [number for name, number in place.items() if name not in apart]
+    cases = {name: state for name, state in end.cases.items() if name not in anew}
+    cases[STATIC] = _rows(merged, others)
+    if not others:
+        del cases[STATIC]
+    return replace(end, cases={**cases, **apart}, solved=frozenset())
+
+
+def _rows(state: CaseState, rows: Sequence[int]) -> CaseState:
+    chosen = list(rows)
+    return replace(
+        state,
+        pressure=state.pressure[chosen],
+        bolt_forces={bolt: values[chosen] for bolt, values in state.bolt_forces.items()},
+        bolt_moments={bolt: values[chosen] for bolt, values in state.bolt_moments.items()},
+        times=None if state.times is None else state.times[chosen],
+    )
 
 
 def _solved(pieces: Pieces, rom: ReducedModel) -> np.ndarray:
     return ~np.isnan(pieces.column(f"bolt_force.{next(iter(rom.bolts))}"))
 
 
-def _state(pieces: Pieces, rom: ReducedModel, bent: set[str], rows: np.ndarray) -> CaseState:
+def _rest(rom: ReducedModel, rest: Solution) -> CaseState:
+    return CaseState(
+        pressure=rest.pressure.reshape(-1, rom.contact.n_points)[-1:],
+        bolt_forces={name: np.ravel(rest.bolt_force(name))[-1:] for name in rom.bolts},
+        bolt_moments={
+            name: rest.bolt_bending(name).reshape(-1, 2, 2)[-1:] for name in bent_bolts(rom.bolts)
+        },
+    )
+
+
+def _state(pieces: Pieces, rom: ReducedModel, rows: Indices) -> CaseState:
     """Return cases as one over "time", which is their number."""
-    moments = {}
-    for name in bent:
-        moments[name] = np.zeros((len(rows), 2, 2))
-        moments[name][:, 0, 0] = pieces.column(f"bolt_bending.{name}")[rows]
     return CaseState(
         pressure=np.empty((len(rows), 0)),
         bolt_forces={name: pieces.column(f"bolt_force.{name}")[rows] for name in rom.bolts},
-        bolt_moments=moments,
+        bolt_moments={name: pieces.bending(name)[rows] for name in bent_bolts(rom.bolts)},
         times=rows.astype(float),
     )

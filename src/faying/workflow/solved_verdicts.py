@@ -1,6 +1,7 @@
 """Requirements judged over many solved cases, from their metrics and envelopes alone."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,7 +11,6 @@ from faying.assessment.opening import areas_that_open, opening_factors
 from faying.assessment.requirements import ClosedRing, Requirements, Verdict
 from faying.assessment.sealing import Ring, ring_around
 from faying.assessment.slip_demand import NO_FRICTION, SlipDemand, slip_coefficients
-from faying.assessment.strength.thread import Thread
 from faying.assessment.verdicts import (
     no_opening,
     opening_verdicts,
@@ -27,8 +27,9 @@ from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.solution import Solution
 from faying.simulation.static_case import solve_static
 from faying.study.inputs.load_set import LoadSet
+from faying.study.judgement.margins import NASA, demanded_checks
 from faying.workflow.solved_pieces import Pieces
-from faying.workflow.solved_strength import solved_strength
+from faying.workflow.solved_strength import BoltStrengths, deciding_loads, solved_strength
 
 MOST_PATHS = 200
 """Static cases that are followed to their openings: up to seconds each."""
@@ -114,13 +115,15 @@ def solved_assessment(
     static: Pieces | None,
     transients: Mapping[str, Pieces],
     rest: Solution | None = None,
-    threads: Mapping[str, Thread] | None = None,
+    strengths: BoltStrengths | None = None,
 ) -> Assessment:
     """Return bolts and interfaces over all cases, as far as metrics tell, with the verdicts."""
+    judged = BoltStrengths() if strengths is None else strengths
     sets = {**({} if static is None else {"": static}), **transients}
     preloaded = solve_static(rom) if rest is None else rest
     demands = _slip_demands(wanted, rom, static)
-    return Assessment(
+    limits = wanted_clamps(wanted.min_clamp_force, rom.interfaces)
+    assessment = Assessment(
         bolts={
             name: _bolt(name, sets, float(np.ravel(preloaded.bolt_force(name))[-1]))
             for name in rom.bolts
@@ -137,8 +140,24 @@ def solved_assessment(
         },
         verdicts=tuple(solved_verdicts(wanted, rom, loads, static, transients, rest)),
         open_below=wanted.open_share,
-        checks=tuple(solved_strength(threads or {}, rom, sets, preloaded)),
+        checks=tuple(solved_strength(judged, rom, sets, preloaded, loads, limits)),
     )
+    factored = deciding_loads(loads, static)
+    if judged.margins is None or (judged.margins.standard == NASA and not factored):
+        return assessment
+    rubbing = {name: one.friction for name, one in rom.interfaces.items() if one.friction > 0}
+    coefficients = rubbing | _coefficients(wanted, rom)
+    checks = demanded_checks(
+        judged.margins,
+        judged.ranges,
+        rom,
+        judged.threads,
+        factored,
+        coefficients,
+        assessment,
+        rom.units,
+    )
+    return replace(assessment, checks=checks)
 
 
 def _bolt(name: str, sets: Mapping[str, Pieces], preload: float) -> BoltAssessment:

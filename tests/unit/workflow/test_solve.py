@@ -16,6 +16,7 @@ from typer.testing import CliRunner
 import faying as fy
 from faying.assessment.case_metrics import metrics_of
 from faying.assessment.strength.thread import Thread
+from faying.assessment.strength.tightening import PreloadRange, variation_of
 from faying.cli import app
 from faying.exceptions import ConvergenceError, FormatError, StudyError
 from faying.execution.checkpoint import Checkpoint
@@ -23,6 +24,7 @@ from faying.files import contents
 from faying.study.inputs.load_set import read_loads
 from faying.study.inputs.load_table import read_load_table
 from faying.study.keys.requirement_rules import requirements_of
+from faying.study.keys.requirement_tables import MarginsSection
 from faying.study.keys.schema import read_load_cases, read_study
 from faying.study.results.store import read_results
 from faying.workflow import solve_cases
@@ -662,6 +664,53 @@ def test_strength_is_judged_over_all_cases(rom, tmp_path):
     assert not summary["verdict"]["holds"]
     assert all(one["instant"] is None for one in bolt["checks"])
     assert found["tightening"]["case"] == ""  # before any load
+
+
+def test_fatigue_and_the_ends_of_preloads_are_judged_over_all_cases(rom, tmp_path):
+    """As ``fy.assess`` judges them, where the cases that decide are those solved anew."""
+    forces = {"a": -10.0, "b": -150.0, "c": -50.0, "d": 120.0}
+    path = tmp_path / "loads.csv"
+    rows = "".join(f"{name},{force}\n" for name, force in forces.items())
+    path.write_text(f"case,tip.Fz\n{rows}")
+    thread = Thread(diameter=6.0, pitch=1.0, grade="8.8", friction=0.12)
+    spread = PreloadRange(variation=variation_of(1.6))
+    options = SolveOptions(
+        threads={"bolt": thread},
+        ranges={"bolt": spread},
+        margins=MarginsSection(standard="nasa-std-5020b", FS_u=1.4),
+    )
+    summary = solve_loads(rom, read_loads(path, rom), tmp_path / "out", options).summary
+    each = [fy.Load({"tip.Fz": force}, name=name) for name, force in forces.items()]
+    scatter = fy.PreloadScatter(tightening_factor=1.6, samples=1)
+    threads = {"bolt": thread}
+    expected = fy.assess(rom, each, threads=threads, paths=False, scatter=scatter).checks
+    checks = [check for part in summary["verdict"]["parts"] for check in part["checks"]]
+    found = {(check["part"], check["quantity"]): check for check in checks}
+    assert any(bolt.bending is not None for bolt in rom.bolts.values())
+    for check in expected:
+        solved = found[check.part, check.quantity]
+        assert (solved["scatter"], solved["outcome"]) == (check.scatter, check.outcome)
+        assert solved["value"] == pytest.approx(check.value, rel=1e-8)  # of the initial forces
+    assert {"MS_u", "MS_sep"} <= {quantity for _, quantity in found}
+
+
+def test_histories_are_counted_where_load_cases_say_how_often_they_come(rom, tmp_path):
+    path = tmp_path / "loads.toml"
+    case = '[[load_case]]\nname = "NAME"\nkind = "static"\nrepetitions = 1e5\n'
+    forces = 'forces = [{ boundary = "tip", component = "Fx", value = 90.0 }]\n'
+    path.write_text((case + forces).replace("NAME", "often") + LOADS)
+    thread = Thread(diameter=2.0, pitch=0.4, grade="8.8")
+    options = SolveOptions(threads={"bolt": thread})
+    summary = solve_loads(rom, read_loads(path, rom), tmp_path / "out", options).summary
+    found = {check["quantity"]: check for check in summary["verdict"]["parts"][0]["checks"]}
+    counted = found["fatigue, Miner's sum"]
+    assert counted["case"] == "often"
+    assert counted["value"] > 0
+    load = fy.Load({"tip.Fx": 90.0}, name="often")
+    amplitude = fy.assess(rom, [load], threads={"bolt": thread}, paths=False)
+    (once,) = (check for check in amplitude.checks if check.quantity == "fatigue")
+    # One cycle each time, N = N_D (σ_ASV/σ_a)³
+    assert counted["value"] == pytest.approx(1e5 / 2e6 * (once.value / once.limit) ** 3, rel=1e-8)
 
 
 def test_a_requirement_that_cannot_be_judged_is_not_met(model_file, tmp_path):

@@ -29,7 +29,7 @@ from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import surroundings
 from faying.joint.system import System
 from faying.joint.tangential import TangentialRows
-from faying.simulation.load import Load
+from faying.simulation.load import NamedLoad
 from faying.simulation.solution import Solution
 from faying.simulation.static import AT_REST
 from faying.simulation.without_friction import solved_without_friction
@@ -105,7 +105,7 @@ def margin_checks(
     surfaces: Mapping[str, ContactSurface],
     rows: Sequence[TangentialRows],
     threads: Mapping[str, Thread],
-    loads: Sequence[Load],
+    loads: Sequence[NamedLoad],
     preloads: Mapping[str, float],
     ranges: Mapping[str, PreloadRange],
     factors: DesignFactors,
@@ -179,7 +179,7 @@ def margin_checks(
 
 
 def _factored(
-    system: System, loads: Sequence[Load], end: str, initial: Vector, factor: float
+    system: System, loads: Sequence[NamedLoad], end: str, initial: Vector, factor: float
 ) -> _Factored:
     """Solve rest and factored loads with the initial forces (n_bolt,) of one end."""
     start = np.zeros(1)

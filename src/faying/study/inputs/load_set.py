@@ -1,7 +1,7 @@
 """Loads for a reduced model: static cases as one matrix, and transients one by one."""
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -68,6 +68,8 @@ class LoadSet:
         What the file of the loads demands of the joint; None if it says nothing.
     remarks
         What is to be said of the file.
+    repetitions
+        Load case to how often it comes in the life of the joint, where that is known.
     """
 
     names: tuple[str, ...]
@@ -75,6 +77,7 @@ class LoadSet:
     transients: tuple[TimedLoad, ...]
     requirement: RequirementSection | None = None
     remarks: tuple[str, ...] = ()
+    repetitions: Mapping[str, float] = field(default_factory=dict)
 
 
 def read_loads(
@@ -164,6 +167,7 @@ def _of_cases(cases: Sequence[LoadCaseSection], rom: ReducedModel) -> LoadSet:
     return LoadSet(
         names=tuple(load.name for load in static),
         inputs=np.concatenate(rows) if rows else np.zeros((0, width)),
+        repetitions={case.name: case.repetitions for case in cases if case.repetitions},
         transients=_checked(
             rom,
             (

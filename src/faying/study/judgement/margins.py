@@ -7,14 +7,13 @@ from faying.assessment.joint_record import Assessment
 from faying.assessment.strength.nasa_std_5020b import DesignFactors, margin_checks
 from faying.assessment.strength.safeties import Safeties, with_safeties
 from faying.assessment.strength.thread import Thread
+from faying.assessment.strength.tightening import PreloadRange
 from faying.joint.model import Model
 from faying.joint.tangential import tangential_rows
 from faying.reduction.projection import contact_surfaces
 from faying.reduction.reduced_model import ReducedModel
-from faying.simulation.load import Load
+from faying.simulation.load import NamedLoad
 from faying.study.keys.requirement_tables import MarginsSection
-from faying.study.keys.tables import Study
-from faying.study.keys.threads import preload_ranges
 
 NASA, VDI = "nasa-std-5020b", "vdi-symbols"
 
@@ -33,22 +32,26 @@ def design_factors(section: MarginsSection) -> DesignFactors:
 
 
 def demanded_checks(
-    study: Study,
+    margins: MarginsSection | None,
+    ranges: Mapping[str, PreloadRange],
     system: Model | ReducedModel,
     threads: Mapping[str, Thread],
-    loads: Sequence[Load],
+    loads: Sequence[NamedLoad],
     coefficients: Mapping[str, float],
-    found: Assessment,
+    assessment: Assessment,
+    units: str,
 ) -> tuple[Check, ...]:
     """Return the checks of bolts with what the standard of a study adds to them.
 
     Parameters
     ----------
+    ranges
+        Bolt to the range of its preload.
     loads
         Static load cases.
     coefficients
         Interface to the coefficient slip is judged with.
-    found
+    assessment
         With the checks of the strength of bolts.
 
     Raises
@@ -56,22 +59,21 @@ def demanded_checks(
     ModelError, ConvergenceError
         As :func:`faying.assessment.strength.nasa_std_5020b.margin_checks`.
     """
-    wanted = study.requirement.margins
-    if wanted is None:
-        return found.checks
-    if wanted.standard == VDI:
-        safeties = Safeties(yields=wanted.S_F, fatigue=wanted.S_D, pressure=wanted.S_p)
-        return tuple(with_safeties(found.checks, safeties))
-    margins = margin_checks(
+    if margins is None:
+        return assessment.checks
+    if margins.standard == VDI:
+        safeties = Safeties(yields=margins.S_F, fatigue=margins.S_D, pressure=margins.S_p)
+        return tuple(with_safeties(assessment.checks, safeties))
+    added = margin_checks(
         system,
         contact_surfaces(system) if isinstance(system, Model) else system.interfaces,
         tangential_rows(system) if isinstance(system, Model) else system.tangential,
         threads,
         loads,
-        {name: bolt.preload for name, bolt in found.bolts.items()},
-        preload_ranges(study),
-        design_factors(wanted),
+        {name: bolt.preload for name, bolt in assessment.bolts.items()},
+        ranges,
+        design_factors(margins),
         coefficients,
-        study.units,
+        units,
     )
-    return (*found.checks, *margins)
+    return (*assessment.checks, *added)

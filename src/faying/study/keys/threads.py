@@ -1,6 +1,7 @@
 """The threads of the bolts of a study, and the forces that torque or utilisation bring them to."""
 
 import tomllib
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +15,7 @@ from faying.assessment.strength.tightening import (
     variation_of,
 )
 from faying.study.keys.model_tables import BoltSection
-from faying.study.keys.requirement_tables import MarginsSection
+from faying.study.keys.requirement_tables import MarginsSection, RequirementSection, ScatterSection
 from faying.study.keys.tables import Study
 
 
@@ -63,39 +64,62 @@ def threads_of(study: Study) -> dict[str, Thread]:
 
 
 def preload_ranges(study: Study) -> dict[str, PreloadRange]:
-    """Return how far the preloads of the bolts whose size and grade are known scatter."""
-    losses = _losses(study.requirement.margins)
+    """Return how far the preloads of the bolts of a study scatter."""
+    return _ranges(study.bolts, study.preload_scatter, study.requirement.margins, study.units)
+
+
+def stored_ranges(text: str, units: str) -> dict[str, PreloadRange]:
+    """Return the ranges of a study that was checked before; its files need not be here."""
+    tables = tomllib.loads(text)
+    bolts = [BoltSection.model_validate(bolt) for bolt in tables.get("bolt", [])]
+    scatter = tables.get("preload_scatter")
+    return _ranges(
+        bolts,
+        None if scatter is None else ScatterSection.model_validate(scatter),
+        RequirementSection.model_validate(tables.get("requirement", {})).margins,
+        units,
+    )
+
+
+def _ranges(
+    bolts: Sequence[BoltSection],
+    scatter: ScatterSection | None,
+    margins: MarginsSection | None,
+    units: str,
+) -> dict[str, PreloadRange]:
+    losses = _losses(margins)
     ranges = {}
-    for bolt in study.bolts:
-        least, most = _of_friction(study, bolt)
+    for bolt in bolts:
+        smallest, largest = _of_friction(bolt, scatter, units)
         ranges[bolt.name] = replace(
             losses,
-            variation=variation_in(study, bolt),
-            least_control=losses.least_control * least,
-            most_control=losses.most_control * most,
+            variation=variation_in(bolt, scatter),
+            least_control=losses.least_control * smallest,
+            most_control=losses.most_control * largest,
         )
     return ranges
 
 
-def _of_friction(study: Study, bolt: BoltSection) -> tuple[float, float]:
+def _of_friction(
+    bolt: BoltSection, scatter: ScatterSection | None, units: str
+) -> tuple[float, float]:
     """Return the preload of a torque where friction is largest and smallest, over that meant."""
-    scatter, thread = study.preload_scatter, thread_of(bolt, study.units)
+    thread = thread_of(bolt, units)
     if scatter is None or scatter.thread_friction is None or scatter.head_friction is None:
         return 1.0, 1.0
     if thread is None or thread.head_diameter is None:
         return 1.0, 1.0
     in_thread, at_head = np.array([scatter.thread_friction, scatter.head_friction])
     meant = thread.torque_per_force(in_thread.mean(), at_head.mean())
-    most, least = meant / thread.torque_per_force(in_thread, at_head)
-    return float(least), float(most)
+    largest, smallest = meant / thread.torque_per_force(in_thread, at_head)
+    return float(smallest), float(largest)
 
 
-def variation_in(study: Study, bolt: BoltSection) -> float:
+def variation_in(bolt: BoltSection, scatter: ScatterSection | None) -> float:
     """Return Γ of the preload of a bolt, its own or that of all."""
     if bolt.gamma is not None:
         return bolt.gamma
-    every = study.preload_scatter
-    return variation_of(bolt.tightening_factor or (every.tightening_factor if every else 1.0))
+    return variation_of(bolt.tightening_factor or (scatter.tightening_factor if scatter else 1.0))
 
 
 def _losses(margins: MarginsSection | None) -> PreloadRange:
@@ -137,7 +161,8 @@ def final_force(bolt: BoltSection, units: str, variation: float = 0.0) -> float 
 def final_forces(study: Study) -> dict[str, float]:
     """Return the forces that bolts of a study are tightened to, of those that are."""
     forces = {
-        bolt.name: final_force(bolt, study.units, variation_in(study, bolt)) for bolt in study.bolts
+        bolt.name: final_force(bolt, study.units, variation_in(bolt, study.preload_scatter))
+        for bolt in study.bolts
     }
     return {name: force for name, force in forces.items() if force is not None}
 

@@ -113,7 +113,10 @@ def assess_run(
             found = with_threads(found, states, threads, study.units, ends, counted)
         with extras.attempt("margins of bolts"):
             every, rubs = [case_load(case) for case in static], _coefficients(model, study, wanted)
-            checks = demanded_checks(study, exact, threads, every, rubs, found)
+            margins, ranges = study.requirement.margins, preload_ranges(study)
+            checks = demanded_checks(
+                margins, ranges, exact, threads, every, rubs, found, study.units
+            )
             return replace(found, checks=checks)
         return found
     return None
