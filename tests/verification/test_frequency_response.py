@@ -6,7 +6,7 @@ import scipy.sparse as sp
 from test_backbone import DAMPER, MASS, SLIDER, SPRING, mass_on_a_slider
 
 import faying as fy
-from faying.assessment.frequency_response import _Setting
+from faying.assessment.forced_joint import ForcedJoint
 from faying.contact.contact import Contact
 from faying.contact.laws import Penalty
 from faying.exceptions import ModelError
@@ -52,13 +52,13 @@ def test_where_nothing_slips_it_is_the_linear_response(slider):
 def test_derivatives_are_those_of_the_path(lap):
     """Through slip, opening and both periods; also by the frequency."""
     rest = fy.solve_path(lap, [fy.Load()])
-    setting = _Setting.of(lap, {"tip.Fz": 1.0, "tip.Fy": 0.5j}, rest, np.array([600.0]))
-    modes = setting.modes(2)
-    points = np.flatnonzero(setting.stuck.forces[0] >= 0)
+    forced = ForcedJoint.of(lap, {"tip.Fz": 1.0, "tip.Fy": 0.5j}, rest, np.array([600.0]))
+    modes = forced.modes(2)
+    points = np.flatnonzero(forced.stuck.forces[0] >= 0)
     problem = PeriodicProblem(
-        stuck=setting.stuck,
-        local=setting.stuck.local(points),
-        loads=ModalLoads.of(lap, setting.stuck, setting.inputs, modes.shapes),
+        stuck=forced.stuck,
+        local=forced.stuck.local(points),
+        loads=ModalLoads.of(lap, forced.stuck, forced.inputs, modes.shapes),
         level=20.0,
         n_harmonic=2,
         samples=24,

@@ -1,6 +1,6 @@
 """Responses to harmonic loads over frequency, one curve for each level of the load."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, final
 
@@ -105,6 +105,8 @@ class ResponseCurve:
         Frequencies at which no motion was found, and why.
     contact
         What its points did; None of an estimate.
+    remarks : (n_remark,)
+        What a reader should know.
     """
 
     level: float
@@ -113,6 +115,7 @@ class ResponseCurve:
     harmonics: ComplexMatrix
     missed: tuple[str, ...] = ()
     contact: ContactInMotion | None = None
+    remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "frequency", frozen(self.frequency))
@@ -236,6 +239,15 @@ class FrequencyResponse(Shown):
         below.set_xlabel(f"frequency [1/{units.time}]")
         above.legend()
         return above, below
+
+
+def remarks_of(curves: Sequence[ResponseCurve]) -> tuple[str, ...]:
+    """Return what a reader should know of curves, frequencies without a motion included."""
+    return tuple(
+        f"level {curve.level:g}, {text}"
+        for curve in curves
+        for text in (*curve.remarks, *curve.missed)
+    )
 
 
 def boundary_components(system: System) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ method are judged by what the same factors leave of the next one (natural monoto
 Deuflhard, Newton Methods for Nonlinear Problems, 2011, §3.3): residuals say nothing at a resonance.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import cast, final
 
@@ -168,13 +168,20 @@ def _newton(problem: PeriodicProblem, motion: Motion, across: Vector | None) -> 
     raise ConvergenceError(message)
 
 
-def trace(problem: PeriodicProblem, first: Vector, frequencies: Vector) -> "Traced":
+def trace(
+    problem: PeriodicProblem,
+    first: Vector,
+    frequencies: Vector,
+    progress: Callable[[int], object] | None = None,
+) -> "Traced":
     """Follow the curve from the first of some frequencies (n,) [1/time] to the last.
 
     Parameters
     ----------
     first : (size,)
         Unknowns to begin with.
+    progress
+        Called with 1 after each frequency.
     """
     points, missed = list[CurvePoint](), list[str]()
     targets = 2 * np.pi * frequencies
@@ -196,6 +203,8 @@ def trace(problem: PeriodicProblem, first: Vector, frequencies: Vector) -> "Trac
         if point is not None:
             problem = point.problem
         number += 1
+        if progress is not None:
+            progress(1)
     return Traced(points=points, missed=tuple(missed))
 
 
