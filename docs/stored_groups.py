@@ -18,9 +18,11 @@ from faying.assessment.mesh_error import MeshError
 from faying.assessment.penalty_sweep import PenaltySweep
 from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import Verdict
+from faying.assessment.response_curve import ContactInMotion, FrequencyResponse, ResponseCurve
 from faying.assessment.slip_demand import SlipDemand
 from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.strength.thread import ThreadStress
+from faying.assessment.transient_check import TransientCheck
 from faying.files.described import SPARSE
 from faying.files.meanings import Meaning, Table
 from faying.interface.interface import FacePairs
@@ -28,6 +30,7 @@ from faying.model.mesh import CellBlock
 from faying.reduction.mode_count import ModeCount
 from faying.reduction.model_fields import BOUNDARY, COORDINATES, PORTS
 from faying.study.inputs.jumps import Jump
+from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.results.nodal_motion import NodalMotion
 from faying.study.results.path_record import CycleRecord, PathRecord
 from faying.study.results.recovered import RecoveredRecord
@@ -87,6 +90,11 @@ GROUPS: dict[str, type] = {
     "/validation/penalty/sweep": PenaltySweep,
     "/validation/choices/METHOD": JointModeChoice,
     "/measurements/0": MeasuredCurve,
+    "/frequencies/NAME": FrequencyRecord,
+    "/frequencies/NAME/response": FrequencyResponse,
+    "/frequencies/NAME/response/curves/0": ResponseCurve,
+    "/frequencies/NAME/response/curves/0/contact": ContactInMotion,
+    "/frequencies/NAME/checks/0": TransientCheck,
     "/mode_choices/NAME": NormalModeChoice,
     "/ of recovered_HISTORY.h5": RecoveredRecord,
 }

@@ -242,15 +242,12 @@ def _row(system: System, point: CurvePoint) -> dict[str, float | Vector]:
     moved = (contact.rows @ displaced).reshape(k, contact.n_points, N)
     forces = np.zeros((3, contact.n_points, N))
     forces[:k] = stuck.forces[:k, :, None] - stuck.springs[:, :, None] * moved
-    steps = motion.steps[-N:]
+    path, watched = motion.path, problem.local.points
+    forces[:k, watched] = np.moveaxis(path.forces[-N:], 0, 2)
+    far = np.hypot(*np.moveaxis(path.slack[-N:], 1, 0))
+    pressed = path.forces[-N:, 0] > 0
     slips = np.zeros(contact.n_points, dtype=bool)
-    if steps:
-        watched = problem.local.points
-        forces[:, watched] = np.stack([step.increment.forces for step in steps], axis=2)
-        slack = np.array([step.increment.slack[1:] for step in steps])
-        pressed = np.array([step.increment.forces[0] > 0 for step in steps])
-        far = np.hypot(slack[:, 0], slack[:, 1])
-        slips[watched] = ((far > AT_BOUND * far.max(initial=0.0)) & pressed).any(axis=0)
+    slips[watched] = ((far > AT_BOUND * far.max(initial=0.0)) & pressed).any(axis=0)
     closed = forces[0] > 0
     bound = (1 - AT_BOUND) * contact.coefficients[:, None] * forces[0]
     sticks = closed & (np.hypot(forces[1], forces[2]) < bound)
@@ -269,7 +266,8 @@ def _row(system: System, point: CurvePoint) -> dict[str, float | Vector]:
         "damping_energy": np.pi
         * motion.circular
         * float((velocity.conj() * 1j * orders * damped).real.sum()),
-        "friction_energy": float(sum(step.dissipation for step in steps)),
+        "friction_energy": float(path.dissipation[-N:].sum()),
+        "motion_energy": (motion.circular * np.linalg.norm(motion.harmonics[0])) ** 2 / 2,
         "peak_pressure": float((forces[0] / weights[:, None]).max(initial=0.0)),
         "stick_share": float((weights @ sticks / area).min()),
         "slip_share": float(weights[slips].sum() / max(weights[ever].sum(), 1e-300)),

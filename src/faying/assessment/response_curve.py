@@ -53,7 +53,10 @@ class ContactInMotion:
         What the damping matrix takes.
     friction_energy : (n,) [force·length]
         What friction takes, by slip.
+    motion_energy : (n,) [force·length]
+        Largest kinetic energy of the first harmonic, ω² Σ |q|²/2 of the modes.
     peak_pressure : (n,) [force/length²]
+        Largest of all points.
     stick_share : (n,) [1]
         Least share of the closed area that sticks.
     slip_share : (n,) [1]
@@ -69,6 +72,7 @@ class ContactInMotion:
     load_work: Vector
     damping_energy: Vector
     friction_energy: Vector
+    motion_energy: Vector
     peak_pressure: Vector
     stick_share: Vector
     slip_share: Vector
@@ -86,6 +90,12 @@ class ContactInMotion:
         left = self.load_work - self.damping_energy - self.friction_energy
         return np.asarray(left / self.load_work)
 
+    @property
+    def damping_ratio(self) -> Vector:
+        """What damping and friction take over 4π times the energy of the motion (n,)."""
+        lost = self.damping_energy + self.friction_energy
+        return np.asarray(lost / (4 * np.pi * self.motion_energy))
+
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -94,11 +104,12 @@ class ResponseCurve:
 
     Attributes
     ----------
-    level
+    level : [1]
         Factor of the load.
     components : (n_boundary,)
         What moves, as ``"tip.uz"``.
     frequency : (n,) [1/time]
+        Cyclic, of the load.
     harmonics : (n, n_harmonic + 1, n_boundary) [length]
         h of u = u₀ + Re Σ h_k exp(i k ω t) about the joint at rest; k = 0 is its mean.
     missed : (n_missed,)
@@ -180,8 +191,8 @@ class FrequencyResponse(Shown):
 
     Attributes
     ----------
-    load
-        Complex amplitudes at level one.
+    load : [1]
+        Complex amplitudes at level one, each in the unit of what it loads.
     curves : (n_level,)
         One for each level.
     linear
@@ -209,10 +220,21 @@ class FrequencyResponse(Shown):
             "frequencies": f"{low:.5g} to {with_unit(high, unit)}",
         }
 
-    def plot(self, component: str, axes: "tuple[Axes, Axes] | None" = None) -> "tuple[Axes, Axes]":
+    def plot(
+        self,
+        component: str,
+        axes: "tuple[Axes, Axes] | None" = None,
+        *,
+        expected: "FrequencyResponse | None" = None,
+    ) -> "tuple[Axes, Axes]":
         """Draw amplitude over level (above) and phase (below) over frequency.
 
         The linear curve, of the joint whose closed points stick, is dashed.
+
+        Parameters
+        ----------
+        expected
+            Curves from the backbone of a mode, which are laid over as dotted lines.
 
         Raises
         ------
@@ -228,11 +250,19 @@ class FrequencyResponse(Shown):
         else:
             above, below = axes
         units = units_of(self.units)
-        lines = [(curve, f"level {curve.level:g}", "-") for curve in self.curves]
+        lines = [
+            (curve, f"level {curve.level:g}", f"C{i}.-") for i, curve in enumerate(self.curves)
+        ]
+        if expected is not None:
+            lines += [
+                (curve, "from the backbone" if i == 0 else "", f"C{i}:")
+                for i, curve in enumerate(expected.curves)
+            ]
         for curve, name, style in [*lines, (self.linear, "stuck", "k--")]:
             response = curve.response(component) / curve.level
-            above.semilogy(curve.frequency, np.abs(response), style, label=name)
-            below.plot(curve.frequency, np.angle(response, deg=True), style)
+            above.semilogy(curve.frequency, np.abs(response), style, label=name, markersize=3)
+            turned = np.unwrap(np.angle(response))
+            below.plot(curve.frequency, np.degrees(turned), style, markersize=3)
         unit = amplitude_unit(component, self.units)
         above.set_ylabel(f"amplitude of {component} per level [{unit}]")
         below.set_ylabel("phase [°]")

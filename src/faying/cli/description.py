@@ -9,6 +9,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from faying.cli.load_rows import case_rows, frequency_rows
 from faying.contact.laws import Coulomb, Penalty
 from faying.interface.interface import Interface
 from faying.joint.diagnosis import AS_A_WHOLE, FreeParts
@@ -23,14 +24,12 @@ from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary
 from faying.model.matrices import mass_properties
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
-from faying.simulation.integrators import named_integrator
 from faying.study.inputs.load_model import LoadedModel
 from faying.study.inputs.model_preview import Understood
 from faying.study.judgement.model_warnings import kept_share
 from faying.study.keys.deck_study import is_bare, quoted
-from faying.study.keys.tables import ForceSection, LoadCaseSection, Study
+from faying.study.keys.tables import Study
 from faying.study.keys.threads import forced_bolts
-from faying.study.stages.backbone_cases import cycle_increments
 
 MOST_IDS = 6
 """Elements of a bolt that are named."""
@@ -57,7 +56,10 @@ def described(study: Study, loaded: LoadedModel, found: Understood) -> Iterator[
     if model.boundaries:
         yield _boundaries(model)
     if study.load_cases:
-        yield _load_cases(study)
+        yield _table("Load cases", ["name", "kind", "loads", "time"], case_rows(study))
+    if study.frequencies:
+        columns = ["name", "loads", "levels", "frequencies"]
+        yield _table("Harmonic loads", columns, frequency_rows(study))
     if model.assembly.loads:
         yield _deck_loads(study, loaded)
         yield from _unused_loads(study, loaded)
@@ -356,44 +358,3 @@ def _boundary(boundary: Boundary) -> tuple[str, str, str]:
     shown = ", ".join(map(str, nodes)) if len(nodes) <= 4 else f"{len(nodes)} nodes"
     components = [FORCE_NAMES[c] for c in np.unique(boundary.components)]
     return boundary.name, shown, " ".join(components)
-
-
-def _load_cases(study: Study) -> Table:
-    rows = (
-        (case.name, case.kind, "; ".join(map(_force, case.forces)), _timing(case))
-        for case in study.load_cases
-    )
-    return _table("Load cases", ["name", "kind", "loads", "time"], rows)
-
-
-def _force(force: ForceSection) -> str:
-    amount = f"{force.value:g}" if force.file is None else force.file.name
-    if force.boundary is None:
-        return f"{amount} times {'deck load' if force.deck_load else 'temperature'} {force.target}"
-    return f"{force.boundary} {force.component} = {amount}"
-
-
-def _timing(case: LoadCaseSection) -> str:
-    if case.kind == "path":
-        return f"increments of {case.factors.name}" if case.factors else ""
-    if case.kind == "cycle":
-        amplitudes = ", ".join(f"{amplitude:g}" for amplitude in case.amplitudes or (1.0,))
-        return f"cycles of {amplitudes} times the loads until they repeat"
-    if case.kind == "backbone":
-        modes = ", ".join(map(str, case.modes))
-        half = cycle_increments(case) // 2
-        least = len(case.modes) * len(case.levels) * ((half + 1) // 2 + 2 * half)
-        return (
-            f"modes {modes} at {len(case.levels)} amplitudes each, cycles until they repeat: "
-            f"{least} increments at least"
-        )
-    if case.kind == "static":
-        return ""
-    step = f"{case.steps_per_period} per period" if case.step is None else f"{case.step:g}"
-    if case.tolerance is not None:
-        step += f" or less (within {case.tolerance:g} of the largest pressure)"
-    length = "as the history" if case.duration is None else f"{case.duration:g}"
-    if case.periods is not None:
-        length = f"{case.periods:g} period{'s' * (case.periods != 1)}"
-    rise = "" if case.rise_time is None else f", loads rising over {case.rise_time:g}"
-    return f"{length}, step {step}, {named_integrator(case.integrator).name}{rise}"

@@ -8,6 +8,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from faying.assessment.backbone import amplitude_unit
 from faying.assessment.transient_error import (
     EXACT,
     LARGE,
@@ -17,6 +18,7 @@ from faying.assessment.transient_error import (
     TRACTIONS_OBSERVED,
     remedy_hint,
 )
+from faying.display.facts import with_unit
 from faying.study.inputs.jumps import Jump, jump_sentence
 from faying.study.judgement.step_choice import StepChoice, choice_sentence
 from faying.study.results.second_solution import remedy_from, remedy_sentence, shapes_seconds
@@ -35,6 +37,8 @@ def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> Non
     cases = summary["load_cases"]
     # Pressures of backbones are those of the preloaded joint, which tell nothing of vibrations.
     pressed = {name: case for name, case in cases.items() if case["kind"] != "backbone"} or cases
+    for line in _peaks(summary):
+        console.print(line, highlight=False, soft_wrap=True)
     full = all(case["reference"]["model"] == FULL_MODEL for case in cases.values())
     of = FULL_MODEL if full else "reference"
     table = Table(title=f"Largest pressure error over the largest pressure of the {of}")
@@ -45,7 +49,8 @@ def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> Non
     methods = dict.fromkeys(name for case in cases.values() for name in case["methods"])
     for method in methods:
         table.add_row(method, *_row(method, list(pressed.values())))
-    console.print(table)
+    if cases:
+        console.print(table)
     for line in _backbones(cases):
         console.print(line, highlight=False, soft_wrap=True)
     for line in _estimates(cases):
@@ -101,6 +106,23 @@ def _row(method: str, cases: list[Mapping[str, Any]]) -> list[str]:
     largest = max(sizes, key=int)
     found = [case["methods"].get(method, {}).get(largest) for case in cases]
     return [largest, *(_percent(entry) for entry in found)]
+
+
+def _peaks(summary: Mapping[str, Any]) -> Iterator[str]:
+    """Say where responses to harmonic loads peak, and what transients say of it."""
+    for name, found in summary.get("frequencies", {}).items():
+        units = units_of(summary["units"])
+        for one in found["levels"]:
+            size = amplitude_unit(found["component"], summary["units"])
+            ratio = f"damping ratio {one['damping_ratio']:.2%}"
+            missed = f", {one['missed']} frequencies without a motion" if one["missed"] else ""
+            yield (
+                f"{name}, level {one['level']:g}: {found['component']} peaks at "
+                f"{with_unit(one['frequency'], '1/' + units.time)} with "
+                f"{with_unit(one['amplitude'], size)}, {ratio}{missed}"
+            )
+        for one in found["checks"]:
+            yield f"{name}, {one['sentence']}"
 
 
 def _backbones(cases: Mapping[str, Any]) -> Iterator[str]:

@@ -53,8 +53,11 @@ def _compute(path: Path, out: Path, *, resume: bool, workers: int, scheduler: st
     from faying.study.keys.schema import read_study
 
     study = read_study(path)
-    if not study.load_cases:
-        message = f"{path.name} has no [[load_case]]; add one, there is nothing to compute"
+    if not study.load_cases and not study.frequencies:
+        message = (
+            f"{path.name} has neither [[load_case]] nor [[frequency]]; add one, there is nothing "
+            "to compute"
+        )
         raise StudyError(message)
     usable_folder(out)
     from rich.console import Console

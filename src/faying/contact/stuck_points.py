@@ -6,8 +6,8 @@ points c exert besides what their springs would,
 
     δ = T₀ (Σ V + G_cᵀ μ),   T₀ = (Σ + B)⁻¹ = (I + S B)⁻¹ S,                               (F10)
 
-so that points c alone are a contact problem between the pairs P that they touch, of the compliance
-(T₀⁻¹ − G_cᵀ B_c G_c)⁻¹ there: exact as long as all other points do stay as they are.
+so that points c alone are a contact problem, of the compliance G_c T₀ G_cᵀ: exact as long as all
+other points do stay as they are.
 """
 
 from dataclasses import dataclass, replace
@@ -156,50 +156,8 @@ class StuckPoints:
 
     def local(self, points: Indices) -> "LocalContact":
         """Return the contact problem of some points (n,), rising."""
-        contact = self.contact
-        pairs, _ = _restricted(contact.rows, points, contact.n_points)
-        chosen = np.zeros(contact.n_points, dtype=bool)
-        chosen[points] = True
-        slices, start = {}, 0
-        for name, at in contact.slices.items():
-            count = int(chosen[at].sum())
-            slices[name] = slice(start, start + count)
-            start += count
-        shear = contact.shear
-        if shear is not None:
-            rubbing = np.tile(chosen[contact.rubbing], 2)
-            shear = shear[rubbing][:, pairs].tocsr()
-        part = replace(
-            contact,
-            relative_operator=contact.relative_operator[pairs],
-            interpolation=contact.interpolation[points][:, pairs].tocsr(),
-            initial_gap=contact.initial_gap[points],
-            weights=contact.weights[points],
-            slices=slices,
-            residual_compliance=None,
-            places=None,
-            shear=shear,
-            tangents=None if contact.tangents is None else contact.tangents[:, points],
-        )
-        k = len(self.springs)
-        rows = sp.csr_array(_blocks(contact.rows, points, contact.n_points)[:, pairs])
-        springs = self.springs[:, points]
-        block = (rows.T @ sp.diags_array(springs.ravel()) @ rows).tocsr()
-        held = self.compliance[np.ix_(pairs, pairs)]
-        core = np.eye(len(pairs)) - held @ block
-        free = np.linalg.solve(core, held)
-        return LocalContact(
-            points=points,
-            pairs=pairs,
-            rows=rows,
-            springs=springs,
-            block=block,
-            condensed=CondensedContact(contact=part, compliance=(free + free.T) / 2),
-            forces=self.forces[:, points],
-            slip=self.slip[:, points],
-            moved=self.moved[pairs],
-            components=k,
-        )
+        pairs, rows = _restricted(self.contact.rows, points, self.contact.n_points)
+        return LocalContact(whole=self, points=points, pairs=pairs, rows=rows)
 
 
 @final
@@ -209,72 +167,110 @@ class LocalContact:
 
     Attributes
     ----------
+    whole
+        All points.
     points : (n_local,)
     pairs : (n_touched,)
         Which they touch.
     rows : (components n_local, n_touched)
-        What those move at the points.
-    springs : (components, n_local) [force/length]
-    block : (n_touched, n_touched) [force/length]
-        Springs between the pairs.
-    condensed
-        Their contact problem.
-    forces, slip, moved
-        At rest, (3, n_local), (2, n_local) and (n_touched,).
-    components
+        G_c, what those move at the points.
     """
 
+    whole: StuckPoints
     points: Indices
     pairs: Indices
     rows: SparseMatrix
-    springs: Matrix
-    block: SparseMatrix
-    condensed: CondensedContact
-    forces: Matrix
-    slip: Matrix
-    moved: Vector
-    components: int
-
-    @property
-    def contact(self) -> Contact:
-        """Of the points alone."""
-        return self.condensed.contact
 
     @cached_property
-    def S(self) -> Matrix:
-        """Compliance between the pairs with the other points stuck [length/force]."""
-        return np.asarray(self.condensed.compliance)
+    def contact(self) -> Contact:
+        """Of the points alone."""
+        contact, pairs = self.whole.contact, self.pairs
+        chosen = np.zeros(contact.n_points, dtype=bool)
+        chosen[self.points] = True
+        slices, start = {}, 0
+        for name, at in contact.slices.items():
+            count = int(chosen[at].sum())
+            slices[name] = slice(start, start + count)
+            start += count
+        shear = contact.shear
+        if shear is not None:
+            rubbing = np.tile(chosen[contact.rubbing], 2)
+            shear = shear[rubbing][:, pairs].tocsr()
+        return replace(
+            contact,
+            relative_operator=contact.relative_operator[pairs],
+            interpolation=contact.interpolation[self.points][:, pairs].tocsr(),
+            initial_gap=contact.initial_gap[self.points],
+            weights=contact.weights[self.points],
+            slices=slices,
+            residual_compliance=None,
+            places=None,
+            shear=shear,
+            tangents=None if contact.tangents is None else contact.tangents[:, self.points],
+        )
+
+    @property
+    def components(self) -> int:
+        """Components of force at a point."""
+        return len(self.whole.springs)
+
+    @cached_property
+    def springs(self) -> Matrix:
+        """Springs of the points (components, n_local) [force/length]."""
+        return self.whole.springs[:, self.points]
+
+    @cached_property
+    def forces(self) -> Matrix:
+        """Forces at rest (components, n_local)."""
+        return self.whole.forces[: self.components, self.points]
+
+    @cached_property
+    def slip(self) -> Matrix:
+        """Slip at rest (2, n_local) [length]."""
+        return self.whole.slip[:, self.points]
+
+    @cached_property
+    def at_rest(self) -> Matrix:
+        """Gap and tangential displacements at rest (components, n_local) [length]."""
+        moved = self.contact.moved(self.whole.moved[self.pairs])
+        return np.asarray((moved + self.contact.offset(self.slip))[: self.components])
+
+    @cached_property
+    def compliance(self) -> Matrix:
+        """G_c T₀ G_cᵀ (components n_local, components n_local) [length/force]."""
+        held = self.whole.compliance[np.ix_(self.pairs, self.pairs)]
+        return np.asarray(self.rows @ (self.rows @ held).T)
 
     @cached_property
     def laws(self) -> LawsAtPoints:
         """What the points answer."""
         return LawsAtPoints(contact=self.contact)
 
-    def released(self, restrained: Matrix) -> Matrix:
-        """Return what loads move the pairs (n_touched, k) without the springs of these points."""
-        return np.asarray(restrained + self.S @ (self.block @ restrained))
+    @cached_property
+    def released(self) -> CondensedContact:
+        """The contact problem between the pairs without the springs of these points."""
+        block = self.block
+        held = self.whole.compliance[np.ix_(self.pairs, self.pairs)]
+        free = np.linalg.solve(np.eye(len(self.pairs)) - held @ block, held)
+        return CondensedContact(contact=self.contact, compliance=(free + free.T) / 2)
 
     @cached_property
-    def unloaded(self) -> Vector:
-        """Where the pairs would be at rest without the forces of these points (n_touched,)."""
-        return np.asarray(self.moved - self.S @ self.at_pairs(self.forces[: self.components]))
+    def block(self) -> SparseMatrix:
+        """Springs of the points between the pairs (n_touched, n_touched) [force/length]."""
+        return (self.rows.T @ sp.diags_array(self.springs.ravel()) @ self.rows).tocsr()
 
-    def at_pairs(self, forces: Matrix) -> Matrix:
-        """Return forces (components, n_local, ...) between the pairs (n_touched, ...)."""
-        shape = (self.rows.shape[0], *forces.shape[2:])
-        return np.asarray(self.rows.T @ forces.reshape(shape))
-
-    def besides(self, forces: Matrix, moved: Matrix) -> Matrix:
-        """Return Gᵀ μ (n_touched, n_sample).
+    def moved(self, restrained: Vector, beside: Vector) -> Vector:
+        """Return where pairs are (n_touched,) under loads and forces beside the springs.
 
         Parameters
         ----------
-        forces : (components, n_local, n_sample)
-        moved : (n_touched, n_sample)
-            Of the pairs, absolute.
+        restrained : (n_touched,) [length]
+            What the loads move them with all points stuck.
+        beside : (components n_local,) [force]
+            μ.
         """
-        change = forces - self.forces[: self.components, :, None]
-        return np.asarray(self.at_pairs(change) + self.block @ (moved - self.moved[:, None]))
+        held = self.whole.compliance[np.ix_(self.pairs, self.pairs)]
+        return np.asarray(self.whole.moved[self.pairs] + restrained + held @ (self.rows.T @ beside))
 
 
 def _blocks(rows: SparseMatrix, points: Indices, n: int) -> SparseMatrix:

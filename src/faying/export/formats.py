@@ -32,11 +32,13 @@ DEFAULT_METHOD = "compliance"
 LINEAR = "linear hand-over"
 CONTACT = "contact-capable hand-over"
 PICTURES = "pictures"
+CURVES = "curves"
 
 MEANINGS = {
     LINEAR: "the joint linearized at its preloaded state; it neither opens nor closes",
     CONTACT: "the receiving program opens and closes the joint",
     PICTURES: "to look at; no model is handed over",
+    CURVES: "responses to harmonic loads; no model is handed over",
 }
 """What each class of hand-over can do."""
 
@@ -53,7 +55,7 @@ class Format:
     module
         Where its ``write`` is.
     kind
-        ``LINEAR``, ``CONTACT`` or ``PICTURES``.
+        ``LINEAR``, ``CONTACT``, ``PICTURES`` or ``CURVES``.
     suffix
         Of the file it writes; empty where that is a folder.
     extra
@@ -76,6 +78,9 @@ FORMATS = {
     "exudyn": Format(module="faying.export.exudyn", kind=CONTACT, suffix=".py", extra="exudyn"),
     "vtk": Format(module="faying.export.vtk", kind=PICTURES, suffix=""),
     "npz": Format(module="faying.export.numpy_archive", kind=CONTACT, suffix=".npz", friction=RUBS),
+    "uff": Format(
+        module="faying.export.uff", kind=CURVES, suffix=".uff", extra="uff", friction=RUBS
+    ),
 }
 """Format name to format."""
 
@@ -95,7 +100,7 @@ def export(
     source
         A reduced model, or its file; or a finished run, as its folder or its results.
     to
-        Name of a format: nastran, mat, fmu, exudyn, vtk, npz.
+        Name of a format: nastran, mat, fmu, exudyn, vtk, npz, uff.
     out
         File to write; without suffix it gets that of the format. By default it is named after the
         model, in the folder of the run.
@@ -118,7 +123,7 @@ def export(
     chosen = format_named(to)
     rom, run, folder = _given(source, method, joint_modes)
     _check_friction(rom, to, chosen)
-    if chosen.kind != PICTURES:
+    if chosen.kind not in (PICTURES, CURVES):
         _check_laws(rom, to)
     if out is None and folder is None:
         message = f"nothing says where to write the {to} file; give out="
@@ -176,6 +181,8 @@ def format_named(name: str) -> Format:
 
 def default_name(rom: ReducedModel, to: str) -> str:
     """Return the file name a model gets unless another is asked for."""
+    if FORMATS[to].kind == CURVES:
+        return f"frf{FORMATS[to].suffix}"
     label = f"{rom.method}-{rom.joint_modes}" if rom.joint_modes else rom.method
     stem, suffix = file_names([label])[label], FORMATS[to].suffix
     if suffix == ".py":  # a module must have a name that can be imported

@@ -4,8 +4,9 @@ A value is a group, a mapping is a group with one member per key, an array, numb
 dataset. Every member has the attribute ``description``; datasets of numbers also have ``unit`` (as
 ``MPa``), ``dimension`` (as ``force/length²``) and ``shape`` (names of the axes). Optional entries
 that do not exist are absent. Members keep their order (HDF5 creation order). ``/`` and ``%`` in
-names are written ``%2F`` and ``%25``. Numbers are float64, int64 or bool, larger arrays shuffled,
-gzipped and check-summed; sparse matrices are groups in compressed row form.
+names are written ``%2F`` and ``%25``. Numbers are float64, int64 or bool, complex ones pairs of
+them along a last axis, larger arrays shuffled, gzipped and check-summed; sparse matrices are groups
+in compressed row form.
 """
 
 import inspect
@@ -27,6 +28,9 @@ from faying.files.atomic import replacing
 from faying.files.hdf5 import open_hdf5
 from faying.files.meanings import Meaning, Table
 from faying.units import Units
+
+PARTS = "real and imaginary part"
+"""Name of the last axis of complex numbers."""
 
 SMALL = 64
 """Arrays of up to this many numbers are not worth a compressed chunk."""
@@ -190,12 +194,16 @@ def _is_list_of_values(value: Any) -> bool:
 
 
 def _write_data(group: h5py.Group, name: str, value: Any, meaning: Meaning, units: Units) -> None:
+    shape = meaning.shape
     if isinstance(value, str) or (isinstance(value, tuple) and _is_text(value)):
         data = group.create_dataset(member_name(name), data=value, dtype=h5py.string_dtype())
     else:
         array = np.asarray(value)
         if array.dtype.kind in "iu":
             array = array.astype(np.int64)
+        if array.dtype.kind == "c":
+            array = np.stack([array.real, array.imag], axis=-1)
+            shape = f"{shape.rstrip(',)') or '('}{', ' if shape else ''}{PARTS})"
         packed: dict[str, Any] = (
             {"compression": "gzip", "shuffle": True, "fletcher32": True}
             if array.size > SMALL
@@ -204,7 +212,7 @@ def _write_data(group: h5py.Group, name: str, value: Any, meaning: Meaning, unit
         data = group.create_dataset(member_name(name), data=array, **packed)
         data.attrs["dimension"] = meaning.dimension
         data.attrs["unit"] = units.of(meaning.dimension)
-    data.attrs["shape"] = meaning.shape
+    data.attrs["shape"] = shape
     data.attrs["description"] = meaning.description
 
 
@@ -321,7 +329,11 @@ def read_member(node: h5py.Group | h5py.Dataset, hint: Any, tables: Mapping[type
         return read_value(node, hint, tables)  # type: ignore[arg-type]
     if origin is np.ndarray:
         _check_kind(node, "fiub", "numbers")
-        return np.asarray(node[()], dtype=get_args(arguments[1])[0])
+        kind = get_args(arguments[1])[0]
+        if np.issubdtype(kind, np.complexfloating):
+            parts = np.asarray(node[()], dtype=float)
+            return parts[..., 0] + 1j * parts[..., 1]
+        return np.asarray(node[()], dtype=kind)
     if origin is tuple:
         return _read_tuple(node, arguments, tables)
     if isinstance(origin, type) and issubclass(origin, Mapping):
@@ -330,6 +342,9 @@ def read_member(node: h5py.Group | h5py.Dataset, hint: Any, tables: Mapping[type
     if hint is str or origin is Literal:
         _check_kind(node, "OS", "a text", ndim=0)
         return node.asstr()[()]
+    if hint is complex:
+        _check_kind(node, "fiub", "a complex number", ndim=1)
+        return complex(*node[()])
     _check_kind(node, "fiub", "one number", ndim=0)
     return hint(node[()])
 

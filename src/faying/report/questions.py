@@ -7,12 +7,15 @@ from typing import Any
 
 import numpy as np
 
+from faying.assessment.backbone_response import HONEST
 from faying.assessment.clamp_range import ClampRange
 from faying.assessment.joint_record import Assessment
 from faying.assessment.preload_scatter import Spread
 from faying.display.quantities import number, percent, place
 from faying.report.figures.backbone import abscissa, unit_of
 from faying.report.figures.entry import FigureEntry
+from faying.report.figures.frequency import PREFIX
+from faying.report.frequency_peaks import peak_table
 from faying.report.slip import most_slip, slip_sentence
 from faying.report.slip_tables import demand_table, friction_table
 from faying.report.table import FL, PRESSURE, Cell, Column, Table, described, largest
@@ -51,6 +54,7 @@ def questions(results: Results, figures: Sequence[FigureEntry]) -> list[Section]
     sections = [
         *(() if found is None else _of_assessment(results, found, figures)),
         _damping(results, figures),
+        _under_harmonic_loads(results, figures),
         _load_cases(results, figures),
     ]
     return [one for one in sections if one.sentence or any(t.rows for t in one.tables)]
@@ -290,6 +294,19 @@ def _damping(results: Results, figures: Sequence[FigureEntry]) -> Section:
             for case in cases
             for one in _figures(figures, case, "backbones", "backbone_slip", "loops", "fretting")
         ],
+    )
+
+
+def _under_harmonic_loads(results: Results, figures: Sequence[FigureEntry]) -> Section:
+    """Return where curves over frequency peak, and what friction does there."""
+    records = results.frequencies.values()
+    checks = [one.sentence for record in records for one in record.checks]
+    return Section(
+        title="Vibration under load",
+        sentence="; ".join(checks) + "." if checks else "",
+        tables=(peak_table(results),),
+        notes=f"By the backbone: {HONEST}." if any(one.expected for one in records) else "",
+        figures=[one for one in figures if one.section.startswith(PREFIX)],
     )
 
 

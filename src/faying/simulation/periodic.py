@@ -6,8 +6,8 @@ quasi-statically along two periods of N increments, of which the second one coun
 
     f(t) − M φ q̈ − C φ q̇,   q_k = φᵀ M (u − u₀)_k.                                        (F11)
 
-Contact is that of paths: increments of (F8) between the points that slip, open or close, all others
-being springs (F10), and no force of contact is cut at H.
+Contact is that of paths: increments (F12) of the points that slip, open or close, all others being
+springs (F10), and no force of contact is cut at H.
 """
 
 from collections.abc import Sequence
@@ -17,14 +17,11 @@ from typing import final
 
 import numpy as np
 import numpy.typing as npt
-import scipy.linalg as la
-import scipy.sparse as sp
 
 from faying._typing import ComplexMatrix, ComplexVector, Indices, Matrix, Vector
-from faying.contact.increment import Increment
 from faying.contact.stuck_points import LocalContact, StuckPoints
 from faying.joint.system import System, input_forces
-from faying.simulation.path import PathStep, follow
+from faying.simulation.local_path import LocalPath, follow_local, local_derivatives
 
 PERIODS = 2
 """Periods of a path; what the second leaves differed from its start by 1e-6 of the amplitude."""
@@ -102,19 +99,16 @@ class Motion:
     harmonics : (H, n_mode) complex
         q_k.
     circular : [1/time]
-    steps
+    path
         Increments of all periods.
     outputs : (n_output, N)
         Loads, boundaries and bolts, along the last period.
-    besides : (n_touched, PERIODS N)
-        Gᵀ μ of the points that are watched.
     """
 
     harmonics: ComplexMatrix
     circular: float
-    steps: list[PathStep]
+    path: LocalPath
     outputs: Matrix
-    besides: Matrix
 
 
 @final
@@ -125,8 +119,8 @@ class Derivatives:
     Attributes
     ----------
     residual : (size, size + 1)
-    moved : (PERIODS N, n_touched, size + 1)
-        Of the pairs along the path, in single precision, which is enough to begin increments with.
+    moved : (PERIODS N, components n_local, size + 1)
+        Of the points along the path.
     """
 
     residual: Matrix
@@ -190,15 +184,20 @@ class PeriodicProblem:
         damping = (wave @ (-1j * order * harmonics)).real
         return np.hstack([force, inertia, damping])
 
+    @cached_property
+    def _at_points(self) -> Matrix:
+        """What load columns and outputs do at the points with all stuck (components n_local, …)."""
+        return np.asarray(self.local.rows @ self.loads.restrained[self.local.pairs])
+
     def follow(
-        self, unknowns: Vector, circular: float, guess: Sequence[Matrix] | None = None
+        self, unknowns: Vector, circular: float, guess: Sequence[Vector] | None = None
     ) -> Motion:
         """Run through the periods under given motion of the modes.
 
         Parameters
         ----------
-        guess : (PERIODS N, n_touched) or None [length]
-            Where the pairs may be after each increment.
+        guess : (PERIODS N,) of (components n_local,) or None [length]
+            Where the points may be after each increment.
 
         Raises
         ------
@@ -208,44 +207,15 @@ class PeriodicProblem:
         harmonics = self.unpacked(unknowns)
         columns = np.tile(self._columns(harmonics, circular), (PERIODS, 1))
         local, n = self.local, self.loads.n_column
-        restrained = self.loads.restrained[local.pairs]
-        steps, besides = list[PathStep](), np.zeros((len(local.pairs), len(columns)))
-        if len(local.points):
-            targets = local.unloaded + columns @ local.released(restrained[:, :n]).T
-            rest = Increment(
-                forces=local.forces,
-                slack=np.zeros_like(local.forces),
-                moved=local.moved,
-                iterations=0,
-                residual=0.0,
-            )
-            start = PathStep(relative=local.unloaded, increment=rest, slip=local.slip)
-            steps = self._steps(targets, start, guess)
-            forces = np.array([step.increment.forces for step in steps])[:, : local.components]
-            moved = np.array([step.increment.moved for step in steps]).T
-            besides = local.besides(np.moveaxis(forces, 0, 2), moved)
-        last = columns[-self.samples :]
-        outputs = self.loads.answers @ last.T + restrained.T @ besides[:, -self.samples :]
-        return Motion(
-            harmonics=harmonics,
-            circular=circular,
-            steps=steps,
-            outputs=outputs,
-            besides=besides,
+        path = follow_local(
+            local,
+            columns @ self._at_points[:, :n].T,
+            columns @ self.loads.restrained[local.pairs, :n].T,
+            guess,
         )
-
-    def _steps(
-        self, targets: Matrix, step: PathStep, guess: Sequence[Matrix] | None
-    ) -> list[PathStep]:
-        """Return the increments of a path, each begun where it is guessed to end."""
-        solver, steps = self.local.condensed.increments, list[PathStep]()
-        for number, target in enumerate(targets):
-            if guess is not None:
-                begun = replace(step.increment, moved=guess[number])
-                step = replace(step, increment=begun)
-            step = next(follow(solver, target[None], step))
-            steps.append(step)
-        return steps
+        outputs = self.loads.answers @ columns[-self.samples :].T
+        outputs += self._at_points.T @ path.beside(local)[:, -self.samples :]
+        return Motion(harmonics=harmonics, circular=circular, path=path, outputs=outputs)
 
     def _modal(self, outputs: Matrix) -> Matrix:
         """Return the rows q = φᵀ M (u − u₀) of outputs (n_mode, ...)."""
@@ -277,74 +247,29 @@ class PeriodicProblem:
         columns[:, 2 + m :, size] = per_frequency[:, 2 + m :]
         modal = slice(2, 2 + m)
         change = np.einsum("mc,ncx->nmx", self.loads.answers[modal], columns)
-        moved = np.zeros((PERIODS * N, 0, size + 1), dtype=np.float32)
-        if motion.steps:
-            added_by_contact, moved = self._through_contact(motion, columns)
-            change = change + added_by_contact
+        shapes = self._at_points[:, :n]
+        found = local_derivatives(self.local, motion.path, shapes, columns)
+        for number, (rows, beside) in enumerate(found.beside[-N:]):
+            change[number] += shapes[rows, modal].T @ beside
         wave = 2 / N * np.exp(-1j * self._angles)
         answer = np.einsum("nk,nmx->kmx", wave, change).reshape(H * m, size + 1)
         result = -np.concatenate([answer.real, answer.imag])
         result[:, :size] += np.eye(size)
-        return Derivatives(residual=result, moved=moved)
-
-    def _through_contact(
-        self, motion: Motion, columns: Matrix
-    ) -> tuple[Matrix, npt.NDArray[np.float32]]:
-        """Return what watched points add to ∂q (N, n_mode, size + 1), and ∂ of their pairs."""
-        local, N, n = self.local, self.samples, self.loads.n_column
-        k, count = local.components, len(local.points)
-        restrained = self.loads.restrained[local.pairs]
-        released = local.released(restrained[:, :n])
-        modal = restrained[:, 2 : 2 + self.loads.n_mode].T
-        S, rows, laws = local.S, local.rows, local.laws
-        slipped = np.zeros((k, count, columns.shape[2]))
-        before, result = local.slip, np.zeros((N, self.loads.n_mode, columns.shape[2]))
-        touched = len(local.pairs)
-        path = np.zeros((len(motion.steps), touched, columns.shape[2]), dtype=np.float32)
-        place = np.arange(count)
-        component = count * np.arange(k)
-        first = np.broadcast_to(component[:, None, None] + place, (k, k, count)).ravel()
-        second = np.broadcast_to(component[None, :, None] + place, (k, k, count)).ravel()
-        for number, step in enumerate(motion.steps):
-            z = (rows @ step.increment.moved).reshape(k, count)
-            z = z + local.contact.offset(before)[:k]
-            K = laws.respond(z)[1]
-            blocks = sp.csr_array(
-                (K.transpose(1, 2, 0).ravel(), (first, second)), shape=(k * count, k * count)
-            )
-            pulled = rows.T @ (blocks @ slipped.reshape(k * count, -1))
-            right = released @ columns[number % N] + S @ pulled
-            tangent = (rows.T @ blocks @ rows).tocsr()
-            system = np.eye(touched) + (tangent.T @ S).T
-            moved = la.solve(system, right, overwrite_a=True, check_finite=False)
-            path[number] = moved
-            relative = rows @ moved
-            answered = -(blocks @ (relative - slipped.reshape(k * count, -1)))
-            if k > 1:
-                yields = laws.closure(step.increment.forces)[1][1:, :, None]
-                part = answered.reshape(k, count, -1)[1:]
-                slipped[1:] = relative.reshape(k, count, -1)[1:] + yields * part
-                slipped[1:, local.contact.coefficients == 0] = 0.0
-            before = step.slip
-            if number >= (PERIODS - 1) * N:
-                besides = rows.T @ answered + local.block @ moved
-                result[number % N] = modal @ besides
-        return result, path
+        return Derivatives(residual=result, moved=found.moved)
 
     def displaced(self, motion: Motion) -> Matrix:
         """Return δ of all pairs along all periods (n_relative, PERIODS N)."""
         columns = np.tile(self._columns(motion.harmonics, motion.circular), (PERIODS, 1))
         restrained = self.loads.restrained[:, : self.loads.n_column]
-        shared = self.stuck.compliance[:, self.local.pairs] @ motion.besides
+        pairs = self.local.rows.T @ motion.path.beside(self.local)
+        shared = self.stuck.compliance[:, self.local.pairs] @ pairs
         return np.asarray(restrained @ columns.T + shared)
 
     def begun(
         self, motion: Motion, change: Vector | None = None, by: Derivatives | None = None
-    ) -> Sequence[Matrix] | None:
-        """Return where the pairs were in a motion, moved on as unknowns and ω change."""
-        if not motion.steps:
-            return None
-        places = np.array([step.increment.moved for step in motion.steps])
+    ) -> Sequence[Vector]:
+        """Return where the points were in a motion, moved on as unknowns and ω change."""
+        places = motion.path.moved.copy()
         if change is not None and by is not None:
             places += by.moved @ change.astype(np.float32)
         return list(places)

@@ -87,7 +87,7 @@ def solve_motion(
     unknowns: Vector,
     circular: float,
     across: Vector | None = None,
-    begun: Sequence[Matrix] | None = None,
+    begun: Sequence[Vector] | None = None,
 ) -> CurvePoint:
     """Solve for the motion at a frequency, or on the plane through a guess across a tangent.
 
@@ -95,8 +95,8 @@ def solve_motion(
     ----------
     across : (size + 1,)
         Normal of the plane, in unknowns and circular frequency; by default the frequency stays.
-    begun : (PERIODS N, n_touched) or None [length]
-        Where the pairs may be along the path.
+    begun : (PERIODS N,) of (components n_local,) or None [length]
+        Where the points may be along the path.
 
     Raises
     ------
@@ -123,8 +123,7 @@ def _watched(problem: PeriodicProblem, motion: Motion) -> tuple[PeriodicProblem,
         if not len(leaving):
             return problem, motion
         problem = problem.watching(np.union1d(problem.local.points, leaving))
-        pairs = problem.local.pairs
-        begun = list((problem.stuck.moved[pairs, None] + displaced[pairs]).T)
+        begun = list((problem.local.rows @ displaced[problem.local.pairs]).T)
         unknowns = problem.packed(motion.harmonics)
         motion = problem.follow(unknowns, motion.circular, begun)
     message = f"more points slip, open or close after {MOST_ROUNDS} rounds"
@@ -279,6 +278,8 @@ def _onward(point: CurvePoint, target: float) -> list[CurvePoint]:
             if reach < SHORTEST:
                 raise
             continue
+        if (target - x[-1]) * (target - found.motion.circular) < 0:
+            return [*points, _between(point, found, target)]
         points.append(found)
         if lands:
             return points
@@ -289,3 +290,13 @@ def _onward(point: CurvePoint, target: float) -> list[CurvePoint]:
         direction, point = after if same > 0 else -after, found
     message = f"more than {MOST_POINTS} points before the next frequency"
     raise ConvergenceError(message)
+
+
+def _between(before: CurvePoint, after: CurvePoint, target: float) -> CurvePoint:
+    """Return the point at a circular frequency between those of two others."""
+    begin, end = before.motion.circular, after.motion.circular
+    share = (target - begin) / (end - begin)
+    guess = (1 - share) * before.unknowns + share * after.unknowns
+    change = np.append(guess - after.unknowns, target - end)
+    begun = after.problem.begun(after.motion, change, after.derivatives)
+    return solve_motion(after.problem, guess, target, None, begun)

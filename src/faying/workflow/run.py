@@ -15,10 +15,12 @@ from faying.reduction.method import CLASSIC
 from faying.study.judgement.summary import summarize
 from faying.study.keys.requirement_rules import requirements_of
 from faying.study.keys.tables import Study
+from faying.study.results.frequency_tables import write_frequency_tables
 from faying.study.results.store import write_results
 from faying.study.results.values import CaseResult, Results
 from faying.study.stages.cases import CaseRunner
 from faying.study.stages.checkpoint import Checkpoint, open_checkpoint
+from faying.study.stages.frequency_cases import frequency_records
 from faying.study.stages.full_transients import case_groups
 from faying.study.stages.inertia import InertiaWhenNeeded
 from faying.study.stages.kept_models import Kept, Models, kept_models, with_kept
@@ -137,10 +139,21 @@ def _computed(
             kept = kept_models(joint.model, more, trained.bases[CLASSIC], title)
     validation = validate(study, joint, models, trained, choices, stages, extras)
     exact = kept[EXACT][0] if EXACT in kept else joint.model
+    frequencies = frequency_records(
+        study.frequencies,
+        joint,
+        kept.get(EXACT, {}).get(0),
+        stages,
+        extras,
+        checkpoint,
+    )
+    failures += [text for name, one in frequencies.items() for text in one.missed(name)]
     assessment = assess_run(study, joint, cases, stages, extras, exact)
     with stages.stage("records"):
         found = record(study, joint, kept, trained, cases, validation, extras, failures, reference)
-    found = replace(found, assessment=assessment, mode_choices=chosen.choices)
+    found = replace(
+        found, frequencies=frequencies, assessment=assessment, mode_choices=chosen.choices
+    )
     return replace(found, timings=stages.account()), not failures
 
 
@@ -177,6 +190,7 @@ def _write_files(study: Study, results: Results, out: Path, stages: Stages) -> N
         write_results(results, out / "results.h5")
         _write_summary(results, out)
         write_text(out / "study.toml", study.text)
+        write_frequency_tables(results.frequencies, out)
         write_interface_vtu(results, out)
     if study.output.report:
         with stages.stage("report"):

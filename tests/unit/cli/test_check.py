@@ -239,7 +239,7 @@ def test_a_bare_deck_is_told_with_what_a_run_would_need(check_file, tmp_path):
     assert cells(lines, "Joint")[-1] == "1e+06"
     assert " ".join(cells(lines, "bolt")).endswith("400 the source")
     needs = lines.index(["what", "a", "run", "would", "still", "need"])
-    assert ["a", "[[load_case]]"] in lines[needs:]
+    assert ["a", "[[load_case]]", "or", "[[frequency]]"] in lines[needs:]
     # A study is refused for that; of a deck it is told.
     assert any(line[:2] == ["supports,", "unless"] for line in lines[needs:])
     assert (tmp_path / "model.png").stat().st_size > 0

@@ -141,7 +141,7 @@ def test_nothing_to_compute(monkeypatch, capsys, runner, tmp_path):
     )
     status, _, err = call(monkeypatch, capsys, "run", path)
     assert status == 2
-    assert "no [[load_case]]" in err
+    assert "neither [[load_case]] nor [[frequency]]" in err
 
 
 def test_check_tells_what_was_understood(monkeypatch, capsys):

@@ -1,6 +1,7 @@
 """All figures of a run."""
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 from faying.exceptions import FormatError
@@ -11,6 +12,7 @@ from faying.report.figures.convergence import convergence_figure
 from faying.report.figures.deformed import deformed_figure
 from faying.report.figures.entry import Drawn, FigureEntry
 from faying.report.figures.error import error_figure
+from faying.report.figures.frequency import PREFIX, frequency_figure
 from faying.report.figures.gap import gap_figure
 from faying.report.figures.load_space import load_space_figure
 from faying.report.figures.loops import fretting_figure, loop_figure
@@ -52,7 +54,9 @@ def write_figures(
         If a file cannot be written.
     """
     entries = []
-    stems = file_names(results.cases)
+    stems = file_names(results.cases) | {
+        f"{PREFIX}{name}": stem for name, stem in file_names(results.frequencies).items()
+    }
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with house_style():
@@ -69,8 +73,9 @@ def write_figures(
 
 
 def _saved(drawn: Drawn, folder: Path, stems: dict[str, str]) -> FigureEntry:
-    of_case = drawn.section in stems and drawn.stem not in SHARED
-    stem = f"case_{stems[drawn.section]}_{drawn.stem}" if of_case else drawn.stem
+    stem, kind = drawn.stem, "frequency" if drawn.section.startswith(PREFIX) else "case"
+    if drawn.section in stems and stem not in SHARED:
+        stem = f"{kind}_{stems[drawn.section]}_{stem}"
     path = folder / f"{stem}.png"
     width, height = save(drawn.figure, path)
     return FigureEntry(
@@ -105,6 +110,8 @@ def _drawings(results: Results) -> Iterator[Draw]:
     for case in results.cases.values():
         for draw_case in _of_kind(case):
             yield _of_case(draw_case, results, case)
+    for name in results.frequencies:
+        yield partial(frequency_figure, results, name)
 
 
 def _of_kind(case: CaseResult) -> tuple[Callable[[Results, CaseResult], Drawn | None], ...]:

@@ -108,6 +108,8 @@ def _moving(study: Study) -> str:
     for case in study.load_cases:
         if case.transient or case.kind == "backbone":
             return f"load case '{case.name}' is a {'transient' if case.transient else 'backbone'}"
+    for swept in study.frequencies:
+        return f"'{swept.name}' is a [[frequency]]"
     training = study.reduction.training
     if training.dynamics and is_trained(study):
         return "its methods train on step responses (dynamics = false trains on static loads only)"

@@ -127,12 +127,12 @@ def _needs(
             "supports: something can move, as the rigid-body modes say"
             f"{springs if loaded.weak_springs is None else ''}"
         )
-    elif free.whole and not study.load_cases:
+    elif free.whole and not study.load_cases and not study.frequencies:
         yield "supports, unless the joint is meant to move as a whole, as it can"
     for spec in loaded.bolts:
         if spec.name not in loaded.preloads and spec.name not in loaded.initial_forces:
             yield f"the preload of bolt '{spec.name}'"
     if missing := missing_mass(study, model):
         yield f"densities: {missing}"
-    if not study.load_cases:
-        yield "a [[load_case]]"
+    if not study.load_cases and not study.frequencies:
+        yield "a [[load_case]] or [[frequency]]"

@@ -13,6 +13,7 @@ from faying.assessment.joint_verdict import summarized
 from faying.reduction.methods import METHODS
 from faying.study.judgement.backbone_errors import backbone_errors
 from faying.study.judgement.comparison import increments, rubbed
+from faying.study.judgement.frequency_figures import frequency_figures
 from faying.study.judgement.model_warnings import barely_held, missing_contacts
 from faying.study.judgement.opening import opening
 from faying.study.judgement.step_check import step_check
@@ -68,6 +69,9 @@ def summarize(results: Results) -> dict[str, Any]:
             curve.name: compared(curve, results.cases[curve.case].reference.backbones)
             for curve in results.measurements
             if curve.case in results.cases
+        },
+        "frequencies": {
+            name: frequency_figures(record) for name, record in results.frequencies.items()
         },
         "assessment": None if results.assessment is None else plain(asdict(results.assessment)),
         "requirements": required(results.study_text),

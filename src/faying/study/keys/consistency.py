@@ -1,6 +1,6 @@
 """What the values of a study file must be together. One rule, one function."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
 from pathlib import Path
 
@@ -12,6 +12,7 @@ from faying.simulation.integrators import DAMPED
 from faying.sources import SOURCES, Source
 from faying.study.keys.bolt_rules import bolt_problems, margin_problems
 from faying.study.keys.errors import Problem, nearest, quoted
+from faying.study.keys.frequency_rules import frequency_problems
 from faying.study.keys.friction_rules import (
     increment_problems,
     scatter_problems,
@@ -20,12 +21,12 @@ from faying.study.keys.friction_rules import (
 )
 from faying.study.keys.history import read_history
 from faying.study.keys.lap_joint import lap_joint_problems
-from faying.study.keys.loadings import loadings
+from faying.study.keys.loadings import loadings, repeated_loads
 from faying.study.keys.measurements import measurement_problems
 from faying.study.keys.parameter_rules import parameter_problems
 from faying.study.keys.positions import Location
 from faying.study.keys.ranges import MOST_LOADS, MOST_STEPS
-from faying.study.keys.tables import LoadCaseSection, Loading, Study, Timed
+from faying.study.keys.tables import LoadCaseSection, Study, Timed
 from faying.study.keys.temperatures import temperature_problems
 
 
@@ -89,6 +90,7 @@ def _unique_names(study: Study) -> Iterator[Problem]:
         "bolt": [bolt.name for bolt in study.bolts],
         "boundary": [boundary.name for boundary in study.boundaries],
         "load_case": [case.name for case in study.load_cases],
+        "frequency": [swept.name for swept in study.frequencies],
     }
     for table, names in families.items():
         for i, name in enumerate(names):
@@ -214,7 +216,7 @@ def _reduction(study: Study) -> Iterator[Problem]:
             'that need none, as in methods = ["craig-bampton", "compliance"]'
         )
         yield _in_table(study, ("reduction",), text)
-    yield from _repeated(study, ("reduction", "training", "box"), training.box)
+    yield from repeated_loads(study, ("reduction", "training", "box"), training.box)
     yield from _number_of_loads(study)
     for i, side in enumerate(training.box):
         if not side.min < side.max:
@@ -288,7 +290,7 @@ def _timing(study: Study, location: Location, case: LoadCaseSection) -> Iterator
 
 
 def _forces(study: Study, location: Location, case: LoadCaseSection) -> Iterator[Problem]:
-    yield from _repeated(study, (*location, "forces"), case.forces)
+    yield from repeated_loads(study, (*location, "forces"), case.forces)
     for j, force in enumerate(case.forces):
         here: Location = (*location, "forces", j)
         if (force.value is None) == (force.file is None):
@@ -305,14 +307,6 @@ def _forces(study: Study, location: Location, case: LoadCaseSection) -> Iterator
     if case.kind == "history" and not any(force.file for force in case.forces):
         text = "kind = \"history\" needs a 'file' in at least one of its forces; add it"
         yield _in_table(study, location, text)
-
-
-def _repeated(study: Study, location: Location, loads: Sequence[Loading]) -> Iterator[Problem]:
-    targets = [load.target for load in loads]
-    for i, target in enumerate(targets):
-        if target in targets[:i]:
-            text = f"{target} is loaded by number {targets.index(target) + 1} already; merge them"
-            yield _in_table(study, (*location, i), text)
 
 
 def _material(study: Study) -> Iterator[Problem]:
@@ -347,4 +341,5 @@ RULES: tuple[Callable[[Study], Iterable[Problem]], ...] = (
     temperature_problems,
     _reduction,
     _load_cases,
+    frequency_problems,
 )

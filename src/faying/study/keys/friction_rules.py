@@ -9,6 +9,7 @@ from faying.reduction.methods import METHODS
 from faying.sources import SOURCES
 from faying.study.keys.backbone_rules import backbone_problems, backbones_of
 from faying.study.keys.errors import Problem, nearest, quoted, reject
+from faying.study.keys.frequency_rules import frequencies_of
 from faying.study.keys.load_factors import ALL, read_load_factors
 from faying.study.keys.positions import Location
 from faying.study.keys.ranges import MOST_PRELOAD_FACTOR
@@ -101,7 +102,11 @@ def check_friction(study: Study, model: Model) -> None:
         One message with everything that is refused, by name.
     """
     rubbing = [name for name, one in model.interfaces.items() if one.law.friction > 0]
-    problems = [*_bolt_columns(study, model), *backbones_of(study, model)]
+    problems = [
+        *_bolt_columns(study, model),
+        *backbones_of(study, model),
+        *frequencies_of(study, model),
+    ]
     problems += _with_friction(study, rubbing[0]) if rubbing else _without(study, model)
     gaskets = [name for name, law in model.contact.laws.items() if law.remembers]
     problems += _with_gasket(study, gaskets[0]) if gaskets else []

@@ -14,6 +14,8 @@ from faying.assessment.transient_error import LARGE
 from faying.reduction.methods import METHODS
 from faying.simulation.integrators import INTEGRATORS
 from faying.study.keys.errors import StudySource, refusal, shown
+from faying.study.keys.frequency_table import FrequencySection
+from faying.study.keys.loading_table import Loading
 from faying.study.keys.measurement_table import MeasurementSection
 from faying.study.keys.model_tables import (
     BoltSection,
@@ -50,8 +52,6 @@ MethodName = Annotated[str, name_in(METHODS)]
 COMPARED = tuple(name for name, method in METHODS.items() if method.compared)
 """Methods compared unless the study says otherwise; the others come from the literature."""
 
-ForceComponent = Literal["Fx", "Fy", "Fz", "Mx", "My", "Mz"]
-
 
 class Timed(Section):
     """How a transient run advances.
@@ -68,28 +68,6 @@ class Timed(Section):
     duration: Positive | None = None
     periods: Positive | None = None
     steps_per_period: Count | None = None
-
-
-def _load_name(value: Any) -> Any:
-    """Let the id of a load set stand for its name."""
-    return str(value) if isinstance(value, int) and not isinstance(value, bool) else value
-
-
-LoadName = Annotated[Name, BeforeValidator(_load_name, json_schema_input_type=Name | int)]
-
-
-class Loading(Section):
-    """A component of a boundary's load, a whole load of the deck, or a temperature."""
-
-    boundary: Name | None = None
-    component: ForceComponent | None = None
-    deck_load: LoadName | None = None
-    temperature: Name | None = None
-
-    @property
-    def target(self) -> str:
-        """Key in a :class:`faying.simulation.load.Load`."""
-        return self.deck_load or self.temperature or f"{self.boundary}.{self.component}"
 
 
 class BoxSide(Loading):
@@ -336,6 +314,7 @@ class Study(Section):
     damping: DampingSection = DampingSection()
     reduction: ReductionSection = ReductionSection()
     load_cases: tuple[LoadCaseSection, ...] = Field(default=(), alias="load_case")
+    frequencies: tuple[FrequencySection, ...] = Field(default=(), alias="frequency")
     validation: ValidationSection = ValidationSection()
     requirement: RequirementSection = RequirementSection()
     output: OutputSection = OutputSection()

@@ -13,13 +13,16 @@ from faying.assessment.mesh_error import MeshError
 from faying.assessment.penalty_sweep import PenaltySweep
 from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import Verdict
+from faying.assessment.response_curve import ContactInMotion, FrequencyResponse, ResponseCurve
 from faying.assessment.slip_demand import SlipDemand
 from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.strength.thread import ThreadStress
+from faying.assessment.transient_check import TransientCheck
 from faying.files.meanings import Table, meanings
 from faying.reduction.mode_count import ModeCount
 from faying.reduction.model_fields import GEOMETRY
 from faying.study.inputs.jumps import Jump
+from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.results.nodal_motion import NodalMotion
 from faying.study.results.path_record import CycleRecord, PathRecord
 from faying.study.results.recovered import RecoveredRecord
@@ -72,6 +75,11 @@ STORED = (
     CycleRecord,
     Backbone,
     MeasuredCurve,
+    FrequencyRecord,
+    FrequencyResponse,
+    ResponseCurve,
+    ContactInMotion,
+    TransientCheck,
     ValidationRecord,
     LoadSpaceRecord,
     LoadSpaceResult,

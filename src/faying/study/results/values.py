@@ -16,6 +16,7 @@ from faying.model.mesh import CellBlock
 from faying.reduction.mode_count import ModeCount
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.inputs.jumps import Jump
+from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.results.nodal_motion import NodalMotion
 from faying.study.results.path_record import CycleRecord, PathRecord
 from faying.study.results.second_solution import Remedy
@@ -312,6 +313,8 @@ class Results:
         What cannot be right in the units of the study.
     measurements
         Curves of a test beside backbones.
+    frequencies
+        Harmonic loads by name.
     """
 
     title: str
@@ -341,3 +344,4 @@ class Results:
     mode_choices: Mapping[str, NormalModeChoice] = field(default_factory=dict)
     doubts: tuple[str, ...] = field(default=())
     measurements: tuple[MeasuredCurve, ...] = ()
+    frequencies: Mapping[str, FrequencyRecord] = field(default_factory=dict)

@@ -58,6 +58,8 @@ def assess_run(
 
     Static load cases without friction are certified, and followed to their openings.
     """
+    if not cases:
+        return None
     model = joint.model
     with stages.stage("joint assessment"), extras.attempt("joint assessment"):
         wanted = requirements_of(study.requirement)

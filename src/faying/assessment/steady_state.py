@@ -1,0 +1,110 @@
+"""Where a transient under a harmonic load settles: what periodic motions are checked by."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from faying._typing import ComplexVector, Vector
+from faying.assessment.response_curve import boundary_components, rows_of
+from faying.joint.system import System
+from faying.simulation.integrators import GeneralizedAlpha
+from faying.simulation.load import History, Load
+from faying.simulation.solution import Solution
+from faying.simulation.stepping import transient_solver
+from faying.simulation.transient_pieces import transient_pieces
+
+STEPS = 400
+"""Steps of a period: twice as many changed amplitudes by 0.08 % and phases by 0.1°."""
+
+RISE, PIECE, MOST = 20, 10, 600
+"""Periods over which the load rises, after which the motion is looked at again, and at most."""
+
+SETTLED = 2e-3
+"""Change that is still to come, over the amplitude, at which a motion has settled."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SteadyState:
+    """The last period of a transient.
+
+    Attributes
+    ----------
+    components : (n_boundary,)
+        What moves, as ``"tip.uz"``.
+    fundamental : (n_boundary,) [length]
+        Complex, against the load.
+    periods
+        How many were computed.
+    to_come : [1]
+        Change that is still to come, over the amplitude, by how the last changes shrank.
+    """
+
+    components: tuple[str, ...]
+    fundamental: ComplexVector
+    periods: int
+    to_come: float
+
+
+def steady_state(
+    system: System,
+    load: Mapping[str, complex],
+    level: float,
+    frequency: float,
+    initial: Solution | None = None,
+) -> SteadyState:
+    """Integrate the motion under a harmonic load until it repeats.
+
+    Parameters
+    ----------
+    system
+        Full or reduced model.
+    load
+        As of :func:`faying.frequency_response`.
+    initial
+        State to start from at rest.
+
+    Notes
+    -----
+    Generalized-α with a spectral radius of 0.8 and 400 steps a period, which makes periods 2e-5 too
+    long. The load rises over 20 periods.
+    """
+    period = 1 / frequency
+    times: Vector = np.arange(MOST * STEPS + 1) * (period / STEPS)
+    rising: Vector = level * np.minimum(times / (RISE * period), 1.0)
+    turn = 2 * np.pi * frequency * times
+    forces = {
+        name: History(times, np.asarray(rising * np.real(value * np.exp(1j * turn)), dtype=float))
+        for name, value in load.items()
+    }
+    wave = 2 / STEPS * np.exp(-1j * turn[1 : STEPS + 1])
+    solver = transient_solver(system, step=period / STEPS, integrator=GeneralizedAlpha())
+    pieces = transient_pieces(
+        solver,
+        [Load(forces, name="harmonic load")],
+        duration=float(times[-1]),
+        length=PIECE * STEPS,
+        initial=None if initial is None else [initial],
+    )
+    found: list[ComplexVector] = []
+    to_come, periods = np.inf, 0
+    for (piece,), _ in pieces:
+        periods += PIECE
+        last = rows_of(piece.states[-STEPS:].T, system)
+        found.append(last @ wave)
+        if periods > RISE + 2 * PIECE:
+            size = float(np.linalg.norm(found[-1]))
+            before, after = (float(np.linalg.norm(found[i] - found[i - 1])) for i in (-2, -1))
+            # Changes shrink like a geometric series; where they do not, nothing is known yet.
+            left = after * after / (before - after) if before > after else np.inf
+            to_come = max(left, after) / size
+            if to_come <= SETTLED:
+                break
+    return SteadyState(
+        components=boundary_components(system),
+        fundamental=found[-1],
+        periods=periods,
+        to_come=to_come,
+    )

@@ -1,0 +1,64 @@
+"""A motion by harmonics beside a transient of its own."""
+
+from dataclasses import dataclass
+from typing import final
+
+AGREES = 0.01
+"""Difference of amplitudes up to which both agree."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class TransientCheck:
+    """The highest point of a curve, and where a transient at its frequency settles.
+
+    Attributes
+    ----------
+    level : [1]
+        Factor of the load.
+    frequency : [1/time]
+        Cyclic.
+    amplitude, transient_amplitude : [length]
+        By harmonics, and of the transient.
+    phase, transient_phase : [degree]
+        Against the load.
+    periods : [1]
+        Of the transient.
+    to_come : [1]
+        Change that was still to come when it ended, over the amplitude.
+    """
+
+    level: float
+    frequency: float
+    amplitude: float
+    transient_amplitude: float
+    phase: float
+    transient_phase: float
+    periods: int
+    to_come: float
+
+    @property
+    def difference(self) -> float:
+        """Amplitude by harmonics less that of the transient, over it."""
+        return self.amplitude / self.transient_amplitude - 1
+
+    @property
+    def turn(self) -> float:
+        """Phase by harmonics less that of the transient [degree]."""
+        return (self.phase - self.transient_phase + 180.0) % 360.0 - 180.0
+
+    @property
+    def agrees(self) -> bool:
+        """Whether amplitudes differ by one in a hundred at most."""
+        return abs(self.difference) <= AGREES
+
+    @property
+    def sentence(self) -> str:
+        """What it says."""
+        left = f", {self.to_come:.1%} still to come" if self.to_come > AGREES / 2 else ""
+        verb = "confirms" if self.agrees else "contradicts"
+        return (
+            f"level {self.level:g}: a transient of {self.periods} periods{left} {verb} the peak: "
+            f"harmonics are off by {self.difference:+.2%} in amplitude and {self.turn:+.2g}° in "
+            "phase"
+        )

@@ -1,0 +1,58 @@
+"""Amplitude and phase over frequency under harmonic loads."""
+
+import numpy as np
+
+from faying.display.style import heading
+from faying.report.figures.entry import Drawn
+from faying.report.style import new_figure
+from faying.study.results.values import Results
+
+PREFIX = "frequency "
+"""Before the name of a harmonic load, which a load case may bear too."""
+
+
+def frequency_figure(results: Results, name: str) -> Drawn:
+    """Draw the curves of a harmonic load, the linear one, and those from the backbone over them."""
+    record = results.frequencies[name]
+    figure = new_figure(9.5, 7.0)
+    above = figure.add_subplot(3, 1, (1, 2))
+    below = figure.add_subplot(3, 1, 3, sharex=above)
+    record.response.plot(record.at, (above, below), expected=record.expected)
+    if record.backbone is not None and record.expected is not None:
+        ridge = [curve.peak(record.at) for curve in record.expected.curves if len(curve.frequency)]
+        ridge.sort(key=lambda peak: peak.level)
+        size = [peak.amplitude / peak.level for peak in ridge]
+        above.plot([peak.frequency for peak in ridge], size, "k+", label="peaks by the backbone")
+    above.legend()
+    figure.suptitle(heading(f"{name}: {record.at} over frequency, full model"))
+    order = max((curve.harmonics.shape[1] - 1 for curve in record.response.curves), default=0)
+    said = [
+        f"Lines: harmonics of the motion, up to {order}; points that were computed are marked.",
+        "Dashed: the linear joint, in which every closed point sticks.",
+    ]
+    if record.expected is not None:
+        said.append(
+            "Dotted, crosses: estimated from the backbone of mode "
+            f"{record.backbone.mode if record.backbone else ''}, blind to other modes."
+        )
+    said += [f"{one.sentence[0].upper()}{one.sentence[1:]}." for one in record.checks]
+    said += [f"{text[0].upper()}{text[1:]}." for text in record.response.remarks]
+    largest = {
+        order: max(
+            float(np.abs(curve.response(record.at, order)).max(initial=0.0))
+            / max(float(np.abs(curve.response(record.at)).max(initial=0.0)), 1e-300)
+            for curve in record.response.curves
+        )
+        for order in range(2, order + 1)
+        if all(curve.harmonics.shape[1] > order for curve in record.response.curves)
+    }
+    if largest:
+        most = max(largest, key=largest.__getitem__)
+        said.append(f"Harmonic {most} reaches {largest[most]:.2g} of the first.")
+    return Drawn(
+        figure=figure,
+        stem="response",
+        title=f"{name}: amplitude and phase over frequency",
+        caption=" ".join(said),
+        section=f"{PREFIX}{name}",
+    )

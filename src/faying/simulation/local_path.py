@@ -1,0 +1,288 @@
+"""Paths of points that may leave their springs, all others being stuck; and their derivatives.
+
+With w = G_c δ at the points, w₀ what loads move there with all points stuck, T = G_c T₀ G_cᵀ and
+the forces μ that the points exert beside their springs B (F10), an increment is
+
+    w = w₀ + T μ,   μ = λ(z₀ + w − s) − λ₀ + B w,                                           (F12)
+
+with the slip s since the joint was at rest. Newton's method has I + T Δ to solve with, Δ = K − B,
+in which only the points take part that slip or are open: those on their springs have no Δ.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+import numpy.typing as npt
+import scipy.linalg as la
+
+from faying._typing import Indices, Matrix, Vector
+from faying.contact.increment import Increment
+from faying.contact.stuck_points import LocalContact
+from faying.simulation.path import PathStep, follow
+
+SOLVED = 1e-13
+"""Residual over the largest displacement at which an increment is solved."""
+
+MOST_STEPS = 15
+"""Newton steps of (F12); 1 to 3 are usual. What takes more goes the way of other paths."""
+
+UNCHANGED = 1e-12
+"""Change of K at a point, over the stiffest spring, that is round-off."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LocalPath:
+    """Where points were after each increment.
+
+    Attributes
+    ----------
+    moved : (n_increment, components n_point) [length]
+        w.
+    forces : (n_increment, components, n_point)
+        λ.
+    slipped : (n_increment, 2, n_point) [length]
+        s.
+    slack : (n_increment, 2, n_point) [length]
+        What each increment added to it.
+    dissipation : (n_increment,) [force·length]
+    """
+
+    moved: Matrix
+    forces: Matrix
+    slipped: Matrix
+    slack: Matrix
+    dissipation: Vector
+
+    def beside(self, local: LocalContact) -> Matrix:
+        """Return μ (components n_point, n_increment)."""
+        n = len(self.moved)
+        change = (self.forces - local.forces).reshape(n, -1) + local.springs.ravel() * self.moved
+        return np.asarray(change.T)
+
+
+def follow_local(
+    local: LocalContact,
+    linear: Matrix,
+    restrained: Matrix,
+    guess: Sequence[Vector] | None = None,
+) -> LocalPath:
+    """Follow the points along a path of loads.
+
+    Parameters
+    ----------
+    linear : (n_increment, components n_point) [length]
+        w₀.
+    restrained : (n_increment, n_touched) [length]
+        What the loads move the pairs with all points stuck.
+    guess : (n_increment,) of (components n_point,) or None
+        w to begin increments with.
+
+    Raises
+    ------
+    ConvergenceError
+        If an increment is not solved.
+    """
+    n, (k, m) = len(linear), local.springs.shape
+    moved, forces = np.zeros((n, k * m)), np.zeros((n, k, m))
+    slipped, slack = np.zeros((n, 2, m)), np.zeros((n, 2, m))
+    dissipation = np.zeros(n)
+    w, slip, beside = np.zeros(k * m), np.zeros((2, m)), np.zeros(k * m)
+    before = np.zeros(len(local.pairs))
+    for number in range(n):
+        begun = w if guess is None else guess[number]
+        found = _increment(local, linear[number], slip, begun)
+        if found is None:
+            step = _otherwise(local, before, restrained[number], beside, slip)
+            slack[number] = step.slip - local.slip - slip
+            dissipation[number] = step.dissipation
+            forces[number] = step.increment.forces[:k]
+            w = local.rows @ (step.increment.moved - local.whole.moved[local.pairs])
+        else:
+            w, forces[number], slack[number] = found
+            if k > 1:
+                dissipation[number] = -(forces[number][1:] * slack[number]).sum()
+        slip = slip + slack[number]
+        moved[number], slipped[number] = w, slip
+        beside = (forces[number] - local.forces).ravel() + local.springs.ravel() * w
+        before = restrained[number]
+    return LocalPath(
+        moved=moved, forces=forces, slipped=slipped, slack=slack, dissipation=dissipation
+    )
+
+
+def _increment(
+    local: LocalContact, linear: Vector, slip: Matrix, w: Vector
+) -> tuple[Vector, Matrix, Matrix] | None:
+    """Return w, λ and the slip of an increment by Newton's method; None where it goes astray."""
+    springs, T, (k, m) = local.springs.ravel(), local.compliance, local.springs.shape
+    anchor = local.at_rest.copy()
+    anchor[1:] -= slip[: k - 1]
+    size = max(float(np.abs(linear).max(initial=0.0)), float(np.abs(w).max(initial=0.0)))
+    last = np.inf
+    for _ in range(MOST_STEPS):
+        z = anchor + w.reshape(k, m)
+        forces, K = local.laws.respond(z)
+        beside = (forces - local.forces).ravel() + springs * w
+        rest = linear - w + T @ beside
+        left = float(np.abs(rest).max(initial=0.0))
+        if not np.isfinite(left):
+            return None
+        if left <= SOLVED * size or (left <= 1e2 * SOLVED * size and left >= last / 2):
+            slack = (z + local.laws.yielded(forces))[1:]
+            return w, forces, slack if k > 1 else np.zeros((2, m))
+        last = left
+        w = w + _solved(local, K, rest)[:, 0]
+        size = max(size, float(np.abs(w).max(initial=0.0)))
+    return None
+
+
+def _changed(local: LocalContact, K: Matrix) -> tuple[Indices, Indices, Matrix]:
+    """Return the points off their springs, their rows and Δ (n, components, components)."""
+    k, m = local.springs.shape
+    change = K.copy()
+    diagonal = np.arange(k)
+    change[:, diagonal, diagonal] -= local.springs.T
+    stiffest = float(local.springs.max(initial=0.0))
+    points = np.flatnonzero(np.abs(change).max(axis=(1, 2)) > UNCHANGED * stiffest)
+    rows = (m * np.arange(k)[:, None] + points).ravel()
+    return points, rows, change[points]
+
+
+def _blocks(change: Matrix, values: Matrix) -> Matrix:
+    """Return Δ times values (components n, x), component by component."""
+    n, k, _ = change.shape
+    shaped = values.reshape(k, n, values.shape[1])
+    return np.asarray(np.einsum("nij,jnx->inx", change, shaped).reshape(values.shape))
+
+
+def _times(matrix: Matrix, change: Matrix) -> Matrix:
+    """Return a matrix (r, components n) times Δ."""
+    n, k, _ = change.shape
+    shaped, result = matrix.reshape(len(matrix), k, n), np.zeros((len(matrix), k, n))
+    for i in range(k):
+        for j in range(k):
+            if change[:, j, i].any():
+                result[:, i] += shaped[:, j] * change[:, j, i]
+    return result.reshape(matrix.shape)
+
+
+def _solved(local: LocalContact, K: Matrix, right: Matrix) -> Matrix:
+    """Solve (I + T Δ) x = right (components n_point[, x])."""
+    right = right.reshape(len(right), -1)
+    _, rows, change = _changed(local, K)
+    if not len(rows):
+        return right
+    T = local.compliance[rows]
+    inner = _within(T[:, rows], change, right[rows])
+    return np.asarray(right - T.T @ _blocks(change, inner))
+
+
+def _within(T: Matrix, change: Matrix, right: Matrix) -> Matrix:
+    """Solve (I + T Δ) x = right between the points that are off their springs."""
+    if not len(right):
+        return right
+    core = _times(T, change)
+    core.flat[:: len(core) + 1] += 1.0
+    return np.asarray(la.solve(core, right, overwrite_a=True, check_finite=False))
+
+
+def _otherwise(
+    local: LocalContact, before: Vector, ahead: Vector, beside: Vector, slip: Matrix
+) -> PathStep:
+    """Return where an increment leads by the solver of all paths, between the pairs."""
+    solver, k = local.released.increments, local.components
+    S, whole = np.asarray(local.released.compliance), local.whole
+    forces = whole.forces[:, local.points].copy()
+    y = local.moved(before, beside)
+    w = local.rows @ (y - whole.moved[local.pairs])
+    forces[:k] = local.forces + (beside - local.springs.ravel() * w).reshape(k, -1)
+    unloaded = whole.moved[local.pairs] - S @ (local.rows.T @ local.forces.ravel())
+
+    def target(restrained: Vector) -> Vector:
+        return np.asarray(unloaded + restrained + S @ (local.block @ restrained))
+
+    start = PathStep(
+        relative=target(before),
+        increment=Increment(
+            forces=forces, slack=np.zeros_like(forces), moved=y, iterations=0, residual=0.0
+        ),
+        slip=local.slip + slip,
+    )
+    return next(follow(solver, target(ahead)[None], start))
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LocalDerivatives:
+    """What changes along a path with unknowns.
+
+    Attributes
+    ----------
+    moved : (n_increment, components n_point, x)
+        Of w, in single precision, which is enough to begin increments with.
+    beside : (n_increment,) of ((n_active,), (n_active, x))
+        Rows of μ that change, and how.
+    """
+
+    moved: npt.NDArray[np.float32]
+    beside: list[tuple[Indices, Matrix]]
+
+
+def local_derivatives(
+    local: LocalContact, path: LocalPath, shapes: Matrix, columns: Matrix
+) -> LocalDerivatives:
+    """Return the derivatives of a path, exact along it.
+
+    Parameters
+    ----------
+    shapes : (components n_point, n_column) [length]
+        What the load columns move the points with all stuck.
+    columns : (N, n_column, x)
+        Derivatives of their factors, the same in every period of N increments.
+    """
+    (k, m), N, count = local.springs.shape, len(columns), columns.shape[2]
+    single = local.compliance.astype(np.float32)
+    s = np.zeros((k, m, count))
+    moved = np.zeros((len(path.moved), k * m, count), dtype=np.float32)
+    beside = list[tuple[Indices, Matrix]]()
+    slip, rubs = np.zeros((2, m)), local.contact.coefficients > 0
+    slid = np.zeros(m, dtype=bool)
+    first = shapes.astype(np.float32)
+    for number, w in enumerate(path.moved):
+        anchor = local.at_rest.copy()
+        anchor[1:] -= slip[: k - 1]
+        K = local.laws.respond(anchor + w.reshape(k, m))[1]
+        points, rows, change = _changed(local, K)
+        step = columns[number % N]
+        # Where points slid before, or are off their springs, μ changes: by K s − Δ w.
+        active = slid.copy()
+        active[points] = True
+        chosen = np.flatnonzero(active)
+        every = (m * np.arange(k)[:, None] + chosen).ravel()
+        pulled = _blocks(K[chosen], s[:, chosen].reshape(k * len(chosen), count))
+        T = local.compliance[np.ix_(every, every)]
+        right = shapes[every] @ step + T @ pulled
+        inside = np.flatnonzero(np.isin(every, rows))
+        inner = _within(T[np.ix_(inside, inside)], change, right[inside])
+        pulled[inside] -= _blocks(change, inner)
+        beside.append((every, pulled))
+        moved[number] = first @ step.astype(np.float32)
+        moved[number] += single[every].T @ pulled.astype(np.float32)
+        if k > 1 and len(points):
+            yields = local.laws.closure(_whole(path.forces[number]))[1][1:, points, None]
+            relative = inner.reshape(k, len(points), count)
+            answered = -_blocks(K[points], (relative - s[:, points]).reshape(len(rows), count))
+            part = answered.reshape(k, len(points), count)[1:]
+            s[1:, points] = relative[1:] + yields * part
+            s[1:, ~rubs] = 0.0
+            slid[points] = rubs[points]
+        slip = path.slipped[number]
+    return LocalDerivatives(moved=moved, beside=beside)
+
+
+def _whole(forces: Matrix) -> Matrix:
+    """Return forces with all three components."""
+    return np.concatenate([forces, np.zeros((3 - len(forces), forces.shape[1]))])

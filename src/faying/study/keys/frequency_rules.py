@@ -1,0 +1,83 @@
+"""What harmonic loads of a study must be, and what they need of the model."""
+
+from collections.abc import Iterator
+
+from faying.assessment.forced_joint import FEWEST
+from faying.assessment.response_curve import boundary_components
+from faying.exceptions import FayingError
+from faying.joint.model import Model
+from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES
+from faying.simulation.harmonic_load import harmonic_inputs
+from faying.study.keys.errors import Problem, nearest
+from faying.study.keys.frequency_table import FrequencySection
+from faying.study.keys.loadings import repeated_loads
+from faying.study.keys.positions import Location
+from faying.study.keys.tables import Study
+
+
+def frequency_problems(study: Study) -> Iterator[Problem]:
+    """Find ranges, levels and loads that make no curve."""
+    for i, swept in enumerate(study.frequencies):
+        location: Location = ("frequency", i)
+        yield from repeated_loads(study, (*location, "forces"), swept.forces)
+        wrong: dict[Location, str] = {}
+        if not any(force.value for force in swept.forces):
+            wrong[*location, "forces"] = "all forces are zero; give one an amplitude"
+        for j, force in enumerate(swept.forces):
+            if force.temperature is not None:
+                text = "a temperature does not vibrate; load a boundary, or take a deck_load"
+                wrong[*location, "forces", j, "temperature"] = text
+        if not swept.lowest < swept.highest:
+            text = f"found {swept.lowest:g}, which is not below to = {swept.highest:g}"
+            wrong[*location, "from"] = f"{text}; exchange or change them"
+        if len(set(swept.levels)) < len(swept.levels):
+            wrong[*location, "levels"] = "a level is there twice; keep one"
+        fewest = 4 * (swept.harmonics or FEWEST)
+        if swept.samples is not None and swept.samples < fewest:
+            text = f"found {swept.samples}, expected four for each harmonic, {fewest}, or more"
+            wrong[*location, "samples"] = text
+        yield from _said(study, wrong)
+
+
+def frequencies_of(study: Study, model: Model) -> Iterator[Problem]:
+    """Find harmonic loads that a model cannot carry, and places that it cannot show."""
+    for i, swept in enumerate(study.frequencies):
+        wrong: dict[Location, str] = {}
+        hard = [name for name, one in model.interfaces.items() if not one.law.yields]
+        if hard:
+            text = f"interface '{hard[0]}' is hard, and small vibrations about it have no stiffness"
+            wrong["frequency", i] = f'{text}; give it a penalty, as penalty = "auto"'
+        try:
+            harmonic_inputs(model, swept.load)
+        except FayingError as error:
+            wrong["frequency", i, "forces"] = str(error)
+        else:
+            components = boundary_components(model)
+            if shown_place(swept, components) not in components:
+                text = "none of its boundaries moves alone" if swept.at is None else swept.at
+                known = nearest(swept.at or "", components) if components else "there is none"
+                wrong["frequency", i, "at"] = f"found {text}, expected a component; {known}"
+        yield from _said(study, wrong)
+
+
+def shown_place(swept: FrequencySection, components: tuple[str, ...]) -> str:
+    """Return the component of a boundary that is shown: that asked for, or the first loaded one.
+
+    Of loads of the deck alone it is the first component that there is; it may not exist.
+    """
+    if swept.at is not None:
+        return swept.at
+    moved = dict(zip(FORCE_NAMES, DISPLACEMENT_NAMES, strict=True))
+    for force in swept.forces:
+        if force.boundary is not None and force.component is not None:
+            place = f"{force.boundary}.{moved[force.component]}"
+            if place in components:
+                return place
+            ends = [one for one in components if one.startswith(f"{force.boundary}[")]
+            return next((one for one in ends if one.endswith(place[-3:])), place)
+    return components[0] if components else ""
+
+
+def _said(study: Study, wrong: dict[Location, str]) -> Iterator[Problem]:
+    for where, text in wrong.items():
+        yield Problem(where, f"{study.source.place(where)}: {text}")

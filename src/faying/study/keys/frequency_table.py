@@ -1,0 +1,70 @@
+"""The table [[frequency]]: a joint under harmonic loads."""
+
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field
+
+from faying._typing import Vector
+from faying.study.keys.loading_table import Loading
+from faying.study.keys.section import Count, Name, Number, Positive, Section
+
+MOST_POINTS = 10_000
+"""Frequencies of a range: each takes a second and more."""
+
+MOST_HARMONICS = 50
+"""Harmonics: each adds as many unknowns as modes take part."""
+
+
+class HarmonicForce(Loading):
+    """[[frequency]] forces: value · cos(ω t + phase), at level one.
+
+    Attributes
+    ----------
+    phase : [degree]
+    """
+
+    value: Number
+    phase: Number = 0.0
+
+
+class FrequencySection(Section):
+    """[[frequency]]: see :func:`faying.frequency_response`.
+
+    Attributes
+    ----------
+    levels
+        Factors of the forces.
+    lowest, highest : [1/time]
+        Range of frequencies, ``from`` and ``to`` in a file.
+    points
+        Frequencies that are computed, evenly, beside those where the curve bends.
+    harmonics, samples
+        Of the motion, and increments of a period; None chooses.
+    at
+        Component of a boundary that tables and figures show; None is the first that is loaded.
+    check
+        ``"transient"``: integrate the motion at the peak of each level too.
+    """
+
+    name: Name
+    forces: Annotated[tuple[HarmonicForce, ...], Field(min_length=1)]
+    levels: Annotated[tuple[Positive, ...], Field(min_length=1)] = (1.0,)
+    lowest: Positive = Field(alias="from")
+    highest: Positive = Field(alias="to")
+    points: Annotated[Count, Field(ge=2, le=MOST_POINTS)] = 40
+    harmonics: Annotated[Count, Field(le=MOST_HARMONICS)] | None = None
+    samples: Count | None = None
+    at: Name | None = None
+    check: Literal["transient"] | None = None
+
+    @property
+    def load(self) -> dict[str, complex]:
+        """Complex amplitudes at level one, by what they load."""
+        turned = {one.target: complex(np.exp(1j * np.radians(one.phase))) for one in self.forces}
+        return {one.target: one.value * turned[one.target] for one in self.forces}
+
+    @property
+    def asked(self) -> Vector:
+        """Frequencies that are asked for (n,)."""
+        return np.linspace(self.lowest, self.highest, self.points)

@@ -1,0 +1,57 @@
+"""What a run keeps of a joint under harmonic loads."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import final
+
+from faying.assessment.backbone import Backbone
+from faying.assessment.response_curve import (
+    FrequencyResponse,
+    Peak,
+    ResponseCurve,
+)
+from faying.assessment.transient_check import TransientCheck
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FrequencyRecord:
+    """Responses to one harmonic load of a study.
+
+    Attributes
+    ----------
+    at
+        Component of a boundary that tables and figures show.
+    response
+        By harmonics, one curve for each level.
+    expected
+        From the backbone alone; None where nothing rubs, or no mode lies between the frequencies.
+    backbone
+        Of the mode that is brought to resonance.
+    checks : (n_check,)
+        Transients beside peaks, where they were asked for.
+    seconds : [s]
+        Wall time of all of it, in whichever run.
+    """
+
+    at: str
+    response: FrequencyResponse
+    expected: FrequencyResponse | None = None
+    backbone: Backbone | None = None
+    checks: tuple[TransientCheck, ...] = ()
+    seconds: float = 0.0
+
+    def peaks(self) -> Iterator[tuple[ResponseCurve, Peak, Peak | None]]:
+        """Yield curves that have points with their peaks, and those expected by the backbone."""
+        levels = {} if self.expected is None else {one.level: one for one in self.expected.curves}
+        for curve in self.response.curves:
+            if len(curve.frequency):
+                other = levels.get(curve.level)
+                known = other is not None and len(other.frequency) > 0
+                yield curve, curve.peak(self.at), other.peak(self.at) if known and other else None
+
+    def missed(self, name: str) -> Iterator[str]:
+        """Yield the frequencies at which no motion was found, and why."""
+        for curve in self.response.curves:
+            for text in curve.missed:
+                yield f"{name}, level {curve.level:g}, frequency {text}"

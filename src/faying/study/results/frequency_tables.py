@@ -1,0 +1,100 @@
+"""Frequency responses of a run as csv files that other programs read."""
+
+import csv
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from faying.assessment.response_curve import ResponseCurve
+from faying.files.atomic import replacing
+from faying.study.results.frequency_record import FrequencyRecord
+from faying.study.results.metric_table import DIGITS
+
+RESPONSES = (
+    "name",
+    "level",
+    "frequency",
+    "component",
+    "harmonic",
+    "amplitude",
+    "phase",
+    "load_work",
+    "damping_energy",
+    "friction_energy",
+    "swept_up",
+    "swept_down",
+)
+"""Columns of ``frf.csv``: a row for each point of a curve, component and harmonic."""
+
+PEAKS = (
+    "name",
+    "level",
+    "component",
+    "frequency",
+    "amplitude",
+    "phase",
+    "damping_ratio",
+    "friction_share",
+    "expected_frequency",
+    "expected_amplitude",
+)
+"""Columns of ``peaks.csv``: a row for each level."""
+
+
+def write_frequency_tables(records: Mapping[str, FrequencyRecord], folder: Path) -> None:
+    """Write ``frf.csv`` and ``peaks.csv`` of a run, atomically; nothing without harmonic loads.
+
+    Phases are in degrees against the load, energies those of a period; frequencies expected are
+    those of the backbone.
+
+    Raises
+    ------
+    FormatError
+        If a file cannot be written.
+    """
+    if not records:
+        return
+    curves = ((name, curve) for name, one in records.items() for curve in one.response.curves)
+    _write(folder / "frf.csv", RESPONSES, (row for pair in curves for row in _responses(*pair)))
+    peaks = (row for name, one in records.items() for row in _peaks(name, one))
+    _write(folder / "peaks.csv", PEAKS, peaks)
+
+
+def _write(path: Path, header: tuple[str, ...], rows: Iterable[tuple[object, ...]]) -> None:
+    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(header)
+        for row in rows:
+            table.writerow(DIGITS % one if isinstance(one, float) else one for one in row)
+
+
+def _responses(name: str, curve: ResponseCurve) -> Iterator[tuple[object, ...]]:
+    up, down, contact = curve.swept_up, curve.swept_down, curve.contact
+    for at, frequency in enumerate(curve.frequency.tolist()):
+        energies = (
+            ("", "", "")
+            if contact is None
+            else tuple(
+                float(values[at])
+                for values in (contact.load_work, contact.damping_energy, contact.friction_energy)
+            )
+        )
+        for number, component in enumerate(curve.components):
+            for order, value in enumerate(curve.harmonics[at, :, number].tolist()):
+                size, phase = float(abs(value)), float(np.angle(value, deg=True))
+                swept = (int(up[at]), int(down[at]))
+                yield name, curve.level, frequency, component, order, size, phase, *energies, *swept
+
+
+def _peaks(name: str, record: FrequencyRecord) -> Iterator[tuple[object, ...]]:
+    for curve, peak, expected in record.peaks():
+        at = int(np.argmax(np.abs(curve.response(record.at))))
+        damping: tuple[object, object] = "", ""
+        if curve.contact is not None:
+            lost = curve.contact.damping_energy[at] + curve.contact.friction_energy[at]
+            share = curve.contact.friction_energy[at] / lost if lost > 0 else 0.0
+            damping = float(curve.contact.damping_ratio[at]), float(share)
+        found = ("", "") if expected is None else (expected.frequency, expected.amplitude)
+        motion = (peak.frequency, peak.amplitude, peak.phase)
+        yield name, curve.level, record.at, *motion, *damping, *found

@@ -1,0 +1,205 @@
+"""Harmonic loads of a study: the curve from the backbone, then harmonics, level by level."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+
+from faying.assessment.backbone import Backbone
+from faying.assessment.backbone_response import backbone_response
+from faying.assessment.forced_joint import ForcedJoint, linear_range
+from faying.assessment.modal_cycles import ModalCycle
+from faying.assessment.resonance import resonance
+from faying.assessment.response_curve import (
+    FrequencyResponse,
+    ResponseCurve,
+    boundary_components,
+    remarks_of,
+)
+from faying.assessment.steady_state import steady_state
+from faying.assessment.transient_check import TransientCheck
+from faying.exceptions import ConvergenceError, naming
+from faying.execution.checkpoint import Arrays
+from faying.files.flattening import flattened, restored
+from faying.reduction.reduced_model import ReducedModel
+from faying.study.keys.frequency_rules import shown_place
+from faying.study.keys.frequency_table import FrequencySection
+from faying.study.results.frequency_record import FrequencyRecord
+from faying.study.stages.checkpoint import Checkpoint
+from faying.study.stages.checkpointed_steps import SECONDS, Pieces
+from faying.study.stages.offline import PreparedJoint
+from faying.study.stages.optional import Extras
+from faying.study.stages.path_cases import rest_state
+from faying.study.stages.progress import Stages
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FrequencyRunner:
+    """One harmonic load of a run.
+
+    Attributes
+    ----------
+    joint
+        Whose full model is solved.
+    rom
+        Reduced model that transients are checked with; None where none could be made.
+    """
+
+    swept: FrequencySection
+    joint: PreparedJoint
+    rom: ReducedModel | None
+    stages: Stages
+    extras: Extras
+    pieces: Pieces
+
+    def solve(self) -> FrequencyRecord:
+        """Return the responses; what did not converge is in their remarks."""
+        with naming(f"frequency '{self.swept.name}'"):
+            seconds, backbone, expected = 0.0, None, None
+            with self.extras.attempt(f"{self.swept.name}, curve from the backbone"):
+                kept = self.pieces.take("backbone", self._backbone)
+                if "mode" in kept:
+                    backbone = restored(Backbone, kept)
+                    expected = backbone_response(
+                        self.joint.model,
+                        backbone,
+                        self.swept.load,
+                        (self.swept.lowest, self.swept.highest),
+                        self.swept.levels,
+                        initial=self.joint.rest,
+                    )
+                seconds += float(kept[SECONDS])
+            curves, checks = [], []
+            for level in self.swept.levels:
+                kept = self.pieces.take(f"level {level}", partial(self._level, level))
+                curves.append(restored(ResponseCurve, kept))
+                seconds += float(kept[SECONDS])
+                if self.swept.check is not None and len(curves[-1].frequency):
+                    with self.extras.attempt(f"{self.swept.name}, level {level:g}, transient"):
+                        checks.append(self._checked(curves[-1]))
+            still = restored(ResponseCurve, self.pieces.take("linear", self._linear))
+        return FrequencyRecord(
+            at=self._at,
+            response=FrequencyResponse(
+                load=self.swept.load,
+                curves=tuple(curves),
+                linear=still,
+                remarks=remarks_of(curves),
+                units=self.joint.model.units,
+            ),
+            expected=expected,
+            backbone=backbone,
+            checks=tuple(checks),
+            seconds=seconds,
+        )
+
+    @property
+    def _at(self) -> str:
+        return shown_place(self.swept, boundary_components(self.joint.model))
+
+    @cached_property
+    def _forced(self) -> ForcedJoint:
+        with self.stages.stage(f"{self.swept.name}: stuck joint"):
+            return ForcedJoint.of(
+                self.joint.model, self.swept.load, self.joint.rest, self.swept.asked
+            )
+
+    def _linear(self) -> Arrays:
+        return flattened(self._forced.linear(1.0, linear_range(self.swept.asked)))
+
+    def _level(self, level: float) -> Arrays:
+        forced, name = self._forced, f"{self.swept.name}: level {level:g}"
+        with self.stages.stage(name, self.swept.points) as advance:
+            return flattened(
+                forced.curve(
+                    level,
+                    harmonics=self.swept.harmonics,
+                    samples=self.swept.samples,
+                    progress=advance,
+                )
+            )
+
+    def _backbone(self) -> Arrays:
+        """Return the backbone of the mode that is brought to resonance; nothing without one."""
+        with self.stages.stage(f"{self.swept.name}: backbone") as advance:
+            found = resonance(
+                self.joint.model,
+                self.swept.load,
+                (self.swept.lowest, self.swept.highest),
+                self.swept.levels,
+                self._at,
+                self.joint.rest,
+            )
+            if found is None:
+                return {}
+            cycles = list[ModalCycle]()
+            for number in range(len(found.analysis.levels)):
+                name = f"backbone, amplitude {number + 1}"
+                compute = partial(found.analysis.cycle, number)
+                try:
+                    kept = self.pieces.take(name, lambda c=compute: flattened(c()))  # type: ignore[misc]
+                except ConvergenceError:
+                    # The curve then ends below the peak, which its remarks say.
+                    if not cycles:
+                        raise
+                    break
+                cycles.append(restored(ModalCycle, kept))
+                advance(1)
+                if found.resists(cycles[-1]):
+                    break
+            return flattened(found.analysis.backbone(cycles))
+
+    def _checked(self, curve: ResponseCurve) -> TransientCheck:
+        """Return a transient at the peak of a curve."""
+        kept = self.pieces.take(f"transient {curve.level}", partial(self._transient, curve))
+        return restored(TransientCheck, kept)
+
+    def _transient(self, curve: ResponseCurve) -> Arrays:
+        if self.rom is None:
+            message = "there is no reduced model to integrate"
+            raise ConvergenceError(message)
+        peak = curve.peak(self._at)
+        with self.stages.stage(f"{self.swept.name}: transient, level {curve.level:g}"):
+            settled = steady_state(
+                self.rom,
+                self.swept.load,
+                curve.level,
+                peak.frequency,
+                rest_state(self.rom, self.joint.preload_path),
+            )
+        motion = settled.fundamental[settled.components.index(self._at)]
+        return flattened(
+            TransientCheck(
+                level=curve.level,
+                frequency=peak.frequency,
+                amplitude=peak.amplitude,
+                transient_amplitude=float(np.abs(motion)),
+                phase=peak.phase,
+                transient_phase=float(np.angle(motion, deg=True)),
+                periods=settled.periods,
+                to_come=settled.to_come,
+            )
+        )
+
+
+def frequency_records(
+    frequencies: tuple[FrequencySection, ...],
+    joint: PreparedJoint,
+    rom: ReducedModel | None,
+    stages: Stages,
+    extras: Extras,
+    checkpoint: Checkpoint,
+) -> Mapping[str, FrequencyRecord]:
+    """Compute all harmonic loads of a study, by name."""
+    return {
+        swept.name: FrequencyRunner(
+            swept=swept,
+            joint=joint,
+            rom=rom,
+            stages=stages,
+            extras=extras,
+            pieces=Pieces(checkpoint, f"frequency {swept.name}"),
+        ).solve()
+        for swept in frequencies
+    }

@@ -1,0 +1,137 @@
+"""[[frequency]] in studies: read, computed, kept, resumed, told, refused."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from faying.assessment import forced_joint
+from faying.assessment.response_curve import ResponseCurve
+from faying.exceptions import StudyError
+from faying.files.flattening import flattened, restored
+from faying.study.judgement.summary import summarize
+from faying.study.keys.schema import parse_study, read_study
+from faying.study.results.store import read_results
+from faying.workflow.run import run
+from small_study import TINY_JOINT
+
+STUDY = (
+    TINY_JOINT
+    + """
+[[interface]]
+name = "joint"
+friction = 0.2
+
+[damping]
+alpha = 50.0
+
+[reduction]
+methods = ["compliance"]
+normal_modes = 8
+
+[validation]
+reference = "none"
+
+[output]
+report = false
+
+[[frequency]]
+name = "shaker"
+forces = [{ boundary = "tip", component = "Fz", value = 2.0, phase = 90.0 }]
+levels = [0.1, 1.0]
+from = 640.0
+to = 660.0
+points = 2
+harmonics = 1
+samples = 16
+"""
+)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    path = tmp_path_factory.mktemp("frequency")
+    (path / "shaker.toml").write_text(STUDY)
+    return path
+
+
+@pytest.mark.long
+def test_a_run_keeps_its_levels_and_resumes(folder, monkeypatch):
+    study, out = read_study(folder / "shaker.toml"), folder / "out"
+    whole = forced_joint.ForcedJoint.curve
+
+    def stopped(self, level, **arguments):
+        if level == 1.0:
+            raise KeyboardInterrupt
+        return whole(self, level, **arguments)
+
+    monkeypatch.setattr(forced_joint.ForcedJoint, "curve", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        run(study, out)
+
+    def only_the_last(self, level, **arguments):
+        assert level == 1.0
+        return whole(self, level, **arguments)
+
+    monkeypatch.setattr(forced_joint.ForcedJoint, "curve", only_the_last)
+    found = run(study, out, resume=True)
+    assert found.converged
+    (named,) = found.summary["frequencies"].values()
+    assert [one["level"] for one in named["levels"]] == [0.1, 1.0]
+    kept = read_results(out / "results.h5")
+    assert summarize(kept)["frequencies"] == found.summary["frequencies"]
+    record = kept.frequencies["shaker"]
+    # The load leads the cosine by 90 degrees: i times the amplitude.
+    assert record.response.load["tip.Fz"] == pytest.approx(2j)
+    assert record.backbone.mode == 1
+    small, large = record.response.curves
+    assert {640.0, 660.0} <= set(small.frequency.round(9))
+    again = restored(ResponseCurve, flattened(large))
+    np.testing.assert_array_equal(again.harmonics, large.harmonics)
+    np.testing.assert_array_equal(again.contact.load_work, large.contact.load_work)
+    with (out / "frf.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if row["component"] == "tip.uz"]
+    first = [row for row in rows if row["level"] == "0.1" and row["harmonic"] == "1"]
+    np.testing.assert_allclose(
+        [float(row["amplitude"]) for row in first], np.abs(small.response("tip.uz")), rtol=1e-14
+    )
+    with (out / "peaks.csv").open() as file:
+        peak = next(row for row in csv.DictReader(file) if row["level"] == "1")
+    assert float(peak["amplitude"]) == pytest.approx(large.peak("tip.uz").amplitude, rel=1e-14)
+    # Where a tenth of the loss is friction's, the backbone was 1 % off at peaks.
+    assert float(peak["expected_amplitude"]) == pytest.approx(float(peak["amplitude"]), rel=0.03)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "text"),
+    [
+        ("from = 640.0", "from = 670.0", "not below to = 660; exchange or change them"),
+        ("value = 2.0", "value = 0.0", "all forces are zero; give one an amplitude"),
+        ("levels = [0.1, 1.0]", "levels = [1.0, 1.0]", "a level is there twice; keep one"),
+        ("samples = 16", "samples = 3", "expected four for each harmonic, 4, or more"),
+        ('"tip"', '"top"', "no boundary 'top'; did you mean 'tip'"),
+        ("points = 2", "points = 1", "points"),
+        ("harmonics = 1", "harmonic = 1", "did you mean 'harmonics'"),
+    ],
+)
+def test_what_is_refused(tmp_path, old, new, text):
+    from faying.study.inputs.load_model import load_model
+
+    assert STUDY.count(old) == 1
+    with pytest.raises(StudyError, match=text):
+        load_model(parse_study(STUDY.replace(old, new), tmp_path / "shaker.toml"))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "text"),
+    [
+        ("friction = 0.2", 'friction = 0.2\npenalty = "hard"', "give it a penalty"),
+        ("points = 2", 'points = 2\nat = "tip.uw"', "did you mean 'tip.u"),
+    ],
+)
+def test_what_the_model_refuses(tmp_path, old, new, text):
+    from faying.study.stages.offline import prepare_joint
+    from faying.study.stages.progress import Stages
+
+    with pytest.raises(StudyError, match=text):
+        prepare_joint(parse_study(STUDY.replace(old, new), tmp_path / "s.toml"), Stages(None))
