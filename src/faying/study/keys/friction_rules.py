@@ -108,7 +108,7 @@ def check_friction(study: Study, model: Model) -> None:
         *frequencies_of(study, model),
     ]
     problems += _with_friction(study, rubbing[0]) if rubbing else _without(study, model)
-    gaskets = [name for name, law in model.contact.laws.items() if law.remembers]
+    gaskets = [name for name, one in model.interfaces.items() if one.law.remembers]
     problems += _with_gasket(study, gaskets[0]) if gaskets else []
     reject(study.source, problems)
 
