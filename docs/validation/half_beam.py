@@ -2,7 +2,8 @@
 
 ``python docs/validation/half_beam.py FOLDER`` writes deck, study and measured curve into the folder
 and compares the study as it stands: the table of docs/measured_joint.md. ``faying fit
-FOLDER/half_beam.toml`` finds the parameters again.
+FOLDER/half_beam.toml`` looks for the parameters again. With ForcedFrequencyResponses.mat of
+github.com/mattiacenedese/BRBtesting behind the folder it predicts the force-controlled curves.
 """
 
 import sys
@@ -10,6 +11,7 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
+from scipy.io import loadmat
 
 import faying as fy
 from faying._typing import Vector
@@ -37,7 +39,7 @@ CURVE = (
 and a constant to the response-controlled curves of github.com/mattiacenedese/BRBtesting, test of
 doi 10.1016/j.ymssp.2021.108401."""
 
-PEAKS = (80.5, 297.7, 580.7, 845.7)
+PEAKS = (80.5, 297.7, 580.7, 845.7, 1175.0, 1527.0)
 """Of small vibrations [Hz], in the direction that the sensors measure."""
 
 LENGTH, WIDTH, HEIGHT, LAP = 720.0, 25.4, 12.7, 120.0
@@ -203,7 +205,7 @@ def write(folder: Path) -> Path:
 
 def peaks(system: fy.ReducedModel, state: fy.Solution) -> Vector:
     """Return frequencies of small vibrations that move the driving point along the sensors."""
-    modes = stuck_modes(system, state, 1000.0, 1)
+    modes = stuck_modes(system, state, 1600.0, 1)
     (row,) = (
         dof
         for dof, component in zip(
@@ -220,8 +222,9 @@ def peaks(system: fy.ReducedModel, state: fy.Solution) -> Vector:
 def compare(path: Path) -> None:
     """Print the computed curve beside the measured one, and the peaks of small vibrations."""
     study = read_study(path)
-    joint = varied_joint(study)
-    curve = joint.curves({})["damping", 1]
+    system, state = varied_joint(study).tightened({})
+    levels = np.geomspace(0.019, 0.33, 9)
+    curve = fy.backbone(system, 1, levels, at="driving point.uz", initial=state, increments=40)
     (test,) = measured_curves(study)
     differences = deviations(test, curve)
     rows = ["| amplitude [mm] | f [Hz] | computed | ζ [%] | computed |", "|---|---|---|---|---|"]
@@ -232,10 +235,47 @@ def compare(path: Path) -> None:
             f"| {100 * differences.damping_ratio[n]:.3f} "
             f"({100 * differences.damping_error[n]:+.0f} %) |"
         )
-    small = peaks(*joint.tightened({}))
+    small = peaks(system, state)
     rows.append(f"small vibrations {small.round(1).tolist()} Hz, measured {list(PEAKS)}")
     sys.stdout.write("\n".join([*rows, ""]))
 
 
+def predict(path: Path, measured: Path) -> None:
+    """Print peaks under the loads of the force-controlled curves, which nothing was fitted to.
+
+    Parameters
+    ----------
+    measured
+        ``ForcedFrequencyResponses.mat`` of the repository of the test.
+    """
+    tests = loadmat(measured, squeeze_me=True, struct_as_record=False)["FRdata"].ForceControl
+    system, state = varied_joint(read_study(path)).tightened({})
+    levels = np.geomspace(0.01, 0.36, 8)
+    curve = fy.backbone(system, 1, levels, at="driving point.uz", initial=state, increments=24)
+    rows = [
+        "| force [N] | f [Hz] | predicted | amplitude [mm] | predicted |",
+        "|---|---|---|---|---|",
+    ]
+    for test in tests:
+        amplitude = 1e3 * test.amplitude / (2 * np.pi * test.frequency) ** 2
+        top = int(np.argmax(amplitude))
+        force, f, highest = test.force[top], test.frequency[top], amplitude[top]
+        response = fy.backbone_response(
+            system, curve, {"driving point.Fz": 1.0}, (77.0, 84.0), [force], initial=state
+        )
+        peak = response.curves[0].peak("driving point.uz")
+        ratios = (peak.frequency / f, peak.amplitude / highest)
+        error_f, error = (100 * (ratio - 1) for ratio in ratios)
+        rows.append(
+            f"| {force:.3f} | {f:.2f} | {peak.frequency:.2f} ({error_f:+.1f} %) "
+            f"| {highest:.4f} | {peak.amplitude:.4f} ({error:+.0f} %) |"
+        )
+    sys.stdout.write("\n".join([*rows, ""]))
+
+
 if __name__ == "__main__":
-    compare(write(Path(sys.argv[1])))
+    study = write(Path(sys.argv[1]))
+    if len(sys.argv) > 2:
+        predict(study, Path(sys.argv[2]))
+    else:
+        compare(study)

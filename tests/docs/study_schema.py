@@ -39,6 +39,7 @@ SECTIONS: dict[str, type[BaseModel]] = {
     "[[support]]": model_tables.SupportSection,
     "[[mass]]": model_tables.MassSection,
     "[[measurement]]": measurement_table.MeasurementSection,
+    "[[measurement]] response": measurement_table.ResponseSection,
     "[[parameter]]": parameter_tables.ParameterSection,
     "[band]": parameter_tables.BandSection,
     "[sticking]": model_tables.StickingSection,

@@ -1,16 +1,18 @@
 """[[measurement]]: curves of a test that stand beside computed backbones."""
 
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from faying._typing import Matrix
 from faying.assessment.backbone import Backbone
 from faying.assessment.measured_curve import MeasuredCurve, deviations
-from faying.exceptions import FormatError
+from faying.assessment.single_mode import single_mode
+from faying.exceptions import FormatError, ModelError, naming
 from faying.files.number_table import read_number_table
 from faying.study.keys.errors import Problem, nearest
+from faying.study.keys.measured_responses import read_response
 from faying.study.keys.measurement_table import MeasurementSection
 from faying.study.keys.tables import Study
 
@@ -34,10 +36,7 @@ def measured_curves(study: Study) -> tuple[MeasuredCurve, ...]:
 
 
 def _curve(section: MeasurementSection) -> MeasuredCurve:
-    header, table = read_number_table(Path(section.file), COLUMNS, "the measured curve")
-    if (table <= 0).any():
-        message = f"{section.file}: amplitudes, frequencies and damping ratios must be positive"
-        raise FormatError(message)
+    header, table = _table(section)
     table = table[np.argsort(table[:, header.index("amplitude")], kind="stable")]
     columns = {name: table[:, number] for number, name in enumerate(header)}
     return MeasuredCurve(
@@ -50,6 +49,22 @@ def _curve(section: MeasurementSection) -> MeasuredCurve:
         frequency_scatter=section.frequency_scatter,
         damping_scatter=section.damping_scatter,
     )
+
+
+def _table(section: MeasurementSection) -> tuple[list[str], Matrix]:
+    """Return the columns of a curve, from its file or from a response at each amplitude."""
+    if section.file is None:
+        rows = []
+        for response in section.response:
+            with naming(str(response.file)):
+                mode = single_mode(*read_response(response.file, response.of))
+            rows.append([response.amplitude, mode.frequency, mode.damping_ratio])
+        return list(COLUMNS[0]), np.array(rows)
+    header, table = read_number_table(section.file, COLUMNS, "the measured curve")
+    if (table <= 0).any():
+        message = f"{section.file}: amplitudes, frequencies and damping ratios must be positive"
+        raise FormatError(message)
+    return header, table
 
 
 def measurement_problems(study: Study) -> Iterator[Problem]:
@@ -69,10 +84,16 @@ def measurement_problems(study: Study) -> Iterator[Problem]:
             wrong["load_case"] = f"'{case.name}' goes over energy, and curves over amplitude"
         if section.name in names[:number]:
             wrong["name"] = f"two measurements are called '{section.name}'; give each its own name"
+        key = "file" if section.file else "response"
+        if (section.file is None) == (not section.response):
+            table = ("measurement", number)
+            text = "it needs either 'file' or tables [[measurement.response]]; give one of them"
+            yield Problem(table, f"{study.source.table(table)}: {text}")
+            continue
         try:
             _curve(section)
-        except FormatError as error:
-            wrong["file"] = str(error)
+        except (FormatError, ModelError) as error:
+            wrong[key] = str(error)
         for key, text in wrong.items():
             location = ("measurement", number, key)
             yield Problem(location, f"{study.source.place(location)}: {text}")

@@ -1,0 +1,93 @@
+"""Frequency and damping of a mode from a measured frequency response around it."""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from faying._typing import ComplexVector, Matrix, Vector
+from faying.exceptions import ModelError
+
+FEWEST = 5
+"""Points of a response: five real unknowns of two numbers each need three, and some to spare."""
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class SingleMode:
+    """One mode of a frequency response.
+
+    Attributes
+    ----------
+    frequency : [1/time]
+        Undamped, cyclic.
+    damping_ratio : [1]
+    residual : [1]
+        Root mean square of what the fit leaves, over that of the response.
+    """
+
+    frequency: float
+    damping_ratio: float
+    residual: float
+
+
+def single_mode(frequency: Vector, response: ComplexVector) -> SingleMode:
+    """Fit a mode and a constant to the displacement per force around a resonance.
+
+    Parameters
+    ----------
+    frequency : (n,) [1/time]
+        Rising.
+    response : (n,)
+        Complex displacement per force, in any unit; at one amplitude where the joint is not linear.
+
+    Raises
+    ------
+    ModelError
+        If there are fewer than five points, or the resonance is not among them.
+
+    Notes
+    -----
+    Least squares of A/(ω₀² − ω² + 2iζω₀ω) + B with complex A and B: both follow from the other two,
+    which SciPy looks for from the largest response on.
+
+    Examples
+    --------
+    >>> f = np.linspace(79.0, 81.0, 41)
+    >>> mode = single_mode(f, 1 / (80.3**2 - f**2 + 2j * 0.002 * 80.3 * f) + 1e-4)
+    >>> round(mode.frequency, 6), round(mode.damping_ratio, 8)
+    (80.3, 0.002)
+    """
+    if len(frequency) < FEWEST:
+        message = f"a mode needs {FEWEST} points of a response at least; found {len(frequency)}"
+        raise ModelError(message)
+    top = int(np.argmax(np.abs(response)))
+    if top in (0, len(frequency) - 1):
+        message = (
+            f"the response is largest at its end, {frequency[top]:g}; give frequencies on both "
+            "sides of the resonance"
+        )
+        raise ModelError(message)
+
+    def shapes(logarithms: Vector) -> Matrix:
+        centre, ratio = np.exp(logarithms)
+        mode = centre**2 / (centre**2 - frequency**2 + 2j * ratio * centre * frequency)
+        return np.asarray(np.column_stack([mode, np.ones(len(frequency))]))
+
+    def deviation(logarithms: Vector) -> Vector:
+        columns = shapes(logarithms)
+        factors = np.linalg.lstsq(columns, response, rcond=None)[0]
+        difference = (columns @ factors - response) / np.linalg.norm(response)
+        return np.concatenate([difference.real, difference.imag])
+
+    wide = np.abs(response) > np.abs(response[top]) / np.sqrt(2)
+    width = max(np.ptp(frequency[wide]), float(np.diff(frequency).min()))
+    start = np.log([frequency[top], width / (2 * frequency[top])])
+    ended = least_squares(deviation, start, x_scale=[width / frequency[top], 1.0], xtol=1e-12)
+    centre, ratio = np.exp(ended.x)
+    return SingleMode(
+        frequency=float(centre),
+        damping_ratio=float(ratio),
+        residual=float(np.linalg.norm(ended.fun)),
+    )
