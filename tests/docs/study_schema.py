@@ -11,6 +11,7 @@ from pages import DOCS
 from pydantic import BaseModel
 
 from faying.study.keys import (
+    frequency_table,
     measurement_table,
     model_tables,
     output_tables,
@@ -42,6 +43,8 @@ SECTIONS: dict[str, type[BaseModel]] = {
     "[[measurement]] response": measurement_table.ResponseSection,
     "[[parameter]]": parameter_tables.ParameterSection,
     "[band]": parameter_tables.BandSection,
+    "[[frequency]]": frequency_table.FrequencySection,
+    "[[frequency]] forces": frequency_table.HarmonicForce,
     "[sticking]": model_tables.StickingSection,
     "[damping]": model_tables.DampingSection,
     "[reduction]": tables.ReductionSection,
