@@ -105,8 +105,7 @@ class YieldingContact:
         """
         laws = LawsAtPoints(contact=contact)
         pairs = GluedPairs.of(contact.rows, laws.springs, S, pulled)
-        glue = pairs.glue.diagonal()
-        if (glue > STIFFEST * (np.diag(pairs.stiffness) - glue)).any():
+        if (pairs.glue.diagonal() > STIFFEST * np.diag(pairs.structure)).any():
             message = "contact is far stiffer than the structure"
             raise LinAlgError(message)
         return cls(contact=contact, S=S, pairs=pairs)
