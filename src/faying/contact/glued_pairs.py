@@ -19,6 +19,7 @@ import scipy.sparse as sp
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, lapack
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
+from faying.contact.point_springs import PointSprings
 from faying.linalg.gmres import corrected
 
 REGULAR = 1e-11
@@ -36,11 +37,8 @@ UNCHANGED = 1e-12
 ACCURATE, LOOSE = 1e-5, 1e-3
 """Relative residuals of (F7): single precision leaves 1e-6, Newton's method corrects the rest."""
 
-DIRECT = 250
-"""Pairs c up to which (F7) is solved in double precision, without corrections.
-
-A static case of the default cantilever (148 pairs) takes a third of the time of corrected ones.
-"""
+DIRECT = 500
+"""Pairs up to which Σ + Gᵀ K G itself is factorized: its products cost more than (F7) saves."""
 
 MOST_CORRECTIONS = 15
 """Products of GMRES, which take as long as a factorization."""
@@ -79,14 +77,7 @@ class Factors:
     def of(cls, K: Matrix, pairs: Indices, product: Matrix) -> "Factors":
         """Factorize I + ΔB_cc U_cc, given the product, which is overwritten."""
         product.flat[:: len(product) + 1] += 1.0
-        single = product.dtype == np.float32
-        factorize = lapack.sgetrf if single else lapack.dgetrf
-        # LAPACK works in column order: it factorizes the transpose in place.
-        lu, pivots, failed = factorize(product.T, overwrite_a=1)
-        if failed or not np.isfinite(lu).all():
-            message = "singular system of a Newton step"
-            raise LinAlgError(message)
-        return cls(K, pairs, lu, pivots)
+        return cls(K, pairs, *_factorized(product))
 
     def serve(self, K: Matrix) -> bool:
         """Say whether K is another at few points only."""
@@ -172,35 +163,19 @@ class GluedPairs:
         return self._held(self.G, frozen(springs), self.structure)
 
     @cached_property
+    def points(self) -> PointSprings:
+        """What takes springs at points to pairs."""
+        return PointSprings(G=self.G, components=len(self.springs))
+
+    @property
     def transposed(self) -> SparseMatrix:
         """Gᵀ, which takes forces at the points to the pairs."""
-        return read_only(self.G.T.tocsr())
+        return self.points.transposed
 
     @cached_property
     def _single(self) -> Matrix:
         """U in single precision."""
         return self.compliance.astype(np.float32)
-
-    @cached_property
-    def _local(self) -> tuple[Indices, npt.NDArray[Any]]:
-        """Rows of G point by point: columns (n_point, m) and entries (n_point, components, m).
-
-        Points that fewer relative displacements move than others have zeros at column n_relative.
-        """
-        k, n = self.springs.shape
-        entries = self.G.tocoo()
-        component, point = np.divmod(entries.row, n)
-        size = self.G.shape[1]
-        touched, which = np.unique(point * np.int64(size) + entries.col, return_inverse=True)
-        owner = touched // size
-        first = np.searchsorted(owner, np.arange(n))
-        slot = np.arange(len(touched)) - first[owner]
-        m = int(slot.max(initial=-1)) + 1
-        columns = np.full((n, m), size)
-        columns[owner, slot] = touched % size
-        rows = np.zeros((n, k, m))
-        rows[point, component, slot[which]] = entries.data
-        return columns, rows
 
     def resisted(self, displacements: Vector) -> Vector:
         """Return Σ w of displacements w (n_relative,)."""
@@ -242,6 +217,12 @@ class GluedPairs:
         -----
         Two products with U, and factors of as many rows as points that changed sides touch.
         """
+        if len(self.structure) <= DIRECT:
+            both = self.structure.copy()
+            self.points.add_to(both, K)
+            lu, pivots = _factorized(both)
+            d = lapack.dgetrs(lu, pivots, right, trans=1)[0]
+            return d, self.structure @ d + self.glue @ d, None
         changed = K.copy()
         diagonal = np.arange(K.shape[1])
         changed[:, diagonal, diagonal] -= self.springs.T
@@ -249,26 +230,18 @@ class GluedPairs:
         moved = self.compliance @ right
         if not changed.any():
             return moved, right, factors
-        points = np.flatnonzero(changed.any(axis=(1, 2)))
-        if (pairs := self._touched(points)).size <= DIRECT:
-            block = self._dense(changed, points, pairs)
-            between = self.compliance[pairs].take(pairs, axis=1)
-            forces = right.copy()
-            exact = Factors.of(K, pairs, block @ between).solve(block @ moved[pairs])
-            forces[pairs] -= exact
-            return self.compliance @ forces, forces, None
         enough = float(np.clip(0.05 * left, ACCURATE, LOOSE)) * float(np.linalg.norm(right))
+        every, pairs = self.points.between_pairs(changed), self.points.touched(changed)
         if factors is not None and factors.serve(K):
-            pairs = np.concatenate([factors.pairs, np.setdiff1d(pairs, factors.pairs)])
-            block = self._block(changed, points, pairs)
-            if len(pairs) <= MOST_BESIDE * len(factors.pairs):
-                single, between = block.astype(np.float32), self._between(pairs)
-                solution = _in_single(single, between, block @ moved[pairs], enough, factors)
-                answer = self._answer(right, pairs, block, solution)
+            both = np.concatenate([factors.pairs, np.setdiff1d(pairs, factors.pairs)])
+            if len(both) <= MOST_BESIDE * len(factors.pairs):
+                block = every[both][:, both]
+                single, between = block.astype(np.float32), self._between(both)
+                solution = _in_single(single, between, block @ moved[both], enough, factors)
+                answer = self._answer(right, both, block, solution)
                 if answer is not None:
                     return *answer, factors
-            pairs = self._touched(points)
-        block = self._block(changed, points, pairs)
+        block = every[pairs][:, pairs]
         shared = block @ moved[pairs]
         # What overflows single precision is solved in double.
         with np.errstate(over="ignore", invalid="ignore"):
@@ -300,41 +273,20 @@ class GluedPairs:
         exact = np.linalg.norm(rest) <= LOOSE * np.linalg.norm(right)
         return (d, forces) if exact else None
 
-    def _touched(self, points: Indices) -> Indices:
-        """Return the pairs c that points touch."""
-        touched = np.zeros(self.G.shape[1] + 1, dtype=bool)
-        touched[self._local[0][points]] = True
-        return np.flatnonzero(touched[:-1])
-
-    def _block(self, changed: Matrix, points: Indices, pairs: Indices) -> SparseMatrix:
-        """Return ΔB_cc of what changed at points."""
-        entries, first, second = self._entries(changed, points, pairs)
-        n = len(pairs)
-        return sp.csr_array((entries, (first, second)), shape=(n, n))
-
-    def _dense(self, changed: Matrix, points: Indices, pairs: Indices) -> Matrix:
-        """Return ΔB_cc of few pairs."""
-        entries, first, second = self._entries(changed, points, pairs)
-        n = len(pairs)
-        filled = np.bincount(first * n + second, entries, minlength=n * n)
-        return np.asarray(filled.reshape(n, n))
-
-    def _entries(
-        self, changed: Matrix, points: Indices, pairs: Indices
-    ) -> tuple[Vector, Indices, Indices]:
-        """Return entries of ΔB_cc, with their rows and columns, which come again and again."""
-        columns, rows = (of_points[points] for of_points in self._local)
-        number = np.zeros(self.G.shape[1] + 1, dtype=np.int64)
-        number[pairs] = np.arange(len(pairs))
-        columns = number[columns]  # what fills up are zeros, wherever they go
-        entries = rows.transpose(0, 2, 1) @ (changed[points] @ rows)
-        first = np.broadcast_to(columns[:, :, None], entries.shape)
-        second = np.broadcast_to(columns[:, None, :], entries.shape)
-        return entries.ravel(), first.ravel(), second.ravel()
-
     def _between(self, pairs: Indices) -> Matrix:
         """Return U_cc in single precision."""
         return self._single[pairs].take(pairs, axis=1)
+
+
+def _factorized(matrix: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], Indices]:
+    """Factorize the transpose of a matrix, which is overwritten, in its own precision."""
+    factorize = lapack.sgetrf if matrix.dtype == np.float32 else lapack.dgetrf
+    # LAPACK works in column order: it factorizes the transpose in place.
+    lu, pivots, failed = factorize(matrix.T, overwrite_a=1)
+    if failed or not np.isfinite(lu).all():
+        message = "singular system of a Newton step"
+        raise LinAlgError(message)
+    return lu, pivots
 
 
 def _in_single(

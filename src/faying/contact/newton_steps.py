@@ -20,11 +20,10 @@ from functools import cached_property
 from typing import final
 
 import numpy as np
-import scipy.sparse as sp
 from scipy.linalg import LinAlgError, lapack
 
-from faying._typing import Indices, Matrix, SparseMatrix, Vector, read_only
-from faying.contact.padded_rows import PaddedRows
+from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying.contact.point_springs import PointSprings
 from faying.linalg.gmres import corrected
 
 PROXIMAL = 1e-8
@@ -94,16 +93,14 @@ class NewtonSteps:
         return own
 
     @cached_property
-    def rows(self) -> PaddedRows:
-        """G by rows."""
-        return PaddedRows.of(self.G)
+    def springs(self) -> PointSprings:
+        """What takes springs at points to pairs."""
+        return PointSprings(G=self.G, components=3)
 
-    @cached_property
+    @property
     def transposed(self) -> SparseMatrix:
         """Gᵀ, which takes forces at the points to the pairs."""
-        transposed = self.G.T.tocsr()
-        transposed.sum_duplicates()
-        return read_only(transposed)
+        return self.springs.transposed
 
     def moved(self, forces: Matrix) -> Matrix:
         """Return the displacements G S Gᵀ x (3, n_point) of forces (3, n_point)."""
@@ -173,8 +170,8 @@ class NewtonSteps:
             found = self._refined(K, right, factors, tolerance)
             if found is not None:
                 return found, factors
-        touched = self._touched(K)
-        B = self.springs(K)[touched][:, touched]
+        touched = self.springs.touched(K)
+        B = self.springs.between_pairs(K)[touched][:, touched]
         S = self.S.take(touched, axis=0).take(touched, axis=1)
         factors = Factors(K, touched, *_factorized(B @ S))
         # Forces between pairs that no closed point touches are known, and move the others.
@@ -194,40 +191,6 @@ class NewtonSteps:
         enough = tolerance * float(np.linalg.norm(factors.applied(right)))
         found = corrected(product, right, enough, MOST_CORRECTIONS)
         return None if found is None else factors.applied(found)
-
-    def _touched(self, K: Matrix) -> Indices:
-        """Return the pairs that points with springs touch."""
-        return np.flatnonzero(self._touching @ K.any(axis=(1, 2)))
-
-    @cached_property
-    def _touching(self) -> SparseMatrix:
-        """Which pairs a point touches (n_relative, n_point)."""
-        n = self.G.shape[0] // 3
-        pattern = abs(self.G)
-        return (pattern[:n] + pattern[n : 2 * n] + pattern[2 * n :]).T.tocsr()
-
-    def springs(self, K: Matrix) -> SparseMatrix:
-        """Return B = Gᵀ K G; which entry of K goes where is the same for every K."""
-        places, indices, indptr = self._assembly
-        n = len(self.S)
-        return sp.csr_array((places @ K.ravel(), indices, indptr), shape=(n, n))
-
-    @cached_property
-    def _assembly(self) -> tuple[SparseMatrix, Indices, Indices]:
-        """Return the entries of B (nnz, 9 n_point) per entry of K, and their columns and rows."""
-        rows = self.rows
-        n, n_pair = self.G.shape[0] // 3, len(self.S)
-        columns, values = (part.reshape(3, n, -1) for part in (rows.columns, rows.values))
-        factors = values[:, None, :, :, None] * values[None, :, :, None, :]
-        used = factors != 0
-        key = (columns[:, None, :, :, None] * n_pair + columns[None, :, :, None, :])[used]
-        entries = 3 * np.arange(3)[:, None] + np.arange(3)
-        source = entries[:, :, None] + 9 * np.arange(n)
-        source = np.broadcast_to(source[..., None, None], factors.shape)[used]
-        found, entry = np.unique(key, return_inverse=True)
-        places = sp.csr_array((factors[used], (entry, source)), shape=(len(found), 9 * n))
-        indptr = np.searchsorted(found, n_pair * np.arange(n_pair + 1))
-        return places, found % n_pair, indptr
 
 
 def _factorized(product: Matrix) -> tuple[Matrix, Indices]:

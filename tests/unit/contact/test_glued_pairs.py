@@ -23,9 +23,11 @@ def dense(G, K):
     return sum(G[rows].T @ own @ G[rows] for rows, own in zip(at, K, strict=True))
 
 
+@pytest.mark.parametrize("direct", [0, 500])
 @pytest.mark.parametrize("seed", range(4))
-def test_steps_are_those_of_the_whole_matrix(seed):
+def test_steps_are_those_of_the_whole_matrix(seed, direct, monkeypatch):
     """With any springs at some of the points, anew and with the factors of the last step."""
+    monkeypatch.setattr("faying.contact.glued_pairs.DIRECT", direct)
     pairs, G, glue, stiffness = glued(seed)
     random = np.random.default_rng(seed)
     K = np.zeros((N, 3, 3))
