@@ -98,11 +98,11 @@ class GluedPairs:
 
     Attributes
     ----------
-    G : (components n_point, n_relative) sparse
-        Displacements at the points, component by component.
+    points
+        G, displacements at the points (components n_point, n_relative).
     springs : (components, n_point) [force/length]
         K of points that are closed and stick.
-    glue : (n_relative, n_relative) sparse [force/length]
+    glue : (n_relative, n_relative), sparse or dense [force/length]
         B₀.
     compliance : (n_relative, n_relative) [length/force]
         U.
@@ -110,15 +110,15 @@ class GluedPairs:
         Σ.
     """
 
-    G: SparseMatrix
+    points: PointSprings
     springs: Matrix
-    glue: SparseMatrix
+    glue: SparseMatrix | Matrix
     compliance: Matrix
     structure: Matrix
 
     @classmethod
     def of(
-        cls, G: SparseMatrix, springs: Matrix, S: Matrix, pulled: Vector | None = None
+        cls, G: SparseMatrix | Matrix, springs: Matrix, S: Matrix, pulled: Vector | None = None
     ) -> "GluedPairs":
         """Return the pairs of a structure whose compliance between them is S.
 
@@ -139,17 +139,18 @@ class GluedPairs:
         factorizations to find the points that bolts press on.
         """
         structure = frozen(_inverse(S, REGULAR))
+        points = PointSprings(G=G, components=len(springs))
         if pulled is not None:
-            springs = springs * _pressed(G, springs, structure, pulled)
-        return cls._held(read_only(G), frozen(springs), structure)
+            springs = springs * _pressed(points, springs, structure, pulled)
+        return cls._held(points, frozen(springs), structure)
 
     @classmethod
-    def _held(cls, G: SparseMatrix, springs: Matrix, structure: Matrix) -> "GluedPairs":
-        glue, both = _between_pairs(G, springs), structure.copy()
+    def _held(cls, points: PointSprings, springs: Matrix, structure: Matrix) -> "GluedPairs":
+        glue, both = points.of_diagonal(springs), structure.copy()
         _add(both, glue)
         compliance = frozen(_inverse(both, 0.0))
         return cls(
-            G=G, springs=springs, glue=read_only(glue), compliance=compliance, structure=structure
+            points=points, springs=springs, glue=glue, compliance=compliance, structure=structure
         )
 
     def glued_by(self, springs: Matrix) -> "GluedPairs":
@@ -160,15 +161,15 @@ class GluedPairs:
         LinAlgError
             If these and the structure do not hold them.
         """
-        return self._held(self.G, frozen(springs), self.structure)
-
-    @cached_property
-    def points(self) -> PointSprings:
-        """What takes springs at points to pairs."""
-        return PointSprings(G=self.G, components=len(self.springs))
+        return self._held(self.points, frozen(springs), self.structure)
 
     @property
-    def transposed(self) -> SparseMatrix:
+    def G(self) -> SparseMatrix | Matrix:
+        """Displacements at the points (components n_point, n_relative), component by component."""
+        return self.points.G
+
+    @property
+    def transposed(self) -> SparseMatrix | Matrix:
         """Gᵀ, which takes forces at the points to the pairs."""
         return self.points.transposed
 
@@ -319,30 +320,28 @@ def _in_single(
     return None if found is None else np.asarray(near(found), dtype=float)
 
 
-def _pressed(G: SparseMatrix, springs: Matrix, stiffness: Matrix, pulled: Vector) -> Vector:
+def _pressed(points: PointSprings, springs: Matrix, stiffness: Matrix, pulled: Vector) -> Vector:
     """Return ones (n_point,) at points that the bolts press on, all of them where none is left."""
     every = np.ones(springs.shape[1])
     pressed = every
     for _ in range(ROUNDS):
-        glue = _between_pairs(G, springs * pressed)
+        glue = points.of_diagonal(springs * pressed)
         # Which points they are needs few digits.
         system = stiffness.astype(np.float32)
         _add(system, glue)
         factor = cho_factor(system, overwrite_a=True)
         moved = pulled - cho_solve(factor, (glue @ pulled).astype(np.float32))
-        before, pressed = pressed, 1.0 * (G[: len(every)] @ moved < 0)
+        before, pressed = pressed, 1.0 * (points.G[: len(every)] @ moved < 0)
         if np.array_equal(before, pressed):
             break
     return pressed if pressed.any() else every
 
 
-def _between_pairs(G: SparseMatrix, springs: Matrix) -> SparseMatrix:
-    """Return Gᵀ K G of springs (components, n_point)."""
-    return (G.T @ sp.diags_array(springs.ravel()) @ G).tocsr()
-
-
-def _add(matrix: npt.NDArray[Any], entries: SparseMatrix) -> None:
-    """Add a sparse matrix without duplicates to a dense one in its place."""
+def _add(matrix: npt.NDArray[Any], entries: SparseMatrix | Matrix) -> None:
+    """Add a matrix, sparse without duplicates or dense, to a dense one in its place."""
+    if isinstance(entries, np.ndarray):
+        matrix += entries
+        return
     where = entries.tocoo()
     matrix[where.row, where.col] += where.data
 

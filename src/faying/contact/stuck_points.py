@@ -77,7 +77,7 @@ class StuckPoints:
         yields = LawsAtPoints(contact=contact).closure(forces)[1][:k]
         sprung = closed & (yields > 0)
         springs = np.where(sprung, 1.0 / np.where(sprung, yields, 1.0), 0.0)
-        if isinstance(solver, YieldingContact):
+        if isinstance(solver, YieldingContact) and solver.shapes is None:
             base, glued = solver.pairs.compliance, solver.pairs.springs
         else:
             base, glued = solver.S, np.zeros_like(springs)

@@ -18,7 +18,7 @@ from functools import cached_property
 from typing import final
 
 import numpy as np
-from scipy.linalg import LinAlgError
+from scipy.linalg import LinAlgError, lapack
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.contact import Contact
@@ -82,11 +82,15 @@ class YieldingContact:
         Compliance between pairs.
     pairs
         The linear systems of Newton steps.
+    shapes : (n_relative, rank) or None
+        Y of a singular S = Y Yᵀ: the unknowns are then q of y = y_f + Y q, whose Σ is one and G
+        is G Y.
     """
 
     contact: Contact
     S: Matrix
     pairs: GluedPairs
+    shapes: Matrix | None = None
 
     @classmethod
     def of(cls, contact: Contact, S: Matrix, pulled: Vector | None = None) -> "YieldingContact":
@@ -100,15 +104,28 @@ class YieldingContact:
         Raises
         ------
         LinAlgError
-            If it is singular, as of rigid bodies and of a basis of fewer modes than pairs, or if
-            points are so stiff that displacements have too few digits to tell forces.
+            If points are so stiff that displacements have too few digits to tell forces.
         """
-        laws = LawsAtPoints(contact=contact)
-        pairs = GluedPairs.of(contact.rows, laws.springs, S, pulled)
+        springs = LawsAtPoints(contact=contact).springs
+        try:
+            pairs = GluedPairs.of(contact.rows, springs, S, pulled)
+        except LinAlgError:
+            return cls._of_singular(contact, springs, S)
         if (pairs.glue.diagonal() > STIFFEST * np.diag(pairs.structure)).any():
             message = "contact is far stiffer than the structure"
             raise LinAlgError(message)
         return cls(contact=contact, S=S, pairs=pairs)
+
+    @classmethod
+    def _of_singular(cls, contact: Contact, springs: Matrix, S: Matrix) -> "YieldingContact":
+        """Return the solver of rigid bodies, or of a basis of fewer modes than pairs."""
+        shapes = _shapes(S)
+        G = np.asarray(contact.rows @ shapes)
+        if (springs.ravel() * (G * G).sum(axis=1) > STIFFEST).any():
+            message = "contact is far stiffer than the structure"
+            raise LinAlgError(message)
+        pairs = GluedPairs.of(G, springs, np.eye(shapes.shape[1]))
+        return cls(contact=contact, S=S, pairs=pairs, shapes=shapes)
 
     @cached_property
     def laws(self) -> LawsAtPoints:
@@ -125,12 +142,24 @@ class YieldingContact:
         stiffer than the structure leave displacements too few digits.
         """
         try:
-            found = solve_yielding(self.laws, self.pairs, free, offset, start, compliance=self.S)
+            found = self._solved(free, offset, start)
         except ConvergenceError:
             if self.contact.remembers:
                 raise
             return FrictionalContact(contact=self.contact, S=self.S).solve(free, offset, start)
         return replace(found, moved=displaced(self, free, found.forces))
+
+    def _solved(self, free: Vector, offset: Matrix, start: Increment | None) -> Increment:
+        if self.shapes is None:
+            return solve_yielding(self.laws, self.pairs, free, offset, start, compliance=self.S)
+        moved = offset.copy()
+        moved[: self.laws.components] += (self.contact.rows @ free).reshape(-1, offset.shape[1])
+        if start is not None:
+            pressed = self.contact.at_pairs(start.forces[0], start.forces[1:])
+            start = replace(start, moved=self.shapes.T @ pressed)
+        one = self.pairs.structure
+        nothing = np.zeros(len(one))
+        return solve_yielding(self.laws, self.pairs, nothing, moved, start, compliance=one)
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +171,7 @@ class _State:
     z: Matrix
     forces: Matrix
     K: Matrix
-    G_T: SparseMatrix
+    G_T: SparseMatrix | Matrix
     least: float
 
     @cached_property
@@ -281,7 +310,15 @@ def _begun(
     return _State(y, p, z, forces, K, pairs.transposed, least)
 
 
-def _at(G: SparseMatrix, y: Vector, offset: Matrix) -> Matrix:
+def _shapes(S: Matrix) -> Matrix:
+    """Return Y (n_relative, rank) with S = Y Yᵀ, by Cholesky with pivots."""
+    factor, order, rank, _ = lapack.dpstrf(S, lower=1)
+    shapes = np.zeros_like(factor)
+    shapes[order - 1] = np.tril(factor)
+    return np.ascontiguousarray(shapes[:, :rank])
+
+
+def _at(G: SparseMatrix | Matrix, y: Vector, offset: Matrix) -> Matrix:
     """Return z (components, n_point)."""
     return np.asarray((G @ y).reshape(offset.shape) + offset)
 

@@ -94,7 +94,7 @@ class BoltsByForce:
     ) -> tuple[Increment, Vector] | None:
         """Solve (T1) where contact yields and Σ exists."""
         ports, solver = self.joint.port_compliance, self.joint.static_contact.cases
-        if not isinstance(solver, YieldingContact):
+        if not isinstance(solver, YieldingContact) or solver.shapes is not None:
             return None
         free = -others @ ports.contact_columns[ports.bolts]
         rows = ports.input_rows[ports.bolts, ports.bolts]
