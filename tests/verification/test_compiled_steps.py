@@ -84,10 +84,10 @@ def test_steps_that_the_loop_leaves_are_done_in_python(monkeypatch, compiled_loo
     advance = compiled.CompiledSteps.advance
     turns = iter(range(10**6))
 
-    def reluctant(self, motion, state, trend, applied, history, first):
+    def reluctant(self, motion, state, applied, history, first):
         if next(turns) % 3:
             return 0, state
-        return advance(self, motion, state, trend, applied[:7], history, first)
+        return advance(self, motion, state, applied[:7], history, first)
 
     monkeypatch.setattr(compiled.CompiledSteps, "advance", reluctant)
     assert_equal_histories(integrate(rom, LC2, None), expected)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying.contact.supported_pairs import SupportedPairs
 from faying.exceptions import FormatError, ModelError
 from faying.simulation.divided_steps import FINEST, SAFETY, divided_steps
 from faying.simulation.restart import kept_restart, restart_from
@@ -163,35 +162,11 @@ def test_tolerances_that_are_none(rom, tolerance):
         fy.solve_transient(rom, fy.Load(LOAD), **TIMES, tolerance=tolerance)
 
 
-def test_going_back_to_a_step_length_costs_nothing(rom, monkeypatch):
-    formed, form = [], SupportedPairs.supported
-
-    def counted(pairs, closed):
-        formed.append(closed)
-        return form(pairs, closed)
-
-    monkeypatch.setattr(SupportedPairs, "supported", counted)
-    # Little enough that contact stays what it is: a factor of each step length is enough.
-    small = fy.Load({"tip.Fz": -5.0})
-    divided = divided_steps(rom, step=STEP, tolerance=1.0)
-    counts = np.array([0] + [2, 4, 8] * 6 + [2, 4])
-    divided.solve(small, duration=TIMES["duration"], substeps=counts)
-    assert len(formed) == 3
-
-
 def test_what_is_handed_on_is_kept(rom):
     steps = divided_steps(rom, step=STEP, tolerance=0.02, integrator=fy.EnergyDecaying(0.0))
     pieces = transient_pieces(steps, [rising(0.1)], duration=TIMES["duration"], length=7)
     for _, (end,) in pieces:
         again = restart_from(kept_restart(end))
-        assert list(again.levels) == list(end.levels)
-        both = zip(again.levels.values(), end.levels.values(), strict=True)
-        pairs = [(one.contact, other.contact) for one, other in both]
-        for one, other in [(again.contact, end.contact), *pairs]:
-            np.testing.assert_array_equal(one.active, other.active)
-            np.testing.assert_array_equal(one.supported, other.supported)
-            assert one.steady == other.steady
-        for level, one in end.levels.items():
-            np.testing.assert_array_equal(again.levels[level].trend, one.trend)
-    assert end.contact.at_end is not None
-    np.testing.assert_array_equal(again.contact.at_end.supported, end.contact.at_end.supported)
+        for name in ("active", "forces", "moved"):
+            mine, other = getattr(again.contact, name), getattr(end.contact, name)
+            np.testing.assert_array_equal(mine, other)

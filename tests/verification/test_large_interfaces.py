@@ -11,7 +11,6 @@ import faying as fy
 from faying.contact.active_set import solve_complementarity
 from faying.contact.compressed_space import CompressedSpace
 from faying.contact.dense_points import DensePoints
-from faying.contact.pair_space import PairSpace
 from faying.exceptions import ModelError
 from faying.linalg.compressed import compress
 from faying.simulation.integrators import ImplicitEuler
@@ -37,27 +36,6 @@ def dense_points(N, S, D):
     return DensePoints(H=N @ (N @ S).T + np.diag(D))
 
 
-@pytest.mark.parametrize("stiffness", [1.0, 1e3])
-def test_random_problems_between_pairs(stiffness):
-    rng = np.random.default_rng(0)
-    for n_pair in (1, 4, 25, 60):
-        N, S, D = random_parts(rng, max(n_pair, 4))
-        pairs = PairSpace(N=N, S=S, D=D / stiffness)
-        points = dense_points(N, S, D / stiffness)
-        np.testing.assert_allclose(pairs.diagonal, points.diagonal, rtol=1e-13)  # round-off
-        forces = rng.standard_normal(len(D))
-        np.testing.assert_allclose(pairs.product(forces), points.product(forces), atol=1e-12)
-        for _ in range(5):
-            # As gaps are: those of the pairs, interpolated, and a rough surface.
-            g_free = N @ rng.standard_normal(N.shape[1]) + 1e-2 * rng.standard_normal(len(D))
-            mine = solve_complementarity(pairs, g_free)
-            exact = solve_complementarity(points, g_free)
-            # Round-off times the condition, 1e2 times the stiffness.
-            small = 1e-13 * stiffness * max(exact.forces.max(), 1.0)
-            np.testing.assert_allclose(mine.forces, exact.forces, rtol=0, atol=small)
-            np.testing.assert_allclose(mine.slack, exact.slack, rtol=0, atol=1e-12 * stiffness)
-
-
 def test_active_systems_are_solved_alike(joint):
     contact, S = joint.contact, joint.port_compliance.relative
     active = fy.solve_static(joint).contact_forces > 0
@@ -68,7 +46,6 @@ def test_active_systems_are_solved_alike(joint):
     N, D = contact.interpolation, contact.flexibility
     compressed = compress(lambda members: S[:, members], contact.places)
     spaces = (
-        PairSpace(N=N, S=S, D=D),
         CompressedSpace(N=N, S=compressed, D=D),
         CompressedSpace(N=N, S=compressed, D=D, direct=0),
     )
@@ -76,22 +53,6 @@ def test_active_systems_are_solved_alike(joint):
         # Gradients end at 1e-12 of the right-hand side, times the condition 1e4.
         small = 1e-8 * np.abs(exact).max()
         np.testing.assert_allclose(space.solve_active(right, active), exact, rtol=0, atol=small)
-
-
-@pytest.mark.parametrize("penalty", [1e4, "auto", 1e7])
-def test_lap_joint_between_pairs(penalty):
-    model = fy.preload(fy.lap_joint(element_size=4.0, penalty=penalty), {"bolt": 10e3})
-    contact = model.contact
-    pairs = PairSpace(
-        N=contact.interpolation, S=model.port_compliance.relative, D=contact.flexibility
-    )
-    points = DensePoints(H=model.static_contact.flexibility)
-    gaps = free_gaps(model, 4)
-    for g_free in gaps:
-        mine, exact = (solve_complementarity(space, g_free) for space in (pairs, points))
-        # Round-off times the condition, ‖S‖ c_n w of 1e4 to 1e7.
-        small = 1e-9 * exact.forces.max()
-        np.testing.assert_allclose(mine.forces, exact.forces, rtol=0, atol=small)
 
 
 @pytest.mark.parametrize("penalty", [1e4, 1e7, 1e9, 1e11])
@@ -138,7 +99,6 @@ def small_plates(plates):
 def test_two_thousand_points_within_the_stated_tolerance(plates, small_plates):
     assert plates.contact.n_points == 1920
     exact, compressed = fy.solve_static(plates, LC2), fy.solve_static(small_plates, LC2)
-    assert isinstance(plates.static_contact.space, PairSpace)
     assert isinstance(small_plates.static_contact.space, CompressedSpace)
     assert exact.contact_error == 0.0
     bound = float(compressed.contact_error)
@@ -203,22 +163,6 @@ def test_hard_contact_with_one_point_a_pair():
     assert fy.compare(compressed, exact).max_relative_error < 1e-6
 
 
-def test_hard_contact_with_more_points_than_pairs():
-    """Redundant points: the proximal iteration, between pairs."""
-    model = fy.preload(fy.lap_joint(element_size=4.0), {"bolt": 10e3}).with_penalty(np.inf)
-    contact = model.contact
-    pairs = PairSpace(
-        N=contact.interpolation, S=model.port_compliance.relative, D=contact.flexibility
-    )
-    g_free = free_gaps(model, 1)[0]
-    mine = solve_complementarity(pairs, g_free)
-    exact = solve_complementarity(DensePoints(H=model.static_contact.flexibility), g_free)
-    # Single forces are not unique to round-off; what they do to the pairs is.
-    at_pairs = contact.interpolation.T @ np.array([mine.forces, exact.forces]).T
-    small = 1e-5 * np.abs(at_pairs).max()  # the proximal term is 1e-7 of the flexibility
-    np.testing.assert_allclose(at_pairs[:, 0], at_pairs[:, 1], rtol=0, atol=small)
-
-
 def test_the_switch_is_automatic_and_announced(caplog):
     model = fy.lap_joint(element_size=5.0).with_dense_budget(100)
     with caplog.at_level(logging.INFO, logger="faying"):
@@ -245,7 +189,7 @@ def test_the_bound_holds_for_coarse_compression(joint):
         assert coarse.error > 0
         space = CompressedSpace(N=N, S=coarse.plus(smooth, core), D=D)
         for g_free in free_gaps(joint, 3):
-            exact = solve_complementarity(PairSpace(N=N, S=S, D=D), g_free)
+            exact = solve_complementarity(dense_points(N, S, D), g_free)
             mine = space.solve(g_free)[0]
             error = np.sqrt((mine.forces - exact.forces) ** 2 @ D)
             assert error <= mine.error * np.sqrt(mine.forces**2 @ D)

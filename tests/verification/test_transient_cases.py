@@ -1,14 +1,11 @@
 """Transients side by side are those one by one."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 import faying as fy
-from faying.contact.pair_space import PairSpace
 from faying.exceptions import ModelError
-from faying.simulation.stepping import SIDE_BY_SIDE, transient_solver
+from faying.simulation.stepping import SIDE_BY_SIDE
 from small_system import small_system
 
 STEP = 1e-5
@@ -95,18 +92,6 @@ def test_of_hard_contact(scheme):
     together = check(system, cases, SCHEMES[scheme], n_step=100, step=0.05)
     closed = together[-1].contact_forces[:, 0] > 0
     assert 0 < np.count_nonzero(closed) < len(closed)
-
-
-def test_of_pairs(rom):
-    """The form contact takes on many points, called up on few of them."""
-    solver = transient_solver(rom, step=STEP)
-    many = replace(solver, condensed=replace(solver.condensed, many_points=1))
-    assert isinstance(many.condensed.space, PairSpace)
-    few, found = (one.solve_cases(loads(3), duration=10 * STEP) for one in (solver, many))
-    for expected, mine in zip(few, found, strict=True):
-        # Both are closed to 1e-11 of the largest force.
-        small = 1e-10 * expected.contact_forces.max()
-        np.testing.assert_allclose(mine.contact_forces, expected.contact_forces, rtol=0, atol=small)
 
 
 def test_of_a_compressed_interface(joint):

@@ -16,11 +16,11 @@ from typing import final
 
 import numpy as np
 import scipy.linalg as la
+import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
 from faying.contact.active_set import solve_complementarity
 from faying.contact.forces import ContactForces
-from faying.contact.pair_space import PairSpace
 from faying.contact.state import ContactState
 from faying.exceptions import ConvergenceError
 from faying.linalg.compressed import CompressedCompliance
@@ -214,7 +214,7 @@ class _Systems:
 
     space: CompressedSpace
     noise: float = NOISE
-    few: "dict[str, tuple[Mask, PairSpace]]" = field(default_factory=dict)
+    few: dict[str, tuple[Mask, SparseMatrix, Matrix]] = field(default_factory=dict)
     local: dict[int, tuple[bytes, Matrix]] = field(default_factory=dict)
 
     def loosened(self) -> "_Systems":
@@ -256,11 +256,17 @@ class _Systems:
         last = self.few.get("pairs")
         if last is None or (touched & ~last[0]).any() or count < SHRUNK * last[0].sum():
             pairs = np.flatnonzero(touched)
-            few = PairSpace(
-                N=self.space.N[:, pairs], S=self.space.S.principal(pairs), D=self.space.D
-            )
-            last = self.few["pairs"] = (touched, few)
-        return last[1].closing(-right, active)
+            few = self.space.N[:, pairs].tocsr(), self.space.S.principal(pairs)
+            last = self.few["pairs"] = (touched, *few)
+        return self._directly(right, active, *last[1:])
+
+    def _directly(self, right: Vector, active: Mask, N: SparseMatrix, S: Matrix) -> Vector:
+        """Solve H_AA x = b between the pairs in contact: (I + S B) y = S N_Aᵀ D_A⁻¹ b."""
+        springs = np.divide(active, self.space.D, out=np.zeros_like(right), where=active)
+        system = S @ (N.T @ sp.diags_array(springs) @ N)
+        system.flat[:: len(system) + 1] += 1.0
+        moved = la.solve(system, S @ (N.T @ (springs * right)), overwrite_a=True)
+        return np.asarray(springs * (right - N @ moved))
 
     def _conjugate_gradients(self, right: Vector, active: Mask, allowed: float) -> Vector:
         """Solve H_AA x = b to ‖r‖_∞ ≤ allowed; x vanishes off the active points."""

@@ -9,29 +9,22 @@ from typing import Protocol, cast
 
 import numpy as np
 import scipy.linalg as la
-import scipy.sparse as sp
 
 from faying._typing import Mask, Matrix, SparseMatrix, Vector
 from faying.contact.active_set import ActiveSetSpace, solve_complementarity
 from faying.contact.compressed_space import CompressedSpace
 from faying.contact.contact import Contact
 from faying.contact.dense_points import DensePoints
-from faying.contact.elastic import ElasticContact
 from faying.contact.forces import ContactForces
 from faying.contact.frictional import FrictionalContact
 from faying.contact.increment_solver import IncrementSolver
-from faying.contact.pair_space import PairSpace
 from faying.contact.state import ContactState
-from faying.contact.supported_pairs import SupportedPairs
 from faying.contact.yielding import YieldingContact
 from faying.exceptions import ConvergenceError, ModelError
 from faying.linalg.budget import pairs_fit
 from faying.linalg.compressed import Compliance, CompressedCompliance, smooth_compliance
 from faying.linalg.factorization import Factorization
 from faying.linalg.partial import compressed_port_compliance, port_compliance
-
-MANY_POINTS = 1000
-"""Contact points from which exact systems are solved between pairs; both take some 10 ms there."""
 
 _log = logging.getLogger("faying")
 
@@ -127,14 +120,11 @@ class CondensedContact:
         which an integrator weighs the new contact force).
     pulled : (n_relative,) or None [length]
         Relative displacement that equal forces of all bolts would cause without contact.
-    many_points
-        Contact points from which problems that are solved anew are solved between pairs.
     """
 
     contact: Contact
     compliance: Compliance
     pulled: Vector | None = None
-    many_points: int = MANY_POINTS
 
     @cached_property
     def total(self) -> Compliance:
@@ -149,42 +139,20 @@ class CondensedContact:
 
     @cached_property
     def space(self) -> ActiveSetSpace:
-        """The form in which active sets are solved anew, chosen by size and memory alone."""
+        """The form in which active sets are solved, chosen by memory alone."""
         total, contact = self.total, self.contact
         if isinstance(total, CompressedCompliance):
             _log.info(announcement(total, contact))
             return CompressedSpace(N=contact.interpolation, S=total, D=contact.flexibility)
-        if contact.n_points >= self.many_points and 2 * len(total) <= contact.n_points:
-            return PairSpace(N=contact.interpolation, S=_finite(total), D=contact.flexibility)
         return DensePoints(H=_finite(self.flexibility))
 
     @cached_property
     def solver(self) -> ContactProblemSolver:
-        """The solver of contact problems one after the other, without friction."""
+        """The solver of problems of forces, without friction."""
         self.contact.check_frictionless()
         self.contact.check_proportional()
-        space, pairs = self.space, self.supported_pairs
-        if isinstance(space, CompressedSpace):
-            return space
-        if pairs is None:
-            return ActiveSetContact(space=space)
-        return ElasticContact(space=space, pairs=pairs)
-
-    @cached_property
-    def supported_pairs(self) -> SupportedPairs | None:
-        """Pairs on the springs of elastic contact; the points themselves where they are fewer.
-
-        None where contact is hard somewhere, and where the compliance is compressed.
-        """
-        total, contact = self.total, self.contact
-        if isinstance(total, CompressedCompliance) or not (contact.flexibility > 0).all():
-            return None
-        own = self.space.diagonal
-        if len(total) <= contact.n_points:
-            return SupportedPairs(N=contact.interpolation, S=total, D=contact.flexibility, own=own)
-        each = sp.eye_array(contact.n_points, format="csr")
-        at_points = contact.at_points(total)
-        return SupportedPairs(N=each, S=at_points, D=contact.flexibility, own=own)
+        space = self.space
+        return space if isinstance(space, CompressedSpace) else ActiveSetContact(space=space)
 
     @cached_property
     def frictional(self) -> FrictionalContact:
@@ -208,8 +176,7 @@ class CondensedContact:
     def increments(self) -> IncrementSolver:
         """The solver of increments: for displacements, or for forces.
 
-        For forces where some point is hard, and where the structure moves pairs in fewer ways than
-        there are, as of rigid bodies and of a basis without residual compliance.
+        For forces where some point is hard, or far stiffer than the structure.
 
         Raises
         ------
@@ -231,7 +198,7 @@ class CondensedContact:
 
     @property
     def cases(self) -> IncrementSolver | None:
-        """Increments for displacements; with friction also for forces."""
+        """Increments for displacements; with friction or curves also for forces."""
         if isinstance(self.total, CompressedCompliance):
             return None
         forces = not isinstance(self.increments, YieldingContact)
@@ -242,8 +209,6 @@ class CondensedContact:
     @property
     def order(self) -> int:
         """Order of the dense matrices that contact problems are solved with."""
-        if self.contact.forgets and self.contact.proportional and self.supported_pairs is not None:
-            return len(self.supported_pairs.S)
         return min(self.contact.n_points, int(self.total.shape[0]))
 
     @cached_property

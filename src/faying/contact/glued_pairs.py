@@ -15,10 +15,9 @@ from typing import Any, final
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse as sp
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, lapack
 
-from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
+from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.contact.point_springs import PointSprings
 from faying.linalg.gmres import corrected
 
@@ -204,7 +203,7 @@ class GluedPairs:
     def step(
         self, K: Matrix, right: Vector, left: float, factors: Factors | None = None
     ) -> tuple[Vector, Vector, Factors | None]:
-        """Return d, (Σ + B₀) d and the factors used.
+        """Return d, Σ d and the factors used.
 
         Parameters
         ----------
@@ -219,27 +218,28 @@ class GluedPairs:
         Two products with U, and factors of as many rows as points that changed sides touch.
         """
         if len(self.structure) <= DIRECT:
-            both = self.structure.copy()
-            self.points.add_to(both, K)
-            lu, pivots = _factorized(both)
-            d = lapack.dgetrs(lu, pivots, right, trans=1)[0]
-            return d, self.structure @ d + self.glue @ d, None
+            if factors is None or not np.array_equal(K, factors.K):
+                both = self.structure.copy()
+                self.points.add_to(both, K)
+                factors = Factors(K, np.arange(len(both)), *_factorized(both))
+            d = factors.solve(right)
+            return d, self.structure @ d, factors
         changed = K.copy()
         diagonal = np.arange(K.shape[1])
         changed[:, diagonal, diagonal] -= self.springs.T
         changed[np.abs(changed) <= UNCHANGED * self.springs.max(initial=0.0)] = 0.0
         moved = self.compliance @ right
         if not changed.any():
-            return moved, right, factors
+            return moved, right - self.glue @ moved, factors
         enough = float(np.clip(0.05 * left, ACCURATE, LOOSE)) * float(np.linalg.norm(right))
         every, pairs = self.points.between_pairs(changed), self.points.touched(changed)
         if factors is not None and factors.serve(K):
-            both = np.concatenate([factors.pairs, np.setdiff1d(pairs, factors.pairs)])
-            if len(both) <= MOST_BESIDE * len(factors.pairs):
-                block = every[both][:, both]
-                single, between = block.astype(np.float32), self._between(both)
-                solution = _in_single(single, between, block @ moved[both], enough, factors)
-                answer = self._answer(right, both, block, solution)
+            together = np.concatenate([factors.pairs, np.setdiff1d(pairs, factors.pairs)])
+            if len(together) <= MOST_BESIDE * len(factors.pairs):
+                block = every[together][:, together]
+                single, between = block.astype(np.float32), self._between(together)
+                solution = _in_single(single, between, block @ moved[together], enough, factors)
+                answer = self._answer(right, together, block, solution)
                 if answer is not None:
                     return *answer, factors
         block = every[pairs][:, pairs]
@@ -259,12 +259,13 @@ class GluedPairs:
         exact = Factors.of(K, pairs, product).solve(shared)
         forces = right.copy()
         forces[pairs] -= exact
-        return self.compliance @ forces, forces, None
+        d = self.compliance @ forces
+        return d, forces - self.glue @ d, None
 
     def _answer(
         self, right: Vector, pairs: Indices, block: SparseMatrix, shared: Vector | None
     ) -> tuple[Vector, Vector] | None:
-        """Return d and (Σ + B₀) d of the solution m at the pairs c, where it is one."""
+        """Return d and Σ d of the solution m at the pairs c, where it is one."""
         if shared is None:
             return None
         forces = right.copy()
@@ -272,7 +273,7 @@ class GluedPairs:
         d = self.compliance @ forces
         rest = shared - block @ d[pairs]
         exact = np.linalg.norm(rest) <= LOOSE * np.linalg.norm(right)
-        return (d, forces) if exact else None
+        return (d, forces - self.glue @ d) if exact else None
 
     def _between(self, pairs: Indices) -> Matrix:
         """Return U_cc in single precision."""

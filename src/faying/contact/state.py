@@ -1,7 +1,6 @@
-"""What one contact problem hands to the next: a warm start, and a factorization to be updated."""
+"""What one contact problem hands to the next: a warm start, and what has slipped."""
 
 from dataclasses import dataclass
-from typing import Any
 
 from faying._typing import Mask, Matrix, Vector
 
@@ -18,12 +17,7 @@ class ContactState:
     active : (n_point,)
         Points expected in contact.
     supported : (n_point,) or None
-        Closed points that the factorization at hand was made for.
-    steady
-        Whether the last problem ended near the points it began with, as steps of a transient do.
-    factor
-        What the solver made for ``supported``; formed again where it is None, so that a state can
-        be stored as its masks.
+        Points on whose springs compiled steps have their pairs.
     slip : (2, n_point) or None [length]
         Tangential components of what has slipped in a joint with friction.
     forces : (3, n_point) or None [force]
@@ -37,8 +31,6 @@ class ContactState:
 
     active: Mask
     supported: Mask | None = None
-    steady: bool = False
-    factor: Any = None
     slip: Matrix | None = None
     forces: Matrix | None = None
     moved: Vector | None = None

@@ -27,9 +27,9 @@ from faying.contact.glued_pairs import Factors, GluedPairs
 from faying.contact.increment import Increment
 from faying.contact.increment_solver import displaced
 from faying.contact.laws_at_points import LawsAtPoints
-from faying.exceptions import ConvergenceError
+from faying.exceptions import ConvergenceError, ModelError
 
-ROUND_OFF = 2e-15
+ROUND_OFF = 1e-13
 """Residual over the largest force at which a problem is solved."""
 
 SOLVED = 1e-9
@@ -135,12 +135,20 @@ class YieldingContact:
     def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
         """Solve one problem; see :meth:`.IncrementSolver.solve`.
 
+        Raises
+        ------
+        ModelError
+            If what pairs move holds NaN or infinity.
+
         Notes
         -----
         For displacements, and for forces where Newton's method goes astray there: a body that
         slides far as a whole turns tangential forces more than a step can tell, and points far
         stiffer than the structure leave displacements too few digits.
         """
+        if not np.isfinite(free).all():
+            message = "the gap without contact forces holds NaN or infinity; check loads and model"
+            raise ModelError(message)
         try:
             found = self._solved(free, offset, start)
         except ConvergenceError:
@@ -240,8 +248,7 @@ def solve_yielding(
         if bounded:
             K = K.copy()
             K[:, 1:, 0] = 0.0
-        d, pressing, factors = pairs.step(K, -state.rest, state.left, factors)
-        resisted = pressing - pairs.glue @ d
+        d, resisted, factors = pairs.step(K, -state.rest, state.left, factors)
         found, length, descends = _along(laws, state, d, resisted, (G @ d).reshape(shape))
         bounded = k > 1 and not bounded and (not descends or length < SHORT)
         short += k > 1 and length < SHORT

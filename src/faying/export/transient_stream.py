@@ -16,7 +16,7 @@ from faying.joint.system import System
 from faying.simulation.divided_steps import divided_steps
 from faying.simulation.integrators import ImplicitEuler, Integrator
 from faying.simulation.load import Load
-from faying.simulation.restart import MOST_LEVELS, Restart, kept_restart, restart_from
+from faying.simulation.restart import Restart, kept_restart, restart_from
 from faying.simulation.solution import Solution
 from faying.simulation.stepping import transient_solver
 from faying.simulation.times import check_times
@@ -238,7 +238,8 @@ def _restart(file: h5py.File, system: System, began: Mapping[str, object]) -> Re
     n_dof, n_force = system.K.shape[0], system.contact.components * system.contact.n_points
     sizes = [data.size for data in slot_group.values()]
     fitting = slot_group["u"].shape == (n_dof,) and slot_group["contact"].shape == (n_force,)
-    if not fitting or max(sizes) > MOST_LEVELS * max(n_dof, n_force):
+    # Of forces three components are stored, with friction or without.
+    if not fitting or max(sizes) > 3 * max(n_dof, n_force):
         message = f"{file.filename} is of another model; start anew without resume"
         raise FormatError(message)
     done = int(slot_group.attrs["done"])

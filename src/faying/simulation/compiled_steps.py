@@ -1,8 +1,13 @@
 """Time steps of a reduced model, compiled: what :mod:`.stepping` does, without Python in between.
 
-Contact is solved from a similar problem, as :mod:`~faying.contact.supported_pairs` does it, whose
-docstring has the equations. What that cannot settle ends the loop and is left to the
-solvers in Python: points that change sides in large numbers, and what round-off spoils.
+Elastic contact without friction, in the smallest form of Newton's method: with the pairs on the
+springs k of closed points, E = (Σ + Nᵀ k N)⁻¹, and N_c the rows of the points that have changed
+sides since, + where one has closed, − where one has opened,
+
+    y = y₀ + E N_cᵀ μ,   y₀ = −E Nᵀ k g,   (±k_c⁻¹ + N_c E N_cᵀ) μ = −(g_c + N_c y₀).
+
+What that cannot settle ends the loop and is left to the solver in Python: points that change sides
+in large numbers, and what round-off spoils.
 
 Importing this module compiles it, or reads what was compiled before. Everything is in one file
 because numba keeps what it compiled as long as that file does not change.
@@ -12,43 +17,28 @@ import numba
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.contact.active_set import ROUND_OFF
-from faying.contact.supported_pairs import CLOSED, LOOSE, MOST_REFINEMENTS, MOST_SYSTEMS
 
-SUMS = {"reassoc", "contract"}
-"""Sums may be taken in any order, so that the processor adds several terms at once."""
+MOST_SYSTEMS = 20
+"""Linear systems after which exchanges of all wrong points are taken to lead nowhere."""
+
+LOOSE, ROUND_OFF = 1e-11, 1e-13
+"""Wrong gaps over the largest free one that do not count, before forces are corrected and after."""
+
+MOST_CORRECTIONS = 3
+"""Of the forces; one is usual."""
+
+CLOSED = 1e-11
+"""Force that an unclosed gap stands for, over the largest one, up to which a step is solved."""
 
 RENEWAL = 1_000_000
 """What a new E costs beside its n³ multiplications, in multiplications."""
 
 SIGNATURE = (
     "int64(float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1],"
-    " float64[:,::1], float64[:,::1], float64[:,::1], boolean[::1], int64[:,::1], float64[:,::1],"
-    " float64[::1], float64[::1], float64[::1], float64[:,::1], int64,"
-    " float64[::1], boolean[::1], float64[::1],"
+    " float64[:,::1], float64[:,::1], int64[:,::1], float64[:,::1], float64[::1], float64[::1],"
+    " float64[:,::1], boolean[::1], float64[:,::1], int64, float64[::1], boolean[::1],"
     " float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], int64[::1])"
 )
-
-
-@numba.njit(cache=True, fastmath=SUMS)
-def symmetric_product(matrix: Matrix, vector: Vector, result: Vector) -> None:
-    """Write A x, reading one triangle."""
-    for i in range(len(vector)):
-        row, own, total = matrix[i], vector[i], 0.0
-        for j in range(i):
-            total += row[j] * vector[j]
-            result[j] += row[j] * own
-        result[i] = total + row[i] * own
-
-
-@numba.njit(cache=True, fastmath=SUMS)
-def product(matrix: Matrix, vector: Vector, result: Vector) -> None:
-    """Write A x."""
-    for i in range(matrix.shape[0]):
-        row, total = matrix[i], 0.0
-        for j in range(len(vector)):
-            total += row[j] * vector[j]
-        result[i] = total
 
 
 @numba.njit(cache=True)
@@ -73,25 +63,6 @@ def share_out(columns: Indices, values: Matrix, points: Vector, pairs: Vector) -
 
 
 @numba.njit(cache=True)
-def move_alone(
-    E: Matrix,
-    inside: Mask,
-    columns: Indices,
-    values: Matrix,
-    D: Vector,
-    gap: Vector,
-    pressed: Vector,
-    pairs: Vector,
-    moved: Vector,
-) -> None:
-    """Write y for gaps without contact forces, with the springs that E was made with."""
-    for i in range(len(gap)):
-        pressed[i] = -gap[i] / D[i] if inside[i] else 0.0
-    share_out(columns, values, pressed, pairs)
-    symmetric_product(E, pairs, moved)
-
-
-@numba.njit(cache=True)
 def meet(
     E: Matrix,
     columns: Indices,
@@ -102,74 +73,62 @@ def meet(
     seen: Matrix,
     corner: Matrix,
 ) -> None:
-    """Note V E and V E Vᵀ of a point that changes sides for the first time since E was made."""
+    """Note N_c E and N_c E N_cᵀ of a point that changes sides for the first time since E was."""
     place = len(known)
     slots[point] = place
     row = seen[place]
     row[:] = 0.0
     for j in range(columns.shape[1]):
-        share, own = values[point, j], E[columns[point, j]]
-        if share != 0.0:
-            for k in range(len(row)):
-                row[k] += share * own[k]
+        if values[point, j] != 0.0:
+            row += values[point, j] * E[columns[point, j]]
     for a in range(place + 1):
-        other = known[a] if a < place else point
-        total = 0.0
+        other, total = known[a] if a < place else point, 0.0
         for j in range(columns.shape[1]):
             total += values[other, j] * row[columns[other, j]]
-        corner[a, place] = total
-        corner[place, a] = total
+        corner[a, place] = corner[place, a] = total
 
 
 @numba.njit(cache=True)
-def move_with_changed(
+def move(
+    E: Matrix,
+    inside: Mask,
     columns: Indices,
     values: Matrix,
-    D: Vector,
+    k: Vector,
     gap: Vector,
-    alone: Vector,
     changed: Indices,
     active: Mask,
     slots: Indices,
     seen: Matrix,
     corner: Matrix,
+    pressed: Vector,
+    pairs: Vector,
     moved: Vector,
 ) -> bool:
-    """Write y with the springs of the points that are closed now; say whether that is regular."""
-    moved[:] = alone
+    """Write y for gaps without contact forces; say whether that is regular."""
+    for i in range(len(gap)):
+        pressed[i] = -gap[i] * k[i] if inside[i] else 0.0
+    share_out(columns, values, pressed, pairs)
+    np.dot(E, pairs, moved)
     n = len(changed)
     if n == 0:
         return True
-    core, missing = np.empty((n, n)), np.empty(n)
+    missing, core = np.empty(n), np.empty((n, n))
     for a in range(n):
         p = changed[a]
-        total = gap[p]
-        for j in range(columns.shape[1]):
-            total += values[p, j] * alone[columns[p, j]]
-        missing[a] = -total
-        row = corner[slots[p]]
         for b in range(n):
-            core[a, b] = row[slots[changed[b]]]
-        core[a, a] += D[p] if active[p] else -D[p]
+            core[a, b] = corner[slots[p], slots[changed[b]]]
+        core[a, a] += 1.0 / k[p] if active[p] else -1.0 / k[p]
+        missing[a] = -gap[p]
+        for j in range(columns.shape[1]):
+            missing[a] -= values[p, j] * moved[columns[p, j]]
     try:
         forces = np.linalg.solve(core, missing)
     except Exception:  # all that numba can tell
         return False
     for a in range(n):
-        force, row = forces[a], seen[slots[changed[a]]]
-        for k in range(len(moved)):
-            moved[k] += force * row[k]
+        moved += forces[a] * seen[slots[changed[a]]]
     return True
-
-
-@numba.njit(cache=True)
-def largest(values: Vector) -> float:
-    """Return the largest magnitude; infinity if there is a NaN."""
-    result = 0.0
-    for value in values:
-        if not abs(value) <= result:
-            result = abs(value) if value == value else np.inf
-    return result
 
 
 @numba.njit(SIGNATURE, cache=True)
@@ -180,19 +139,17 @@ def advance(
     from_pairs: Matrix,
     pairs_to_states: Matrix,
     newmark: Matrix,
-    E: Matrix,
     S: Matrix,
-    inside: Mask,
     columns: Indices,
     values: Matrix,
-    D: Vector,
-    own: Vector,
+    springs: Vector,
     initial_gap: Vector,
+    E: Matrix,
+    inside: Mask,
     applied: Matrix,
     most_changed: int,
     motion: Vector,
     guess: Mask,
-    trend: Vector,
     states: Matrix,
     velocities: Matrix,
     accelerations: Matrix,
@@ -212,66 +169,54 @@ def advance(
         Pᵀ.
     newmark : (2, 6)
         Velocity and acceleration per u, v, a, f at the start and u, f at the end of a step.
-    E, S, inside, columns, values, D, own
-        Of the pairs on springs.
-    initial_gap : (n_point,)
+    S : (n_pair, n_pair)
+        Compliance between pairs.
+    columns, values : (n_point, 4)
+        Rows of N.
+    springs, initial_gap : (n_point,)
+        k and the gap of the unloaded joint.
+    E, inside
+        And the points on whose springs it is.
     applied : (n_step, n)
         External forces.
     most_changed
         Changed points that E is good for.
     motion : (4 n,)
         Where the transient stands; moved on.
-    guess, trend : (n_point,)
-        Points expected in contact, and forces as lengths minus slacks one step ago (NaN if there
-        is none); moved on. Where points have changed sides in larger numbers than E is good for,
-        those that were tried last.
+    guess : (n_point,)
+        Points in contact; moved on. Where points have changed sides in larger numbers than E is
+        good for, those that were tried last.
     states, velocities, accelerations, contact_forces, slacks, systems
         Histories to be written, one row a step.
     """
     n_step, n = applied.shape
-    n_point, n_pair = len(D), len(S)
-    free, pairs, alone = np.empty(n), np.empty(n_pair), np.empty(n_pair)
-    moved, force_pairs = np.empty(n_pair), np.empty(n_pair)
-    relative, response = np.empty(n_pair), np.empty(n)
+    n_point, n_pair = len(springs), len(S)
+    pairs, moved, relative = np.empty(n_pair), np.empty(n_pair), np.empty(n_pair)
     gap, at_points, pressed = np.empty(n_point), np.empty(n_point), np.empty(n_point)
     forces, slack = np.empty(n_point), np.empty(n_point)
-    active, changes = guess.copy(), np.empty(n_point, dtype=np.int64)
-    from_motion = np.empty(n)
-    room, n_known = 2 * most_changed + 2, 0
+    active, ends, last = guess.copy(), np.empty((2, n)), np.empty(n_point)
     spent, renewal = 0, n_pair**3 + RENEWAL
+    room, n_known = 2 * most_changed + 2, 0
     slots, known = np.full(n_point, -1), np.empty(room, dtype=np.int64)
     seen, corner = np.empty((room, n_pair)), np.empty((room, room))
     for step in range(n_step):
-        product(start, motion, from_motion)
-        product(applied_to_free, applied[step], free)
-        for i in range(n):
-            free[i] += from_motion[i]
-        product(to_pairs, free, relative)
+        free = start @ motion + applied_to_free @ applied[step]
+        np.dot(to_pairs, free, relative)
         interpolate(columns, values, relative, gap)
-        for i in range(n_point):
-            gap[i] += initial_gap[i]
-        size = largest(gap)
+        gap += initial_gap
+        size = np.abs(gap).max()
         if not size < np.inf:
             return step
         noise, loose = ROUND_OFF * size, LOOSE * size
         active[:] = guess
-        move_alone(E, inside, columns, values, D, gap, pressed, pairs, alone)
         count, settled = 0, False
         while count < MOST_SYSTEMS and not settled:
             count += 1
-            n_changed = 0
-            for i in range(n_point):
-                if active[i] != inside[i]:
-                    changes[n_changed] = i
-                    n_changed += 1
-            if n_changed > most_changed:
+            changed = (active != inside).nonzero()[0]
+            if len(changed) > most_changed:
                 guess[:] = active
                 return step
-            changed = changes[:n_changed]
-            n_new = 0
-            for p in changed:
-                n_new += slots[p] < 0
-            if n_known + n_new > room:
+            if n_known + len(changed) > room:
                 slots[:] = -1
                 n_known = 0
             for p in changed:
@@ -279,91 +224,77 @@ def advance(
                     meet(E, columns, values, p, slots, known[:n_known], seen, corner)
                     known[n_known] = p
                     n_known += 1
-            if not move_with_changed(
-                columns, values, D, gap, alone, changed, active, slots, seen, corner, moved
-            ):
+            if not move(
+                E, inside, columns, values, springs, gap, changed, active, slots, seen, corner,
+                pressed, pairs, moved
+            ):  # fmt: skip
                 return step
             interpolate(columns, values, moved, at_points)
             settled = True
             for i in range(n_point):
                 here = gap[i] + at_points[i]
-                forces[i] = -here / D[i] if active[i] else 0.0
+                forces[i] = -here * springs[i] if active[i] else 0.0
                 if here > loose if active[i] else here < -loose:
                     active[i] = not active[i]
                     settled = False
             if not settled:
                 continue
             left, exact = 1.0, False
-            for _ in range(MOST_REFINEMENTS):
-                share_out(columns, values, forces, force_pairs)
-                symmetric_product(S, force_pairs, moved)
+            for _ in range(MOST_CORRECTIONS):
+                share_out(columns, values, forces, pairs)
+                np.dot(S, pairs, moved)
                 interpolate(columns, values, moved, slack)
                 missing, strongest = 0.0, 0.0
                 for i in range(n_point):
-                    slack[i] += gap[i] + D[i] * forces[i]
+                    slack[i] += gap[i] + forces[i] / springs[i]
                     if active[i]:
-                        missing = max(missing, abs(slack[i]) / D[i])
+                        missing = max(missing, abs(slack[i]) * springs[i])
                     strongest = max(strongest, abs(forces[i]))
                 before = left
                 left = missing / max(strongest, missing) if missing > 0.0 else 0.0
-                if left <= CLOSED:
-                    exact = True
-                    break
-                move_alone(E, inside, columns, values, D, slack, pressed, pairs, relative)
-                if not move_with_changed(
-                    columns, values, D, slack, relative, changed, active, slots, seen, corner, moved
-                ):
-                    return step
-                interpolate(columns, values, moved, at_points)
-                for i in range(n_point):
-                    slack[i] += at_points[i]
-                    if active[i]:
-                        forces[i] -= slack[i] / D[i]
-                if left * left / before <= CLOSED:
+                if left > CLOSED:
+                    if not move(
+                        E, inside, columns, values, springs, slack, changed, active, slots, seen,
+                        corner, pressed, pairs, moved
+                    ):  # fmt: skip
+                        return step
+                    interpolate(columns, values, moved, at_points)
+                    for i in range(n_point):
+                        slack[i] += at_points[i]
+                        if active[i]:
+                            forces[i] -= slack[i] * springs[i]
+                if left <= CLOSED or left * left / before <= CLOSED:
                     exact = True
                     break
             if not exact:
                 return step
             for i in range(n_point):
-                if forces[i] * own[i] < -noise if active[i] else slack[i] < -noise:
+                if forces[i] < -noise * springs[i] if active[i] else slack[i] < -noise:
                     active[i] = not active[i]
                     settled = False
         if not settled:
             return step
         for i in range(n_point):
-            if active[i]:
-                slack[i] = 0.0
-            forces[i] = max(forces[i], 0.0)
-            slack[i] = max(slack[i], 0.0)
-        share_out(columns, values, forces, force_pairs)
-        product(from_pairs, force_pairs, response)
-        product(pairs_to_states, force_pairs, from_motion)
-        for i in range(n):
-            u = free[i] + response[i]
-            force = applied[step, i] + from_motion[i]
-            u0, v0, a0, f0 = motion[i], motion[n + i], motion[2 * n + i], motion[3 * n + i]
-            v, a = newmark[0], newmark[1]
-            states[step, i] = u
-            velocities[step, i] = (
-                v[0] * u0 + v[1] * v0 + v[2] * a0 + v[3] * f0 + v[4] * u + v[5] * force
-            )
-            accelerations[step, i] = (
-                a[0] * u0 + a[1] * v0 + a[2] * a0 + a[3] * f0 + a[4] * u + a[5] * force
-            )
-            motion[i] = u
-            motion[n + i] = velocities[step, i]
-            motion[2 * n + i] = accelerations[step, i]
-            motion[3 * n + i] = force
+            contact_forces[step, i] = forces[i] = max(forces[i], 0.0)
+            slacks[step, i] = slack[i] = 0.0 if active[i] else max(slack[i], 0.0)
+        share_out(columns, values, forces, pairs)
+        u, f = free + from_pairs @ pairs, applied[step] + pairs_to_states @ pairs
+        before_it = motion.reshape(4, n)
+        for order in range(2):
+            share = newmark[order]
+            ends[order] = share[4] * u + share[5] * f
+            for part in range(4):
+                ends[order] += share[part] * before_it[part]
+        states[step], velocities[step], accelerations[step] = u, ends[0], ends[1]
+        before_it[0], before_it[1], before_it[2], before_it[3] = u, ends[0], ends[1], f
         for i in range(n_point):
-            contact_forces[step, i] = forces[i]
-            slacks[step, i] = slack[i]
-            now = own[i] * forces[i] - slack[i]
-            before = trend[i] if trend[i] == trend[i] else now
-            guess[i] = 2 * now - before > 0
-            trend[i] = now
+            now = slack[i] - forces[i] / springs[i]
+            # A point whose gap closes or opens at this rate is foreseen; a jump costs a system.
+            guess[i] = 2 * now - (last[i] if step else now) < 0
+            last[i] = now
         systems[step] = count
         # What the changed points of this step cost; they may stay what they are for long.
-        spent += n_changed * (n_changed**2 + 2 * n_pair)
+        spent += len(changed) * (len(changed) ** 2 + 2 * n_pair)
         if spent > renewal:
             return step + 1
     return int(n_step)

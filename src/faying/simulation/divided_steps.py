@@ -13,13 +13,12 @@ from functools import cached_property
 import numpy as np
 
 from faying._typing import Indices
-from faying.contact.state import ContactState
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import System
 from faying.simulation.energy_guard import warn_of_gain
 from faying.simulation.integrators import ImplicitEuler, Integrator
 from faying.simulation.load import Load
-from faying.simulation.restart import MOST_LEVELS, Handed, Restart
+from faying.simulation.restart import Restart
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import joined, some_states
 from faying.simulation.start import begun
@@ -172,8 +171,7 @@ class DividedSteps:
         if given is not None:
             one, after = self._tried(load, here, given)
             _warn(load, here, after)
-            levels = _handed(here, {given: (one, after)})
-            return _ended(one, given, np.nan), replace(after, level=given, levels=levels)
+            return _ended(one, given, np.nan), replace(after, level=given)
         allowed = self.tolerance / last
         level = max(here.level, 1)
         tried = {n: self._offered(load, here, n) for n in (level - 1, level)}
@@ -183,12 +181,9 @@ class DividedSteps:
         one, after = tried[level] or self._tried(load, here, level)
         _warn(load, here, after)
         eased = level > 1 and EASE * error <= allowed
-        return _ended(one, level, error), replace(
-            after,
-            level=level - 1 if eased else level,
-            peak=_peak(here.peak, one),
-            levels=_handed(here, {**tried, level: (one, after)}),
-        )
+        level_after = level - 1 if eased else level
+        ended = replace(after, level=level_after, peak=_peak(here.peak, one))
+        return _ended(one, level, error), ended
 
     def _error(self, tried: Mapping[int, Tried | None], level: int, peak: float) -> float:
         """Return the error of the finer solution at the end, over the largest pressure so far."""
@@ -210,7 +205,7 @@ class DividedSteps:
     def _tried(self, load: Load, here: Restart, level: int) -> Tried:
         """Integrate over one interval in 2 to the power ``level`` steps."""
         count, solver = 2**level, self.lengths[level].solver
-        start = replace(_at_level(here, level), done=here.done * count)
+        start = replace(here, done=here.done * count)
         first = start.done
         (piece,), (end,) = solver.advanced(
             [start], [load], [], end=first + count, last=first + count, progress=None
@@ -249,29 +244,6 @@ def divided_steps(
 
 def _peak(peak: float, piece: Solution) -> float:
     return max(peak, float(piece.pressure[-1].max(initial=0.0)))
-
-
-def _at_level(here: Restart, level: int) -> Restart:
-    """Return a state with what steps of that length have handed on, nothing of other lengths."""
-    if level in here.levels:
-        handed = here.levels[level]
-        contact, trend = handed.contact, handed.trend
-    else:
-        contact = ContactState(active=here.contact.active)
-        trend = np.full_like(here.trend, np.nan)
-    rubbed = {name: getattr(here.contact, name) for name in ("slip", "forces", "at_end")}
-    return replace(here, contact=replace(contact, **rubbed), trend=trend)
-
-
-def _handed(here: Restart, tried: Mapping[int, Tried | None]) -> dict[int, Handed]:
-    """Return what steps of each length have handed on, of no more lengths than are kept."""
-    now = {
-        level: Handed(contact=found[1].contact, trend=found[1].trend)
-        for level, found in tried.items()
-        if found is not None
-    }
-    levels = {**{n: one for n, one in here.levels.items() if n not in now}, **now}
-    return dict(list(levels.items())[-MOST_LEVELS:])
 
 
 def _warn(load: Load, before: Restart, after: Restart) -> None:

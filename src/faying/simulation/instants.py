@@ -1,4 +1,4 @@
-"""What transients side by side leave, and what their past says of the next instant."""
+"""What transients side by side leave."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from faying._typing import Indices, Mask, Matrix, Vector
+from faying._typing import Indices, Matrix
 from faying.contact.forces import ContactForces
 from faying.joint.system import System
 from faying.linalg.memory import require_room
@@ -106,28 +106,3 @@ def require_history_room(n_case: int, n_time: int, system: System) -> None:
         f"and {n_point} contact points",
         "shorten them, enlarge the step, or stream them in Python (stream_transient)",
     )
-
-
-def expected(own: Vector, forces: Matrix, slack: Matrix, before: Matrix) -> tuple[Mask, Matrix]:
-    """Return the points in contact at the next instant if forces and slacks go on as they did.
-
-    A point whose force or slack runs out in time is foreseen; where it jumps, nothing is lost.
-
-    Parameters
-    ----------
-    own : (n_point,) [length/force]
-        Gap that a force closes at its own point.
-    forces, slack : (n_case, n_point)
-        At this instant.
-    before : (n_case, n_point)
-        The trend one instant ago; NaN where there is none.
-
-    Returns
-    -------
-    active : (n_case, n_point)
-    trend : (n_case, n_point) [length]
-        Forces as lengths minus slacks, to be handed to the next instant.
-    """
-    now = own * forces - slack
-    earlier = np.where(np.isnan(before), now, before)
-    return np.asarray(2 * now - earlier > 0), now

@@ -113,10 +113,10 @@ def begun(
     kept = scheme.kept_force(applied, contact)
     every = stacked_forces(forces, shear)
     motion = Motion(u, np.zeros_like(u), a, kept, np.zeros_like(u), every.T)
+    whole = np.zeros((len(starts), 3, forces.shape[1]))
+    whole[:, : system.contact.components] = every.reshape(len(starts), -1, forces.shape[1])
     states = [
-        ContactState(
-            active=own > 0, slip=start.shear_slip, forces=x.reshape(3, -1) if rubs else None
-        )
-        for own, x, start in zip(forces, every, starts, strict=True)
+        ContactState(active=x[0] > 0, slip=start.shear_slip, forces=x)
+        for x, start in zip(whole, starts, strict=True)
     ]
-    return each_of(0, motion, states, np.full(forces.shape, np.nan))
+    return each_of(0, motion, states)

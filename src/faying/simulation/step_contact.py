@@ -12,7 +12,7 @@ from faying.contact.condensed import CondensedContact
 from faying.contact.forces import ContactForces
 from faying.contact.state import ContactState
 from faying.linalg.compressed import Compliance
-from faying.simulation.frictional_step import FrictionalEnd, FrictionalMean
+from faying.simulation.increment_step import IncrementEnd, IncrementMean
 
 ROUND_OFF = 1e-9
 """Residual compliance below this share of the compliance of a step is round-off of the basis."""
@@ -43,7 +43,7 @@ class StepContact(Protocol):
 @final
 @dataclass(frozen=True, eq=False)
 class EndContact:
-    """The contact law holds at the end of the step, and the force there enters the balance."""
+    """The contact law holds at the end of the step, for forces as unknowns."""
 
     condensed: CondensedContact
 
@@ -62,7 +62,7 @@ class EndContact:
 @final
 @dataclass(frozen=True, eq=False)
 class MeanContact:
-    """The mean contact force of a step is no tension, and works no more than contact had stored.
+    """The mean force of a step, an unknown, is no tension and adds no energy to that of contact.
 
     With W = D + N R Nᵀ, by which penalty and residual compliance give way, and γ the gap without
     that, the mean λ̄ ≥ 0 obeys
@@ -141,9 +141,7 @@ class MeanContact:
 
 def end_contact(condensed: CondensedContact) -> StepContact:
     """Return the contact law at the end of a step."""
-    contact = condensed.contact
-    plain = contact.forgets and contact.proportional
-    return EndContact(condensed) if plain else FrictionalEnd(condensed)
+    return EndContact(condensed) if condensed.cases is None else IncrementEnd(condensed)
 
 
 def mean_contact(condensed: CondensedContact) -> StepContact:
@@ -155,6 +153,4 @@ def mean_contact(condensed: CondensedContact) -> StepContact:
         If contact has friction and is hard, or a law closes otherwise than in proportion to force.
     """
     condensed.contact.check_proportional()
-    if condensed.contact.components == 1:
-        return MeanContact(condensed)
-    return FrictionalMean(condensed)
+    return MeanContact(condensed) if condensed.cases is None else IncrementMean(condensed)

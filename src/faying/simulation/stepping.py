@@ -25,7 +25,7 @@ from faying.simulation.compiled import (
     worth_compiling,
 )
 from faying.simulation.energy_guard import EnergyGuard
-from faying.simulation.instants import Instants, expected, require_history_room
+from faying.simulation.instants import Instants, require_history_room
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
 from faying.simulation.load import Load
 from faying.simulation.restart import Restart, each_of, side_by_side
@@ -252,19 +252,17 @@ class TransientSolver:
             ]
         motion = side_by_side([one.motion for one in here])
         states: Sequence[ContactState] = [one.contact for one in here]
-        trend = np.array([one.trend for one in here])
         for n in range(n_step):
             with _naming_step(here[0].done + n + 1, self.step):
-                after = self._step(motion, states, trend, external[:, n].T)
-            motion, states, trend, contacts = after
+                motion, states, contacts = self._step(motion, states, external[:, n].T)
             history.note(first + n, motion, contacts)
             if progress is not None:
                 progress(n_case)
-        return each_of(here[0].done + n_step, motion, states, trend)
+        return each_of(here[0].done + n_step, motion, states)
 
     def _step(
-        self, motion: Motion, states: Sequence[ContactState], trend: Matrix, applied: Matrix
-    ) -> tuple[Motion, Sequence[ContactState], Matrix, Sequence[ContactForces]]:
+        self, motion: Motion, states: Sequence[ContactState], applied: Matrix
+    ) -> tuple[Motion, Sequence[ContactState], Sequence[ContactForces]]:
         """Return the motion one step on, where contact stands after it, and its forces.
 
         What is linear is done for all cases at once, with one case a column.
@@ -278,20 +276,9 @@ class TransientSolver:
         u = self.effective.solve(right + scheme.force_weight * from_contact)
         kept = scheme.kept_force(applied, from_contact)
         motion = scheme.advance(motion, u, kept, self.step)
-        if not (system.contact.forgets and system.contact.proportional):
-            rubs = system.contact.components > 1
-            shear = np.array([contact.shear_forces for contact in contacts]) if rubs else None
-            return replace(motion, contact=stacked_forces(forces, shear).T), after, trend, contacts
-        motion = replace(motion, contact=forces.T)
-        slack = np.array([contact.slack for contact in contacts])
-        active, trend = expected(self._own, forces, slack, trend)
-        ahead = [replace(state, active=points) for state, points in zip(after, active, strict=True)]
-        return motion, ahead, trend, contacts
-
-    @property
-    def _own(self) -> Vector:
-        """Gap of every contact point per force at it (n_point,) [length/force]."""
-        return self.condensed.space.diagonal
+        rubs = system.contact.components > 1
+        shear = np.array([contact.shear_forces for contact in contacts]) if rubs else None
+        return replace(motion, contact=stacked_forces(forces, shear).T), after, contacts
 
     def _loop(self, n_step: int) -> CompiledSteps | None:
         """Return the compiled loop for a run of so many steps, None where Python does them."""
@@ -316,17 +303,18 @@ class TransientSolver:
         progress: Callable[[int], object] | None,
     ) -> Restart:
         """Write the instants of one case; steps that the loop leaves are done here."""
-        motion, state, trend = stacked(here.motion), here.contact, here.trend.copy()
+        motion, state = stacked(here.motion), here.contact
         n, failures = 0, 0
         while n < len(external):
             some, done = external[n : n + AT_ONCE], 0
             if failures < MOST_FAILURES:
-                done, state = compiled.advance(motion, state, trend, some, history, first + n)
+                done, state = compiled.advance(motion, state, some, history, first + n)
             failures = 0 if done else failures + 1
             if done < len(some):
-                moved, (state,), (trend,), contacts = self._step(
-                    unstacked(motion[:, None]), [state], trend[None], some[done][:, None]
+                moved, (after,), contacts = self._step(
+                    unstacked(motion[:, None]), [state], some[done][:, None]
                 )
+                state = replace(after, supported=state.supported)
                 history.note(first + n + done, moved, contacts)
                 motion, done = stacked(moved), done + 1
             n += done
@@ -334,7 +322,7 @@ class TransientSolver:
                 progress(done)
         u, v, a, force = np.split(motion, 4)
         end = Motion(u, v, a, force, here.motion.lagging, history.forces[0, first + n - 1])
-        return Restart(done=here.done + n, motion=end, contact=state, trend=trend)
+        return Restart(done=here.done + n, motion=end, contact=state)
 
 
 def _condense_step(

@@ -147,7 +147,9 @@ def test_springs_of_points_between_pairs(steps, random):
     K = springs(random)
     K[3, 0, 1] += 1.0  # laws with friction are not symmetric
     G = steps.G.toarray()
-    assert steps.springs.between_pairs(K).toarray() == pytest.approx(G.T @ by_points(K) @ G, abs=EXACT)
+    assert steps.springs.between_pairs(K).toarray() == pytest.approx(
+        G.T @ by_points(K) @ G, abs=EXACT
+    )
 
 
 def test_own_displacements_of_points(steps, random):

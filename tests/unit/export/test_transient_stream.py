@@ -172,8 +172,8 @@ def _without_a_motion(file):
 
 def _announcing_more(file):
     place = file["restart"][str(file["restart"].attrs["slot"])]
-    del place["trend"]
-    place.create_dataset("trend", shape=(10**12,), chunks=(1024,), dtype=float)
+    del place["active"]
+    place.create_dataset("active", shape=(10**12,), chunks=(1024,), dtype=float)
 
 
 @pytest.mark.parametrize(

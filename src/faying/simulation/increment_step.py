@@ -1,4 +1,4 @@
-"""Friction in a step of a transient: Coulomb's law at its end, or on the mean over it.
+"""Contact in a step of a transient as an increment: its laws at the end, or on the mean over it.
 
 A step is an increment of ``docs/theory/friction.md`` with the compliance of the step: the same
 local law, the slip so far as the state.
@@ -15,7 +15,6 @@ from faying._typing import Matrix, Vector
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
 from faying.contact.forces import ContactForces
-from faying.contact.frictional import FrictionalContact
 from faying.contact.increment import Increment
 from faying.contact.increment_solver import IncrementSolver, displaced
 from faying.contact.laws_at_points import LawsAtPoints
@@ -28,7 +27,7 @@ ADMISSIBLE = 1e-12
 
 @final
 @dataclass(frozen=True, eq=False)
-class FrictionalEnd:
+class IncrementEnd:
     """The law holds at the end of the step, and the forces there enter the balance."""
 
     condensed: CondensedContact
@@ -43,24 +42,18 @@ class FrictionalEnd:
         solver, contact = self.condensed.increments, self.condensed.contact
         acting, ends, after = [], [], []
         for relative, state in zip(free, states, strict=True):
-            slip = np.zeros((2, contact.n_points)) if state.slip is None else state.slip
-            found = solver.solve(relative, contact.offset(slip), _start(solver, relative, state))
-            slip = slip + found.slack[1:]
+            offset = contact.offset(state.slip)
+            found = solver.solve(relative, offset, _start(solver, relative, state))
+            slip = _slipped(contact, state, found.slack)
             ends.append(_contact_forces(found, found.dissipation, slip))
             acting.append(found.forces[: contact.components].ravel())
-            if contact.components == 1:
-                ends[-1] = replace(ends[-1], shear_forces=None, slip=None)
-            after.append(
-                ContactState(
-                    active=ends[-1].active, slip=slip, forces=found.forces, moved=found.moved
-                )
-            )
+            after.append(_state(ends[-1], found))
         return np.array(acting), ends, after
 
 
 @final
 @dataclass(frozen=True, eq=False)
-class FrictionalMean:
+class IncrementMean:
     """The mean forces of a step obey the law, and work no more than contact had stored.
 
     With W = D + G R Gᵀ, by which laws and residual compliance give way, and γ the relative
@@ -91,20 +84,18 @@ class FrictionalMean:
         """Solve one increment for each case, and the law at the end where that is not obeyed."""
         solver, contact = self.condensed.increments, self.condensed.contact
         means, ends, after = [], [], []
-        for relative, state, before in zip(free, states, _components(last), strict=True):
-            slip = _slip(state, before)
-            offset = contact.offset(slip) - self._given_way(before)
+        k = contact.components
+        before = np.zeros((3, contact.n_points))
+        for relative, state, acted in zip(free, states, last, strict=True):
+            before[:k] = acted.reshape(k, -1)
+            offset = contact.offset(state.slip) - self._given_way(before)
             mean = solver.solve(relative, offset, _start(solver, relative, state))
             end = self._at_end(mean, mean.forces - before)
-            slip = slip + mean.slack[1:] + end.slack[1:]
+            slip = _slipped(contact, state, mean.slack + end.slack)
             taken = 0.5 * mean.dissipation + end.dissipation
-            means.append(mean.forces.ravel())
+            means.append(mean.forces[:k].ravel())
             ends.append(_contact_forces(end, taken, slip))
-            after.append(
-                ContactState(
-                    active=ends[-1].active, slip=slip, forces=mean.forces, moved=mean.moved
-                )
-            )
+            after.append(_state(ends[-1], mean))
         return np.array(means), ends, after
 
     def _at_end(self, mean: Increment, forces: Matrix) -> Increment:
@@ -115,7 +106,9 @@ class FrictionalMean:
             return replace(mean, forces=forces, slack=opened)
         z_free = opened - self._given_way(forces)
         if contact.residual_compliance is not None:
-            end = self._law.solve_slack(z_free, forces)
+            still = np.zeros(len(mean.moved))
+            begun = replace(mean, forces=forces, moved=displaced(self._law, still, forces))
+            end = self._law.solve(still, z_free, begun)
             return replace(end, iterations=mean.iterations + end.iterations)
         D = self._laws.closure(none)[1]
         stuck = np.divide(-z_free, D, out=none, where=D > 0)
@@ -138,32 +131,36 @@ class FrictionalMean:
 
     @property
     def _laws(self) -> LawsAtPoints:
-        return self.condensed.frictional.laws
+        return self.condensed.increments.laws
 
     @cached_property
-    def _law(self) -> FrictionalContact:
+    def _law(self) -> IncrementSolver:
         """The law where nothing but laws and residual compliance gives way."""
         contact = self.condensed.contact
         alone: Contact = replace(contact, residual_compliance=None)
-        return FrictionalContact(contact=alone, S=np.asarray(contact.residual_compliance))
+        residual = np.asarray(contact.residual_compliance)
+        return CondensedContact(contact=alone, compliance=residual).increments
 
 
-def _components(forces: Matrix) -> Matrix:
-    """Return forces (n_case, 3 n_point) as (n_case, 3, n_point)."""
-    return forces.reshape(len(forces), 3, -1)
+def _slipped(contact: Contact, state: ContactState, slack: Matrix) -> Matrix | None:
+    """Return what has slipped so far (2, n_point) [length]; None without friction."""
+    if contact.components == 1:
+        return None
+    return np.asarray(slack[1:] if state.slip is None else state.slip + slack[1:])
 
 
-def _slip(state: ContactState, forces: Matrix) -> Matrix:
-    return np.zeros_like(forces[1:]) if state.slip is None else state.slip
+def _state(end: ContactForces, found: Increment) -> ContactState:
+    """Return where contact stands after a step."""
+    return ContactState(active=end.active, slip=end.slip, forces=found.forces, moved=found.moved)
 
 
-def _contact_forces(found: Increment, dissipation: float, slip: Matrix) -> ContactForces:
+def _contact_forces(found: Increment, dissipation: float, slip: Matrix | None) -> ContactForces:
     return ContactForces(
         forces=found.forces[0],
         slack=found.slack[0],
         active=found.forces[0] > 0,
         iterations=found.iterations,
-        shear_forces=found.forces[1:],
+        shear_forces=None if slip is None else found.forces[1:],
         slip=slip,
         dissipation=dissipation,
     )

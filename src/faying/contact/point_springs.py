@@ -1,0 +1,96 @@
+"""Springs at the points as springs between the pairs, B = Gᵀ K G."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import final
+
+import numpy as np
+import scipy.sparse as sp
+
+from faying._typing import Indices, Matrix, SparseMatrix, read_only
+from faying.contact.padded_rows import PaddedRows
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PointSprings:
+    """Assembles B = Gᵀ K G again and again: which entry of K goes where is the same for every K.
+
+    Attributes
+    ----------
+    G : (components n_point, n_relative), sparse or dense
+        Displacements at the points, component by component.
+    components
+    """
+
+    G: SparseMatrix | Matrix
+    components: int
+
+    @cached_property
+    def transposed(self) -> SparseMatrix | Matrix:
+        """Gᵀ, which takes forces at the points to the pairs."""
+        if isinstance(self.G, np.ndarray):
+            return self.G.T
+        transposed = self.G.T.tocsr()
+        transposed.sum_duplicates()
+        return read_only(transposed)
+
+    def of_diagonal(self, springs: Matrix) -> SparseMatrix | Matrix:
+        """Return B of springs (components, n_point)."""
+        if isinstance(self.G, np.ndarray):
+            return np.asarray((self.transposed * springs.ravel()) @ self.G)
+        return (self.transposed @ sp.diags_array(springs.ravel()) @ self.G).tocsr()
+
+    def between_pairs(self, K: Matrix) -> SparseMatrix:
+        """Return B (n_relative, n_relative) of K (n_point, components, components)."""
+        places, indices, indptr = self._assembly
+        n = self.G.shape[1]
+        return sp.csr_array((places @ K.ravel(), indices, indptr), shape=(n, n))
+
+    def add_to(self, matrix: Matrix, K: Matrix) -> None:
+        """Add B to a dense matrix (n_relative, n_relative) in its place."""
+        if isinstance(self.G, np.ndarray):
+            rows = self.G.reshape(self.components, -1, self.G.shape[1])
+            sprung = np.einsum("pij,jpr->ipr", K, rows)
+            matrix += self.transposed @ sprung.reshape(self.G.shape)
+            return
+        places, indices, _ = self._assembly
+        matrix[self._row_of_entry, indices] += places @ K.ravel()
+
+    def touched(self, K: Matrix) -> Indices:
+        """Return the pairs that points with springs touch."""
+        return np.flatnonzero(self._touching @ K.any(axis=(1, 2)))
+
+    @cached_property
+    def _touching(self) -> SparseMatrix:
+        """Which pairs a point touches (n_relative, n_point)."""
+        n = self.G.shape[0] // self.components
+        pattern = abs(self.G)
+        return sum(pattern[i * n : (i + 1) * n] for i in range(self.components)).T.tocsr()
+
+    @cached_property
+    def _row_of_entry(self) -> Indices:
+        """Row of each entry of B."""
+        indptr = self._assembly[2]
+        return np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))
+
+    @cached_property
+    def _assembly(self) -> tuple[SparseMatrix, Indices, Indices]:
+        """Return the entries of B (nnz, components² n_point) per entry of K, columns and rows."""
+        rows, k, n_pair = PaddedRows.of(self.G), self.components, self.G.shape[1]
+        n = self.G.shape[0] // k
+        columns, values = (part.reshape(k, n, -1) for part in (rows.columns, rows.values))
+        keys, sources, shares = [], [], []
+        for i, j in np.ndindex(k, k):
+            share = values[i][:, :, None] * values[j][:, None, :]
+            used = share.nonzero()
+            keys.append((columns[i][:, :, None] * n_pair + columns[j][:, None, :])[used])
+            sources.append((used[0] * k + i) * k + j)
+            shares.append(share[used])
+        entries, place = np.unique(np.concatenate(keys), return_inverse=True)
+        places = sp.csr_array(
+            (np.concatenate(shares), (place, np.concatenate(sources))),
+            shape=(len(entries), k * k * n),
+        )
+        indptr = np.searchsorted(entries, n_pair * np.arange(n_pair + 1))
+        return places, entries % n_pair, indptr
