@@ -8,7 +8,8 @@ import pytest
 import faying as fy
 from faying.assessment.certificate import certifier
 from faying.assessment.load_path import Walk
-from faying.contact.linear_pieces import PointPiece
+from faying.contact.dense_points import DensePoints
+from faying.contact.linear_pieces import LinearPiece, UnknownForces
 from faying.exceptions import ModelError
 from faying.joint.bolt_surroundings import surroundings
 from faying.joint.build import build_model
@@ -325,7 +326,7 @@ def test_path_on_which_all_points_change_at_once():
         n = int(random.integers(3, 9))
         half = random.normal(size=(n, max(2, n // 2)))
         H, b = half @ half.T + 1e-3 * np.eye(n), random.normal(size=n)
-        piece = PointPiece.of(H, np.column_stack([np.zeros(n), b]))
+        piece = LinearPiece.of(UnknownForces(points=DensePoints(H=H)), np.column_stack([np.zeros(n), b]))
         walk = Walk(a=np.zeros(n), b=b, at_rest=np.zeros(n))
         _, forces, _, _, _ = walk.followed(piece, 1.0)
         expected = fy.contact_problem(H, b).solve().forces

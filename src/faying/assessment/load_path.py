@@ -18,7 +18,7 @@ import numpy as np
 from faying._typing import Mask, Matrix, Vector, frozen
 from faying.contact.active_set import solve_complementarity
 from faying.contact.dense_points import DensePoints
-from faying.contact.linear_pieces import PointPiece
+from faying.contact.linear_pieces import LinearPiece, closed_points
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import Joint
 from faying.simulation.load import Load
@@ -144,8 +144,8 @@ def load_path(system: Joint, load: Load, *, largest: float = np.inf) -> LoadPath
 
     Notes
     -----
-    A kink for each point that opens or closes, some hundreds on a joint: products with H, and a
-    factorization of the closed points at every thirtieth.
+    A kink for each point that opens or closes, some hundreds on a joint, and a
+    system between the pairs for each.
     """
     return input_path(system, load.inputs(system, np.zeros(1))[0], largest=largest)
 
@@ -155,7 +155,8 @@ def input_path(system: Joint, inputs: Vector, *, largest: float = np.inf) -> Loa
     fixed, growing = growing_displacements(system, inputs)
     a, b = system.contact.free_gap(fixed), np.asarray(system.contact.interpolation @ growing)
     at_rest = solved_case(system, fixed).forces
-    segment = PointPiece.of(system.static_contact.flexibility, np.column_stack([a, b]))
+    solver = closed_points(system.contact, system.static_contact)
+    segment = LinearPiece.of(solver, np.column_stack([a, b]))
     walk = Walk(a=a, b=b, at_rest=at_rest)
     factors, forces, closed, rate, ended = walk.followed(segment, largest)
     return LoadPath(
@@ -190,7 +191,7 @@ class Walk:
     b: Vector
     at_rest: Vector
 
-    def followed(self, segment: PointPiece, largest: float) -> Followed:
+    def followed(self, segment: LinearPiece, largest: float) -> Followed:
         """Go from piece to piece, starting from any.
 
         Raises
@@ -233,8 +234,8 @@ class Walk:
         raise ConvergenceError(message)
 
     def _onward(
-        self, t: float, forces: Vector, slack: Vector, turned: Mask, segment: PointPiece
-    ) -> PointPiece:
+        self, t: float, forces: Vector, slack: Vector, turned: Mask, segment: LinearPiece
+    ) -> LinearPiece:
         """Return the piece right after a kink.
 
         Parameters
@@ -244,8 +245,8 @@ class Walk:
         """
         # Of what cancels: where all points let go at once, gap and forces themselves vanish.
         gap = (np.abs(self.a) + t * np.abs(self.b)).max(initial=0.0)
-        small = TOGETHER * max(gap, np.abs(forces * segment.own).max(initial=0.0))
-        at_once = (forces * segment.own <= small) & (slack <= small)
+        small = TOGETHER * max(gap, np.abs(forces * segment.solver.self_compliance).max(initial=0.0))
+        at_once = (forces * segment.solver.self_compliance <= small) & (slack <= small)
         if np.count_nonzero(at_once) <= 1:
             return segment.moved_to(turned)
         closed, both = (forces > 0) & ~at_once, np.flatnonzero(at_once)

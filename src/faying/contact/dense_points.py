@@ -54,6 +54,10 @@ class DensePoints:
             return np.asarray(la.lstsq(self.H[np.ix_(active, active)], right)[0])
         return np.asarray(lapack.dpotrs(factor, right, lower=1)[0])
 
+    def regular(self, active: Mask) -> bool:
+        """Say whether an active block has an inverse."""
+        return not active.any() or self._factorized(active)[1]
+
     def product(self, forces: Vector) -> Vector:
         """Return H λ."""
         result: Vector = self.H @ forces

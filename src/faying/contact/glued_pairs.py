@@ -262,6 +262,28 @@ class GluedPairs:
         d = self.compliance @ forces
         return d, forces - self.glue @ d, None
 
+    def solved(
+        self, springs: Vector, right: Vector, factors: Factors | None
+    ) -> tuple[Vector, Factors | None]:
+        """Solve (Σ + Gᵀ K G) d = b of springs (n_point,) to round-off, without friction.
+
+        Parameters
+        ----------
+        factors
+            Of the system before.
+        """
+        K, G = springs[:, None, None], self.points.G
+        solution, residual = np.zeros_like(right), right
+        for _ in range(MOST_CORRECTIONS):
+            change, _, factors = self.step(K, residual, 0.0, factors)
+            refined = solution + change
+            resisted = self.structure @ refined + self.transposed @ (springs * (G @ refined))
+            error = float(np.abs(right - resisted).max(initial=0.0))
+            if error >= 0.5 * np.abs(residual).max(initial=0.0):
+                break
+            solution, residual = refined, right - resisted
+        return solution, factors
+
     def _answer(
         self, right: Vector, pairs: Indices, block: SparseMatrix, shared: Vector | None
     ) -> tuple[Vector, Vector] | None:

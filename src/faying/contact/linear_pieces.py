@@ -1,70 +1,182 @@
 """Contact forces that are linear in a load factor as long as the same points are closed.
 
-With the free gap a + t b the forces of closed points A and the slacks of the others are
+With the free gap g = a + t b and springs k of the closed points A, the pairs move besides by w, and
 
-    λ_A(t) = −H_AA⁻¹ (a_A + t b_A),   s(t) = H λ(t) + a + t b.
+    (Σ + N_Aᵀ k N_A) w = −N_Aᵀ k g,   λ_A = −k (g + N_A w),   s = g + N w
 
-A piece holds both as lines, a column for 1 and one for t, and leads to the next.
+are lines in t. A piece holds them, a column for 1 and one for t, and leads to the next. Where forces
+are the unknowns, of hard contact, λ_A = −H_AA⁻¹ g_A and s = H λ + g.
 """
 
-from dataclasses import dataclass, replace
-from typing import final
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Protocol, final
 
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.contact.neighbouring_blocks import NeighbouringBlocks
+from faying.contact.condensed import ContactSolver
+from faying.contact.contact import Contact
+from faying.contact.dense_points import DensePoints
+from faying.contact.glued_pairs import Factors
+from faying.contact.yielding import YieldingContact
+from faying.exceptions import ModelError
+
+
+class ClosedPoints(Protocol):
+    """Solves contact whose closed points are known."""
+
+    @property
+    def self_compliance(self) -> Vector:
+        """Gap of every point per force at it, the diagonal of H (n_point,) [length/force]."""
+        ...
+
+    def solved(self, gaps: Matrix, active: Mask) -> tuple[Matrix, Matrix]:
+        """Return forces and slacks (n_point, k) of free gaps (n_point, k)."""
+        ...
+
+    def between(self, points: Indices, active: Mask) -> Matrix:
+        """Return H_ZZ − H_ZA H_AA⁻¹ H_AZ of points Z."""
+        ...
 
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PointPiece:
-    """A piece by blocks of H, for any law.
+class OnSprings:
+    """Closed points as springs between the pairs.
 
     Attributes
     ----------
+    contact
+        Elastic, without friction.
+    factors
+        Of the systems solved last, near those of the next ones.
+    """
+
+    contact: YieldingContact
+    factors: list[Factors | None] = field(default_factory=lambda: [None])
+
+    @cached_property
+    def self_compliance(self) -> Vector:
+        """Gap of every point per force at it (n_point,) [length/force]."""
+        pairs = self.contact.contact.rows @ self.contact.S
+        moved = np.asarray(self.contact.contact.rows.multiply(pairs).sum(axis=1)).ravel()
+        return moved + 1.0 / self.contact.laws.springs[0]
+
+    def solved(self, gaps: Matrix, active: Mask) -> tuple[Matrix, Matrix]:
+        """Return forces and slacks (n_point, k) of free gaps (n_point, k)."""
+        springs, pairs = self._springs(active), self.contact.pairs
+        pressed = -(pairs.transposed @ (springs[:, None] * gaps))
+        slack = gaps + pairs.G @ self._moved(springs, pressed)
+        return -springs[:, None] * slack, np.where(active[:, None], 0.0, slack)
+
+    def between(self, points: Indices, active: Mask) -> Matrix:
+        """Return H_ZZ − H_ZA H_AA⁻¹ H_AZ of points Z."""
+        rows = self.contact.pairs.G[points]
+        rows = rows if isinstance(rows, np.ndarray) else rows.toarray()
+        between = rows @ self._moved(self._springs(active), rows.T)
+        return np.asarray(between + np.diag(1.0 / self.contact.laws.springs[0, points]))
+
+    def _springs(self, active: Mask) -> Vector:
+        return np.asarray(self.contact.laws.springs[0] * active)
+
+    def _moved(self, springs: Vector, pressed: Matrix) -> Matrix:
+        """Return w (n_relative, k) of forces between pairs."""
+        columns = []
+        for right in pressed.T:
+            solution, self.factors[0] = self.contact.pairs.solved(springs, right, self.factors[0])
+            columns.append(solution)
+        return np.array(columns).T
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class UnknownForces:
+    """Closed points as unknown forces, for any law."""
+
+    points: DensePoints
+
+    @property
+    def self_compliance(self) -> Vector:
+        """Gap of every point per force at it (n_point,) [length/force]."""
+        return self.points.diagonal
+
+    def solved(self, gaps: Matrix, active: Mask) -> tuple[Matrix, Matrix]:
+        """Return forces and slacks (n_point, k); raises ``ModelError`` of a singular block."""
+        forces = np.zeros_like(gaps)
+        forces[active] = self._solved(-gaps[active], active)
+        return forces, np.where(active[:, None], 0.0, self.points.H @ forces + gaps)
+
+    def between(self, points: Indices, active: Mask) -> Matrix:
+        """Return H_ZZ − H_ZA H_AA⁻¹ H_AZ of points Z."""
+        across = self.points.H[np.ix_(active, points)]
+        across_points = self.points.H[np.ix_(points, points)]
+        return np.asarray(across_points - across.T @ self._solved(across, active))
+
+    def _solved(self, right: Matrix, active: Mask) -> Matrix:
+        if not self.points.regular(active):
+            message = (
+                "contact forces are not unique where contact is hard at more points than there are "
+                "relative displacements; take nodal quadrature or a penalty to follow a load"
+            )
+            raise ModelError(message)
+        return self.points.solve_active(right, active)
+
+
+def closed_points(contact: Contact, condensed: ContactSolver) -> ClosedPoints:
+    """Return what solves contact without friction whose closed points are known.
+
+    Raises
+    ------
+    ModelError
+        If there is friction, or closure is not in proportion to force.
+    """
+    contact.check_frictionless()
+    contact.check_proportional()
+    solver = condensed.cases
+    if isinstance(solver, YieldingContact):
+        return OnSprings(contact=solver)
+    return UnknownForces(points=DensePoints(H=condensed.flexibility))
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LinearPiece:
+    """Forces and slacks as lines, as long as the same points are closed.
+
+    Attributes
+    ----------
+    solver
+        What solves contact with known closed points.
+    sides : (n_point, 2) [length]
+        Free gap a and its growth b.
     active : (n_point,)
         Points that are closed.
     forces : (n_point, 2)
         Contact forces, zero at other points.
     slack : (n_point, 2)
         Of the other points.
-    blocks
-        What solves blocks of H near the last one.
-    sides : (n_point, 2) [length]
-        Free gap a and its growth b.
     """
 
-    blocks: NeighbouringBlocks
+    solver: ClosedPoints
     sides: Matrix
     active: Mask
     forces: Matrix
     slack: Matrix
 
     @classmethod
-    def of(cls, H: Matrix, sides: Matrix) -> "PointPiece":
+    def of(cls, solver: ClosedPoints, sides: Matrix) -> "LinearPiece":
         """Return the piece on which nothing is closed."""
+        active = np.zeros(len(sides), dtype=bool)
         return cls(
-            blocks=NeighbouringBlocks(H=H),
-            sides=sides,
-            active=np.zeros(len(H), dtype=bool),
-            forces=np.zeros_like(sides),
-            slack=sides,
+            solver=solver, sides=sides, active=active, forces=np.zeros_like(sides), slack=sides
         )
 
-    @property
-    def own(self) -> Vector:
-        """Diagonal of H."""
-        return np.asarray(np.diag(self.blocks.H))
-
-    def moved_to(self, active: Mask) -> "PointPiece":
+    def moved_to(self, active: Mask) -> "LinearPiece":
         """Return the piece of other closed points; raises ``ModelError`` of a singular block."""
-        forces, blocks = self.blocks.solved(active, -self.sides)
-        slack = self.blocks.H @ forces + self.sides
-        return replace(self, blocks=blocks, active=active, forces=forces, slack=slack)
+        forces, slack = self.solver.solved(self.sides, active)
+        return replace(self, active=active, forces=forces, slack=slack)
 
     def between(self, points: Indices) -> Matrix:
         """Return H_ZZ − H_ZA H_AA⁻¹ H_AZ of points Z."""
-        across = self.blocks.H[:, points]
-        relieved, _ = self.blocks.solved(self.active, across)
-        return np.asarray(across[points] - across.T @ relieved)
+        return self.solver.between(points, self.active)
