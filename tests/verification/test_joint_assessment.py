@@ -326,7 +326,9 @@ def test_path_on_which_all_points_change_at_once():
         n = int(random.integers(3, 9))
         half = random.normal(size=(n, max(2, n // 2)))
         H, b = half @ half.T + 1e-3 * np.eye(n), random.normal(size=n)
-        piece = LinearPiece.of(UnknownForces(points=DensePoints(H=H)), np.column_stack([np.zeros(n), b]))
+        piece = LinearPiece.of(
+            UnknownForces(points=DensePoints(H=H)), np.column_stack([np.zeros(n), b])
+        )
         walk = Walk(a=np.zeros(n), b=b, at_rest=np.zeros(n))
         _, forces, _, _, _ = walk.followed(piece, 1.0)
         expected = fy.contact_problem(H, b).solve().forces

@@ -245,8 +245,9 @@ class Walk:
         """
         # Of what cancels: where all points let go at once, gap and forces themselves vanish.
         gap = (np.abs(self.a) + t * np.abs(self.b)).max(initial=0.0)
-        small = TOGETHER * max(gap, np.abs(forces * segment.solver.self_compliance).max(initial=0.0))
-        at_once = (forces * segment.solver.self_compliance <= small) & (slack <= small)
+        closing = forces * segment.solver.self_compliance
+        small = TOGETHER * max(gap, np.abs(closing).max(initial=0.0))
+        at_once = (closing <= small) & (slack <= small)
         if np.count_nonzero(at_once) <= 1:
             return segment.moved_to(turned)
         closed, both = (forces > 0) & ~at_once, np.flatnonzero(at_once)

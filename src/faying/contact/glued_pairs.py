@@ -262,27 +262,28 @@ class GluedPairs:
         d = self.compliance @ forces
         return d, forces - self.glue @ d, None
 
-    def solved(
-        self, springs: Vector, right: Vector, factors: Factors | None
-    ) -> tuple[Vector, Factors | None]:
-        """Solve (Σ + Gᵀ K G) d = b of springs (n_point,) to round-off, without friction.
+    def solved(self, springs: Matrix, right: Matrix) -> Matrix:
+        """Return the solutions (n_relative, k) of right-hand sides, to round-off.
 
         Parameters
         ----------
-        factors
-            Of the system before.
+        springs : (components, n_point) [force/length]
+            K, of points that are closed and stick.
         """
-        K, G = springs[:, None, None], self.points.G
-        solution, residual = np.zeros_like(right), right
-        for _ in range(MOST_CORRECTIONS):
-            change, _, factors = self.step(K, residual, 0.0, factors)
-            refined = solution + change
-            resisted = self.structure @ refined + self.transposed @ (springs * (G @ refined))
-            error = float(np.abs(right - resisted).max(initial=0.0))
-            if error >= 0.5 * np.abs(residual).max(initial=0.0):
-                break
-            solution, residual = refined, right - resisted
-        return solution, factors
+        changed = np.zeros((springs.shape[1], len(springs), len(springs)))
+        diagonal = np.arange(len(springs))
+        if len(self.structure) <= DIRECT:
+            changed[:, diagonal, diagonal] = springs.T
+            system = self.structure.copy()
+            self.points.add_to(system, changed)
+            return np.linalg.solve(system, right)
+        changed[:, diagonal, diagonal] = (springs - self.springs).T
+        pairs, forces = self.points.touched(changed), right.copy()
+        block = self.points.between_pairs(changed)[pairs][:, pairs]
+        system = block @ self.compliance[pairs].take(pairs, axis=1)
+        system.flat[:: len(pairs) + 1] += 1.0
+        forces[pairs] -= np.linalg.solve(system, block @ (self.compliance[pairs] @ right))
+        return self.compliance @ forces
 
     def _answer(
         self, right: Vector, pairs: Indices, block: SparseMatrix, shared: Vector | None

@@ -4,13 +4,13 @@ With the free gap g = a + t b and springs k of the closed points A, the pairs mo
 
     (Σ + N_Aᵀ k N_A) w = −N_Aᵀ k g,   λ_A = −k (g + N_A w),   s = g + N w
 
-are lines in t. A piece holds them, a column for 1 and one for t, and leads to the next. Where forces
-are the unknowns, of hard contact, λ_A = −H_AA⁻¹ g_A and s = H λ + g.
+are lines in t. A piece holds them, a column for 1 and one for t, and leads to the next. Of hard
+contact forces are the unknowns: λ_A = −H_AA⁻¹ g_A and s = H λ + g.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol, final
+from typing import Protocol, Self, final
 
 import numpy as np
 
@@ -18,13 +18,23 @@ from faying._typing import Indices, Mask, Matrix, Vector
 from faying.contact.condensed import ContactSolver
 from faying.contact.contact import Contact
 from faying.contact.dense_points import DensePoints
-from faying.contact.glued_pairs import Factors
+from faying.contact.glued_pairs import GluedPairs
 from faying.contact.yielding import YieldingContact
 from faying.exceptions import ModelError
+
+MOST_CHANGED = 0.2
+"""Points that came or went since pairs were put on springs, over pairs, from which it is done anew.
+
+A new inverse takes 2 n³ multiplications, a system of k pairs k³.
+"""
 
 
 class ClosedPoints(Protocol):
     """Solves contact whose closed points are known."""
+
+    def near(self, active: Mask) -> Self:
+        """Return what solves contact of about these closed points."""
+        ...
 
     @property
     def self_compliance(self) -> Vector:
@@ -49,44 +59,43 @@ class OnSprings:
     ----------
     contact
         Elastic, without friction.
-    factors
-        Of the systems solved last, near those of the next ones.
+    pairs
+        On the springs of similar points.
     """
 
     contact: YieldingContact
-    factors: list[Factors | None] = field(default_factory=lambda: [None])
+    pairs: GluedPairs
+
+    def near(self, active: Mask) -> "OnSprings":
+        """Return what solves contact of about these closed points."""
+        changed = np.count_nonzero((self.pairs.springs[0] > 0) != active)
+        if changed <= MOST_CHANGED * len(self.pairs.structure):
+            return self
+        return replace(self, pairs=self.pairs.glued_by(self._springs(active)))
 
     @cached_property
     def self_compliance(self) -> Vector:
         """Gap of every point per force at it (n_point,) [length/force]."""
         pairs = self.contact.contact.rows @ self.contact.S
         moved = np.asarray(self.contact.contact.rows.multiply(pairs).sum(axis=1)).ravel()
-        return moved + 1.0 / self.contact.laws.springs[0]
+        return np.asarray(moved + 1.0 / self.contact.laws.springs[0])
 
     def solved(self, gaps: Matrix, active: Mask) -> tuple[Matrix, Matrix]:
         """Return forces and slacks (n_point, k) of free gaps (n_point, k)."""
-        springs, pairs = self._springs(active), self.contact.pairs
-        pressed = -(pairs.transposed @ (springs[:, None] * gaps))
-        slack = gaps + pairs.G @ self._moved(springs, pressed)
-        return -springs[:, None] * slack, np.where(active[:, None], 0.0, slack)
+        springs, pairs = self._springs(active), self.pairs
+        pressed = -(pairs.transposed @ (springs.T * gaps))
+        slack = gaps + pairs.G @ pairs.solved(springs, pressed)
+        return -springs.T * slack, np.where(active[:, None], 0.0, slack)
 
     def between(self, points: Indices, active: Mask) -> Matrix:
         """Return H_ZZ − H_ZA H_AA⁻¹ H_AZ of points Z."""
-        rows = self.contact.pairs.G[points]
+        rows = self.pairs.G[points]
         rows = rows if isinstance(rows, np.ndarray) else rows.toarray()
-        between = rows @ self._moved(self._springs(active), rows.T)
+        between = rows @ self.pairs.solved(self._springs(active), rows.T)
         return np.asarray(between + np.diag(1.0 / self.contact.laws.springs[0, points]))
 
-    def _springs(self, active: Mask) -> Vector:
-        return np.asarray(self.contact.laws.springs[0] * active)
-
-    def _moved(self, springs: Vector, pressed: Matrix) -> Matrix:
-        """Return w (n_relative, k) of forces between pairs."""
-        columns = []
-        for right in pressed.T:
-            solution, self.factors[0] = self.contact.pairs.solved(springs, right, self.factors[0])
-            columns.append(solution)
-        return np.array(columns).T
+    def _springs(self, active: Mask) -> Matrix:
+        return np.asarray(self.contact.laws.springs * active)
 
 
 @final
@@ -95,6 +104,10 @@ class UnknownForces:
     """Closed points as unknown forces, for any law."""
 
     points: DensePoints
+
+    def near(self, active: Mask) -> "UnknownForces":  # noqa: ARG002
+        """Return itself: every block of H is factorized."""
+        return self
 
     @property
     def self_compliance(self) -> Vector:
@@ -135,7 +148,7 @@ def closed_points(contact: Contact, condensed: ContactSolver) -> ClosedPoints:
     contact.check_proportional()
     solver = condensed.cases
     if isinstance(solver, YieldingContact):
-        return OnSprings(contact=solver)
+        return OnSprings(contact=solver, pairs=solver.pairs)
     return UnknownForces(points=DensePoints(H=condensed.flexibility))
 
 
@@ -174,8 +187,9 @@ class LinearPiece:
 
     def moved_to(self, active: Mask) -> "LinearPiece":
         """Return the piece of other closed points; raises ``ModelError`` of a singular block."""
-        forces, slack = self.solver.solved(self.sides, active)
-        return replace(self, active=active, forces=forces, slack=slack)
+        solver = self.solver.near(active)
+        forces, slack = solver.solved(self.sides, active)
+        return replace(self, solver=solver, active=active, forces=forces, slack=slack)
 
     def between(self, points: Indices) -> Matrix:
         """Return H_ZZ − H_ZA H_AA⁻¹ H_AZ of points Z."""

@@ -78,20 +78,10 @@ class StuckPoints:
         sprung = closed & (yields > 0)
         springs = np.where(sprung, 1.0 / np.where(sprung, yields, 1.0), 0.0)
         if isinstance(solver, YieldingContact) and solver.shapes is None:
-            base, glued = solver.pairs.compliance, solver.pairs.springs
+            compliance = solver.pairs.glued_by(springs).compliance
         else:
-            base, glued = solver.S, np.zeros_like(springs)
-        change = springs - glued
-        change[np.abs(change) <= 1e-9 * springs.max(initial=0.0)] = 0.0
-        touched = np.flatnonzero(change.any(axis=0))
-        compliance = np.asarray(base)
-        if len(touched):
-            pairs, rows = _restricted(contact.rows, touched, contact.n_points)
-            block = rows.T @ sp.diags_array(change[:, touched].ravel()) @ rows
-            at_pairs = compliance[:, pairs]
-            core = np.eye(len(pairs)) + block @ at_pairs[pairs]
-            compliance = compliance - at_pairs @ np.linalg.solve(core, block @ at_pairs.T)
-            compliance = (compliance + compliance.T) / 2
+            block = (contact.rows.T @ sp.diags_array(springs.ravel()) @ contact.rows).tocsr()
+            compliance = np.linalg.solve(np.eye(len(moved)) + solver.S @ block, solver.S)
         return cls(
             contact=contact,
             forces=forces,
