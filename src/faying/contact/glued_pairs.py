@@ -276,7 +276,7 @@ class GluedPairs:
             changed[:, diagonal, diagonal] = springs.T
             system = self.structure.copy()
             self.points.add_to(system, changed)
-            return np.linalg.solve(system, right)
+            return np.asarray(np.linalg.solve(system, right))
         changed[:, diagonal, diagonal] = (springs - self.springs).T
         pairs, forces = self.points.touched(changed), right.copy()
         block = self.points.between_pairs(changed)[pairs][:, pairs]
