@@ -29,7 +29,7 @@ from faying.contact.increment_solver import displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.exceptions import ConvergenceError, ModelError
 
-ROUND_OFF = 1e-13
+ROUND_OFF = 2e-15
 """Residual over the largest force at which a problem is solved."""
 
 SOLVED = 1e-9

@@ -181,7 +181,7 @@ class EnergyGuard:
             # What overflows is refused where the next gaps are looked at.
             with np.errstate(over="ignore", invalid="ignore"):
                 yield
-        except ModelError:
+        except (ModelError, ConvergenceError):
             if not np.abs(self.inputs).max(initial=0.0) < ABSURD:
                 raise
             for case, name in enumerate(self.loads):
