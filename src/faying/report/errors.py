@@ -33,8 +33,8 @@ def _ratio(result: MethodResult) -> Cell:
 
 
 def _estimate(result: MethodResult, name: str) -> float | None:
-    found = result.response.estimate
-    return None if found is None else getattr(found, name)
+    estimate = result.response.estimate
+    return None if estimate is None else getattr(estimate, name)
 
 
 ERRORS = (
@@ -71,10 +71,10 @@ def error_table(case: CaseResult) -> Table:
 def backbone_error_table(case: CaseResult) -> Table:
     """Return how far the backbones of every method are from those of the full model."""
     rows = {
-        label(name, count): (found, result)
+        label(name, count): (errors, result)
         for name, sizes in case.methods.items()
         for count, result in sorted(sizes.items())
-        if (found := backbone_errors(result.response, case.reference)) is not None
+        if (errors := backbone_errors(result.response, case.reference)) is not None
     }
     columns = (
         Column("frequency off by at most", lambda pair: _share(pair[0].frequency), "%", 3),
@@ -93,8 +93,8 @@ def load_space_table(results: Results) -> Table:
         for count, result in sorted(sizes.items())
     }
     columns = (
-        Column("median load's max error", lambda one: _share(one.median_error), "%", 3),
-        Column("worst load's max error", lambda one: _judged(one.worst_error), "%"),
+        Column("median load's max error", lambda space: _share(space.median_error), "%", 3),
+        Column("worst load's max error", lambda space: _judged(space.worst_error), "%"),
     )
     return described("method", rows.items(), columns, NO_UNITS)
 
@@ -102,12 +102,17 @@ def load_space_table(results: Results) -> Table:
 def choice_table(results: Results) -> Table:
     """Return numbers of joint modes chosen automatically; no rows where none were."""
     columns = (
-        Column("joint modes chosen", lambda one: one.count),
+        Column("joint modes chosen", lambda choice: choice.count),
         Column(
             "asked for",
-            lambda one: f"{one.measure.replace('_', ' ')} at most {percent(one.tolerance)}",
+            lambda choice: (
+                f"{choice.measure.replace('_', ' ')} at most {percent(choice.tolerance)}"
+            ),
         ),
-        Column("outcome", lambda one: "certified" if one.met else "not reached with all there are"),
+        Column(
+            "outcome",
+            lambda choice: "certified" if choice.met else "not reached with all there are",
+        ),
     )
     return described("basis", results.validation.choices.items(), columns, NO_UNITS)
 
@@ -118,22 +123,22 @@ def timing_table(results: Results) -> Table:
     full = cost["full"]
 
     def over(key: str) -> Any:
-        return lambda one: (
-            full[key] / one[key] if one is not full and _both(full, one, key) else None
+        return lambda times: (
+            full[key] / times[key] if times is not full and _both(full, times, key) else None
         )
 
     columns = (
-        Column("offline", lambda one: one.get("offline"), "s", 3),
-        Column("per static case", lambda one: one.get("per_static_case"), "s", 3),
+        Column("offline", lambda times: times.get("offline"), "s", 3),
+        Column("per static case", lambda times: times.get("per_static_case"), "s", 3),
         Column("full model's time over it", over("per_static_case"), "", 2),
-        Column("per time step", lambda one: one.get("per_step"), "s", 3),
+        Column("per time step", lambda times: times.get("per_step"), "s", 3),
         Column("full model's time per step over it", over("per_step"), "", 2),
     )
     return described("model", {"full model": full, **cost["methods"]}.items(), columns, NO_UNITS)
 
 
-def _both(full: Mapping[str, float], one: Mapping[str, float], key: str) -> bool:
-    return key in full and bool(one.get(key))
+def _both(full: Mapping[str, float], method: Mapping[str, float], key: str) -> bool:
+    return key in full and bool(method.get(key))
 
 
 def stage_table(results: Results) -> Table:
@@ -142,5 +147,5 @@ def stage_table(results: Results) -> Table:
     if times:
         times["all of it, without files and report"] = sum(times.values())
     return described(
-        "stage", times.items(), (Column("wall time", lambda one: one, "s", 3),), NO_UNITS
+        "stage", times.items(), (Column("wall time", lambda seconds: seconds, "s", 3),), NO_UNITS
     )

@@ -22,14 +22,14 @@ ROUND_OFF = 1e-6
 
 def estimate_note(results: Results) -> str:
     """Say what the estimated errors of transients are; empty where there are none."""
-    found = [
+    estimates = [
         (case.is_full, name, result.response.estimate, result.accuracy)
         for case in results.cases.values()
         for name, sizes in case.methods.items()
         for result in sizes.values()
         if result.response.estimate is not None
     ]
-    if not found:
+    if not estimates:
         return ""
     low, high = (number(factor, 2) for factor in OBSERVED)
     said = (
@@ -38,35 +38,35 @@ def estimate_note(results: Results) -> str:
         "and is an estimate, no bound; what the time step adds is not in it. Against full "
         f"solutions of {OBSERVED_ON} it was {low} to {high} times the true max error"
     )
-    rubbed = any(estimate.max_traction_error is not None for _, _, estimate, _ in found)
+    rubbed = any(estimate.max_traction_error is not None for _, _, estimate, _ in estimates)
     said += f", {TRACTIONS_OBSERVED}, over the largest traction." if rubbed else "."
     hint = remedy_hint(_worst(results))
     said = f"{said} {hint}" if hint else said
     ratios = [
         estimate.max_relative_error / true.max_relative_error
-        for full, _, estimate, true in found
+        for full, _, estimate, true in estimates
         if full and true.max_relative_error > ROUND_OFF
     ]
     if not ratios:
         return said
-    least, most = (number(float(extreme(ratios)), 2) for extreme in (np.min, np.max))
-    return f"{said} In this run it is {least} to {most} times the true one."
+    smallest, largest = (number(float(extreme(ratios)), 2) for extreme in (np.min, np.max))
+    return f"{said} In this run it is {smallest} to {largest} times the true one."
 
 
 def _worst(results: Results) -> dict[str, float]:
     """Return the largest estimated error of every method over the tolerance; 0 without estimate."""
     worst: dict[str, float] = {}
     for case in results.cases.values():
-        found = [
+        estimates = [
             (name, result.response.estimate)
             for name, sizes in case.methods.items()
             for result in sizes.values()
         ]
         if not case.is_full:
-            found.append((EXACT, case.reference.estimate))
+            estimates.append((EXACT, case.reference.estimate))
         if case.remedy is not None:
-            found.append((REMEDY, None))
-        for name, estimate in found:
+            estimates.append((REMEDY, None))
+        for name, estimate in estimates:
             error = 0.0 if estimate is None else estimate.max_relative_error
             error /= case.tolerance or LARGE
             worst[name] = max(error, worst.get(name, 0.0))

@@ -87,13 +87,13 @@ def render(results: Results, figures: Sequence[FigureEntry], folder: Path) -> st
         checks=check_table(verdict),
         doubts=[
             *results.doubts,
-            *(text for text, most in missing.values() if text and most),
+            *(text for text, is_serious in missing.values() if text and is_serious),
             *barely_held(results),
             *(f"did not converge: {text}" for text in results.warnings if not _of_method(text)),
             *coarse_steps(results),
         ],
         folded=[
-            *(text for text, most in missing.values() if text and not most),
+            *(text for text, is_serious in missing.values() if text and not is_serious),
             *(f"could not be computed: {text}" for text in results.omissions),
             *(f"did not converge: {text}" for text in results.warnings if _of_method(text)),
         ],
@@ -121,13 +121,13 @@ def render(results: Results, figures: Sequence[FigureEntry], folder: Path) -> st
 
 def render_methods(results: Results, figures: Sequence[FigureEntry], folder: Path) -> str:
     """Return the page on methods, their errors and cost as text."""
-    found = verdicts(results)
+    judged = verdicts(results)
     return _page(
         "methods.html.j2",
         results,
         folder,
-        headline=headline(found, results),
-        verdicts=found,
+        headline=headline(judged, results),
+        verdicts=judged,
         methods=meanings(results),
         reservations=[
             *doubtful_references(results),
@@ -178,18 +178,22 @@ def _end(check: Check) -> str | None:
 def check_table(verdict: JointVerdict) -> Table:
     """Return every check with its values."""
     columns = (
-        Column("check", lambda one: one.quantity),
-        Column("verdict", lambda one: one.outcome),
-        Column("used", lambda one: None if one.utilisation is None else 100 * one.utilisation, "%"),
-        Column("found", lambda one: one.value, "", 5),
-        Column("allowed", lambda one: one.limit, "", 5),
-        Column("unit", lambda one: one.unit or None),
-        Column("load case", lambda one: one.case or None),
-        Column("at", lambda one: one.instant, "time"),
+        Column("check", lambda judged: judged.quantity),
+        Column("verdict", lambda judged: judged.outcome),
+        Column(
+            "used",
+            lambda judged: None if judged.utilisation is None else 100 * judged.utilisation,
+            "%",
+        ),
+        Column("found", lambda judged: judged.value, "", 5),
+        Column("allowed", lambda judged: judged.limit, "", 5),
+        Column("unit", lambda judged: judged.unit or None),
+        Column("load case", lambda judged: judged.case or None),
+        Column("at", lambda judged: judged.instant, "time"),
         Column("scatter", _end),
-        Column("demanded", lambda one: "yes" if one.required else "no"),
-        Column("source", lambda one: one.source or None),
-        Column("reason", lambda one: one.reason or None),
+        Column("demanded", lambda judged: "yes" if judged.required else "no"),
+        Column("source", lambda judged: judged.source or None),
+        Column("reason", lambda judged: judged.reason or None),
     )
     checks = [(part.part, check) for part in verdict.parts for check in part.checks]
     return described("part", checks, columns, verdict.units)

@@ -62,8 +62,8 @@ def grade(error: float) -> str:
 def verdicts(results: Results) -> list[MethodVerdict]:
     """Judge every method, the best first."""
     names = dict.fromkeys(name for case in results.cases.values() for name in case.methods)
-    found = [verdict for name in names if (verdict := _judged(results.cases, name)) is not None]
-    return sorted(found, key=lambda verdict: verdict.worst)
+    judged = [verdict for name in names if (verdict := _judged(results.cases, name)) is not None]
+    return sorted(judged, key=lambda verdict: verdict.worst)
 
 
 def _judged(cases: Mapping[str, CaseResult], method: str) -> MethodVerdict | None:
@@ -90,7 +90,7 @@ def _judged(cases: Mapping[str, CaseResult], method: str) -> MethodVerdict | Non
         worst=error,
         case=case,
         grade=grade(error),
-        sentence=_sentence(asked, method, chosen, error, case, only, several=len(counts) > 1),
+        sentence=_sentence(asked, method, chosen, error, case, only, has_sizes=len(counts) > 1),
         only=only,
     )
 
@@ -126,20 +126,20 @@ def _sentence(
     case: str,
     only: str,
     *,
-    several: bool,
+    has_sizes: bool,
 ) -> str:
     if error == float("inf"):
         return f"{label(method, count)}: no solution in {case}; not to be trusted."
     ratios = [result.accuracy.max_pressure_ratio for result in _all(cases, method, count)]
-    other = against(cases.values())
-    span = f"largest pressure {_span(ratios)} × {other}'s"
-    size = f"max relative pressure error against {other} {percent(error)} ({case}), {span}"
+    reference = against(cases.values())
+    span = f"largest pressure {_span(ratios)} × {reference}'s"
+    size = f"max relative pressure error against {reference} {percent(error)} ({case}), {span}"
     size += _recovery(_all(cases, method, count))
     these = only or "these load cases" if _is_transient(method) else "these static load cases"
     if error <= GOOD:
-        modes = f" from {_modes(count)} on" if count and several else ""
+        modes = f" from {_modes(count)} on" if count and has_sizes else ""
         return f"can be trusted for pressure on {these}{modes}: {size}."
-    best = f"at best, with {_modes(count)}, " if count and several else ""
+    best = f"at best, with {_modes(count)}, " if count and has_sizes else ""
     if error <= FAIR:
         return f"usable with care: {best}{size}."
     return f"not to be trusted for pressure on {these}: {best}{size}."
@@ -170,31 +170,33 @@ def _span(values: list[float]) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-def headline(found: list[MethodVerdict], results: Results) -> str:
+def headline(judged: list[MethodVerdict], results: Results) -> str:
     """Return whether the pressures of reduced models can be trusted, in a sentence or two."""
     if not coarse_steps(results):
-        return _answer(found)
-    own = against(results.cases.values()).capitalize()
-    return f"{_answer(found)} {own}'s own pressures are not converged in time in all load cases."
+        return _answer(judged)
+    reference = against(results.cases.values()).capitalize()
+    return (
+        f"{_answer(judged)} {reference}'s own pressures are not converged in time in all load cases."
+    )
 
 
-def _answer(found: list[MethodVerdict]) -> str:
-    if not found:
+def _answer(judged: list[MethodVerdict]) -> str:
+    if not judged:
         return "No reduced model was compared with the full model."
     good = [
         label(v.method, v.joint_modes) + (f" ({v.only} only)" if v.only else "")
-        for v in found
+        for v in judged
         if v.grade == "good"
     ]
-    rest = [v.method for v in found if v.grade != "good"]
+    rejected = [v.method for v in judged if v.grade != "good"]
     bound = f"max relative pressure error at most {100 * GOOD:g} % on every load case"
     if not good:
-        best = found[0]
+        best = judged[0]
         return (
             f"No method meets the mark ({bound}); the nearest is "
             f"{label(best.method, best.joint_modes)} with {percent(best.worst)}."
         )
-    others = f" Not: {', '.join(rest)}." if rest else ""
+    others = f" Not: {', '.join(rejected)}." if rejected else ""
     return f"Can be trusted for pressure here ({bound}): {'; '.join(good)}.{others}"
 
 
@@ -240,7 +242,7 @@ def _mesh_error(results: Results) -> str:
     if not errors:
         return ""
     return (
-        f", which the mesh alone is estimated to make {percent(max(one.field for one in errors))} "
+        f", which the mesh alone is estimated to make {percent(max(estimate.field for estimate in errors))} "
         "of the peak in the root mean square"
     )
 
@@ -260,20 +262,20 @@ def _fewer_modes(results: Results) -> list[str]:
     """Return the methods whose training gave fewer joint modes than the study asks for."""
     try:
         asked = tomllib.loads(results.study_text)["reduction"]["joint_modes"]
-        most = max(count for count in asked if isinstance(count, int))
+        highest = max(count for count in asked if isinstance(count, int))
     except (tomllib.TOMLDecodeError, KeyError, TypeError, ValueError):
         return []
-    found = {
+    counts = {
         method: max(sizes)
         for case in results.cases.values()
         for method, sizes in case.methods.items()
         if max(sizes, default=0) > 0
     }
     return [
-        f"{method}: {most} joint modes were asked for, but only {_modes(count)} could be made; "
+        f"{method}: {highest} joint modes were asked for, but only {_modes(count)} could be made; "
         "more sides or levels of the training box, for method A more subareas, give more."
-        for method, count in found.items()
-        if count < most
+        for method, count in counts.items()
+        if count < highest
     ]
 
 
@@ -292,7 +294,7 @@ def _unseen(results: Results) -> list[str]:
 
 def _elsewhere(results: Results, verdict: MethodVerdict) -> float:
     """Return the largest error of a method of that size at loads beyond the load cases."""
-    found = results.validation
-    sizes = found.load_space.methods.get(verdict.method, {}) if found.load_space else {}
+    validation = results.validation
+    sizes = validation.load_space.methods.get(verdict.method, {}) if validation.load_space else {}
     errors = [sizes[verdict.joint_modes].worst_error] if verdict.joint_modes in sizes else []
     return max(errors, default=0.0)

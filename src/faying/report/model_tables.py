@@ -43,10 +43,10 @@ def _normal_modes(results: Results) -> Iterator[tuple[str, str]]:
     if count is None:
         return
     below = quantity(count.below, "Hz" if units.time == "s" else units.of("1/time"), 4)
-    found = f"{count.found} below {below}, not counted: {count.reason}"
+    statement = f"{count.found} below {below}, not counted: {count.reason}"
     if count.counted is not None:
-        found = f"{count.found} of {count.counted} below {below} found"
-    yield "fixed-interface normal modes", found
+        statement = f"{count.found} of {count.counted} below {below} found"
+    yield "fixed-interface normal modes", statement
 
 
 def interface_table(results: Results) -> Table:

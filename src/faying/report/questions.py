@@ -50,26 +50,28 @@ class Section:
 
 def questions(results: Results, figures: Sequence[FigureEntry]) -> list[Section]:
     """Return the sections that have something to say, in their order."""
-    found = results.assessment
+    assessment = results.assessment
     sections = [
-        *(() if found is None else _of_assessment(results, found, figures)),
+        *(() if assessment is None else _of_assessment(results, assessment, figures)),
         _damping(results, figures),
         _under_harmonic_loads(results, figures),
         _load_cases(results, figures),
     ]
-    return [one for one in sections if one.sentence or any(t.rows for t in one.tables)]
+    return [
+        section for section in sections if section.sentence or any(t.rows for t in section.tables)
+    ]
 
 
 def _of_assessment(
-    results: Results, found: Assessment, figures: Sequence[FigureEntry]
+    results: Results, assessment: Assessment, figures: Sequence[FigureEntry]
 ) -> Iterator[Section]:
-    yield _bolts(results, found)
-    yield _opening(results, found, figures)
-    yield _slip(results, found, figures)
-    yield _pressure(results, found, figures)
+    yield _bolts(results, assessment)
+    yield _opening(results, assessment, figures)
+    yield _slip(results, assessment, figures)
+    yield _pressure(results, assessment, figures)
 
 
-def _bolts(results: Results, found: Assessment) -> Section:
+def _bolts(results: Results, assessment: Assessment) -> Section:
     units = units_of(results.units)
     columns = (
         Column("preload", lambda bolt: bolt.preload, "force", 5),
@@ -83,11 +85,11 @@ def _bolts(results: Results, found: Assessment) -> Section:
         Column("in", lambda bolt: bolt.bending and bolt.bending.added_case),
         Column("stress amplitude", lambda bolt: bolt.thread and bolt.thread.amplitude, PRESSURE),
     )
-    bolts = described("bolt", found.bolts.items(), columns, units)
-    phi = any(bolt.load_factors for bolt in found.bolts.values())
+    bolts = described("bolt", assessment.bolts.items(), columns, units)
+    phi = any(bolt.load_factors for bolt in assessment.bolts.values())
     return Section(
         title="Bolts",
-        tables=(bolts, _scatter(found.scatter, units)),
+        tables=(bolts, _scatter(assessment.scatter, units)),
         notes="Φ = ΔF_S / F_A: the share of the axial load that the bolt takes." if phi else "",
     )
 
@@ -95,16 +97,16 @@ def _bolts(results: Results, found: Assessment) -> Section:
 def _scatter(spreads: Sequence[Spread], units: Units) -> Table:
     """Return what scatter of the preloads does to static load cases."""
     columns = (
-        Column("over scattered preloads", lambda one: one.metric.replace(".", " of ")),
-        Column("unit", lambda one: units.of(one.dimension)),
-        Column("as meant", lambda one: one.meant),
-        Column("smallest", lambda one: one.least),
-        Column("5 % below", lambda one: one.p05),
-        Column("half below", lambda one: one.median),
-        Column("95 % below", lambda one: one.p95),
-        Column("largest", lambda one: one.most),
+        Column("over scattered preloads", lambda spread: spread.metric.replace(".", " of ")),
+        Column("unit", lambda spread: units.of(spread.dimension)),
+        Column("as meant", lambda spread: spread.meant),
+        Column("smallest", lambda spread: spread.least),
+        Column("5 % below", lambda spread: spread.p05),
+        Column("half below", lambda spread: spread.median),
+        Column("95 % below", lambda spread: spread.p95),
+        Column("largest", lambda spread: spread.most),
     )
-    return described("load case", [(one.case, one) for one in spreads], columns, units)
+    return described("load case", [(spread.case, spread) for spread in spreads], columns, units)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,16 +138,16 @@ def clamp_table(areas: Mapping[str, _Area], units: Units) -> Table:
     return described("interface", areas.items(), columns, units)
 
 
-def _opening(results: Results, found: Assessment, figures: Sequence[FigureEntry]) -> Section:
-    areas = dict(clamped_areas(results, found))
+def _opening(results: Results, assessment: Assessment, figures: Sequence[FigureEntry]) -> Section:
+    areas = dict(clamped_areas(results, assessment))
     opened = any(area.opening for area in areas.values())
     widest = max(areas.values(), key=lambda area: area.gap or 0.0, default=None)
     return Section(
         title="Opening",
         tables=(clamp_table(areas, units_of(results.units)),),
         notes=(
-            f"Opens: less than {percent(found.open_below)} of the area that the preload presses is "
-            "pressed; the load grows in proportion, the bolts are locked."
+            f"Opens: less than {percent(assessment.open_below)} of the area that the preload "
+            "presses is pressed; the load grows in proportion, the bolts are locked."
             if opened
             else ""
         ),
@@ -153,9 +155,9 @@ def _opening(results: Results, found: Assessment, figures: Sequence[FigureEntry]
     )
 
 
-def clamped_areas(results: Results, found: Assessment) -> Iterator[tuple[str, _Area]]:
+def clamped_areas(results: Results, assessment: Assessment) -> Iterator[tuple[str, _Area]]:
     """Yield interfaces and, where several bolts share one, what is around each."""
-    for name, one in found.interfaces.items():
+    for name, face in assessment.interfaces.items():
         gaps = {
             case.name: seen.gap
             for case in results.cases.values()
@@ -165,25 +167,25 @@ def clamped_areas(results: Results, found: Assessment) -> Iterator[tuple[str, _A
             name,
             _Area(
                 clamp=ClampRange(
-                    preload=one.preload,
-                    least=one.least_clamp,
-                    least_case=one.least_clamp_case,
-                    certified_least=one.certified,
-                    most=one.most_clamp,
-                    most_case=one.most_clamp_case,
-                    certified_most=one.certified_most,
-                    certified_width=one.certified_width,
+                    preload=face.preload,
+                    least=face.least_clamp,
+                    least_case=face.least_clamp_case,
+                    certified_least=face.certified,
+                    most=face.most_clamp,
+                    most_case=face.most_clamp_case,
+                    certified_most=face.certified_most,
+                    certified_width=face.certified_width,
                 ),
-                opening=one.opening,
-                closed=one.closed_area,
-                closed_case=one.closed_area_case,
+                opening=face.opening,
+                closed=face.closed_area,
+                closed_case=face.closed_area_case,
                 gap=max(gaps.values(), default=None),
                 gap_case=largest(gaps),
             ),
         )
-        near = {b: bolt for b, bolt in found.bolts.items() if name in bolt.clamp_around}
-        if len(near) > 1:
-            for b, bolt in near.items():
+        around = {b: bolt for b, bolt in assessment.bolts.items() if name in bolt.clamp_around}
+        if len(around) > 1:
+            for b, bolt in around.items():
                 factors = bolt.opening_around.get(name, {})
                 yield f"{name} around {b}", _Area(clamp=bolt.clamp_around[name], opening=factors)
 
@@ -195,8 +197,8 @@ def _half(clamp: ClampRange) -> float | None:
 
 def _least(factors: Mapping[str, float]) -> Cell | float | None:
     """Return the smallest load factor; of loads that never open it the text says so."""
-    least = min(factors.values(), default=None)
-    return Cell(text="never") if least == np.inf else least
+    smallest = min(factors.values(), default=None)
+    return Cell(text="never") if smallest == np.inf else smallest
 
 
 def _least_case(factors: Mapping[str, float]) -> str | None:
@@ -204,9 +206,11 @@ def _least_case(factors: Mapping[str, float]) -> str | None:
     return case if case is not None and np.isfinite(factors[case]) else None
 
 
-def _slip(results: Results, found: Assessment, figures: Sequence[FigureEntry]) -> Section:
+def _slip(results: Results, assessment: Assessment, figures: Sequence[FigureEntry]) -> Section:
     demands, paths, notes = demand_table(results), friction_table(results), list[str]()
-    if any(one.slip is not None and not one.slip.unknown for one in found.interfaces.values()):
+    if any(
+        item.slip is not None and not item.slip.unknown for item in assessment.interfaces.values()
+    ):
         notes.append(
             "Friction needed: for all that acts along the interface, the bolts carrying no shear."
         )
@@ -217,7 +221,7 @@ def _slip(results: Results, found: Assessment, figures: Sequence[FigureEntry]) -
             "others does."
         )
     slips = {
-        name: max((most_slip(one) for one in rubbed(case.reference)), default=0.0)
+        name: max((most_slip(item) for item in rubbed(case.reference)), default=0.0)
         for name, case in results.cases.items()
     }
     worst = largest(slips)
@@ -231,14 +235,14 @@ def _slip(results: Results, found: Assessment, figures: Sequence[FigureEntry]) -
     )
 
 
-def _pressure(results: Results, found: Assessment, figures: Sequence[FigureEntry]) -> Section:
+def _pressure(results: Results, assessment: Assessment, figures: Sequence[FigureEntry]) -> Section:
     units = units_of(results.units)
 
     def at(name: str) -> str:
         size = float(np.ptp(results.interfaces[name].points, axis=0).max())
-        return place(found.interfaces[name].max_pressure_point, "", size).rstrip()
+        return place(assessment.interfaces[name].max_pressure_point, "", size).rstrip()
 
-    faces = found.interfaces
+    faces = assessment.interfaces
     columns = (
         Column("largest at a point", lambda name: faces[name].max_pressure, PRESSURE),
         Column("in", lambda name: faces[name].max_pressure_case),
@@ -246,7 +250,7 @@ def _pressure(results: Results, found: Assessment, figures: Sequence[FigureEntry
         Column("largest average around a node", lambda n: faces[n].max_nodal_pressure, PRESSURE),
         Column("in", lambda name: faces[name].max_nodal_pressure_case),
     )
-    mapped = [one.section for one in figures if one.stem == "pressure"]
+    mapped = [figure.section for figure in figures if figure.stem == "pressure"]
     worst = max(mapped, key=lambda case: results.cases[case].reference.pressure.max(), default=None)
     return Section(
         title="Pressure",
@@ -259,30 +263,32 @@ def _damping(results: Results, figures: Sequence[FigureEntry]) -> Section:
     """Return frequency and damping over amplitude, and what cycles take."""
     units = units_of(results.units)
     curves = {
-        f"{case.name}, mode {mode}": one
+        f"{case.name}, mode {mode}": item
         for case in results.cases.values()
-        for mode, one in case.reference.backbones.items()
+        for mode, item in case.reference.backbones.items()
     }
     modes = (
-        Column("frequency of small vibrations", lambda one: one.small_frequency, "1/time"),
-        Column("smallest amplitude", lambda one: _measured(one, 0, units)),
-        Column("damping ratio there", lambda one: 100 * one.damping_ratio[0], "%", 3),
-        Column("largest amplitude", lambda one: _measured(one, -1, units)),
-        Column("damping ratio there", lambda one: 100 * one.damping_ratio[-1], "%", 3),
-        Column("frequency there", lambda one: one.frequency[-1], "1/time"),
+        Column("frequency of small vibrations", lambda item: item.small_frequency, "1/time"),
+        Column("smallest amplitude", lambda item: _measured(item, 0, units)),
+        Column("damping ratio there", lambda item: 100 * item.damping_ratio[0], "%", 3),
+        Column("largest amplitude", lambda item: _measured(item, -1, units)),
+        Column("damping ratio there", lambda item: 100 * item.damping_ratio[-1], "%", 3),
+        Column("frequency there", lambda item: item.frequency[-1], "1/time"),
     )
     cycles = {
-        f"{case.name}, ± {number(one.amplitude)} × load": one
+        f"{case.name}, ± {number(item.amplitude)} × load": item
         for case in results.cases.values()
-        for one in case.reference.cycles.values()
+        for item in case.reference.cycles.values()
     }
     loops = (
-        Column("energy per cycle", lambda one: float(one.energies[-1]), FL),
-        Column("cycles solved", lambda one: len(one.energies)),
-        Column("repeats", lambda one: "yes" if one.stationary else "still changing"),
-        Column("largest slip range", lambda one: float(one.slip_range.max(initial=0.0)), "length"),
+        Column("energy per cycle", lambda item: float(item.energies[-1]), FL),
+        Column("cycles solved", lambda item: len(item.energies)),
+        Column("repeats", lambda item: "yes" if item.stationary else "still changing"),
+        Column(
+            "largest slip range", lambda item: float(item.slip_range.max(initial=0.0)), "length"
+        ),
     )
-    cases = [one.name for one in results.cases.values() if one.kind in ("backbone", "cycle")]
+    cases = [item.name for item in results.cases.values() if item.kind in ("backbone", "cycle")]
     return Section(
         title="Damping",
         tables=(
@@ -290,9 +296,9 @@ def _damping(results: Results, figures: Sequence[FigureEntry]) -> Section:
             described("cycle", cycles.items(), loops, units),
         ),
         figures=[
-            one
+            item
             for case in cases
-            for one in _figures(figures, case, "backbones", "backbone_slip", "loops", "fretting")
+            for item in _figures(figures, case, "backbones", "backbone_slip", "loops", "fretting")
         ],
     )
 
@@ -300,18 +306,18 @@ def _damping(results: Results, figures: Sequence[FigureEntry]) -> Section:
 def _under_harmonic_loads(results: Results, figures: Sequence[FigureEntry]) -> Section:
     """Return where curves over frequency peak, and what friction does there."""
     records = results.frequencies.values()
-    checks = [one.sentence for record in records for one in record.checks]
+    checks = [check.sentence for record in records for check in record.checks]
     return Section(
         title="Vibration under load",
         sentence="; ".join(checks) + "." if checks else "",
         tables=(peak_table(results),),
-        notes=f"By the backbone: {HONEST}." if any(one.expected for one in records) else "",
-        figures=[one for one in figures if one.section.startswith(PREFIX)],
+        notes=f"By the backbone: {HONEST}." if any(record.expected for record in records) else "",
+        figures=[figure for figure in figures if figure.section.startswith(PREFIX)],
     )
 
 
-def _measured(one: Any, at: int, units: Units) -> str:
-    return f"{number(float(abscissa(one)[at]))} {unit_of(one, units)}"
+def _measured(backbone: Any, index: int, units: Units) -> str:
+    return f"{number(float(abscissa(backbone)[index]))} {unit_of(backbone, units)}"
 
 
 def _load_cases(results: Results, figures: Sequence[FigureEntry]) -> Section:
@@ -328,13 +334,15 @@ def _load_cases(results: Results, figures: Sequence[FigureEntry]) -> Section:
         Column("largest bolt force", _bolt_force, "force", 5),
         Column("opened by the load", lambda case: _opened(results, case), "%", 3),
     )
-    moving = [one.name for one in results.cases.values() if one.times is not None]
+    moving = [item.name for item in results.cases.values() if item.times is not None]
     vibrating = any(case.reference.backbones for case in results.cases.values())
     return Section(
         title="Load cases",
         tables=(described("load case", results.cases.items(), columns, units),),
         notes="Of vibrations: the joint at rest." if vibrating else "",
-        figures=[one for case in moving for one in _figures(figures, case, "response", "friction")],
+        figures=[
+            item for case in moving for item in _figures(figures, case, "response", "friction")
+        ],
     )
 
 
@@ -347,8 +355,8 @@ def _bolt_force(case: CaseResult) -> float | None:
 
 
 def _opened(results: Results, case: CaseResult) -> float:
-    found = (opening(record, case) for record in results.interfaces.values())
-    return 100 * max((one.opened for one in found if one is not None), default=0.0)
+    openings = (opening(record, case) for record in results.interfaces.values())
+    return 100 * max((item.opened for item in openings if item is not None), default=0.0)
 
 
 def applied_loads(study_text: str, units: Units) -> dict[str, str]:
@@ -386,4 +394,4 @@ def _force(force: dict[str, object], units: Units) -> str:
 
 def _figures(figures: Sequence[FigureEntry], case: str, *stems: str) -> list[FigureEntry]:
     """Return pictures of a load case."""
-    return [one for one in figures if one.section == case and one.stem in stems]
+    return [figure for figure in figures if figure.section == case and figure.stem in stems]

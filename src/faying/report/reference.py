@@ -12,15 +12,15 @@ def against(cases: Iterable[CaseResult]) -> str:
 
 def reference_note(results: Results) -> str:
     """Say what the load cases were compared with in place of the full model; empty if with it."""
-    other = {name: case for name, case in results.cases.items() if not case.is_full}
-    if not other:
+    reduced = {name: case for name, case in results.cases.items() if not case.is_full}
+    if not reduced:
         return ""
-    models = ", ".join(dict.fromkeys(case.reference_model for case in other.values()))
+    models = ", ".join(dict.fromkeys(case.reference_model for case in reduced.values()))
     reason = f" ({results.reference_reason})" if results.reference_reason else ""
-    moving = [name for name, case in other.items() if case.times is not None]
+    moving = [name for name, case in reduced.items() if case.times is not None]
     confirmed = [name for name, case in results.cases.items() if case.is_full]
     said = (
-        f"The full model did not solve {', '.join(other)}{reason}: the reference there is the "
+        f"The full model did not solve {', '.join(reduced)}{reason}: the reference there is the "
         f"reduced model {models}. Static solutions of it are the full model's up to round-off, and "
         "all static errors are certified."
     )

@@ -16,7 +16,9 @@ from faying.units import Units, units_of
 
 def slipping(record: InterfaceRecord, status: Indices) -> float:
     """Return the slipping share of the area in contact, of the points (n_point,) of one."""
-    closed, slips = (float(record.weights[one].sum()) for one in (status >= STICK, status == SLIP))
+    closed, slips = (
+        float(record.weights[points].sum()) for points in (status >= STICK, status == SLIP)
+    )
     return slips / closed if closed > 0 else 0.0
 
 
@@ -42,39 +44,39 @@ class ShownSlip:
 
 def shown_slip(case: CaseResult, units: Units) -> ShownSlip | None:
     """Return what stands for a case: a static load at its full value, else where most slips."""
-    found, motion = increments(case.reference), case.reference.friction
+    paths, motion = increments(case.reference), case.reference.friction
     if motion is not None and case.times is not None:
-        at, pressure = motion.most_slip, case.reference.pressure
-        when = f"at {quantity(float(case.times[at]), units.time)}, where most slips"
-        return ShownSlip(record=motion, at=at, pressure=pressure[at], when=when)
-    if not found:
+        instant, pressure = motion.most_slip, case.reference.pressure
+        when = f"at {quantity(float(case.times[instant]), units.time)}, where most slips"
+        return ShownSlip(record=motion, at=instant, pressure=pressure[instant], when=when)
+    if not paths:
         return None
-    path, last = found[-1], len(found[-1].factors)
-    at, when = path.most_slip, f"in increment {path.most_slip + 1} of {last}, where most slips"
+    path, last = paths[-1], len(paths[-1].factors)
+    instant, when = path.most_slip, f"in increment {path.most_slip + 1} of {last}, where most slips"
     if case.kind == "static":
-        at, when = last - 1, "under the full load"
+        instant, when = last - 1, "under the full load"
     elif case.kind == "cycle":
-        factor = number(float(path.factors[at, 0]))
+        factor = number(float(path.factors[instant, 0]))
         when = f"at {factor} × the load, where most slips in a cycle"
-    return ShownSlip(record=path, at=at, pressure=path.pressure[at], when=when)
+    return ShownSlip(record=path, at=instant, pressure=path.pressure[instant], when=when)
 
 
 def slip_sentence(results: Results) -> str:
     """Return what slips in a run, in one sentence; nothing without friction."""
     if not any(record.friction > 0 for record in results.interfaces.values()):
         return ""
-    most: dict[str, float] = {}
+    shares: dict[str, float] = {}
     gross: list[str] = []
     for name, case in results.cases.items():
-        found = rubbed(case.reference)
-        most[name] = max((most_slip(one) for one in found), default=0.0)
-        if any(bool(one.macroslip.any()) for one in found):
+        records = rubbed(case.reference)
+        shares[name] = max((most_slip(slip_record) for slip_record in records), default=0.0)
+        if any(bool(slip_record.macroslip.any()) for slip_record in records):
             gross.append(name)
     vibrating = _in_vibration(results)
-    if not most or max(most.values()) <= 0:
-        return vibrating or ("Nothing slips in these load cases." if most else "")
-    worst = max(most, key=lambda name: most[name])
-    text = f"The joint slips: up to {percent(most[worst])} of the area in contact, in {worst}"
+    if not shares or max(shares.values()) <= 0:
+        return vibrating or ("Nothing slips in these load cases." if shares else "")
+    worst = max(shares, key=lambda name: shares[name])
+    text = f"The joint slips: up to {percent(shares[worst])} of the area in contact, in {worst}"
     if gross:
         text += f"; everything that touches slips (macroslip) in {', '.join(gross)}"
         if all(_holds(results.cases[name]) for name in gross):
@@ -92,13 +94,16 @@ def _in_vibration(results: Results) -> str:
     """Say from what amplitudes on the modes of backbones slip; nothing where none does."""
     said = []
     for name, case in results.cases.items():
-        for mode, one in case.reference.backbones.items():
-            along = abscissa(one)
-            slips, whole = along[one.energy_per_cycle > 0], along[one.macroslip.astype(bool)]
+        for mode, backbone in case.reference.backbones.items():
+            along = abscissa(backbone)
+            slips, whole = (
+                along[backbone.energy_per_cycle > 0],
+                along[backbone.macroslip.astype(bool)],
+            )
             if not len(slips):
                 continue
-            unit = unit_of(one, units_of(results.units))
-            text = f"mode {mode} of {name} from {one.over} {quantity(slips.min(), unit)} on"
+            unit = unit_of(backbone, units_of(results.units))
+            text = f"mode {mode} of {name} from {backbone.over} {quantity(slips.min(), unit)} on"
             if len(whole):
                 text += f", everything that touches from {quantity(whole.min(), unit)} on"
             said.append(text)

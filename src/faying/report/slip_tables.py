@@ -18,43 +18,43 @@ from faying.units import units_of
 
 def demand_table(results: Results) -> Table:
     """Return the friction that interfaces and their parts nearest to bolts need, by sums."""
-    found = results.assessment
+    assessment = results.assessment
     demands: dict[str, SlipDemand] = {}
-    for name, one in (found.interfaces if found else {}).items():
-        if one.slip is None:
+    for name, item in (assessment.interfaces if assessment else {}).items():
+        if item.slip is None:
             continue
-        demands[name] = one.slip
-        near = {
+        demands[name] = item.slip
+        around = {
             bolt: area.slip_around[name]
-            for bolt, area in (found.bolts if found else {}).items()
-            if name in area.slip_around and not one.slip.unknown
+            for bolt, area in (assessment.bolts if assessment else {}).items()
+            if name in area.slip_around and not item.slip.unknown
         }
-        demands |= {f"{name} around {bolt}": d for bolt, d in near.items() if len(near) > 1}
+        demands |= {f"{name} around {bolt}": d for bolt, d in around.items() if len(around) > 1}
     columns = (
         Column("friction needed", _needed, "", 3),
         Column("in", _needing),
-        Column("force along it", lambda one: _there(one, one.tangential_force), "force", 5),
-        Column("moment", lambda one: _there(one, one.moment), FL),
-        Column("clamp force", lambda one: _there(one, one.clamp_force), "force", 5),
-        Column("friction given", lambda one: one.coefficient, "", 3),
-        Column("safety S_G", lambda one: min(one.safety.values(), default=None), "", 3),
-        Column("not known", lambda one: one.unknown or None),
+        Column("force along it", lambda item: _there(item, item.tangential_force), "force", 5),
+        Column("moment", lambda item: _there(item, item.moment), FL),
+        Column("clamp force", lambda item: _there(item, item.clamp_force), "force", 5),
+        Column("friction given", lambda item: item.coefficient, "", 3),
+        Column("safety S_G", lambda item: min(item.safety.values(), default=None), "", 3),
+        Column("not known", lambda item: item.unknown or None),
     )
     return described("interface", demands.items(), columns, units_of(results.units))
 
 
-def _needing(one: SlipDemand) -> str | None:
-    return largest(one.needed_friction)
+def _needing(demand: SlipDemand) -> str | None:
+    return largest(demand.needed_friction)
 
 
-def _needed(one: SlipDemand) -> Cell | float | None:
-    case = _needing(one)
-    needed = None if case is None else one.needed_friction[case]
+def _needed(demand: SlipDemand) -> Cell | float | None:
+    case = _needing(demand)
+    needed = None if case is None else demand.needed_friction[case]
     return Cell(text="nothing is pressed") if needed == np.inf else needed
 
 
-def _there(one: SlipDemand, values: Mapping[str, float]) -> float | None:
-    return values.get(str(_needing(one)))
+def _there(demand: SlipDemand, values: Mapping[str, float]) -> float | None:
+    return values.get(str(_needing(demand)))
 
 
 def friction_table(results: Results) -> Table:

@@ -80,10 +80,10 @@ def save(figure: Figure, path: Path) -> tuple[int, int]:
 
 def _extent(inked: Mask) -> slice:
     """Return the range of lines with ink, a margin around it."""
-    found = np.flatnonzero(inked)
-    if not len(found):
+    lines = np.flatnonzero(inked)
+    if not len(lines):
         return slice(0, len(inked))
-    return slice(max(int(found[0]) - MARGIN, 0), min(int(found[-1]) + 1 + MARGIN, len(inked)))
+    return slice(max(int(lines[0]) - MARGIN, 0), min(int(lines[-1]) + 1 + MARGIN, len(inked)))
 
 
 def colour(method: str) -> str:

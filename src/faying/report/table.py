@@ -84,17 +84,19 @@ def described(
         Of the first column, which has the names.
     """
     named = list(rows)
-    entries = [(one, [one.value(row) for _, row in named]) for one in columns]
-    told = [(one, values) for one, values in entries if any(v is not None for v in values)]
+    entries = [(definition, [definition.value(row) for _, row in named]) for definition in columns]
+    filled = [
+        (definition, values) for definition, values in entries if any(v is not None for v in values)
+    ]
     heads, names = [head], [head]
-    for column, _ in told:
+    for column, _ in filled:
         unit = units.of(column.dimension)
         text = f"{column.title} [{unit}]" if unit not in ("", "1") else column.title
         heads.append(text)
         names.append(f"{names[-1].partition(' [')[0]}, load case" if text == "in" else text)
     cells = [
-        (Cell(text=name), *(cell(values[at], column) for column, values in told))
-        for at, (name, _) in enumerate(named)
+        (Cell(text=name), *(cell(values[row_number], column) for column, values in filled))
+        for row_number, (name, _) in enumerate(named)
     ]
     return Table(columns=tuple(heads), rows=tuple(cells), names=tuple(names))
 
@@ -121,7 +123,7 @@ LARGE = 1e6
 def table(columns: Iterable[str], rows: Iterable[Iterable[str | Cell]]) -> Table:
     """Return a table of texts and cells."""
     cells = tuple(
-        tuple(one if isinstance(one, Cell) else Cell(text=one) for one in row) for row in rows
+        tuple(item if isinstance(item, Cell) else Cell(text=item) for item in row) for row in rows
     )
     heads = tuple(columns)
     return Table(columns=heads, rows=cells, names=heads)

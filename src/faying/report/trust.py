@@ -19,12 +19,12 @@ def trust(results: Results) -> dict[str, str]:
     """Return what is to be said of quadrature and mesh, time step and contact law, by title."""
     units = units_of(results.units)
     resolution = [*_resolution(results, units), *_mesh(results)]
-    found = {"Mesh and quadrature": " ".join(resolution)}
+    statements = {"Mesh and quadrature": " ".join(resolution)}
     steps = [text for name, case in results.cases.items() if (text := _step(name, case, units))]
     if steps:
-        found["Time step"] = " ".join(steps)
-    found["Contact law"] = " ".join(_law(results, units))
-    return found
+        statements["Time step"] = " ".join(steps)
+    statements["Contact law"] = " ".join(_law(results, units))
+    return statements
 
 
 def _resolution(results: Results, units: Units) -> Iterator[str]:
@@ -54,15 +54,15 @@ def _resolution(results: Results, units: Units) -> Iterator[str]:
 def _mesh(results: Results) -> Iterator[str]:
     """Say what the mesh does to the pressures of each interface, in its worst load case."""
     for name, record in results.interfaces.items():
-        found = [(case.mesh_errors[name], case) for case in _with_estimate(results, name)]
-        if not found:
+        estimates = [(case.mesh_errors[name], case) for case in _with_estimate(results, name)]
+        if not estimates:
             yield f"{name}: what the mesh does to its pressures could not be estimated."
             continue
-        field, where = max(((error.field, case.name) for error, case in found))
+        field, where = max(((error.field, case.name) for error, case in estimates))
         yield (
             f"{name}: estimated from this mesh alone, its pressures are off by "
             f"{percent(field)} of the peak in the root mean square ({where}), single points by up "
-            f"to {percent(max(error.largest for error, _ in found))}."
+            f"to {percent(max(error.largest for error, _ in estimates))}."
         )
         if record.quadrature == "nodal":
             yield "Under nodal quadrature the truth was up to three times the estimate."
@@ -112,8 +112,8 @@ def _step(name: str, case: CaseResult, units: Units) -> str:
 def _law(results: Results, units: Units) -> Iterator[str]:
     """Say what each interface gives way by: its penalty's penetration, or round-off."""
     for name, record in results.interfaces.items():
-        own = slice(*record.slice)
-        gaps = [case.reference.gap[..., own] for case in results.cases.values()]
+        points = slice(*record.slice)
+        gaps = [case.reference.gap[..., points] for case in results.cases.values()]
         depth = max((float(-gap.min(initial=0.0)) for gap in gaps), default=0.0)
         if record.penalty == np.inf:
             yield f"{name}: hard contact, nothing penetrates."

@@ -19,16 +19,16 @@ NEXT_TO_NONE = 1e-6
 """Damping below this share of the largest is drawn as none: a logarithm has no zero."""
 
 
-def abscissa(one: Backbone) -> Vector:
+def abscissa(backbone: Backbone) -> Vector:
     """Return what a backbone is drawn over (n,): its amplitude, or its energy."""
-    return one.energy if one.over == "energy" else one.amplitude
+    return backbone.energy if backbone.over == "energy" else backbone.amplitude
 
 
-def unit_of(one: Backbone, units: Units) -> str:
+def unit_of(backbone: Backbone, units: Units) -> str:
     """Return the unit of that."""
-    if one.over == "energy":
+    if backbone.over == "energy":
         return units.of("force·length")
-    return "rad" if ".r" in one.measured_at else units.length
+    return "rad" if ".r" in backbone.measured_at else units.length
 
 
 def plot_damping(
@@ -39,16 +39,16 @@ def plot_damping(
     Triangles are what was measured.
     """
     curves = case.reference.backbones
-    largest = max(float(one.damping_ratio.max()) for one in curves.values())
-    for i, (mode, one) in enumerate(curves.items()):
-        seen = one.damping_ratio > NEXT_TO_NONE * largest
-        label = f"mode {mode}, {quantity(one.small_frequency, units.of('1/time'))}"
-        along = abscissa(one)
-        axes.plot(along[seen], one.damping_ratio[seen], "o-", color=f"C{i}", label=label)
-        if one.linear_damping.max(initial=0.0) > 0:
-            axes.plot(along, one.linear_damping, ":", color=f"C{i}")
-        if one.masing_damping is not None:
-            masing = one.masing_damping + one.linear_damping
+    largest = max(float(backbone.damping_ratio.max()) for backbone in curves.values())
+    for i, (mode, backbone) in enumerate(curves.items()):
+        seen = backbone.damping_ratio > NEXT_TO_NONE * largest
+        label = f"mode {mode}, {quantity(backbone.small_frequency, units.of('1/time'))}"
+        along = abscissa(backbone)
+        axes.plot(along[seen], backbone.damping_ratio[seen], "o-", color=f"C{i}", label=label)
+        if backbone.linear_damping.max(initial=0.0) > 0:
+            axes.plot(along, backbone.linear_damping, ":", color=f"C{i}")
+        if backbone.masing_damping is not None:
+            masing = backbone.masing_damping + backbone.linear_damping
             seen = masing > NEXT_TO_NONE * largest
             axes.plot(along[seen], masing[seen], "x--", color=f"C{i}", linewidth=0.8)
     for test in measured:
@@ -64,9 +64,9 @@ def plot_damping(
 
 def plot_shift(case: CaseResult, axes: Axes, measured: Sequence[MeasuredCurve] = ()) -> Axes:
     """Draw the change of frequency from small vibrations, as computed, over amplitude."""
-    for i, one in enumerate(case.reference.backbones.values()):
-        shift = 100 * (one.frequency / one.small_frequency - 1)
-        along, gross = abscissa(one), one.macroslip
+    for i, backbone in enumerate(case.reference.backbones.values()):
+        shift = 100 * (backbone.frequency / backbone.small_frequency - 1)
+        along, gross = abscissa(backbone), backbone.macroslip
         axes.semilogx(along, shift, "o-", color=f"C{i}")
         axes.semilogx(along[gross], shift[gross], "s", ms=9, mfc="none", color=f"C{i}")
     for test in measured:
@@ -80,9 +80,13 @@ def plot_shift(case: CaseResult, axes: Axes, measured: Sequence[MeasuredCurve] =
 
 def plot_modal_loops(case: CaseResult, axes: Axes, units: Units) -> Axes:
     """Draw the loop of the largest amplitude of each mode, less what an elastic joint would do."""
-    for i, (mode, one) in enumerate(case.reference.backbones.items()):
-        load, modal = one.loop_load[-1] / one.load[-1], one.loop_modal[-1] / one.modal_amplitude[-1]
-        label = f"mode {mode}, {one.over} {quantity(float(abscissa(one)[-1]), unit_of(one, units))}"
+    for i, (mode, backbone) in enumerate(case.reference.backbones.items()):
+        load, modal = (
+            backbone.loop_load[-1] / backbone.load[-1],
+            backbone.loop_modal[-1] / backbone.modal_amplitude[-1],
+        )
+        widest = quantity(float(abscissa(backbone)[-1]), unit_of(backbone, units))
+        label = f"mode {mode}, {backbone.over} {widest}"
         axes.plot(modal, load - modal, ".-", color=f"C{i}", label=label)
     axes.set_xlabel("modal displacement over its amplitude")
     axes.set_ylabel("load over its amplitude, less the same")
@@ -90,12 +94,12 @@ def plot_modal_loops(case: CaseResult, axes: Axes, units: Units) -> Axes:
     return axes
 
 
-def masing_remark(mode: str, one: Backbone) -> str:
+def masing_remark(mode: str, backbone: Backbone) -> str:
     """Say how far Masing's rule is off; nothing where it was not asked for or nothing slips."""
-    deviation = one.masing_deviation
-    if deviation is None or not (one.friction_damping > 0).any():
+    deviation = backbone.masing_deviation
+    if deviation is None or not (backbone.friction_damping > 0).any():
         return ""
-    off = 100 * deviation[one.friction_damping > 0]
+    off = 100 * deviation[backbone.friction_damping > 0]
     return (
         f" By Masing's rule (crosses) friction damping of mode {mode} is off by {off.min():+.2g} "
         f"to {off.max():+.2g} %; what it makes negative is not drawn."
@@ -117,18 +121,20 @@ def backbone_figure(results: Results, case: CaseResult) -> Drawn | None:
     plot_damping(case, damping, units, tests)
     plot_shift(case, shift, tests)
     plot_modal_loops(case, loops, units)
-    places = sorted({one.measured_at for one in curves.values()})
-    one = next(iter(curves.values()))
+    places = sorted({backbone.measured_at for backbone in curves.values()})
+    backbone = next(iter(curves.values()))
     what = (
-        "energy of the vibration" if one.over == "energy" else f"amplitude at {', '.join(places)}"
+        "energy of the vibration"
+        if backbone.over == "energy"
+        else f"amplitude at {', '.join(places)}"
     )
-    shift.set_xlabel(f"{what} [{unit_of(one, units)}]")
+    shift.set_xlabel(f"{what} [{unit_of(backbone, units)}]")
     loops.set_title("loops at the largest amplitude", loc="left")
     figure.suptitle(heading(f"{case.name}: backbones, full model"))
     remarks = " ".join(
-        f"Mode {mode}: {text}." for mode, one in curves.items() for text in one.remarks
+        f"Mode {mode}: {text}." for mode, backbone in curves.items() for text in backbone.remarks
     )
-    remarks += "".join(masing_remark(mode, one) for mode, one in curves.items())
+    remarks += "".join(masing_remark(mode, backbone) for mode, backbone in curves.items())
     said = "; ".join(sentence(test, curves) for test in tests)
     remarks += f" Measured: {said}." if said else ""
     return Drawn(

@@ -28,9 +28,9 @@ def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
     Drawn or None
         One row for each mode and interface; None for cases without backbones, or without slip.
     """
-    records = {name: one for name, one in results.interfaces.items() if one.friction > 0}
-    wanted = _wanted(results, case)
-    shown = {mode: _chosen(one, wanted) for mode, one in case.reference.backbones.items()}
+    records = {name: item for name, item in results.interfaces.items() if item.friction > 0}
+    amplitudes = _wanted(results, case)
+    shown = {mode: _chosen(item, amplitudes) for mode, item in case.reference.backbones.items()}
     rows = [(mode, name) for mode in shown if shown[mode] for name in records]
     if not rows:
         return None
@@ -44,19 +44,23 @@ def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
         distance = np.asarray(backbone.slip_distance)[:, slice(*record.slice)]
         for axes in line[len(shown[mode]) :]:
             axes.set_axis_off()
-        for axes, at in zip(line, shown[mode], strict=False):
-            plane, own = best_plane(record), distance[at]
+        for axes, index in zip(line, shown[mode], strict=False):
+            plane, distances = best_plane(record), distance[index]
             prepare(axes, record, plane, units)
-            colours = scale(SLIP_MAP, float(own.max(initial=0.0)))
+            colours = scale(SLIP_MAP, float(distances.max(initial=0.0)))
             draw_points(
-                axes, record, plane, np.where(own > NEXT_TO_NONE * own.max(), own, np.nan), colours
+                axes,
+                record,
+                plane,
+                np.where(distances > NEXT_TO_NONE * distances.max(), distances, np.nan),
+                colours,
             )
             colour_bar(axes, colours, f"slip in a cycle [{units.length}]")
-            size = quantity(float(abscissa(backbone)[at]), unit_of(backbone, units))
+            size = quantity(float(abscissa(backbone)[index]), unit_of(backbone, units))
             reached = f"{backbone.over} {size}"
             axes.set_title(plain(f"mode {mode}, {name}: {reached}"), loc="left")
     which = "the first, the middle and the last amplitude of each mode that slips somewhere"
-    if wanted:
+    if amplitudes:
         which = "the amplitudes computed nearest to those the study names"
     figure.suptitle(heading(f"{case.name}: where the joint slips, full model"))
     return Drawn(
@@ -77,17 +81,19 @@ def _wanted(results: Results, case: CaseResult) -> list[float]:
         cases = tomllib.loads(results.study_text).get("load_case", [])
     except tomllib.TOMLDecodeError:
         return []
-    return next((one.get("maps", []) for one in cases if one.get("name") == case.name), [])
+    return next((entry.get("maps", []) for entry in cases if entry.get("name") == case.name), [])
 
 
-def _chosen(backbone: Backbone, wanted: list[float]) -> list[int]:
+def _chosen(backbone: Backbone, amplitudes: list[float]) -> list[int]:
     """Return the amplitudes nearest to those wanted, or the first, middle and last that slip."""
     if backbone.slip_distance is None:
         return []
-    if wanted:
-        apart = np.abs(np.log(np.divide.outer(np.array(wanted, dtype=float), abscissa(backbone))))
-        return [int(at) for at in np.unique(apart.argmin(axis=1))]
+    if amplitudes:
+        apart = np.abs(
+            np.log(np.divide.outer(np.array(amplitudes, dtype=float), abscissa(backbone)))
+        )
+        return [int(index) for index in np.unique(apart.argmin(axis=1))]
     slips = np.flatnonzero(backbone.energy_per_cycle > 0)
     if not len(slips):
         return []
-    return [int(at) for at in np.unique(slips[[0, len(slips) // 2, -1]])]
+    return [int(index) for index in np.unique(slips[[0, len(slips) // 2, -1]])]

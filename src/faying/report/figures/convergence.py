@@ -23,14 +23,18 @@ def plot_convergence(case: CaseResult, axes: Axes) -> Axes:
     """
     counts = sorted({n for sizes in case.methods.values() for n in sizes if n > 0}) or [1]
     for rank, (name, sizes) in enumerate(case.methods.items()):
-        found = sorted(sizes)
-        errors = [max(sizes[n].accuracy.max_relative_error, FLOOR) for n in found]
+        sizes_tried = sorted(sizes)
+        errors = [max(sizes[n].accuracy.max_relative_error, FLOOR) for n in sizes_tried]
         percents = [100 * error for error in errors]
-        if found == [0]:
+        if sizes_tried == [0]:
             axes.axhline(percents[0], color=colour(name), ls="--", label=plain(name))
-        elif found:
-            axes.plot(found, percents, color=colour(name), marker=marker(name), label=plain(name))
-        below = [(n, 100 * FLOOR) for n in found if sizes[n].accuracy.max_relative_error <= FLOOR]
+        elif sizes_tried:
+            axes.plot(
+                sizes_tried, percents, color=colour(name), marker=marker(name), label=plain(name)
+            )
+        below = [
+            (n, 100 * FLOOR) for n in sizes_tried if sizes[n].accuracy.max_relative_error <= FLOOR
+        ]
         for n, level in below:
             # Nested, so that none hides the others.
             size = 4 + 3 * (len(case.methods) - 1 - rank)

@@ -26,9 +26,9 @@ def exaggeration(results: Results, case: CaseResult) -> float:
     size = float(np.ptp(results.nodes[solid], axis=0).max())
     if largest <= 0 or size <= 0:
         return 1.0
-    wanted = SHARE * size / largest
-    power = 10.0 ** np.floor(np.log10(wanted))
-    return float(power * max(step for step in (1, 2, 5) if step <= wanted / power + 1e-12))
+    factor = SHARE * size / largest
+    power = 10.0 ** np.floor(np.log10(factor))
+    return float(power * max(step for step in (1, 2, 5) if step <= factor / power + 1e-12))
 
 
 def plot_deformed(results: Results, case: CaseResult, axes: Any) -> Any:

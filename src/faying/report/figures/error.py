@@ -54,10 +54,10 @@ def plot_error(
     return axes
 
 
-def available(sizes: Mapping[int, MethodResult], wanted: int) -> int | None:
+def available(sizes: Mapping[int, MethodResult], count: int) -> int | None:
     """Return the wanted number of joint modes, else the largest there is; None of none."""
-    if wanted in sizes:
-        return wanted
+    if count in sizes:
+        return count
     return max(sizes, default=None)
 
 
@@ -98,9 +98,9 @@ def error_figure(results: Results, case: CaseResult) -> Drawn | None:
     for column, ((name, result), error) in enumerate(zip(methods, errors, strict=True)):
         title = label(name, result.joint_modes)
         for row, (interface, record) in enumerate(records.items()):
-            own, axes = error[slice(*record.slice)], grid[row, column]
-            plot_error(record, own, axes, units, largest=largest)
-            note = _described(record, own, units)
+            point_errors, axes = error[slice(*record.slice)], grid[row, column]
+            plot_error(record, point_errors, axes, units, largest=largest)
+            note = _described(record, point_errors, units)
             prefix = f"{interface}: " if len(records) > 1 else ""
             axes.set_title(plain(f"{title}\n{prefix}{note}"), loc="left")
             notes.append(f"{title}: {prefix}{note}")

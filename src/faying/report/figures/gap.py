@@ -42,8 +42,8 @@ def plot_states(record: InterfaceRecord, pressure: Vector, axes: Axes, units: Un
     """
     plane = best_plane(record)
     prepare(axes, record, plane, units)
-    before, now = record.preload_pressure > 0, pressure > 0
-    states = np.select([before & now, before, now], [0.0, 1.0, 2.0], default=3.0)
+    pressed, now = record.preload_pressure > 0, pressure > 0
+    states = np.select([pressed & now, pressed, now], [0.0, 1.0, 2.0], default=3.0)
     colours = ListedColormap(list(STATES.values()))
     limits = Normalize(vmin=-0.5, vmax=len(STATES) - 0.5)
     draw_points(axes, record, plane, states, Scale(colours=colours, limits=limits))
@@ -74,14 +74,14 @@ def plot_gap(
     return axes
 
 
-def described_opening(record: InterfaceRecord, found: Opening, units: Units) -> str:
+def described_opening(record: InterfaceRecord, opened_area: Opening, units: Units) -> str:
     """Return how much opened, how far, and where."""
-    opened = f"{percent(found.opened)} of the area pressed after tightening opened"
-    if found.gap <= 0:
+    opened = f"{percent(opened_area.opened)} of the area pressed after tightening opened"
+    if opened_area.gap <= 0:
         return f"{opened}; no gap anywhere"
     size = float(np.ptp(record.points, axis=0).max())
-    where = place(found.point, units.length, size)
-    return f"{opened}; largest gap {quantity(found.gap, units.length)} at {where}"
+    where = place(opened_area.point, units.length, size)
+    return f"{opened}; largest gap {quantity(opened_area.gap, units.length)} at {where}"
 
 
 def gap_figure(results: Results, case: CaseResult) -> Drawn | None:
@@ -93,9 +93,9 @@ def gap_figure(results: Results, case: CaseResult) -> Drawn | None:
         Transients at the instant of their largest gap; None where all is closed.
     """
     units, records = units_of(results.units), results.interfaces
-    found = {name: opening(record, case) for name, record in records.items()}
-    openings = {name: one for name, one in found.items() if one is not None}
-    widest = max(openings.values(), key=lambda one: one.gap, default=None)
+    all_openings = {name: opening(record, case) for name, record in records.items()}
+    openings = {name: item for name, item in all_openings.items() if item is not None}
+    widest = max(openings.values(), key=lambda item: item.gap, default=None)
     if widest is None or widest.gap <= 0:
         return None
     pressure, gap = (
@@ -110,9 +110,9 @@ def gap_figure(results: Results, case: CaseResult) -> Drawn | None:
     )
     notes = []
     for (left, right), (name, record) in zip(rows, drawn.items(), strict=True):
-        own = slice(*record.slice)
-        plot_states(record, pressure[own], left, units)
-        plot_gap(record, gap[own], right, units, largest=widest.gap)
+        points = slice(*record.slice)
+        plot_states(record, pressure[points], left, units)
+        plot_gap(record, gap[points], right, units, largest=widest.gap)
         note = f"{name}: {described_opening(record, openings[name], units)}"
         left.set_title(plain(f"{name}: contact since the preload"), loc="left")
         right.set_title(plain(f"{name}: gap"), loc="left")

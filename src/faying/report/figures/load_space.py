@@ -14,12 +14,14 @@ from faying.study.results.values import Results
 def plot_load_space(record: LoadSpaceRecord, axes: Axes, *, worst: bool) -> Axes:
     """Draw the median or the worst error of each method over its joint modes."""
     for name, sizes in record.methods.items():
-        found = sorted(sizes)
-        errors = [100 * max(_error(sizes[n], worst=worst), FLOOR) for n in found]
-        if found == [0]:
+        sizes_tried = sorted(sizes)
+        errors = [100 * max(_error(sizes[n], worst=worst), FLOOR) for n in sizes_tried]
+        if sizes_tried == [0]:
             axes.axhline(errors[0], color=colour(name), ls="--", label=plain(name))
-        elif found:
-            axes.plot(found, errors, color=colour(name), marker=marker(name), label=plain(name))
+        elif sizes_tried:
+            axes.plot(
+                sizes_tried, errors, color=colour(name), marker=marker(name), label=plain(name)
+            )
     counts = sorted({n for sizes in record.methods.values() for n in sizes if n}) or [1]
     axes.set_xticks(counts)
     axes.set_yscale("log")

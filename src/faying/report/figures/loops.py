@@ -18,10 +18,10 @@ FRETTING_MAP = "magma_r"
 
 def plot_loops(case: CaseResult, axes: Axes, units: Units) -> Axes:
     """Draw the last loop of each amplitude: load factor over the displacement it does work on."""
-    for one in case.reference.cycles.values():
-        factors = np.concatenate([[one.amplitude], one.increments.factors[:, 0]])
-        work = np.concatenate([[one.start_work], one.increments.load_work])
-        label = f"amplitude {number(one.amplitude)}"
+    for cycle in case.reference.cycles.values():
+        factors = np.concatenate([[cycle.amplitude], cycle.increments.factors[:, 0]])
+        work = np.concatenate([[cycle.start_work], cycle.increments.load_work])
+        label = f"amplitude {number(cycle.amplitude)}"
         axes.plot(work, factors, marker=".", ms=3, label=label)
     axes.set_xlabel(f"load at factor one × displacement along it [{units.of('force·length')}]")
     axes.set_ylabel("load factor")
@@ -31,11 +31,13 @@ def plot_loops(case: CaseResult, axes: Axes, units: Units) -> Axes:
 
 def plot_energies(case: CaseResult, axes: Axes, units: Units) -> Axes:
     """Draw the energy per cycle over the amplitude, by slip and as the area of the loop."""
-    found = list(case.reference.cycles.values())
-    amplitudes = [one.amplitude for one in found]
-    axes.plot(amplitudes, [one.energies[-1] for one in found], "o-", label="by slip")
-    axes.plot(amplitudes, [one.loop_area for one in found], "x", ms=8, label="area of the loop")
-    if min(one.energies[-1] for one in found) > 0 and len(found) > 1:
+    cycles = list(case.reference.cycles.values())
+    amplitudes = [cycle.amplitude for cycle in cycles]
+    axes.plot(amplitudes, [cycle.energies[-1] for cycle in cycles], "o-", label="by slip")
+    axes.plot(
+        amplitudes, [cycle.loop_area for cycle in cycles], "x", ms=8, label="area of the loop"
+    )
+    if min(cycle.energies[-1] for cycle in cycles) > 0 and len(cycles) > 1:
         axes.set_xscale("log")
         axes.set_yscale("log")
     axes.set_xlabel("amplitude [load factor]")
@@ -57,7 +59,7 @@ def loop_figure(results: Results, case: CaseResult) -> Drawn | None:
     left.set_title("last loop of each amplitude", loc="left")
     right.set_title("energy per cycle", loc="left")
     figure.suptitle(heading(f"{case.name}: cycles, full model"))
-    notes = "; ".join(_described(one, units) for one in cycles.values())
+    notes = "; ".join(_described(cycle, units) for cycle in cycles.values())
     return Drawn(
         figure=figure,
         stem="loops",
@@ -72,16 +74,18 @@ def loop_figure(results: Results, case: CaseResult) -> Drawn | None:
     )
 
 
-def _described(one: CycleRecord, units: Units) -> str:
+def _described(cycle: CycleRecord, units: Units) -> str:
     """Return amplitude, energy, number of cycles and whether they repeat."""
-    energy = quantity(float(one.energies[-1]), units.of("force·length"))
-    repeats = "" if one.stationary else ", still changing"
-    return f"{number(one.amplitude)}: {energy} after {len(one.energies)} cycles{repeats}"
+    energy = quantity(float(cycle.energies[-1]), units.of("force·length"))
+    repeats = "" if cycle.stationary else ", still changing"
+    return f"{number(cycle.amplitude)}: {energy} after {len(cycle.energies)} cycles{repeats}"
 
 
 def fretting_figure(results: Results, case: CaseResult) -> Drawn | None:
     """Draw slip range and its product with the traction at the largest amplitude, per point."""
-    records = {name: one for name, one in results.interfaces.items() if one.friction > 0}
+    records = {
+        name: record_of for name, record_of in results.interfaces.items() if record_of.friction > 0
+    }
     cycles = list(case.reference.cycles.values())
     if not cycles or not records or not cycles[-1].fretting.any():
         return None
@@ -97,10 +101,12 @@ def fretting_figure(results: Results, case: CaseResult) -> Drawn | None:
     )
     for panels, (name, record) in zip(rows, records.items(), strict=True):
         for axes, (values, text) in zip(panels, fields, strict=True):
-            plane, own = best_plane(record), values[slice(*record.slice)]
+            plane, point_values = best_plane(record), values[slice(*record.slice)]
             prepare(axes, record, plane, units)
             colours = scale(FRETTING_MAP, float(values.max(initial=0.0)))
-            draw_points(axes, record, plane, np.where(own > 0, own, np.nan), colours)
+            draw_points(
+                axes, record, plane, np.where(point_values > 0, point_values, np.nan), colours
+            )
             colour_bar(axes, colours, text)
             axes.set_title(plain(name), loc="left")
     figure.suptitle(
@@ -121,6 +127,6 @@ def fretting_figure(results: Results, case: CaseResult) -> Drawn | None:
 
 
 def _worn(results: Results, largest: CycleRecord) -> str:
-    weights = np.concatenate([one.weights for one in results.interfaces.values()])
+    weights = np.concatenate([record.weights for record in results.interfaces.values()])
     share = float(weights[largest.slip_range > 0].sum() / weights.sum())
     return f"{percent(share)} of all contact area slips somewhere in the cycle."

@@ -36,7 +36,7 @@ def path_figure(results: Results, case: CaseResult) -> Drawn | None:
         f" All that touches slips in {gross} of them (grey behind the shares)." if gross else ""
     )
     figure.suptitle(heading(f"{case.name}: increments, full model"))
-    taken = quantity(float(path.dissipation.sum()), units.of("force·length"))
+    dissipated = quantity(float(path.dissipation.sum()), units.of("force·length"))
     return Drawn(
         figure=figure,
         stem="path",
@@ -45,7 +45,7 @@ def path_figure(results: Results, case: CaseResult) -> Drawn | None:
             f"The full model over the {len(steps)} increments of {case.name}, which begins at the "
             "preloaded joint: load factors, largest pressure and traction, shares of the area "
             "that slip in an increment and stick, and the energy that friction has taken, "
-            f"{taken} at the end.{slipped}"
+            f"{dissipated} at the end.{slipped}"
         ),
         section=case.name,
     )
@@ -63,7 +63,7 @@ def motion_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
     panels[-1].set_xlabel(f"time [{units.time}]")
     panels[-1].set_xlim(times[0], times[-1])
     figure.suptitle(heading(f"{case.name}: friction over time, {case.reference_model}"))
-    taken = quantity(float(record.dissipation.sum()), units.of("force·length"))
+    dissipated = quantity(float(record.dissipation.sum()), units.of("force·length"))
     gross = int(record.macroslip.sum())
     slipped = f" All that touches slips at {gross} of {len(times)} instants." if gross else ""
     return Drawn(
@@ -74,7 +74,7 @@ def motion_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
             f"{case.reference_model.capitalize()}, from the preloaded joint on: largest pressure "
             "and traction of all contact points, shares of the area with friction that slip and "
             "stick, and the energy that friction has taken, "
-            f"{taken} at the end. At the first instant nothing slips yet.{slipped}"
+            f"{dissipated} at the end. At the first instant nothing slips yet.{slipped}"
         ),
         section=case.name,
     )

@@ -47,13 +47,17 @@ def preload_figure(results: Results) -> Drawn:
     )
     notes = []
     for panels, (name, record) in zip(rows, records.items(), strict=True):
-        own = record.preload_pressure
-        top = float(own.max(initial=0.0))
-        plot_point_pressure(record, own, panels[0], units)
-        plot_pressure(record, own, panels[1], units, largest=top)
-        panels[0].set_title(plain(f"{name}: {described_peak(record, own, units)}"), loc="left")
-        panels[1].set_title(plain(f"{name}: {described_average(record, own, units)}"), loc="left")
-        note = summary(name, record, own, units)
+        pressures = record.preload_pressure
+        top = float(pressures.max(initial=0.0))
+        plot_point_pressure(record, pressures, panels[0], units)
+        plot_pressure(record, pressures, panels[1], units, largest=top)
+        panels[0].set_title(
+            plain(f"{name}: {described_peak(record, pressures, units)}"), loc="left"
+        )
+        panels[1].set_title(
+            plain(f"{name}: {described_average(record, pressures, units)}"), loc="left"
+        )
+        note = summary(name, record, pressures, units)
         if tied:
             plot_sticking(record, panels[2], units)
             count = f"{int(record.stuck.sum())} of {len(record.stuck)} node pairs stick"

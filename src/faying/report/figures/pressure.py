@@ -47,8 +47,8 @@ def plot_pressure(
     plane = best_plane(record)
     prepare(axes, record, plane, units)
     averages = record.nodal_average(pressure)
-    own = float(averages.max(initial=0.0))
-    colours = scale(PRESSURE_MAP, largest or own)
+    top = float(averages.max(initial=0.0))
+    colours = scale(PRESSURE_MAP, largest or top)
     draw_averages(axes, record, plane, averages, colours, open_points=pressure <= 0)
     colour_bar(axes, colours, f"contact pressure [{units.pressure}]")
     return axes
@@ -139,12 +139,12 @@ def pressure_figure(results: Results, case: CaseResult) -> Drawn:
     largest = float(case.reference.pressure.max(initial=0.0))
     notes = []
     for (left, right), (name, record) in zip(rows, records.items(), strict=True):
-        own = case.reference.pressure[slice(*record.slice)]
-        plot_point_pressure(record, own, left, units, largest=largest)
-        plot_pressure(record, own, right, units, largest=largest)
-        left.set_title(plain(f"{name}: {described_peak(record, own, units)}"), loc="left")
-        right.set_title(plain(f"{name}: {described_average(record, own, units)}"), loc="left")
-        notes.append(summary(name, record, own, units))
+        pressures = case.reference.pressure[slice(*record.slice)]
+        plot_point_pressure(record, pressures, left, units, largest=largest)
+        plot_pressure(record, pressures, right, units, largest=largest)
+        left.set_title(plain(f"{name}: {described_peak(record, pressures, units)}"), loc="left")
+        right.set_title(plain(f"{name}: {described_average(record, pressures, units)}"), loc="left")
+        notes.append(summary(name, record, pressures, units))
     figure.suptitle(heading(f"{case.name}: contact pressure, {case.reference_model}"))
     caption = (
         f"Contact pressure of the {case.reference_model} in {case.name} (as Fig. 15.5). "

@@ -26,32 +26,32 @@ FLOOR = 1e-6
 def shown_results(case: CaseResult) -> Iterator[tuple[str, MethodResult]]:
     """Yield each method at 5 and 20 joint modes, or at its smallest and largest count."""
     for name, sizes in case.methods.items():
-        found = sorted(sizes)
-        if not found:
+        counts = sorted(sizes)
+        if not counts:
             continue
-        wanted = (
-            COUNTS[0] if COUNTS[0] in sizes else found[0],
-            COUNTS[1] if COUNTS[1] in sizes else found[-1],
+        shown = (
+            COUNTS[0] if COUNTS[0] in sizes else counts[0],
+            COUNTS[1] if COUNTS[1] in sizes else counts[-1],
         )
-        for count in sorted(set(wanted)):
+        for count in sorted(set(shown)):
             yield name, sizes[count]
 
 
 def largest_motion(case: CaseResult, boundary: str) -> int | None:
     """Return the translation of a boundary that moves most; None where there is none."""
     components = case.components.get(boundary, ())
-    found = [i for i, component in enumerate(components) if component.startswith("u")]
-    if not found:
+    translations = [i for i, component in enumerate(components) if component.startswith("u")]
+    if not translations:
         return None
     moved = case.reference.displacements[boundary]
-    return found[int(np.argmax([np.ptp(moved[..., i]) for i in found]))]
+    return translations[int(np.argmax([np.ptp(moved[..., i]) for i in translations]))]
 
 
 def _line(name: str, result: MethodResult) -> dict[str, Any]:
-    few = 0 < result.joint_modes <= COUNTS[0]
+    is_small = 0 < result.joint_modes <= COUNTS[0]
     return {
         "color": colour(name),
-        "ls": (0, (4, 2)) if few else "-",
+        "ls": (0, (4, 2)) if is_small else "-",
         "lw": 1.2,
         "label": plain(label(name, result.joint_modes)),
     }

@@ -83,7 +83,9 @@ def slip_figure(results: Results, case: CaseResult) -> Drawn | None:
         Of the increment or instant in which most slips, of a static load at its full value; None
         without friction.
     """
-    records = {name: one for name, one in results.interfaces.items() if one.friction > 0}
+    records = {
+        name: record_of for name, record_of in results.interfaces.items() if record_of.friction > 0
+    }
     units = units_of(results.units)
     shown = shown_slip(case, units)
     if shown is None or not records:
@@ -98,12 +100,12 @@ def slip_figure(results: Results, case: CaseResult) -> Drawn | None:
     largest = float(shown.pressure.max(initial=0.0))
     notes = []
     for (left, right), (name, record) in zip(rows, records.items(), strict=True):
-        own = slice(*record.slice)
-        traction = tractions[own]
-        plot_traction(record, shown.pressure[own], traction, left, units, largest=largest)
-        plot_slip_states(record, status[own], right, units)
+        points = slice(*record.slice)
+        traction = tractions[points]
+        plot_traction(record, shown.pressure[points], traction, left, units, largest=largest)
+        plot_slip_states(record, status[points], right, units)
         top = float(np.linalg.norm(traction, axis=1).max(initial=0.0))
-        slips = percent(slipping(record, status[own]))
+        slips = percent(slipping(record, status[points]))
         left.set_title(plain(f"{name}: max traction {quantity(top, units.pressure)}"), loc="left")
         right.set_title(plain(f"{name}: {slips} of the area in contact slip"), loc="left")
         notes.append(

@@ -26,7 +26,7 @@ def explosion(interfaces: Mapping[str, ContactSurface], body: Indices) -> Matrix
         normals cancel, or that touches one body only, opens nothing.
     """
     n_body = int(body.max(initial=-1)) + 1
-    rows, wanted = [], []
+    rows, directions = [], []
     for record in interfaces.values():
         total = float(record.weights.sum())
         if not len(record.pairs) or total <= 0:
@@ -38,9 +38,9 @@ def explosion(interfaces: Mapping[str, ContactSurface], body: Indices) -> Matrix
         row = np.zeros(n_body)
         row[[minus, plus]] = -1.0, 1.0
         rows.append(row)
-        wanted.append(normal / np.linalg.norm(normal))
+        directions.append(normal / np.linalg.norm(normal))
     if not rows:
         return np.zeros((n_body, 3))
     # Of all solutions the shortest: every connected group of bodies keeps its mean place.
-    moves: Matrix = np.linalg.lstsq(np.array(rows), np.array(wanted), rcond=None)[0]
+    moves: Matrix = np.linalg.lstsq(np.array(rows), np.array(directions), rcond=None)[0]
     return moves

@@ -57,10 +57,10 @@ ORDER = (
 
 def models(case: CaseResult) -> list[tuple[str, Response]]:
     """Return the models that solved a load case by what people call them, the reference first."""
-    found = [(case.reference_model, case.reference)]
+    responses = [(case.reference_model, case.reference)]
     for method, sizes in case.methods.items():
-        found += [(label(method, n), sizes[n].response) for n in sorted(sizes, reverse=True)]
-    return found
+        responses += [(label(method, n), sizes[n].response) for n in sorted(sizes, reverse=True)]
+    return responses
 
 
 def fields(results: Results, frames_of: dict[str, Frames], nodes: Indices) -> Iterator[Field]:
@@ -74,9 +74,9 @@ def fields(results: Results, frames_of: dict[str, Frames], nodes: Indices) -> It
         Those of the outer surface.
     """
     every = [
-        replace(field, case=number, model=place)
+        replace(field, case=number, model=index)
         for number, (name, case) in enumerate(results.cases.items())
-        for place, (_, response) in enumerate(models(case))
+        for index, (_, response) in enumerate(models(case))
         for field in fields_of_response(results, response, frames_of[name], nodes)
     ]
     for names, of_reference in ORDER:
@@ -91,9 +91,9 @@ def fields_of_response(
     """Yield the fields of a response, as those of the first model and load case."""
     field = partial(Field, case=0, model=0)
     everywhere, last = tuple(range(len(frames.chosen))), (len(frames.chosen) - 1,)
-    found = increments(response)
-    if found:
-        path = found[-1]
+    paths = increments(response)
+    if paths:
+        path = paths[-1]
         pressed = path.pressure[frames.chosen]
         yield field(name="pressure", at=everywhere, values=lambda: averages(results, pressed))
         yield field(name="gap", at=last, values=lambda: averages(results, response.gap[None]))

@@ -33,9 +33,9 @@ class Frames:
 
 def frames(case: CaseResult, units: Units) -> Frames:
     """Choose the states of a load case that are shown: evenly, and where pressure is largest."""
-    found = increments(case.reference)
-    if found:
-        path = found[-1]
+    paths = increments(case.reference)
+    if paths:
+        path = paths[-1]
         chosen = shown_states(path.pressure.max(axis=1, initial=0.0))
         if path.factors.shape[1] == 1:
             values = path.factors[chosen, 0]

@@ -33,11 +33,11 @@ class OuterSurface:
 
     def outline(self, more: Indices) -> "OuterSurface":
         """Return the edges alone, with the nodes on them and more nodes of the mesh."""
-        kept, inverse = np.unique(
+        outline_nodes, inverse = np.unique(
             np.concatenate([self.nodes[self.edges].ravel(), np.ravel(more)]), return_inverse=True
         )
         return OuterSurface(
-            nodes=kept,
+            nodes=outline_nodes,
             triangles=np.empty((0, 3), dtype=np.int64),
             edges=inverse.ravel()[: self.edges.size].reshape(-1, 2),
         )
@@ -58,11 +58,11 @@ def outer_surface(mesh: Mesh, more: Indices) -> OuterSurface:
         np.concatenate([triangles.ravel(), np.ravel(more)]), return_index=True, return_inverse=True
     )
     order = np.argsort(first)
-    place = np.empty(len(order), dtype=np.int64)
-    place[order] = np.arange(len(order))
-    own = place[inverse.ravel()[: triangles.size]].reshape(-1, 3)
+    position = np.empty(len(order), dtype=np.int64)
+    position[order] = np.arange(len(order))
+    corners = position[inverse.ravel()[: triangles.size]].reshape(-1, 3)
     return OuterSurface(
-        nodes=nodes[order], triangles=own, edges=sharp_edges(mesh.nodes[nodes[order]], own)
+        nodes=nodes[order], triangles=corners, edges=sharp_edges(mesh.nodes[nodes[order]], corners)
     )
 
 
@@ -90,5 +90,5 @@ def sharp_edges(points: Matrix, triangles: Indices) -> Indices:
     pair = starts[two]
     turn = np.einsum("ij,ij->i", normals[owner[pair]], normals[owner[pair + 1]])
     smooth[two] = turn > SHARP
-    kept: Indices = edges[starts[~smooth]]
-    return kept
+    sharp: Indices = edges[starts[~smooth]]
+    return sharp

@@ -65,10 +65,13 @@ def scene(results: Results, room: int = ROOM) -> SceneText | None:
     room
         Fields are kept in their order until one does not fit.
     """
-    verdict, pairs = run_verdict(results), [one.pairs for one in results.interfaces.values()]
+    verdict, pairs = (
+        run_verdict(results),
+        [interface.pairs for interface in results.interfaces.values()],
+    )
     surface = outer_surface(
         Mesh(nodes=results.nodes, node_ids=np.arange(len(results.nodes)), blocks=results.blocks),
-        np.concatenate([*(one.ravel() for one in pairs), np.empty(0, dtype=np.int64)]),
+        np.concatenate([*(interface.ravel() for interface in pairs), np.empty(0, dtype=np.int64)]),
     )
     faces = any(record.faces for record in results.interfaces.values())
     if not len(surface.triangles) and not faces:
@@ -129,12 +132,12 @@ def scene(results: Results, room: int = ROOM) -> SceneText | None:
 
 def _thinned(results: Results) -> list[str]:
     """Say how much of the states of load cases is shown."""
-    found = (case.reference.motion for case in results.cases.values())
-    motions = [one for one in found if one is not None]
+    all_motions = (case.reference.motion for case in results.cases.values())
+    motions = [motion for motion in all_motions if motion is not None]
     if not motions:
         return []
-    states, shapes = (max(one.amplitudes.shape[axis] for one in motions) for axis in (0, 1))
-    missed = max(one.missed for one in motions)
+    states, shapes = (max(motion.amplitudes.shape[axis] for motion in motions) for axis in (0, 1))
+    missed = max(motion.missed for motion in motions)
     return [
         f"Of load cases in time or increments up to {states} states are shown, displaced as the "
         f"reference is, by up to {shapes} shapes that miss at most {percent(missed)} of the "
@@ -157,12 +160,14 @@ def _bodies(results: Results, surface: OuterSurface) -> dict[str, Any]:
 
 
 def _contact(results: Results, surface: OuterSurface) -> list[dict[str, Any]]:
-    place = np.zeros(len(results.nodes), dtype=np.int64)
-    place[surface.nodes] = np.arange(len(surface.nodes))
-    return [_sides(name, record, results, place) for name, record in results.interfaces.items()]
+    position = np.zeros(len(results.nodes), dtype=np.int64)
+    position[surface.nodes] = np.arange(len(surface.nodes))
+    return [_sides(name, record, results, position) for name, record in results.interfaces.items()]
 
 
-def _sides(name: str, record: InterfaceRecord, results: Results, place: Indices) -> dict[str, Any]:
+def _sides(
+    name: str, record: InterfaceRecord, results: Results, position: Indices
+) -> dict[str, Any]:
     parts = [triangles_of(kind, nodes) for kind, nodes in pair_facets(record)]
     plane = best_plane(record)
     # Meshes that do not match share one set of points: the plus nodes are neighbours only.
@@ -174,7 +179,7 @@ def _sides(name: str, record: InterfaceRecord, results: Results, place: Indices)
     return {
         "name": name,
         "points": [packed_numbers(side) for side in points],
-        "nodes": [packed_integers(place[side][:, None]) for side in record.pairs.T],
+        "nodes": [packed_integers(position[side][:, None]) for side in record.pairs.T],
         "triangles": packed_integers(np.concatenate([*parts, np.empty((0, 3), dtype=np.int64)])),
         "flat": packed_numbers(plane.project(record.pair_points)),
         "labels": plane.labels,
@@ -185,7 +190,7 @@ def _sides(name: str, record: InterfaceRecord, results: Results, place: Indices)
 
 def _start(verdict: JointVerdict, cases: list[dict[str, Any]]) -> dict[str, Any]:
     """Return the load case and the quantity that decide; else the largest pressure of all."""
-    peaks, names = [one["peak"] for one in cases], [one["name"] for one in cases]
+    peaks, names = [case["peak"] for case in cases], [case["name"] for case in cases]
     check = verdict.decides
     if check is None or check.case not in names:
         return {"start": peaks.index(max(peaks)) if peaks else 0, "quantity": "pressure"}
@@ -200,7 +205,9 @@ QUIET, LOUD = "#4d5761", "#d01c1c"
 
 
 def _bolts(results: Results, surface: OuterSurface, verdict: JointVerdict) -> list[dict[str, Any]]:
-    failed = {one.part for one in verdict.parts if one.kind == "bolt" and one.outcome == "not met"}
+    failed = {
+        part.part for part in verdict.parts if part.kind == "bolt" and part.outcome == "not met"
+    }
     tree = cKDTree(results.nodes[surface.nodes])
     return [
         {
@@ -216,8 +223,8 @@ def _bolts(results: Results, surface: OuterSurface, verdict: JointVerdict) -> li
 
 
 def _case(case: CaseResult, shown: Frames) -> dict[str, Any]:
-    found = increments(case.reference)
-    pressures = found[-1].pressure if found else case.reference.pressure
+    paths = increments(case.reference)
+    pressures = paths[-1].pressure if paths else case.reference.pressure
     return {
         "name": case.name,
         "kind": case.kind,
@@ -231,8 +238,8 @@ def _case(case: CaseResult, shown: Frames) -> dict[str, Any]:
 
 
 def _forces(response: Response, shown: Frames) -> dict[str, list[float]]:
-    found = increments(response)
-    forces = found[-1].bolt_forces if found else response.bolt_forces
+    paths = increments(response)
+    forces = paths[-1].bolt_forces if paths else response.bolt_forces
     return {
         name: _short(np.atleast_1d(force)[shown.chosen].tolist()) for name, force in forces.items()
     }
