@@ -175,9 +175,8 @@ def headline(judged: list[MethodVerdict], results: Results) -> str:
     if not coarse_steps(results):
         return _answer(judged)
     reference = against(results.cases.values()).capitalize()
-    return (
-        f"{_answer(judged)} {reference}'s own pressures are not converged in time in all load cases."
-    )
+    answer, doubt = _answer(judged), "own pressures are not converged in time in all load cases"
+    return f"{answer} {reference}'s {doubt}."
 
 
 def _answer(judged: list[MethodVerdict]) -> str:
@@ -241,8 +240,9 @@ def _mesh_error(results: Results) -> str:
     errors = [error for case in results.cases.values() for error in case.mesh_errors.values()]
     if not errors:
         return ""
+    largest = max(estimate.field for estimate in errors)
     return (
-        f", which the mesh alone is estimated to make {percent(max(estimate.field for estimate in errors))} "
+        f", which the mesh alone is estimated to make {percent(largest)} "
         "of the peak in the root mean square"
     )
 

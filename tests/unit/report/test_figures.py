@@ -460,25 +460,33 @@ def test_file_names_stay_apart():
     assert list(names.values()) == ["a-b", "a-b-2", "A-B-3", "unnamed", "jim-a+compliance"]
 
 
-def test_round_off_is_not_drawn_in_full_colours(coarse):
+def off_by(share):
+    """LC1 with methods whose pressures are all too high by a share."""
     case = RESULTS.cases["LC1"]
-    exact = {
-        name: {
-            count: replace(
-                result,
-                response=replace(result.response, pressure=case.reference.pressure * (1 + 1e-13)),
-            )
-            for count, result in sizes.items()
-        }
-        for name, sizes in case.methods.items()
-    }
-    drawn = error_figure(RESULTS, replace(case, methods=exact))
+    wrong = case.reference.pressure * (1 + share)
+    return replace(
+        case,
+        methods={
+            name: {
+                count: replace(result, response=replace(result.response, pressure=wrong))
+                for count, result in sizes.items()
+            }
+            for name, sizes in case.methods.items()
+        },
+    )
+
+
+def test_round_off_is_not_drawn():
+    assert error_figure(RESULTS, off_by(1e-13)) is None
+
+
+def test_small_errors_are_not_drawn_in_full_colours():
+    drawn = error_figure(RESULTS, off_by(1e-8))
     bars = [bar for axes in drawn.figure.axes for bar in axes.child_axes]
     assert bars
     for axes in bars:
         assert axes.get_ylim() == pytest.approx((-1.0, 1.0))  # percent
-    assert "max |error| < 1e-7 %" in drawn.caption
-    assert "1e-7 % at" not in drawn.caption  # where round-off is largest means nothing
+    assert "max |error| 1.0e-6 %" in drawn.caption
 
 
 def test_caption_of_the_preload_names_all_three_panels(entries):
