@@ -1,15 +1,16 @@
-"""Tasks in processes of this machine; one that dies is replaced and its task redone."""
+"""Tasks in processes of this machine; where one dies others go on with its task."""
 
 import os
 import pickle
 import signal
-from collections import Counter, deque
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
-from multiprocessing import get_context
-from multiprocessing.connection import Connection, wait
-from multiprocessing.context import SpawnProcess
+from collections import deque
+from collections.abc import Generator, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from dataclasses import dataclass
+from multiprocessing import get_context, parent_process
+from threading import Thread
 from typing import Any
 
 from faying.exceptions import CampaignError
@@ -55,14 +56,67 @@ class ProcessExecutor:
                 raise CampaignError(message)
 
     def map(self, prepare: Prepare, tasks: Sequence[Any]) -> Results:
-        """Yield place and result of each task as they come."""
-        crew = _Crew(
-            payload=pickled(prepare), tasks=tasks, size=self.n_workers, threads=self.threads
-        )
-        try:
-            yield from crew.results()
-        finally:
-            crew.dismiss()
+        """Yield place and result of each task as they come.
+
+        A pool whose process dies is lost as a whole: what was being computed in it is computed
+        again at the end, each task alone, so that only those are given up that kill by themselves.
+        """
+        payload, lost = pickled(prepare), list[int]()
+        suspects = yield from self._tried(payload, tasks, range(len(tasks)), self.n_workers)
+        for task in suspects:
+            for _ in range(FATAL_DEATHS - 1):
+                if not (yield from self._tried(payload, tasks, [task], 1)):
+                    break
+            else:
+                lost.append(task)
+        if lost:
+            raise LostTasksError(lost)
+
+    def _tried(
+        self, payload: bytes, tasks: Sequence[Any], places: Sequence[int], size: int
+    ) -> Generator[tuple[int, Any], None, list[int]]:
+        """Yield results of some tasks; return those that were at work when a process died."""
+        waiting, suspects, unprepared = deque(places), list[int](), 0
+        while waiting:
+            ready, running = CONTEXT.Event(), dict[Future[Any], int]()
+            try:
+                with _pool(min(size, len(waiting)), payload, ready) as pool:
+                    while waiting or running:
+                        while waiting and len(running) < size:
+                            with _threads_of_children(self.threads):
+                                future = pool.submit(_computed, tasks[waiting[0]])
+                            running[future] = waiting.popleft()
+                        for future in wait(running, return_when=FIRST_COMPLETED).done:
+                            result = future.result()
+                            yield running.pop(future), result
+            except BrokenProcessPool:
+                if ready.is_set():
+                    suspects += running.values()
+                    continue
+                waiting.extendleft(reversed(running.values()))
+                unprepared += 1
+                if unprepared == FATAL_DEATHS:
+                    message = (
+                        f"{unprepared} worker processes died before they were ready (often for "
+                        "lack of memory: use fewer); a script must call this below "
+                        "'if __name__ == \"__main__\":'"
+                    )
+                    raise CampaignError(message) from None
+        return sorted(suspects)
+
+
+@contextmanager
+def _pool(size: int, payload: bytes, ready: Any) -> Iterator[ProcessPoolExecutor]:
+    """Yield a pool whose processes end with it, whatever they are at."""
+    pool = ProcessPoolExecutor(size, CONTEXT, _begin, (payload, ready))
+    try:
+        yield pool
+        pool.shutdown()
+    finally:
+        # What terminate_workers of Python 3.14 does; after a shutdown there are none.
+        for process in list((pool._processes or {}).values()):
+            process.terminate()
+        pool.shutdown(cancel_futures=True)
 
 
 def pickled(value: object) -> bytes:
@@ -83,164 +137,55 @@ def pickled(value: object) -> bytes:
         raise CampaignError(message) from None
 
 
-@dataclass(eq=False)
-class _Worker:
-    """A process, this end of its pipe, and what it is at."""
-
-    process: SpawnProcess
-    connection: Connection
-    prepared: bool = False
-    place: int | None = None
-
-
-@dataclass(eq=False, kw_only=True)
-class _Crew:
-    """The workers of one map, and what is left to do."""
-
-    payload: bytes
-    tasks: Sequence[Any]
-    size: int
-    threads: int
-    workers: dict[Connection, _Worker] = field(default_factory=dict)
-    waiting: deque[int] = field(default_factory=deque)
-    deaths: Counter[int] = field(default_factory=Counter)
-    lost: list[int] = field(default_factory=list)
-    unprepared: int = 0
-
-    def results(self) -> Iterator[tuple[int, Any]]:
-        """Hand tasks out and yield what comes back."""
-        self.waiting.extend(range(len(self.tasks)))
-        unfinished = len(self.tasks)
-        while unfinished > len(self.lost):
-            self._staff(unfinished - len(self.lost))
-            for connection in wait(list(self.workers)):
-                worker = self.workers[connection]  # type: ignore[index]  # pipes are connections
-                try:
-                    kind, content = worker.connection.recv()
-                except (EOFError, OSError):
-                    self._take_back(worker)
-                    continue
-                if kind == "raised":
-                    raise content
-                if kind == "done" and worker.place is not None:
-                    place, worker.place = worker.place, None
-                    unfinished -= 1
-                    yield place, content
-                worker.prepared, self.unprepared = True, 0
-                self._occupy(worker)
-        if self.lost:
-            raise LostTasksError(sorted(self.lost))
-
-    def dismiss(self) -> None:
-        """End all workers."""
-        for worker in self.workers.values():
-            worker.connection.close()
-            worker.process.terminate()
-        for worker in self.workers.values():
-            _ended(worker.process)
-        self.workers.clear()
-
-    def _staff(self, unfinished: int) -> None:
-        """Replace who died and give the idle what there is."""
-        for worker in self.workers.values():
-            if worker.prepared and worker.place is None:
-                self._occupy(worker)
-        while self.waiting and len(self.workers) < min(self.size, unfinished):
-            worker = _started(self.payload, self.threads)
-            self.workers[worker.connection] = worker
-
-    def _occupy(self, worker: _Worker) -> None:
-        if not self.waiting:
-            return
-        worker.place = self.waiting.popleft()
-        # Where it has died, its pipe says so when it is read next, and the task goes back.
-        with suppress(OSError):
-            worker.connection.send(self.tasks[worker.place])
-
-    def _take_back(self, worker: _Worker) -> None:
-        """Take a dead worker's task back, or give up a task that kills."""
-        del self.workers[worker.connection]
-        worker.connection.close()
-        code = _ended(worker.process)
-        if worker.place is not None:
-            self.deaths[worker.place] += 1
-            if self.deaths[worker.place] < FATAL_DEATHS:
-                self.waiting.appendleft(worker.place)
-            else:
-                self.lost.append(worker.place)
-        elif not worker.prepared:
-            self.unprepared += 1
-            if self.unprepared >= FATAL_DEATHS:
-                message = (
-                    f"{self.unprepared} worker processes died before they were ready (exit code "
-                    f"{code}; -9 is often lack of memory: use fewer); a script must call this "
-                    "below 'if __name__ == \"__main__\":'"
-                )
-                raise CampaignError(message)
-
-
-def _ended(process: SpawnProcess) -> int | None:
-    """Wait for a process to end, make it if need be, and return its exit code."""
-    process.join(timeout=5.0)
-    if process.is_alive():
-        process.kill()
-        process.join()
-    code = process.exitcode
-    process.close()
-    return code
-
-
-def _started(payload: bytes, threads: int) -> _Worker:
-    ours, theirs = CONTEXT.Pipe()
-    process = CONTEXT.Process(target=_work, args=(theirs, payload), daemon=True)
-    with _threads_of_children(threads):
-        process.start()
-    theirs.close()
-    return _Worker(process, ours)
-
-
 @contextmanager
 def _threads_of_children(threads: int) -> Iterator[None]:
     """Set how many threads processes started meanwhile may use: read before NumPy is there."""
-    before = {name: os.environ.get(name) for name in THREAD_VARIABLES}
+    variables = {name: os.environ.get(name) for name in THREAD_VARIABLES}
     os.environ.update(dict.fromkeys(THREAD_VARIABLES, str(threads)))
     try:
         yield
     finally:
-        for name, value in before.items():
+        for name, value in variables.items():
             if value is None:
                 del os.environ[name]
             else:
                 os.environ[name] = value
 
 
-def _work(connection: Connection, payload: bytes) -> None:
-    """Do what comes through the pipe until it is closed."""
-    # Ctrl-C reaches the whole group; this process is ended by its parent.
+_SENT: dict[str, Any] = {}
+"""In a worker: what it prepares from, and the function that came of it."""
+
+
+def _begin(payload: bytes, ready: Any) -> None:
+    """Begin a worker, which ends with its parent and leaves Ctrl-C to it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    with suppress(EOFError, OSError):  # the parent is gone: nobody is left to tell
-        try:
-            function = pickle.loads(payload)()
-        except Exception as error:
-            connection.send_bytes(_raised(error))
-            return
-        connection.send_bytes(pickle.dumps(("prepared", None)))
-        while True:
-            connection.send_bytes(_outcome(function, connection.recv()))
+    Thread(target=_end_with_parent, daemon=True).start()
+    _SENT.update(payload=payload, ready=ready)
 
 
-def _outcome(function: Function, task: Any) -> bytes:
+def _end_with_parent() -> None:
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _computed(task: Any) -> Any:
+    """Compute a task on a worker, which prepares before its first."""
     try:
-        return pickle.dumps(("done", function(task)))
+        if "function" not in _SENT:
+            _SENT["function"] = pickle.loads(_SENT["payload"])()
+            _SENT["ready"].set()
+        function: Function = _SENT["function"]
+        return function(task)
     except Exception as error:
-        return _raised(error)
+        raise _sendable(error) from None
 
 
-def _raised(error: Exception) -> bytes:
-    """Return a message for the parent to raise; in words where the error cannot be sent."""
+def _sendable(error: Exception) -> Exception:
+    """Return an error, in words where it cannot be sent itself."""
     try:
-        message = pickle.dumps(("raised", error))
-        pickle.loads(message)
+        pickle.loads(pickle.dumps(error))
     except Exception:
-        return pickle.dumps(("raised", CampaignError(f"{type(error).__name__}: {error}")))
-    return message
+        return CampaignError(f"{type(error).__name__}: {error}")
+    return error
