@@ -51,8 +51,8 @@ for command in (
     app.command()(command)
 
 
-def _print_version(wanted: bool) -> None:
-    if wanted:
+def _print_version(asked: bool) -> None:
+    if asked:
         from importlib.metadata import version
 
         typer.echo(f"faying {version('faying')}")
@@ -76,8 +76,8 @@ def main() -> None:
     except FayingError as error:
         message = str(error)
     except OSError as error:
-        place = f"{error.filename}: " if error.filename else ""
-        message = f"{place}{error.strerror or error}; check the path, the folder and free space"
+        file = f"{error.filename}: " if error.filename else ""
+        message = f"{file}{error.strerror or error}; check the path, the folder and free space"
     except MemoryError as error:
         message = f"out of memory ({error}); use a coarser mesh, or fewer loads, steps and modes"
     else:

@@ -50,11 +50,11 @@ def check(
         stage = bar.add_task(f"Reading {file.name}" if file else "Reading the model", total=None)
         loaded = load_model(checked)
         bar.update(stage, description="Looking at bodies, contact and bolts")
-        found = understood(checked, loaded, bare=bare)
-    model = found.model
+        preview = understood(checked, loaded, bare=bare)
+    model = preview.model
     check_targets(checked, model)
     console = Console(markup=False)
-    for table in described(checked, loaded, found):
+    for table in described(checked, loaded, preview):
         console.print(table)
     missing = [
         missing_contact(name, interface.area, interface.declared_area)
@@ -77,7 +77,7 @@ def check(
         console.print(f"Doubtful: {doubt}", style="bold", highlight=False)
     if out is not None:
         console.print(f"Wrote {_picture(loaded, model, out / 'model.png')}")
-    if found.free.count and not bare:
+    if preview.free.count and not bare:
         # Last, so that what can move is seen in the tables and the picture first.
         check_held(model, REMEDY if loaded.weak_springs is None else REMEDY_BESIDE_SPRINGS)
 

@@ -38,14 +38,14 @@ MOST_LOADS = 8
 """Loads of the source for which a load case is written out."""
 
 
-def described(study: Study, loaded: LoadedModel, found: Understood) -> Iterator[Table]:
+def described(study: Study, loaded: LoadedModel, preview: Understood) -> Iterator[Table]:
     """Yield the tables of ``faying check``, in the order of the data flow."""
-    model = found.model
+    model = preview.model
     yield _overview(study, model)
     yield _bodies(model.assembly.mesh)
     yield _materials(model.assembly)
     yield _connections(model.assembly)
-    yield _rigid_body_modes(found.free)
+    yield _rigid_body_modes(preview.free)
     if model.interfaces:
         yield _interfaces(model, "Interfaces" if loaded.interfaces else "Candidate interfaces")
         yield _sides(model)
@@ -69,14 +69,14 @@ def described(study: Study, loaded: LoadedModel, found: Understood) -> Iterator[
             ["left out, or taken otherwise"],
             ([text] for text in model.assembly.ignored),
         )
-    yield from _missing(study, found)
+    yield from _missing(study, preview)
 
 
-def _missing(study: Study, found: Understood) -> Iterator[Table]:
+def _missing(study: Study, preview: Understood) -> Iterator[Table]:
     """Say what a run would still need, and the beginning of a study that says it."""
-    if found.needs:
+    if preview.needs:
         columns = ["what a run would still need"]
-        yield _table("Not ready to run", columns, ([need] for need in found.needs))
+        yield _table("Not ready to run", columns, ([need] for need in preview.needs))
     lines = []
     if is_bare(study.path):
         lines += ["[model]", f'source = "{study.model.source}"']
@@ -84,9 +84,9 @@ def _missing(study: Study, found: Understood) -> Iterator[Table]:
         if study.model.ignore:
             lines.append(f"ignore = [{', '.join(map(quoted, study.model.ignore))}]")
         lines.append("")
-    if found.candidate is not None:
-        lines += ["[[interface]]", f'name = "{found.candidate.name}"']
-        lines += ['minus = "auto"', 'plus = "auto"', f'meshes = "{found.candidate.meshes}"', ""]
+    if preview.candidate is not None:
+        lines += ["[[interface]]", f'name = "{preview.candidate.name}"']
+        lines += ['minus = "auto"', 'plus = "auto"', f'meshes = "{preview.candidate.meshes}"', ""]
     if lines:
         title = f"A study begins like this ({study.path.stem}.toml)"
         yield _table(title if is_bare(study.path) else "Add", ["TOML"], ([x] for x in lines[:-1]))
@@ -96,11 +96,11 @@ def _table(title: str, columns: Iterable[str], rows: Iterable[Iterable[object]])
     """Return a table without the columns in which nothing stands."""
     table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
     cells = [list(map(_text, row)) for row in rows]
-    told = [any(column) for column in zip(*cells, strict=True)]
-    for column in compress(columns, told):
+    filled = [any(column) for column in zip(*cells, strict=True)]
+    for column in compress(columns, filled):
         table.add_column(column, overflow="fold")
     for row in cells:
-        table.add_row(*map(Text, compress(row, told)))
+        table.add_row(*map(Text, compress(row, filled)))
     return table
 
 
@@ -185,13 +185,17 @@ def _connections(assembly: Assembly) -> Table:
     """List what holds and joins the bodies, contact aside."""
     kinds = {
         **_supports(assembly),
-        "rigid couplings (RBE2)": [len(one.nodes) for one in assembly.rigid_couplings],
-        "average couplings (RBE3)": [len(one.nodes) for one in assembly.average_couplings],
-        "equations (MPC)": [len(one.terms) for one in assembly.equations],
-        "springs": [len(one.ends) for one in assembly.springs],
-        "bushes": [len(one.nodes) for one in assembly.bushes],
+        "rigid couplings (RBE2)": [
+            len(connection.nodes) for connection in assembly.rigid_couplings
+        ],
+        "average couplings (RBE3)": [
+            len(connection.nodes) for connection in assembly.average_couplings
+        ],
+        "equations (MPC)": [len(connection.terms) for connection in assembly.equations],
+        "springs": [len(connection.ends) for connection in assembly.springs],
+        "bushes": [len(connection.nodes) for connection in assembly.bushes],
         "point masses": [1 for _ in assembly.masses],
-        "scalar masses": [len(one.ends) for one in assembly.scalar_masses],
+        "scalar masses": [len(connection.ends) for connection in assembly.scalar_masses],
     }
     rows = ((name, len(counts), sum(counts)) for name, counts in kinds.items() if counts)
     return _table("Supports and couplings", ["kind", "number", "nodes or terms"], rows)
@@ -199,12 +203,12 @@ def _connections(assembly: Assembly) -> Table:
 
 def _supports(assembly: Assembly) -> dict[str, list[int]]:
     """Return the numbers of supported nodes by what is held of them."""
-    held: dict[str, list[int]] = {}
-    for one in assembly.supports:
-        names = " ".join(DISPLACEMENT_NAMES[component] for component in one.components)
-        own = "" if one.axes is None else ", in axes of their own"
-        held.setdefault(f"supports of {names}{own}", []).append(len(one.nodes))
-    return held
+    ids: dict[str, list[int]] = {}
+    for support in assembly.supports:
+        names = " ".join(DISPLACEMENT_NAMES[component] for component in support.components)
+        axes = "" if support.axes is None else ", in axes of their own"
+        ids.setdefault(f"supports of {names}{axes}", []).append(len(support.nodes))
+    return ids
 
 
 def _interfaces(model: Model, title: str) -> Table:
@@ -227,8 +231,12 @@ def _sides(model: Model) -> Table:
     label = bodies(model.assembly.mesh)
     names = np.array([*body_names(model.assembly.mesh), "matrices"])
     rows = (
-        (name, *(", ".join(sorted({*names[label[side]]})) for side in one.pairs.T), *_signs(one))
-        for name, one in model.interfaces.items()
+        (
+            name,
+            *(", ".join(sorted({*names[label[side]]})) for side in interface.pairs.T),
+            *_signs(interface),
+        )
+        for name, interface in model.interfaces.items()
     )
     columns = ["name", "minus", "plus", "normal, minus to plus", "contact points on"]
     return _table("Sides of the interfaces", columns, rows)
@@ -237,8 +245,10 @@ def _sides(model: Model) -> Table:
 def _signs(interface: Interface) -> tuple[str, str]:
     """Return the mean normal, and the side that has the contact points."""
     mean = np.round(interface.weights @ interface.normals / interface.area, 4) + 0
-    several = "" if interface.flat else "several directions, on average "
-    return several + _point(mean.tolist()), "both sides" if interface.coupling is None else "minus"
+    directions = "" if interface.flat else "several directions, on average "
+    return directions + _point(
+        mean.tolist()
+    ), "both sides" if interface.coupling is None else "minus"
 
 
 def _interface(interface: Interface) -> tuple[object, ...]:
@@ -332,19 +342,19 @@ def _unused_loads(study: Study, loaded: LoadedModel) -> Iterator[Table]:
 
 def _case_name(study: Study, load: str) -> str:
     """Return a name for a load case that no other has."""
-    taken = {case.name for case in study.load_cases}
+    names = {case.name for case in study.load_cases}
     name = load if load.startswith("step") else f"load {load}"
-    return f"{name} of the deck" if name in taken else name
+    return f"{name} of the deck" if name in names else name
 
 
-def _rigid_body_modes(found: FreeParts) -> Table:
+def _rigid_body_modes(parts: FreeParts) -> Table:
     """Say what can move while nothing but contact resists."""
-    if found.count is None:
+    if parts.count is None:
         rows = [("not looked for", "too many bodies and loose nodes")]
     else:
-        whole = [("the whole", AS_A_WHOLE.format(count=found.whole))] if found.whole else []
-        rows = [*found.parts.items(), *whole] or [("none", "everything is held")]
-    title = "Rigid-body modes, contact aside" + (f": {found.count}" if found.count else "")
+        whole = [("the whole", AS_A_WHOLE.format(count=parts.whole))] if parts.whole else []
+        rows = [*parts.parts.items(), *whole] or [("none", "everything is held")]
+    title = "Rigid-body modes, contact aside" + (f": {parts.count}" if parts.count else "")
     return _table(title, ["what", "how"], rows)
 
 

@@ -37,20 +37,20 @@ def resumable(command: Sequence[str], folder: Path, others: str = "") -> Iterato
         What else to give.
     """
     try:
-        before = signal.signal(signal.SIGTERM, _terminate)
+        handler = signal.signal(signal.SIGTERM, _terminate)
     except ValueError:  # not the main thread, which alone hears signals
-        before = None
+        handler = None
     try:
         yield
     except KeyboardInterrupt as stopped:
-        kept = folder / "unfinished"
-        again = shlex.join([*command, *(["--resume"] if kept.exists() else [])]) + others
-        said = f"what is finished is kept in {kept}. Go on with"
-        if not kept.exists():
+        unfinished = folder / "unfinished"
+        again = shlex.join([*command, *(["--resume"] if unfinished.exists() else [])]) + others
+        said = f"what is finished is kept in {unfinished}. Go on with"
+        if not unfinished.exists():
             said = "nothing was finished yet. Begin again with"
         typer.echo(f"Interrupted; {said}\n  {again}", err=True)
         status = TERMINATED if isinstance(stopped, _Terminated) else INTERRUPTED
         raise typer.Exit(status) from None
     finally:
-        if before is not None:
-            signal.signal(signal.SIGTERM, before)
+        if handler is not None:
+            signal.signal(signal.SIGTERM, handler)

@@ -13,7 +13,7 @@ def model_sizes(rom: "ReducedModel") -> str:
     units = units_of(rom.units)
     counts = {
         "coordinate": len(rom.K),
-        "boundary displacement": sum(len(one.dofs) for one in rom.boundaries.values()),
+        "boundary displacement": sum(len(boundary.dofs) for boundary in rom.boundaries.values()),
         "bolt": len(rom.bolts),
         "contact point": rom.contact.n_points,
     }

@@ -104,8 +104,8 @@ def _row(method: str, cases: list[Mapping[str, Any]]) -> list[str]:
     if not sizes:
         return ["-", *("not converged" for _ in cases)]
     largest = max(sizes, key=int)
-    found = [case["methods"].get(method, {}).get(largest) for case in cases]
-    return [largest, *(_percent(entry) for entry in found)]
+    results = [case["methods"].get(method, {}).get(largest) for case in cases]
+    return [largest, *(_percent(entry) for entry in results)]
 
 
 def _peaks(summary: Mapping[str, Any]) -> Iterator[str]:
@@ -140,18 +140,18 @@ def _backbones(cases: Mapping[str, Any]) -> Iterator[str]:
 
 def _chosen_modes(summary: Mapping[str, Any]) -> list[str]:
     """Say how many normal modes were chosen for each load case."""
-    found = summary.get("normal_mode_choice")
-    return [] if found is None else [one["reason"] for one in found["load_cases"].values()]
+    choice = summary.get("normal_mode_choice")
+    return [] if choice is None else [entry["reason"] for entry in choice["load_cases"].values()]
 
 
 def _remedies(summary: Mapping[str, Any]) -> list[str]:
     """Say of each transient that was solved again what it was solved by, and what that cost."""
     shapes = shapes_seconds(summary["timings"]["stages"])
-    found = {name: case.get("remedy") for name, case in summary["load_cases"].items()}
+    remedies = {name: case.get("remedy") for name, case in summary["load_cases"].items()}
     return [
-        remedy_sentence(name, remedy_from(one), shapes)
-        for name, one in found.items()
-        if one is not None
+        remedy_sentence(name, remedy_from(remedy), shapes)
+        for name, remedy in remedies.items()
+        if remedy is not None
     ]
 
 
@@ -163,19 +163,21 @@ def _estimates(cases: Mapping[str, Any]) -> list[str]:
         largest = {
             method: sizes[max(sizes, key=int)] for method, sizes in case["methods"].items() if sizes
         }
-        found = {method: one.get(ESTIMATED) for method, one in largest.items()}
+        estimates = {method: entry.get(ESTIMATED) for method, entry in largest.items()}
         shown = [
-            f"{method} {_estimated(one)}" for method, one in largest.items() if ESTIMATED in one
+            f"{method} {_estimated(entry)}"
+            for method, entry in largest.items()
+            if ESTIMATED in entry
         ]
-        own = case["reference"].get(ESTIMATED)
-        if own is not None:
+        reference_estimate = case["reference"].get(ESTIMATED)
+        if reference_estimate is not None:
             judged = _estimated(case["reference"])
             shown.append(f"the reference, {case['reference']['model']} {judged}")
         if shown:
             said.append(f"{name}, errors estimated without a full solution: {', '.join(shown)}")
-        errors = {method: error or 0.0 for method, error in found.items()}
-        if own is not None:
-            errors[EXACT] = max(own, errors.get(EXACT, 0.0))
+        errors = {method: error or 0.0 for method, error in estimates.items()}
+        if reference_estimate is not None:
+            errors[EXACT] = max(reference_estimate, errors.get(EXACT, 0.0))
         if case.get("remedy") is not None:
             errors.setdefault(REMEDY, 0.0)
         tolerated = case.get("tolerance") or LARGE

@@ -88,12 +88,12 @@ def _tell(results: "Results", recovered: "RecoveredRecord") -> None:
         f"{recovered.history}: {recovered.route}, {len(recovered.times)} instants, "
         f"{recovered.method}{modes}; {derived}"
     )
-    given = ", ".join(recovered.loads)
-    console.print(f"Boundary forces: {given or 'none'} from the history; all others are zero")
+    names = ", ".join(recovered.loads)
+    console.print(f"Boundary forces: {names or 'none'} from the history; all others are zero")
     table = Table(title="Largest pressures", title_justify="left", box=box.SIMPLE_HEAD)
-    place, instant = f"at [{units.length}]", f"time [{units.time}]"
+    where, instant = f"at [{units.length}]", f"time [{units.time}]"
     force = f"contact force then [{units.force}]"
-    columns = ["interface", f"pressure [{units.pressure}]", place, instant, force]
+    columns = ["interface", f"pressure [{units.pressure}]", where, instant, force]
     if recovered.traction is not None:
         columns.append(f"largest traction [{units.pressure}]")
     for column in columns:

@@ -85,10 +85,10 @@ def solve(
             message = f"--step is {step:g}; give a positive time"
             raise StudyError(message)
         rom = load(model)
-        wanted = read_loads(loads, rom, step=step, integrator=named_integrator(integrator))
+        load_set = read_loads(loads, rom, step=step, integrator=named_integrator(integrator))
         usable_folder(folder)
         tightened, text = preload_path_of(model), study_of(model)
-        demanded = wanted.requirement or stored_requirement(text)
+        demanded = load_set.requirement or stored_requirement(text)
         options = SolveOptions(
             worst=worst,
             named=tuple(keep or ()),
@@ -104,7 +104,7 @@ def solve(
             bar = stack.enter_context(progress_bar(Console(stderr=True), remaining=True))
             result = solve_loads(
                 rom,
-                wanted,
+                load_set,
                 folder,
                 options,
                 tightening=None if tightened is None else bolt_loads(tightened),
@@ -131,13 +131,13 @@ def _show(summary: "Mapping[str, Any]", folder: Path) -> None:
 
     console = Console(markup=False, highlight=False)
     sets = {"static cases": summary["static"]} if "static" in summary else {}
-    sets |= {f"{name}, instants": one for name, one in summary.get("transients", {}).items()}
-    for name, one in sets.items():
-        table = Table(title=f"Worst of {one['count']} {name}", box=box.SIMPLE_HEAD)
+    sets |= {f"{name}, instants": group for name, group in summary.get("transients", {}).items()}
+    for name, group in sets.items():
+        table = Table(title=f"Worst of {group['count']} {name}", box=box.SIMPLE_HEAD)
         table.title_justify = "left"
         for column in ("metric", "value", "at"):
             table.add_column(column, overflow="fold")
-        for metric, worst in one["worst"].items():
+        for metric, worst in group["worst"].items():
             unit = summary["metrics"][metric]["unit"]
             label = f"{metric} [{unit}]" if unit not in ("", "1") else metric
             for entry in worst[:1]:

@@ -65,10 +65,10 @@ def _show(plan: "TighteningPlan", units: "Units", torques: "Mapping[str, float]"
         torque = [f"{setting * torques[bolt]:.5g}"] if bolt in torques else []
         table.add_row(f"{turn}", f"{of_pass}", bolt, f"{setting:.5g}", f"{share:.1%}", *torque)
     console.print(table)
-    before, after = plan.reached_unplanned, plan.reached
+    unplanned, reached = plan.reached_unplanned, plan.reached
     console.print(
-        f"All bolts end within {abs(after - 1).max():.2%} of their preloads. One round straight to "
-        f"the preloads, in this order, would leave them at {before.min():.1%} to "
-        f"{before.max():.1%}.",
+        f"All bolts end within {abs(reached - 1).max():.2%} of their preloads. One round straight "
+        f"to the preloads, in this order, would leave them at {unplanned.min():.1%} to "
+        f"{unplanned.max():.1%}.",
         soft_wrap=True,
     )

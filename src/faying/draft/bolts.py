@@ -87,14 +87,14 @@ def clamping_lines(assembly: Assembly, normals: Sequence[Vector]) -> list[Line]:
         Of the faces of different bodies that face each other; springs along them may be bolts.
     """
     beams = [tuple(chain) for chain in _chains(assembly)]
-    found = [Line(elements=one, spring=False) for one in beams if _clamps(assembly, one)]
-    if found or len(beams) > MOST_CHAINS:
-        return found
-    springs = [(one,) for one in _lone_springs(assembly, normals)]
+    lines = [Line(elements=beam, spring=False) for beam in beams if _clamps(assembly, beam)]
+    if lines or len(beams) > MOST_CHAINS:
+        return lines
+    springs = [(beam,) for beam in _lone_springs(assembly, normals)]
     return [
-        Line(elements=one, spring=True)
-        for one in springs
-        if len(springs) <= MOST_CHAINS and _clamps(assembly, one)
+        Line(elements=beam, spring=True)
+        for beam in springs
+        if len(springs) <= MOST_CHAINS and _clamps(assembly, beam)
     ]
 
 
@@ -114,12 +114,14 @@ def _chains(assembly: Assembly) -> list[list[int]]:
     if not assembly.beams:
         return []
     ends = np.array([beam.nodes for beam in assembly.beams])
-    nodes, at = np.unique(ends, return_inverse=True)
-    at = at.reshape(ends.shape)
-    graph = sp.coo_array((np.ones(len(ends)), (at[:, 0], at[:, 1])), shape=(len(nodes),) * 2)
+    nodes, columns = np.unique(ends, return_inverse=True)
+    columns = columns.reshape(ends.shape)
+    graph = sp.coo_array(
+        (np.ones(len(ends)), (columns[:, 0], columns[:, 1])), shape=(len(nodes),) * 2
+    )
     _, label = connected_components(graph.tocsr(), directed=False)
     chains: dict[int, list[int]] = defaultdict(list)
-    for beam, chain in zip(assembly.beams, label[at[:, 0]].tolist(), strict=True):
+    for beam, chain in zip(assembly.beams, label[columns[:, 0]].tolist(), strict=True):
         chains[chain].append(beam.id)
     return list(chains.values())
 
@@ -132,7 +134,7 @@ def _lone_springs(assembly: Assembly, normals: Sequence[Vector]) -> list[int]:
         if len(nodes) == 2:
             between[nodes].append(spring)
     alone = [springs[0] for springs in between.values() if len(springs) == 1]
-    return [one.id for one in alone if _across(one, normals)]
+    return [lone.id for lone in alone if _across(lone, normals)]
 
 
 def _across(spring: Spring, normals: Sequence[Vector]) -> bool:
@@ -141,58 +143,58 @@ def _across(spring: Spring, normals: Sequence[Vector]) -> bool:
     return max(along, default=0.0) > ACROSS
 
 
-def holes_in_line(found: Cylinders) -> list[Hole]:
+def holes_in_line(cylinders: Cylinders) -> list[Hole]:
     """Find the holes of at least two bodies that lie on one axis, end to end.
 
     Notes
     -----
     All pairs of cylinders are compared.
     """
-    holes = np.flatnonzero(found.holes)
+    holes = np.flatnonzero(cylinders.holes)
     if len(holes) < 2:
         return []
-    sizes = found.radii[holes]
-    similar = sizes[:, None] <= SIMILAR * sizes[None]
-    linked = _in_line(found, holes, holes) & similar & similar.T
+    sizes = cylinders.radii[holes]
+    comparable = sizes[:, None] <= SIMILAR * sizes[None]
+    linked = _in_line(cylinders, holes, holes) & comparable & comparable.T
     _, label = connected_components(sp.csr_array(linked), directed=False)
     lines = []
     for number in np.unique(label):  # bolts, of which there are few
         members = holes[label == number]
-        if len(np.unique(found.bodies[members])) > 1:
-            lines.append(_hole(found, members))
-    return sorted(lines, key=lambda one: (one.radius, one.ends))
+        if len(np.unique(cylinders.bodies[members])) > 1:
+            lines.append(_hole(cylinders, members))
+    return sorted(lines, key=lambda hole: (hole.radius, hole.ends))
 
 
-def _in_line(found: Cylinders, some: Indices, others: Indices) -> Mask:
+def _in_line(cylinders: Cylinders, first: Indices, others: Indices) -> Mask:
     """Tell which cylinders (n_some, n_other) share an axis and follow each other on it."""
-    axes, points = found.axes[some], found.points[some]
-    away = found.points[others][None] - points[:, None]
+    axes, points = cylinders.axes[first], cylinders.points[first]
+    away = cylinders.points[others][None] - points[:, None]
     along = np.einsum("abd,ad->ab", away, axes)
     aside = np.linalg.norm(away - along[..., None] * axes[:, None], axis=2)
-    radius = np.minimum(found.radii[some][:, None], found.radii[others][None])
-    parallel = np.abs(axes @ found.axes[others].T) > PARALLEL
-    low, high = found.spans[some].T
-    other_low, other_high = found.spans[others].T
+    radius = np.minimum(cylinders.radii[first][:, None], cylinders.radii[others][None])
+    parallel = np.abs(axes @ cylinders.axes[others].T) > PARALLEL
+    low, high = cylinders.spans[first].T
+    other_low, other_high = cylinders.spans[others].T
     apart = np.maximum(
         along + other_low[None] - high[:, None], low[:, None] - along - other_high[None]
     )
     return np.asarray(parallel & (aside < ASIDE * radius) & (apart <= radius))
 
 
-def _hole(found: Cylinders, members: Indices) -> Hole:
+def _hole(cylinders: Cylinders, members: Indices) -> Hole:
     first = members[0]
-    origin, axis = found.points[first], found.axes[first]
-    along = (found.points[members] - origin) @ axis
-    low = float((along + found.spans[members, 0]).min())
-    high = float((along + found.spans[members, 1]).max())
-    inside = np.flatnonzero(~found.holes)
-    shank = _in_line(found, members, inside).any(axis=0)
-    shank &= found.radii[inside] <= found.radii[members].min() * (1 + SAME_SIZE)
-    ends = [tuple((origin + place * axis).tolist()) for place in (low, high)]
+    origin, axis = cylinders.points[first], cylinders.axes[first]
+    along = (cylinders.points[members] - origin) @ axis
+    low = float((along + cylinders.spans[members, 0]).min())
+    high = float((along + cylinders.spans[members, 1]).max())
+    inside = np.flatnonzero(~cylinders.holes)
+    shank = _in_line(cylinders, members, inside).any(axis=0)
+    shank &= cylinders.radii[inside] <= cylinders.radii[members].min() * (1 + SAME_SIZE)
+    ends = [tuple((origin + position * axis).tolist()) for position in (low, high)]
     return Hole(
-        bodies=tuple(np.unique(found.bodies[members]).tolist()),
+        bodies=tuple(np.unique(cylinders.bodies[members]).tolist()),
         ends=(ends[0], ends[1]),
-        radius=float(found.radii[members].min()),
+        radius=float(cylinders.radii[members].min()),
         filled=bool(shank.any()),
     )
 

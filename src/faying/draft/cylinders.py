@@ -95,9 +95,9 @@ def _smooth_faces(facets: Facets, normals: Matrix) -> tuple[int, Indices]:
     order = np.lexsort(edges.T)
     edges, owner = edges[order], owner[order]
     same = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
-    one, other = owner[same], owner[same + 1]
-    smooth = np.einsum("nd,nd->n", normals[one], normals[other]) > SMOOTH
-    links = (np.ones(int(smooth.sum()), dtype=np.int8), (one[smooth], other[smooth]))
+    left, right = owner[same], owner[same + 1]
+    smooth = np.einsum("nd,nd->n", normals[left], normals[right]) > SMOOTH
+    links = (np.ones(int(smooth.sum()), dtype=np.int8), (left[smooth], right[smooth]))
     graph = sp.coo_array(links, shape=(len(facets), len(facets)))
     count, label = connected_components(graph.tocsr(), directed=False)
     return int(count), label
@@ -178,12 +178,12 @@ def _fitted(
     )
     body = np.zeros(n, dtype=np.int64)
     body[of] = facets.bodies[rows]
-    kept = np.flatnonzero(error <= ROUND * radii)
+    round_ones = np.flatnonzero(error <= ROUND * radii)
     return Cylinders(
-        bodies=body[kept],
-        holes=(np.bincount(of, outward, n) < 0)[kept],
-        points=points[kept],
-        axes=axes[kept],
-        radii=radii[kept],
-        spans=np.column_stack([low, high])[kept],
+        bodies=body[round_ones],
+        holes=(np.bincount(of, outward, n) < 0)[round_ones],
+        points=points[round_ones],
+        axes=axes[round_ones],
+        radii=radii[round_ones],
+        spans=np.column_stack([low, high])[round_ones],
     )

@@ -107,18 +107,18 @@ def _findings(look: Look) -> Findings:
     """Look for interfaces, bolts, supports and loads where the file does not say them."""
     described, assembly = look.described, look.described.assembly
     faces = facing_bodies(assembly)
-    faces.sort(key=lambda one: (not one.touching, -one.area))
-    touching = sum(one.touching for one in faces)
+    faces.sort(key=lambda face: (not face.touching, -face.area))
+    touching = sum(face.touching for face in faces)
     active = 0 if described.has_joined_faces else touching or len(faces)
-    contact = np.unique(np.concatenate([np.empty(0, np.int64), *(one.nodes for one in faces)]))
-    bolts, holes, made, along = _bolts(look, [np.array(one.normal) for one in faces])
+    contact = np.unique(np.concatenate([np.empty(0, np.int64), *(face.nodes for face in faces)]))
+    bolts, holes, new_bolts, along = _bolts(look, [np.array(face.normal) for face in faces])
     found = Findings(
         look=look,
         faces=tuple(faces),
         active=0 if described.interfaces else active,
         bolts=tuple(bolts),
         holes=tuple(holes),
-        made=tuple(made),
+        made=tuple(new_bolts),
     )
     if not assembly.supports:
         names = named(assembly.mesh, HELD)
@@ -135,9 +135,9 @@ def _bolts(
     """Return bolts, holes that may be those of others, those made use of, and where one points."""
     described, assembly = look.described, look.described.assembly
     if described.bolts:
-        told = {*described.preloads, *described.initial_forces}
-        untold = [one for one in described.bolts if one.name not in told]
-        entries = [BoltEntry(name=one.name, preload=_strained(assembly, one)) for one in untold]
+        preloaded = {*described.preloads, *described.initial_forces}
+        untold = [bolt for bolt in described.bolts if bolt.name not in preloaded]
+        entries = [BoltEntry(name=bolt.name, preload=_strained(assembly, bolt)) for bolt in untold]
         return entries, [], [], _pointing(assembly, described.bolts[0])
     entries, specs = [], []
     for number, line in enumerate(clamping_lines(assembly, normals), start=1):
@@ -154,7 +154,7 @@ def _bolts(
     if specs:
         return entries, holes, [], _pointing(assembly, specs[0])
     # Where shanks are of solids, another hole is no place for a bolt but a bore.
-    empty = [] if any(one.filled for one in holes) else pattern(holes)
+    empty = [] if any(bolt.filled for bolt in holes) else pattern(holes)
     strained = STRAIN * _modulus(assembly)
     for number, hole in enumerate(empty, start=1):
         entries.append(
@@ -165,7 +165,7 @@ def _bolts(
             )
         )
     along = _vector(np.array(empty[0].ends[1]) - empty[0].ends[0]) if empty else None
-    return entries, [one for one in holes if one not in empty], empty, along
+    return entries, [bolt for bolt in holes if bolt not in empty], empty, along
 
 
 def _pointing(assembly: Assembly, spec: BoltSpec) -> Direction:
@@ -193,29 +193,36 @@ def _strained(assembly: Assembly, spec: BoltSpec) -> float:
     return 0.0
 
 
-def _loaded(found: Findings, contact: Indices, along: Direction) -> Findings:
+def _loaded(findings: Findings, contact: Indices, along: Direction) -> Findings:
     """Add where a load enters, and one that is small against the preloads."""
-    look, assembly = found.look, found.look.described.assembly
+    look, assembly = findings.look, findings.look.described.assembly
     mesh = assembly.mesh
-    given = [*look.described.preloads.values(), *(one.preload or 0.0 for one in found.bolts)]
-    extent = float(np.ptp(mesh.nodes, axis=0).max())
-    force = SHARE * sum(given) or SOFT * _modulus(assembly) * extent**2
-    by_name = [one for one in named(mesh, LOADED) if one not in found.held and _is_face(mesh, one)]
-    free = _movable(found)
-    # The surface of a cut through a bolt has the bolt's name.
-    taken = [*found.held, *(one.name for one in look.described.bolts)]
-    sets = [
-        one
-        for one in (*by_name, *loose_groups(assembly, taken, contact))
-        if free[nodes_of_set(assembly, one)].any()
+    preloads = [
+        *look.described.preloads.values(),
+        *(entry.preload or 0.0 for entry in findings.bolts),
     ]
-    fixed = np.union1d(_held_nodes(found), np.flatnonzero(~free.any(axis=1)))
+    extent = float(np.ptp(mesh.nodes, axis=0).max())
+    force = SHARE * sum(preloads) or SOFT * _modulus(assembly) * extent**2
+    by_name = [
+        entry
+        for entry in named(mesh, LOADED)
+        if entry not in findings.held and _is_face(mesh, entry)
+    ]
+    free = _movable(findings)
+    # The surface of a cut through a bolt has the bolt's name.
+    used = [*findings.held, *(entry.name for entry in look.described.bolts)]
+    sets = [
+        entry
+        for entry in (*by_name, *loose_groups(assembly, used, contact))
+        if free[nodes_of_set(assembly, entry)].any()
+    ]
+    fixed = np.union1d(_held_nodes(findings), np.flatnonzero(~free.any(axis=1)))
     node = None if sets else far_node(assembly, fixed, contact)
     nodes = nodes_of_set(assembly, sets[0]) if sets else np.empty(0, dtype=np.int64)
     nodes = mesh.node_index(np.array([node])) if node is not None else nodes
     reach = np.abs(along) + 2.0 * free[nodes].any(axis=0)
     return replace(
-        found,
+        findings,
         loaded_set=sets[0] if sets else None,
         loaded_node=node,
         component=FORCE_NAMES[int(reach.argmax())],
@@ -228,14 +235,14 @@ def _is_face(mesh: Mesh, name: str) -> bool:
     return len(mesh.node_sets[name]) > 2
 
 
-def _movable(found: Findings) -> Mask:
+def _movable(findings: Findings) -> Mask:
     """Mark the translations (n_node, 3) that can take a load; all where constraints contradict."""
-    assembly, mesh = found.look.described.assembly, found.look.mesh
-    held = [(nodes_of_set(assembly, name), [*range(6)]) for name in found.held]
-    for pin in found.pins:
+    assembly, mesh = findings.look.described.assembly, findings.look.mesh
+    fixed = [(nodes_of_set(assembly, name), [*range(6)]) for name in findings.held]
+    for pin in findings.pins:
         components = [DISPLACEMENT_NAMES.index(name) for name in pin.components]
-        held.append((mesh.node_index(np.array([pin.node])), components))
-    assembly = with_held_nodes(assembly, held)
+        fixed.append((mesh.node_index(np.array([pin.node])), components))
+    assembly = with_held_nodes(assembly, fixed)
     try:
         movable = movable_components(assembly, used_components(assembly))
     except FayingError:
@@ -243,9 +250,9 @@ def _movable(found: Findings) -> Mask:
     return movable.reshape(-1, 6)[:, :3]
 
 
-def _held_nodes(found: Findings) -> Indices:
-    mesh, supports = found.look.mesh, found.look.described.assembly.supports
-    nodes = [mesh.node_sets[name] for name in found.held]
-    nodes += [one.nodes for one in supports]
-    nodes += [mesh.node_index(np.array([pin.node])) for pin in found.pins]
+def _held_nodes(findings: Findings) -> Indices:
+    mesh, supports = findings.look.mesh, findings.look.described.assembly.supports
+    nodes = [mesh.node_sets[name] for name in findings.held]
+    nodes += [support.nodes for support in supports]
+    nodes += [mesh.node_index(np.array([pin.node])) for pin in findings.pins]
     return np.unique(np.concatenate([np.empty(0, dtype=np.int64), *nodes]))

@@ -63,15 +63,15 @@ def pins(assembly: Assembly, contact: Indices) -> list[Pin]:
     ]
 
 
-def far_node(assembly: Assembly, held: Indices, contact: Indices) -> int | None:
+def far_node(assembly: Assembly, fixed: Indices, contact: Indices) -> int | None:
     """Return the id of the node of the outside that is farthest from what is held."""
     mesh = assembly.mesh
     usable = _outside(assembly, contact)
-    usable[held] = False
+    usable[fixed] = False
     rows = np.flatnonzero(usable)
     if not len(rows):
         return None
-    centre = mesh.nodes[held].mean(axis=0) if len(held) else mesh.nodes[rows].mean(axis=0)
+    centre = mesh.nodes[fixed].mean(axis=0) if len(fixed) else mesh.nodes[rows].mean(axis=0)
     far = np.linalg.norm(mesh.nodes[rows] - centre, axis=1).argmax()
     return int(mesh.node_ids[rows[far]])
 
@@ -89,13 +89,13 @@ def _outside(assembly: Assembly, contact: Indices) -> Mask:
     return usable
 
 
-def loose_groups(assembly: Assembly, taken: list[str], contact: Indices) -> list[str]:
+def loose_groups(assembly: Assembly, used: list[str], contact: Indices) -> list[str]:
     """Return the face sets that are neither taken nor touch another body."""
     inside = np.zeros(len(assembly.mesh.nodes) + 1, dtype=bool)
     inside[contact] = True
-    found = []
+    groups = []
     for name in assembly.face_sets:
         nodes = np.unique(select_facets(assembly, name).corners)
-        if name not in taken and not inside[nodes].all():
-            found.append(name)
-    return found
+        if name not in used and not inside[nodes].all():
+            groups.append(name)
+    return groups

@@ -1,6 +1,6 @@
 """What a file says by itself: the deck's joint, or the mesh with stand-ins for what it lacks."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -80,7 +80,7 @@ def look_at(path: Path, ignore: Sequence[str] = ()) -> Look:
             described = source.read(keys)
             check_surfaces(described, path)
             materials = described.assembly.materials
-            units = next((one for one in UNITS if not [*doubts(materials, one)]), UNITS[0])
+            units = _unit_set(materials)
             return Look(
                 path=path,
                 source=source.name,
@@ -94,12 +94,17 @@ def look_at(path: Path, ignore: Sequence[str] = ()) -> Look:
     return _mesh(path)
 
 
+def _unit_set(materials: Mapping[int, Material]) -> str:
+    """Return the first of :data:`UNITS` in which materials can be those of solids."""
+    return next((units for units in UNITS if not [*doubts(materials, units)]), UNITS[0])
+
+
 def _mesh(path: Path) -> Look:
     """Read a mesh, with materials of its own or steel."""
     stand_in: Material | None = None
     try:
         assembly = read_mesh_file(path, materials={})
-        units = next((one for one in UNITS if not [*doubts(assembly.materials, one)]), UNITS[0])
+        units = _unit_set(assembly.materials)
     except FormatError:
         # Whatever else is wrong with it is told by the second reading.
         assembly = read_mesh_file(path, materials={ANY_GROUP: STEELS["mm-t-s"]})

@@ -95,7 +95,7 @@ class Findings:
 
 
 def study_text(
-    found: Findings, target: Path, built: Mapping[str, Interface], problem: str = ""
+    findings: Findings, target: Path, built: Mapping[str, Interface], problem: str = ""
 ) -> str:
     """Return the study.
 
@@ -110,20 +110,20 @@ def study_text(
     """
     lines = [f"#:schema {EDITOR_SCHEMA.as_uri()}"]
     lines += _comment(
-        f"Begun by faying init from {found.look.path.name}. What that does not say is marked with "
-        f"the word {MARK[:-1]}: search for it, decide, and take the mark away. faying check "
+        f"Begun by faying init from {findings.look.path.name}. What that does not say is marked "
+        f"with the word {MARK[:-1]}: search for it, decide, and take the mark away. faying check "
         f"{target.name} tells what was understood, faying run {target.name} computes it."
     )
     if problem:
         lines += _comment(f"{MARK} it does not run yet: {problem}")
     sections: tuple[Iterable[str], ...] = (
-        _head(found, target, built),
-        _materials(found.look),
-        _interfaces(found, built),
-        _bolts(found),
-        _held(found),
-        _loads(found),
-        _rest(found, built),
+        _head(findings, target, built),
+        _materials(findings.look),
+        _interfaces(findings, built),
+        _bolts(findings),
+        _held(findings),
+        _loads(findings),
+        _rest(findings, built),
     )
     for section in sections:
         lines += ["", *section]
@@ -135,8 +135,8 @@ def _comment(text: str) -> list[str]:
     return [f"# {line}" for line in textwrap.wrap(text, WIDTH, break_long_words=False)]
 
 
-def _head(found: Findings, target: Path, built: Mapping[str, Interface]) -> Iterator[str]:
-    look, mesh = found.look, found.look.mesh
+def _head(findings: Findings, target: Path, built: Mapping[str, Interface]) -> Iterator[str]:
+    look, mesh = findings.look, findings.look.mesh
     yield f"title = {quoted(look.path.stem)}"
     yield f'units = "{look.units}"  # {MARK} the file does not say; suits its materials or size'
     yield ""
@@ -148,8 +148,8 @@ def _head(found: Findings, target: Path, built: Mapping[str, Interface]) -> Iter
     if look.separate:
         names = ", ".join(map(quoted, look.separate))
         yield f"separate = [{names}]  # {MARK} parts that touch; they share nodes in the mesh"
-    if found.weak_springs:
-        rubs = any(one.law.friction > 0 for one in built.values())
+    if findings.weak_springs:
+        rubs = any(interface.law.friction > 0 for interface in built.values())
         why = "and friction hold some body" if rubs else "alone holds some body; give it friction"
         yield f'weak_springs = "auto"  # {MARK} contact {why}, or support it'
     parts = [quoted(name) for name in body_names(mesh)]
@@ -174,17 +174,17 @@ def _materials(look: Look) -> Iterator[str]:
         yield f"rho = {_number(look.stand_in.density)}"
         return
     constants = [
-        f"{one.name or number}: E {one.youngs_modulus:g}, nu {one.poissons_ratio:g}, "
-        f"rho {one.density:g}"
-        for number, one in look.described.assembly.materials.items()
+        f"{solid.name or number}: E {solid.youngs_modulus:g}, nu {solid.poissons_ratio:g}, "
+        f"rho {solid.density:g}"
+        for number, solid in look.described.assembly.materials.items()
     ]
     shown = "; ".join(list(dict.fromkeys(constants))[:10])
     if shown:
         yield from _comment(f"Materials of the file, which [material.NAME] overrides: {shown}")
 
 
-def _interfaces(found: Findings, built: Mapping[str, Interface]) -> Iterator[str]:
-    declared = found.look.described.interfaces
+def _interfaces(findings: Findings, built: Mapping[str, Interface]) -> Iterator[str]:
+    declared = findings.look.described.interfaces
     if declared:
         yield "# Contact the file declares; an [[interface]] of the same name overrides its keys."
         for spec in declared:
@@ -192,53 +192,53 @@ def _interfaces(found: Findings, built: Mapping[str, Interface]) -> Iterator[str
                 f"  {spec.name}: minus {spec.minus}, plus {spec.plus}{_facts(spec.name, built)}"
             )
         return
-    names = body_names(found.look.mesh)
-    if not found.faces:
+    names = body_names(findings.look.mesh)
+    if not findings.faces:
         yield from _comment(f"{MARK} no faces of different bodies face each other: no interface")
-    if found.look.described.has_joined_faces and found.faces:
+    if findings.look.described.has_joined_faces and findings.faces:
         yield from _comment(
             f"{MARK} bodies are tied or cut at bolts, so that faces below may be joined already"
         )
-    for number, one in enumerate(found.faces):
-        name = "joint" if found.active == 1 and number == 0 else f"joint-{number + 1}"
-        gap = f"gap {one.gap[0]:.3g} to {one.gap[1]:.3g}"
-        off = "" if number < found.active else "# "
+    for number, face in enumerate(findings.faces):
+        name = "joint" if findings.active == 1 and number == 0 else f"joint-{number + 1}"
+        gap = f"gap {face.gap[0]:.3g} to {face.gap[1]:.3g}"
+        off = "" if number < findings.active else "# "
         if off:
-            yield from _comment(f"{MARK} also near each other, area {one.area:.5g}, {gap}:")
+            yield from _comment(f"{MARK} also near each other, area {face.area:.5g}, {gap}:")
         yield f"{off}[[interface]]"
         yield f"{off}name = {quoted(name)}" + ("" if off else _trailing(name, built))
-        yield f"{off}minus = {quoted(_body(names, found, one.minus))}"
-        yield f"{off}plus = {quoted(_body(names, found, one.plus))}"
-        if not one.matching:
+        yield f"{off}minus = {quoted(_body(names, findings, face.minus))}"
+        yield f"{off}plus = {quoted(_body(names, findings, face.plus))}"
+        if not face.matching:
             yield f'{off}meshes = "non-matching"'
-        if not one.touching:
-            yield f"{off}search_distance = {_number(1.01 * one.gap[1])}  # {MARK} {gap}"
+        if not face.touching:
+            yield f"{off}search_distance = {_number(1.01 * face.gap[1])}  # {MARK} {gap}"
         if not off:
             yield 'penalty = "auto"  # or "hard", or a number'
         yield ""
 
 
-def _body(names: Sequence[str], found: Findings, number: int) -> str:
+def _body(names: Sequence[str], findings: Findings, number: int) -> str:
     """Return what selects a body: the set that is all of it, or its number."""
     name = names[number]
-    taken = {*found.look.described.assembly.face_sets, *found.look.mesh.node_sets}
-    return f"body {number}" if name in taken else name
+    used = {*findings.look.described.assembly.face_sets, *findings.look.mesh.node_sets}
+    return f"body {number}" if name in used else name
 
 
 def _facts(name: str, built: Mapping[str, Interface]) -> str:
-    one = built.get(name)
-    if one is None:
+    interface = built.get(name)
+    if interface is None:
         return ""
-    least, most = float(one.initial_gap.min()), float(one.initial_gap.max())
-    return f"; area {one.area:.5g}, gap {least:.3g} to {most:.3g}, {one.law.name}"
+    smallest, largest = float(interface.initial_gap.min()), float(interface.initial_gap.max())
+    return f"; area {interface.area:.5g}, gap {smallest:.3g} to {largest:.3g}, {interface.law.name}"
 
 
 def _trailing(name: str, built: Mapping[str, Interface]) -> str:
     return f"  # {_facts(name, built)[2:]}" if name in built else ""
 
 
-def _bolts(found: Findings) -> Iterator[str]:
-    described = found.look.described
+def _bolts(findings: Findings) -> Iterator[str]:
+    described = findings.look.described
     for spec in described.bolts:
         for kind, forces in (
             ("preload", described.preloads),
@@ -249,17 +249,17 @@ def _bolts(found: Findings) -> Iterator[str]:
                     f"Bolt of the file: {spec.name}, {kind} {forces[spec.name]:g}; a [[bolt]] of "
                     f"that name with another {kind} overrides it"
                 )
-    if found.made:
+    if findings.made:
         measures = (
             f"their diameter is {DIAMETER:g} of the hole's, the radius of washers {WASHER:g} of it"
-            if size_of(found.made[0], found.look.units) is None
+            if size_of(findings.made[0], findings.look.units) is None
             else "clearance holes of ISO 273; heads are hexagons unless 'head' says otherwise"
         )
         yield from _comment(
-            f"{MARK} bolts are made for holes in line, of radius {found.made[0].radius:.4g}: "
+            f"{MARK} bolts are made for holes in line, of radius {findings.made[0].radius:.4g}: "
             f"{measures}"
         )
-    for bolt in found.bolts:
+    for bolt in findings.bolts:
         yield "[[bolt]]"
         yield f"name = {quoted(bolt.name)}" + (f"  # {bolt.remark}" if bolt.remark else "")
         for key, value in bolt.keys.items():
@@ -268,7 +268,7 @@ def _bolts(found: Findings) -> Iterator[str]:
             text = f"a placeholder, {STRAIN:.2%} strain of the shank" if bolt.preload else "unknown"
             yield f"preload = {_number(bolt.preload)}  # {MARK} {text}"
         yield ""
-    for hole in found.holes:
+    for hole in findings.holes:
         said = (
             f"holes of several bodies in line, radius {hole.radius:.4g}, not tightened; a bolt "
             "there would be"
@@ -280,9 +280,9 @@ def _bolts(found: Findings) -> Iterator[str]:
                 "and take"
             )
         yield from _comment(f"{MARK} {said}")
-        for key, value in hole_keys(hole, found.look.units).items():
+        for key, value in hole_keys(hole, findings.look.units).items():
             yield f"#   {key} = {value}"
-    if not (described.bolts or found.bolts or found.holes):
+    if not (described.bolts or findings.bolts or findings.holes):
         yield from _comment(f"{MARK} no bolt was found; [[bolt]] tightens beams, or makes one")
 
 
@@ -308,30 +308,30 @@ def _number(value: float) -> str:
     return text if set(text) & set(".en") else f"{text}.0"
 
 
-def _held(found: Findings) -> Iterator[str]:
-    mesh, supports = found.look.mesh, found.look.described.assembly.supports
+def _held(findings: Findings) -> Iterator[str]:
+    mesh, supports = findings.look.mesh, findings.look.described.assembly.supports
     if supports:
-        count = len(np.unique(np.concatenate([one.nodes for one in supports])))
+        count = len(np.unique(np.concatenate([support.nodes for support in supports])))
         yield from _comment(f"The file holds {count} nodes; [[support]] holds more")
-    for name in found.held:
+    for name in findings.held:
         yield "[[support]]"
         yield f"set = {quoted(name)}  # {MARK} held only for its name"
         yield ""
-    if found.pins:
+    if findings.pins:
         sets = ", ".join(map(quoted, [*mesh.node_sets][:12])) or "none"
         yield from _comment(
             f"{MARK} nothing says what is held. These three nodes keep the largest body in place "
             f"and nothing more; hold a set instead (there are: {sets})"
         )
-    for pin in found.pins:
+    for pin in findings.pins:
         yield "[[support]]"
         yield f"node = {pin.node}"
         yield f"components = [{', '.join(map(quoted, pin.components))}]"
         yield ""
 
 
-def _loads(found: Findings) -> Iterator[str]:
-    described = found.look.described
+def _loads(findings: Findings) -> Iterator[str]:
+    described = findings.look.described
     loads = [*described.assembly.loads]
     if described.selected_load in loads:
         loads.sort(key=lambda name: name != described.selected_load)
@@ -343,29 +343,31 @@ def _loads(found: Findings) -> Iterator[str]:
         yield f"forces = [{{ deck_load = {quoted(name)}, value = 1.0 }}]"
         yield ""
     if len(loads) > MOST_LOADS:
-        rest = ", ".join(map(quoted, loads[MOST_LOADS:][:20]))
-        yield from _comment(f"{MARK} loads of the file without a load case: {rest}")
-    if loads or (found.loaded_set is None and found.loaded_node is None):
+        more = ", ".join(map(quoted, loads[MOST_LOADS:][:20]))
+        yield from _comment(f"{MARK} loads of the file without a load case: {more}")
+    if loads or (findings.loaded_set is None and findings.loaded_node is None):
         return
     yield "[[boundary]]"
     yield 'name = "load"'
-    if found.loaded_set is not None:
-        yield f"set = {quoted(found.loaded_set)}  # {MARK} where the load enters"
+    if findings.loaded_set is not None:
+        yield f"set = {quoted(findings.loaded_set)}  # {MARK} where the load enters"
         yield 'coupling = "rbe3"'
     else:
-        yield f"node = {found.loaded_node}  # {MARK} where the load enters"
+        yield f"node = {findings.loaded_node}  # {MARK} where the load enters"
     yield ""
     yield "[[load_case]]"
     yield 'name = "load"'
     yield 'kind = "static"'
-    force = f'boundary = "load", component = "{found.component}", value = {_number(found.force)}'
+    force = (
+        f'boundary = "load", component = "{findings.component}", value = {_number(findings.force)}'
+    )
     yield f"forces = [{{ {force} }}]  # {MARK} a placeholder"
 
 
-def _rest(found: Findings, built: Mapping[str, Interface]) -> Iterator[str]:
+def _rest(findings: Findings, built: Mapping[str, Interface]) -> Iterator[str]:
     yield "[reduction]"
     yield "normal_modes = 10"
-    if any(np.isinf(one.penalty) and one.law.friction > 0 for one in built.values()):
+    if any(np.isinf(face.penalty) and face.law.friction > 0 for face in built.values()):
         yield from _comment(
             "A basis alone, as that of craig-bampton, has fewer displacements than hard contact "
             "has points: with friction these may contradict each other, and no solution exists"
@@ -381,7 +383,7 @@ def _rest(found: Findings, built: Mapping[str, Interface]) -> Iterator[str]:
         f"{MARK} what the joint must hold in every load case; faying run then ends with status 3 "
         "where it does not"
     )
-    units = units_of(found.look.units)
+    units = units_of(findings.look.units)
     yield "# [requirement]"
     yield f"# min_clamp_force = ?  # [{units.force}]"
     yield f"# max_pressure = ?  # [{units.pressure}]"

@@ -119,9 +119,9 @@ def run_grouped_campaign(
             if store.has(keys[name]):
                 progress(name)
     failures: dict[str, Failure] = {}
-    found = _outcomes(prepare, groups, set(missing), executor or SerialExecutor())
-    with closing(found):  # else workers would go on as long as somebody looks at the error
-        for name, outcome in found:
+    outcomes = _outcomes(prepare, groups, set(missing), executor or SerialExecutor())
+    with closing(outcomes):  # else workers would go on as long as somebody looks at the error
+        for name, outcome in outcomes:
             if isinstance(outcome, Failure):
                 failures[name] = outcome
                 continue
@@ -172,15 +172,15 @@ def _outcomes(
     todo = [group for group in groups if not missing.isdisjoint(group)]
     if not todo:
         return
-    wanted = [[place for place, name in enumerate(group) if name in missing] for group in todo]
+    asked = [[order for order, name in enumerate(group) if name in missing] for group in todo]
     names = [[name for name in group if name in missing] for group in todo]
     sent: list[Group] = [
-        (list(group.values()), places) for group, places in zip(todo, wanted, strict=True)
+        (list(group.values()), places) for group, places in zip(todo, asked, strict=True)
     ]
-    found = executor.map(partial(_guarded, prepare), sent)
-    with closing(found):
+    results = executor.map(partial(_guarded, prepare), sent)
+    with closing(results):
         try:
-            for number, outcomes in found:
+            for number, outcomes in results:
                 for name, outcome in zip(names[number], outcomes, strict=True):
                     if isinstance(outcome, Failure) and outcome.preparing:
                         raise _error(outcome, "")
@@ -192,10 +192,10 @@ def _outcomes(
 
 
 def _lost(n_together: int) -> Failure:
-    several = f" or let fewer than {n_together} go side by side" if n_together > 1 else ""
+    fewer = f" or let fewer than {n_together} go side by side" if n_together > 1 else ""
     text = (
         "every worker that tried it died; one that runs out of memory dies like this, "
-        f"give each more of it{several}"
+        f"give each more of it{fewer}"
     )
     return Failure("CampaignError", text)
 
@@ -209,17 +209,17 @@ def _guarded(prepare: Prepare) -> Callable[[Group], list[Arrays | Failure]]:
         return lambda group: [failure] * len(group[1])
 
     def attempt(group: Group) -> list[Arrays | Failure]:
-        tasks, wanted = group
+        tasks, places = group
         try:
             outcomes = list(map(_arrays, function(tasks)))
         except Exception as error:
             if len(tasks) == 1:
                 return [_failure(error, preparing=False)]
-            return [attempt(([tasks[place]], [0]))[0] for place in wanted]
+            return [attempt(([tasks[number]], [0]))[0] for number in places]
         if len(outcomes) != len(tasks):
             text = f"{len(tasks)} tasks gave {len(outcomes)} results; return one for each"
-            return [Failure("CampaignError", text)] * len(wanted)
-        return [outcomes[place] for place in wanted]
+            return [Failure("CampaignError", text)] * len(places)
+        return [outcomes[number] for number in places]
 
     return attempt
 
@@ -240,8 +240,8 @@ def _failure(error: Exception, *, preparing: bool) -> Failure:
     if isinstance(error, FayingError):
         return Failure(type(error).__name__, str(error), preparing)
     frames = traceback.extract_tb(error.__traceback__)
-    place = f" ({Path(frames[-1].filename).name}, line {frames[-1].lineno})" if frames else ""
-    text = f"{type(error).__name__}: {error}{place}"
+    line = f" ({Path(frames[-1].filename).name}, line {frames[-1].lineno})" if frames else ""
+    text = f"{type(error).__name__}: {error}{line}"
     return Failure("CampaignError", f"preparing failed, {text}" if preparing else text, preparing)
 
 
@@ -255,9 +255,9 @@ def _raised(failures: Mapping[str, Failure], names: Sequence[str]) -> FayingErro
     return _error(failures[first], f"task '{first}': ", more)
 
 
-def _error(failure: Failure, before: str, after: str = "") -> FayingError:
+def _error(failure: Failure, prefix: str, suffix: str = "") -> FayingError:
     kind = getattr(exceptions, failure.kind, CampaignError)
-    error: FayingError = kind(f"{before}{failure.message}{after}")
+    error: FayingError = kind(f"{prefix}{failure.message}{suffix}")
     return error
 
 

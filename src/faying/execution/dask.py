@@ -239,8 +239,8 @@ class _Map:
 
     def _answers(self, singly: Sequence[int]) -> Iterator[tuple[int, Any]]:
         """Send tasks one by one, what was not sent as soon as one is back, and yield results."""
-        for place in singly:
-            self._send((place,))
+        for task in singly:
+            self._send((task,))
         while self.sent:
             future = self._next()
             _, batch = self.sent.pop(future.key)
@@ -274,9 +274,9 @@ class _Map:
         suspects, lost = sorted(self.suspects), list[int]()
         if len(suspects) == 1:
             raise LostTasksError(suspects)
-        for place in suspects:
+        for task in suspects:
             self.suspects = []
-            yield from self._answers([place])
+            yield from self._answers([task])
             lost += self.suspects
         if lost:
             raise LostTasksError(lost)
@@ -293,7 +293,7 @@ class _Map:
             compute_batch,
             self.payload,
             self.digest,
-            [self.tasks[place] for place in places],
+            [self.tasks[task] for task in places],
             key=f"faying-task-{uuid.uuid4().hex}",
             pure=False,
             retries=2,

@@ -63,7 +63,7 @@ class LostTasksError(CampaignError):
 
     def __init__(self, places: Sequence[int]) -> None:
         self.places = tuple(places)
-        shown = ", ".join(str(place + 1) for place in self.places)
+        shown = ", ".join(str(task + 1) for task in self.places)
         message = (
             f"every worker that tried task number {shown} died, {FATAL_DEATHS} at least; a worker "
             "dies without a message where memory runs out: give each more of it"

@@ -48,8 +48,8 @@ def grouped(tasks: Mapping[str, T], size: int | None = None) -> list[dict[str, T
     return [dict(part) for part in even_parts(list(tasks.items()), size)]
 
 
-def even_parts(items: Sequence[T], most: int) -> list[Sequence[T]]:
-    """Divide a sequence into as few parts of at most ``most`` as there can be, evenly."""
-    count = ceil(len(items) / most)
+def even_parts(items: Sequence[T], size: int) -> list[Sequence[T]]:
+    """Divide a sequence into as few parts of at most ``size`` as there can be, evenly."""
+    count = ceil(len(items) / size)
     ends = [len(items) * part // max(count, 1) for part in range(count + 1)]
     return [items[start:end] for start, end in pairwise(ends)]

@@ -21,5 +21,5 @@ class SerialExecutor:
         if not tasks:
             return
         function = prepare()
-        for place, task in enumerate(tasks):
-            yield place, function(task)
+        for number, task in enumerate(tasks):
+            yield number, function(task)

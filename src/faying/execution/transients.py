@@ -110,9 +110,9 @@ def _prepare(
 ) -> Callable[[Sequence[Load]], Iterator[Arrays]]:
     """Build and factorize on a worker."""
     system = build()
-    solver, rest = transient_solver(system, step=step, integrator=integrator), at_rest(system)
+    solver, start = transient_solver(system, step=step, integrator=integrator), at_rest(system)
     # Nothing here may hold a solution: the histories of all that were beside it hang on it.
-    return lambda loads: map(take, step_responses(solver, loads, duration=duration, initial=rest))
+    return lambda loads: map(take, step_responses(solver, loads, duration=duration, initial=start))
 
 
 def step_responses(
@@ -124,8 +124,8 @@ def step_responses(
     progress: Callable[[int], object] | None = None,
 ) -> Iterator[Solution]:
     """Integrate responses from one state, as many side by side as have room in memory."""
-    most = runs_at_once(solver.system, round(duration / solver.step) + 1)
-    for part in even_parts(loads, most):
+    count = runs_at_once(solver.system, round(duration / solver.step) + 1)
+    for part in even_parts(loads, count):
         yield from solver.solve_cases(
             part,
             duration=duration,

@@ -37,10 +37,10 @@ def file_size(path: Path) -> int:
     OSError
         If it is no regular file; a pipe would be waited for.
     """
-    found = path.stat()
-    if not stat.S_ISREG(found.st_mode):
+    status = path.stat()
+    if not stat.S_ISREG(status.st_mode):
         raise OSError(errno.EINVAL, "it is a folder, device or pipe and no file", str(path))
-    return found.st_size
+    return status.st_size
 
 
 def file_text(path: Path, errors: str = "strict") -> str:

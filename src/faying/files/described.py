@@ -178,8 +178,8 @@ def _write(
         write_members(new_group(group, name, meaning), members, SPARSE, units)
     elif is_dataclass(value):
         table = next(tables[kind] for kind in inspect.getmro(type(value)) if kind in tables)
-        own = {name: getattr(value, name) for name in table}
-        write_members(new_group(group, name, meaning), own, table, units, tables)
+        inner_members = {name: getattr(value, name) for name in table}
+        write_members(new_group(group, name, meaning), inner_members, table, units, tables)
     elif isinstance(value, Mapping) or _is_list_of_values(value):
         inner = new_group(group, name, meaning)
         items = value.items() if isinstance(value, Mapping) else enumerate(value)
@@ -338,7 +338,7 @@ def read_member(node: h5py.Group | h5py.Dataset, hint: Any, tables: Mapping[type
         return _read_tuple(node, arguments, tables)
     if isinstance(origin, type) and issubclass(origin, Mapping):
         key: Callable[[str], Any] = arguments[0]
-        return {key(name): read_member(one, arguments[1], tables) for name, one in items(node)}
+        return {key(name): read_member(entry, arguments[1], tables) for name, entry in items(node)}
     if hint is str or origin is Literal:
         _check_kind(node, "OS", "a text", ndim=0)
         return node.asstr()[()]
@@ -353,7 +353,7 @@ def _read_tuple(
     node: h5py.Group | h5py.Dataset, arguments: tuple[Any, ...], tables: Mapping[type, Table]
 ) -> tuple[Any, ...]:
     if isinstance(node, h5py.Group):
-        return tuple(read_value(one, arguments[0], tables) for _, one in items(node))
+        return tuple(read_value(entry, arguments[0], tables) for _, entry in items(node))
     if node.size == 0:  # written as texts, whatever it would hold
         return ()
     _check_kind(node, "OS" if arguments[0] is str else "fiub", "a list", ndim=1)
@@ -364,7 +364,7 @@ def _check_kind(
     node: h5py.Group | h5py.Dataset, kinds: str, expected: str, ndim: int | None = None
 ) -> None:
     """Refuse a member that is of another kind."""
-    found = isinstance(node, h5py.Dataset) and node.dtype.kind in kinds
-    if not found or ndim not in (None, node.ndim):
+    matches = isinstance(node, h5py.Dataset) and node.dtype.kind in kinds
+    if not matches or ndim not in (None, node.ndim):
         message = f"'{node.name}' does not hold {expected}"
         raise ValueError(message)

@@ -26,7 +26,7 @@ def flattened(value: object) -> dict[str, Matrix]:
     {'tip/Fz': array(-500.), 'bolts': array(['a', 'b'], dtype='<U1')}
     """
     if is_dataclass(value):
-        members = {one.name: getattr(value, one.name) for one in fields(value)}
+        members = {entry.name: getattr(value, entry.name) for entry in fields(value)}
     elif isinstance(value, Mapping):
         members = {quote(str(name), safe=""): member for name, member in value.items()}
     elif isinstance(value, tuple) and value and is_dataclass(value[0]):
@@ -87,9 +87,9 @@ def _member(hint: Any, arrays: Mapping[str, Matrix]) -> Any:
         return restored(hint, arrays)  # type: ignore[arg-type]
     if _is_mapping(hint):
         inner = _grouped(arrays).items()
-        return {arguments[0](unquote(name)): _member(arguments[1], one) for name, one in inner}
+        return {arguments[0](unquote(name)): _member(arguments[1], parts) for name, parts in inner}
     if get_origin(hint) is tuple and "" not in arrays:
-        return tuple(_member(arguments[0], one) for one in _grouped(arrays).values())
+        return tuple(_member(arguments[0], parts) for parts in _grouped(arrays).values())
     array = arrays[""]
     if get_origin(hint) is tuple:
         return tuple(array.tolist())

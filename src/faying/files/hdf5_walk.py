@@ -55,39 +55,39 @@ def _check(file: h5py.File, path: Path, room: int | None, *, whole: bool) -> Non
     while groups:
         group = groups.pop()
         for name in group:
-            place = f"'{group.name.rstrip('/')}/{name}'"
+            entry = f"'{group.name.rstrip('/')}/{name}'"
             if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-                message = f"{place} is a link to another place; nothing but its own data is read"
+                message = f"{entry} is a link to another place; nothing but its own data is read"
                 raise ValueError(message)
             node = group[name]
             if h5py.h5o.get_info(node.id).rc > 1:
-                message = f"{place} has a second name, so its groups may go round in circles"
+                message = f"{entry} has a second name, so its groups may go round in circles"
                 raise ValueError(message)
             dict(node.attrs)
             if isinstance(node, h5py.Group):
                 groups.append(node)
                 continue
-            _require_own_data(node, place)
+            _require_own_data(node, entry)
             if whole:
-                total += _size(node, place, path, room)
+                total += _size(node, entry, path, room)
     check_fits(total, room, path)
 
 
-def _require_own_data(node: h5py.Dataset | h5py.Datatype, place: str) -> None:
+def _require_own_data(node: h5py.Dataset | h5py.Datatype, entry: str) -> None:
     if not isinstance(node, h5py.Dataset) or node.is_virtual or node.external:
-        message = f"{place} is no dataset that holds its own data"
+        message = f"{entry} is no dataset that holds its own data"
         raise ValueError(message)
 
 
-def _size(node: h5py.Dataset, place: str, path: Path, room: int | None) -> int:
+def _size(node: h5py.Dataset, entry: str, path: Path, room: int | None) -> int:
     """Bytes of a dataset in memory."""
     announced, stored = node.size * node.dtype.itemsize, node.id.get_storage_size()
     if announced > MOST_PACKED * stored:
-        message = f"{place} says shape {node.shape}, {announced:.3g} bytes, and holds {stored}"
+        message = f"{entry} says shape {node.shape}, {announced:.3g} bytes, and holds {stored}"
         raise ValueError(message)
     text = h5py.check_string_dtype(node.dtype)
     if (text is None and node.dtype.kind not in "fiub") or (text is not None and node.ndim > 1):
-        message = f"{place} holds neither numbers nor a list of texts"
+        message = f"{entry} holds neither numbers nor a list of texts"
         raise ValueError(message)
     if text is None or text.length is not None:
         return int(announced)

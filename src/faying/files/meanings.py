@@ -75,18 +75,18 @@ def _entries(docstring: str | None) -> Iterator[tuple[str, Meaning]]:
         return
     for entry in re.split(r"\n(?=\w)", section[1].rstrip()):
         header, _, body = entry.partition("\n")
-        found = _ENTRY.fullmatch(header.removesuffix(", optional"))
-        if found is None:
+        match = _ENTRY.fullmatch(header.removesuffix(", optional"))
+        if match is None:
             continue
-        dimension = found["dimension"] or ""
+        dimension = match["dimension"] or ""
         points_into = dimension.startswith("into ")
         meaning = Meaning(
             description=_plain(body),
             dimension="1" if points_into else dimension,
-            shape=found["shape"] or "",
+            shape=match["shape"] or "",
             index=dimension.removeprefix("into ") if points_into else "",
         )
-        for name in found["names"].split(", "):
+        for name in match["names"].split(", "):
             yield name, meaning
 
 

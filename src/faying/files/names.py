@@ -16,15 +16,15 @@ def file_names(names: Iterable[str]) -> dict[str, str]:
     {'joint 1': 'joint-1', 'joint/1': 'joint-1-2'}
     """
     stems: dict[str, str] = {}
-    taken: set[str] = set()
+    used: set[str] = set()
     for name in names:
         plain = re.sub(r"[^\w+-]+", "-", name).encode()[:LONGEST].decode(errors="ignore")
         plain = plain.strip("-") or "unnamed"
         stem, number = plain, 1
         # Some file systems do not tell cases apart.
-        while stem.casefold() in taken:
+        while stem.casefold() in used:
             number += 1
             stem = f"{plain}-{number}"
-        taken.add(stem.casefold())
+        used.add(stem.casefold())
         stems[name] = stem
     return stems

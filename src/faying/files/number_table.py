@@ -46,10 +46,10 @@ def read_number_table(
     ]
     header = [name.lower() for name in numbered[0][1]] if numbered else []
     if sorted(header) not in [sorted(names) for names in columns]:
-        known = " or ".join(",".join(names) for names in columns)
+        headers = " or ".join(",".join(names) for names in columns)
         message = (
             f"{path}: the columns are '{','.join(header)}'; the first line must name "
-            f"{'either ' * (len(columns) > 1)}{known}"
+            f"{'either ' * (len(columns) > 1)}{headers}"
         )
         raise FormatError(message)
     rows = [_numbers(path, number, row, len(header)) for number, row in numbered[1:]]

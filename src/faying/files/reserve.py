@@ -30,12 +30,12 @@ def growing(path: Path, *, new: bool) -> Iterator[h5py.File]:
         If it cannot be written.
     """
     with path.open("wb" if new else "ab") as probe:
-        before = os.fstat(probe.fileno()).st_size
-        _allocate(probe.fileno(), before, SLACK)
-        probe.truncate(before)
+        size = os.fstat(probe.fileno()).st_size
+        _allocate(probe.fileno(), size, SLACK)
+        probe.truncate(size)
     used = None
     try:
-        with h5py.File(path, "w" if new or not before else "r+", track_order=True) as file:
+        with h5py.File(path, "w" if new or not size else "r+", track_order=True) as file:
             reserve(file, 0)
             try:
                 yield file

@@ -76,9 +76,9 @@ def reduce_study(
     ``normal_modes = "auto"`` those over time by reduced models.
     """
     chosen = _method(method)
-    wanted = [joint_modes] if joint_modes else list(study.reduction.joint_modes)[-1:]
+    counts = [joint_modes] if joint_modes else list(study.reduction.joint_modes)[-1:]
     section = study.reduction.model_copy(
-        update={"methods": (chosen.name,), "joint_modes": tuple(wanted)}
+        update={"methods": (chosen.name,), "joint_modes": tuple(counts)}
     )
     alone = study.model_copy(update={"reduction": section})
     if chosen.trained and not section.training.box:
@@ -98,7 +98,7 @@ def reduce_study(
             report(line)
     choices = choose_counts(alone, joint.model, trained, stages)
     bare = reduced_models(alone, joint.model, trained, choices, stages)
-    (rom,) = (one for one in bare[chosen.name].values() if isinstance(one, ReducedModel))
+    (rom,) = (model for model in bare[chosen.name].values() if isinstance(model, ReducedModel))
     with stages.stage("recovery matrices"):
         (rom,) = completed(joint.model, [rom])
     title = study.title or study.path.stem
@@ -128,8 +128,8 @@ def _tightened(joint: PreparedJoint) -> dict[str, str]:
 
 def _method(name: str) -> Method:
     """Return a method that a file of one model can hold."""
-    known = [one.name for one in METHODS.values() if one.forces is None]
-    if name not in known:
-        message = f"method: {one_of(name, known)}"
+    names = [method.name for method in METHODS.values() if method.forces is None]
+    if name not in names:
+        message = f"method: {one_of(name, names)}"
         raise StudyError(message)
     return METHODS[name]

@@ -100,11 +100,11 @@ def _computed(
     choices = choose_counts(study, joint.model, trained, stages)
     bare = reduced_models(study, joint.model, trained, choices, stages)
     extras = Extras()
-    kept: Kept = {}
+    recoverable: Kept = {}
     title = study.title or study.path.stem
     with stages.stage("recovery matrices"), extras.attempt("matrices for recovery and export"):
-        kept = kept_models(joint.model, bare, trained.bases[CLASSIC], title)
-    models = with_kept(bare, kept)
+        recoverable = kept_models(joint.model, bare, trained.bases[CLASSIC], title)
+    models = with_kept(bare, recoverable)
     reference = reference_of(study, joint, len(chosen.modes.frequencies), stages)
     full = reference.kind == "full"
     runner = CaseRunner(
@@ -136,13 +136,13 @@ def _computed(
     if runner.inertia.built is not None:
         with stages.stage("recovery matrices"), extras.attempt("matrices for recovery and export"):
             more: Models = {**bare, REMEDY: {0: runner.inertia.built}}
-            kept = kept_models(joint.model, more, trained.bases[CLASSIC], title)
+            recoverable = kept_models(joint.model, more, trained.bases[CLASSIC], title)
     validation = validate(study, joint, models, trained, choices, stages, extras)
-    exact = kept[EXACT][0] if EXACT in kept else joint.model
+    exact = recoverable[EXACT][0] if EXACT in recoverable else joint.model
     frequencies = frequency_records(
         study.frequencies,
         joint,
-        kept.get(EXACT, {}).get(0),
+        recoverable.get(EXACT, {}).get(0),
         stages,
         extras,
         checkpoint,
@@ -150,11 +150,13 @@ def _computed(
     failures += [text for name, one in frequencies.items() for text in one.missed(name)]
     assessment = assess_run(study, joint, cases, stages, extras, exact)
     with stages.stage("records"):
-        found = record(study, joint, kept, trained, cases, validation, extras, failures, reference)
-    found = replace(
-        found, frequencies=frequencies, assessment=assessment, mode_choices=chosen.choices
+        results = record(
+            study, joint, recoverable, trained, cases, validation, extras, failures, reference
+        )
+    results = replace(
+        results, frequencies=frequencies, assessment=assessment, mode_choices=chosen.choices
     )
-    return replace(found, timings=stages.account()), not failures
+    return replace(results, timings=stages.account()), not failures
 
 
 def _confirmed(study: Study, runner: CaseRunner, solved: Solved) -> Solved:

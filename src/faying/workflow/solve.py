@@ -127,7 +127,7 @@ def solve_loads(
     """
     chosen = options or SolveOptions()
     check_table_format(chosen.table)
-    smooth = [name for name, one in rom.interfaces.items() if not one.friction > 0]
+    smooth = [name for name, surface in rom.interfaces.items() if not surface.friction > 0]
     check_names(chosen.requirements, list(rom.interfaces), smooth)
     unknown = [name for name in chosen.named if name not in loads.names]
     if unknown:
@@ -164,7 +164,7 @@ def solve_loads(
         if executor is not None:
             compute_pieces(solver, loads, named, executor)
         static = solver.static(loads, named) if loads.names else None
-        transients = {one.load.name: solver.transient(one) for one in loads.transients}
+        transients = {surface.load.name: solver.transient(surface) for surface in loads.transients}
         assessment, units = None, units_of(rom.units)
         verdict = joint_verdict((), units, "see the warnings")
         with stages.stage("requirements"), extras.attempt("requirements"):
@@ -173,18 +173,18 @@ def solve_loads(
             )
             checks = [*joint_checks(judged, units), *sliding_checks(rom, static, transients)]
             verdict = joint_verdict(checks, units)
-            assessment = {"verdicts": plain([asdict(one) for one in judged.verdicts])}
+            assessment = {"verdicts": plain([asdict(surface) for surface in judged.verdicts])}
         with stages.stage("files"):
-            found = _written(rom, static, transients, named, out, chosen)
+            files = _written(rom, static, transients, named, out, chosen)
         summary = {
             "faying": __version__,
             "model": {"name": rom.name, "method": rom.method, "joint_modes": rom.joint_modes},
             "units": rom.units,
-            **found,
+            **files,
             "requirements": stated(chosen.requirements),
             "assessment": assessment,
             "verdict": plain(summarized(verdict)),
-            "warnings": [*loads.remarks, *_barely_held(found), *extras.failed],
+            "warnings": [*loads.remarks, *_barely_held(files), *extras.failed],
             "timings": stages.account(),
         }
         write_text(out / "summary.json", json.dumps(summary, indent=2) + "\n")
@@ -215,8 +215,8 @@ def _written(
     fields = None
     every = [*([] if static is None else [static]), *transients.values()]
     summary: dict[str, Any] = {
-        "converged": not any(one.failed for one in every),
-        "not_converged": [text for one in every for text in one.failed],
+        "converged": not any(cases.failed for cases in every),
+        "not_converged": [text for cases in every for text in cases.failed],
     }
     if static is not None:
         write_metrics(out / f"metrics.{ending}", "case", static.metrics, static.rows(), units)
@@ -224,12 +224,12 @@ def _written(
         summary["static"] = _worst(static, count)
     stems = file_names(transients)
     over_time: dict[str, SolvedFields] = {}
-    for name, pieces in transients.items():
+    for name, transient in transients.items():
         path = out / f"history_{stems[name]}.{ending}"
-        write_metrics(path, "time", pieces.metrics, pieces.rows(), units)
-        chosen = _fields(pieces, count, [])
+        write_metrics(path, "time", transient.metrics, transient.rows(), units)
+        chosen = _fields(transient, count, [])
         over_time |= {} if chosen is None else {name: chosen}
-        summary.setdefault("transients", {})[name] = _worst(pieces, count)
+        summary.setdefault("transients", {})[name] = _worst(transient, count)
     write_solved(rom, fields, over_time, out / "fields.h5")
     return {**summary, "metrics": _described(every, units)}
 
@@ -237,26 +237,26 @@ def _written(
 def _described(every: Sequence[Pieces], units: Units) -> dict[str, Any]:
     return {
         metric.name: {"unit": units.of(metric.dimension), "description": metric.description}
-        for pieces in every
-        for metric in pieces.metrics
+        for solved in every
+        for metric in solved.metrics
     }
 
 
-def _worst(pieces: Pieces, count: int) -> dict[str, Any]:
+def _worst(solved: Pieces, count: int) -> dict[str, Any]:
     """Return how many there are, and the worst of each metric."""
     worst: dict[str, list[dict[str, Any]]] = {}
-    for one in pieces.worst(count):
-        entry = {"case": pieces.label(one.row), "value": plain(one.value)}
-        worst.setdefault(one.metric, []).append(entry)
-    return {"count": sum(len(piece["metrics"]) for piece in pieces), "worst": worst}
+    for worst_value in solved.worst(count):
+        entry = {"case": solved.label(worst_value.row), "value": plain(worst_value.value)}
+        worst.setdefault(worst_value.metric, []).append(entry)
+    return {"count": sum(len(part["metrics"]) for part in solved), "worst": worst}
 
 
-def _barely_held(found: Mapping[str, Any]) -> list[str]:
+def _barely_held(written: Mapping[str, Any]) -> list[str]:
     """Say where weak springs carry most, if that is too much."""
-    static = {"": found["static"]} if "static" in found else {}
+    static = {"": written["static"]} if "static" in written else {}
     shares: dict[str, dict[str, float]] = {}
-    for name, one in {**static, **found.get("transients", {})}.items():
-        for metric, worst in one["worst"].items():
+    for name, figures in {**static, **written.get("transients", {})}.items():
+        for metric, worst in figures["worst"].items():
             if metric.startswith(WEAK_SHARE) and worst:
                 case = f"{name} at {worst[0]['case']}" if name else str(worst[0]["case"])
                 share = inf if worst[0]["value"] is None else worst[0]["value"]
@@ -264,21 +264,21 @@ def _barely_held(found: Mapping[str, Any]) -> list[str]:
     return weak_warnings(shares)
 
 
-def _fields(pieces: Pieces, count: int, named: Sequence[int]) -> SolvedFields | None:
+def _fields(solved: Pieces, count: int, named: Sequence[int]) -> SolvedFields | None:
     """Return the fields of the worst and the named rows; None where nothing was solved."""
-    envelope = pieces.envelope()
+    envelope = solved.envelope()
     if envelope is None:
         return None
-    how = {one.name: one.worst for one in pieces.metrics}
+    how = {entry.name: entry.worst for entry in solved.metrics}
     reasons: dict[int, list[str]] = {}
-    for one in pieces.worst(count):
-        reasons.setdefault(one.row, []).append(f"{how[one.metric]} {one.metric}")
+    for entry in solved.worst(count):
+        reasons.setdefault(entry.row, []).append(f"{how[entry.metric]} {entry.metric}")
     for row in named:
         reasons.setdefault(row, []).append("named")
-    kept, pressure, gap = pieces.fields(sorted(reasons))
+    rows, pressure, gap = solved.fields(sorted(reasons))
     return SolvedFields(
-        names=tuple(map(pieces.label, kept)),
-        reasons=tuple(", ".join(reasons[row]) for row in kept),
+        names=tuple(map(solved.label, rows)),
+        reasons=tuple(", ".join(reasons[row]) for row in rows),
         pressure=pressure,
         gap=gap,
         envelope=envelope,
@@ -293,12 +293,12 @@ def _mark(
     model = (rom.K, rom.M, rom.C, contact.relative_operator, contact.initial_gap)
     for array in (*model, contact.flexibility, loads.inputs):
         mark.update(np.ascontiguousarray(array).tobytes())
-    for one in loads.transients:
-        mark.update(repr((one.load.name, one.step, one.duration, one.integrator)).encode())
-        for key, value in one.load.forces.items():
+    for timed in loads.transients:
+        mark.update(repr((timed.load.name, timed.step, timed.duration, timed.integrator)).encode())
+        for key, value in timed.load.forces.items():
             mark.update(key.encode())
-            known = [value.times, value.values] if isinstance(value, History) else [[value]]
-            mark.update(b"".join(np.asarray(part, dtype=float).tobytes() for part in known))
+            parts = [value.times, value.values] if isinstance(value, History) else [[value]]
+            mark.update(b"".join(np.asarray(part, dtype=float).tobytes() for part in parts))
     tightened = None if path is None else [dict(load.bolt_forces) for load in path]
     mark.update(repr((loads.names, options, tightened)).encode())
     return mark.hexdigest()

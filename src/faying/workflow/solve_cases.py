@@ -79,29 +79,29 @@ class CaseSolver:
 
     def static(self, loads: LoadSet, named: Sequence[int]) -> Pieces:
         """Solve static cases, or take what an interrupted call has finished."""
-        pieces, failed = self.static_pieces(len(loads.names)), list[str]()
+        ranges, failed = self.static_pieces(len(loads.names)), list[str]()
         with self.stages.stage("static cases", len(loads.names)) as advance:
-            for key, rows in pieces.items():
+            for key, rows in ranges.items():
                 arrays = self.checkpoint.bundle(key, partial(self.static_piece, loads, rows, named))
                 failed += arrays[FAILED].tolist()
                 advance(len(rows))
         return Pieces(
             checkpoint=self.checkpoint,
-            keys=list(pieces),
+            keys=list(ranges),
             metrics=self._static_metrics,
             label=loads.names.__getitem__,
             failed=failed,
         )
 
-    def transient(self, one: TimedLoad) -> Pieces:
+    def transient(self, load: TimedLoad) -> Pieces:
         """Solve a transient, from where an interrupted call has kept it."""
-        known = self.checkpoint.bundle(end_key(one), partial(self.walked, one))
+        end = self.checkpoint.bundle(end_key(load), partial(self.walked, load))
         return Pieces(
             checkpoint=self.checkpoint,
-            keys=[_piece_key(one, number) for number in range(int(known["count"]))],
+            keys=[_piece_key(load, number) for number in range(int(end["count"]))],
             metrics=self._metrics,
-            label=lambda row: f"{row * one.step:.12g}",
-            failed=known[FAILED].tolist(),
+            label=lambda row: f"{row * load.step:.12g}",
+            failed=end[FAILED].tolist(),
         )
 
     def static_pieces(self, total: int) -> dict[str, range]:
@@ -111,16 +111,16 @@ class CaseSolver:
 
     @property
     def _metrics(self) -> list[Metric]:
-        found = metrics_of(self.rom, self.rom.interfaces, certified=False, rings=self.rings)
-        return found + self._friction_metrics
+        metrics = metrics_of(self.rom, self.rom.interfaces, certified=False, rings=self.rings)
+        return metrics + self._friction_metrics
 
     @property
     def _static_metrics(self) -> list[Metric]:
         certified = self._judge is not None
-        found = metrics_of(
+        metrics = metrics_of(
             self.rom, self.rom.interfaces, certified=certified, rings=self.rings, areas=self.areas
         )
-        return found + self._friction_metrics
+        return metrics + self._friction_metrics
 
     @property
     def _friction_metrics(self) -> list[Metric]:
@@ -145,8 +145,12 @@ class CaseSolver:
         solved, failed = self._solved(loads, np.asarray(rows))
         with self.stages.timed("certificates"):
             judged = [
-                (own, one, judge and judge.certify_inputs(one.inputs, one.pressure))
-                for own, one in solved
+                (
+                    numbers,
+                    state,
+                    judge and judge.certify_inputs(state.inputs, state.pressure),
+                )
+                for numbers, state in solved
             ]
         arrays = piece_of(
             judged,
@@ -170,7 +174,7 @@ class CaseSolver:
             if len(rows) == 1:
                 return [], [f"{loads.names[rows[0]]}: {error}"]
         halves = [self._solved(loads, half) for half in np.array_split(rows, 2)]
-        return [one for found, _ in halves for one in found], [
+        return [solution for half_solved, _ in halves for solution in half_solved], [
             text for _, failed in halves for text in failed
         ]
 
@@ -180,47 +184,47 @@ class CaseSolver:
             return solve_static_inputs(self.rom, inputs)
         return solve_ramps(self.rom, inputs, self.rest, increments=DEFAULT_INCREMENTS)
 
-    def walked(self, one: TimedLoad) -> Arrays:
+    def walked(self, load: TimedLoad) -> Arrays:
         """Keep the pieces of a transient; return their number, and what went wrong.
 
         It goes on after the last piece that an interrupted call has kept.
         """
-        name, count, restart, gain = one.load.name, 0, None, 0.0
-        if self.checkpoint.has(_stand_key(one)):
-            stand = self.checkpoint.get(_stand_key(one))
+        name, count, restart, gain = load.load.name, 0, None, 0.0
+        if self.checkpoint.has(_stand_key(load)):
+            stand = self.checkpoint.get(_stand_key(load))
             count, restart = int(stand["count"]), restart_from(stand)
             gain = restart.ledger.gain if restart.ledger else 0.0
         metrics = self._metrics
-        solver = transient_solver(self.rom, step=one.step, integrator=one.integrator)
+        solver = transient_solver(self.rom, step=load.step, integrator=load.integrator)
         failed: list[str] = []
-        with self.stages.stage(name, n_steps(one)) as advance:
+        with self.stages.stage(name, n_steps(load)) as advance:
             first = 0 if restart is None else restart.done + 1
             advance(max(first - 1, 0))
-            pieces = transient_pieces(
+            parts = transient_pieces(
                 solver,
-                [one.load],
-                duration=one.duration,
+                [load.load],
+                duration=load.duration,
                 length=self._length,
                 initial=None if self.rest is None else [self.rest],
                 restarts=None if restart is None else [restart],
                 progress=advance,
             )
             try:
-                for (piece,), (end,) in pieces:
-                    rows = range(first, first + len(piece.states))
-                    own = np.arange(rows.start, rows.stop)
+                for (solution,), (end,) in parts:
+                    rows = range(first, first + len(solution.states))
+                    numbers = np.arange(rows.start, rows.stop)
                     arrays = piece_of(
-                        [(own, piece, None)],
+                        [(numbers, solution, None)],
                         self.rom.interfaces,
                         metrics,
                         rows=rows,
                         count=self.worst,
                         rings=self.rings,
                     )
-                    self.checkpoint.put(_piece_key(one, count), arrays)
-                    first, count, gain = rows.stop, count + 1, piece.energy_gain
+                    self.checkpoint.put(_piece_key(load, count), arrays)
+                    first, count, gain = rows.stop, count + 1, solution.energy_gain
                     stand = kept_restart(end) | {"count": np.asarray(count)}
-                    self.checkpoint.put(_stand_key(one), stand)
+                    self.checkpoint.put(_stand_key(load), stand)
             except ConvergenceError as error:
                 failed.append(f"{name}: {error}")
         if gain > MOST_GAIN:
@@ -228,20 +232,20 @@ class CaseSolver:
         return {"count": np.asarray(count), FAILED: np.array(failed, dtype=str)}
 
 
-def end_key(one: TimedLoad) -> str:
+def end_key(load: TimedLoad) -> str:
     """Return the key under which it is kept that a transient is finished."""
-    return f"transient {one.load.name} end"
+    return f"transient {load.load.name} end"
 
 
-def n_steps(one: TimedLoad) -> int:
+def n_steps(load: TimedLoad) -> int:
     """Return the number of steps of a transient."""
-    return round(one.duration / one.step)
+    return round(load.duration / load.step)
 
 
-def _piece_key(one: TimedLoad, number: int) -> str:
-    return f"transient {one.load.name} {number}"
+def _piece_key(load: TimedLoad, number: int) -> str:
+    return f"transient {load.load.name} {number}"
 
 
-def _stand_key(one: TimedLoad) -> str:
+def _stand_key(load: TimedLoad) -> str:
     """Return the key under which it is kept how far a transient has come."""
-    return f"transient {one.load.name} stand"
+    return f"transient {load.load.name} stand"

@@ -36,17 +36,17 @@ def compute_pieces(
         As the call without workers would raise, or if workers fail; what is finished is kept.
     """
     static = solver.static_pieces(len(loads.names))
-    transients = {end_key(one): one for one in loads.transients}
-    pieces: dict[str, Piece] = {**transients, **static}  # what takes longest first
+    transients = {end_key(load): load for load in loads.transients}
+    jobs: dict[str, Piece] = {**transients, **static}  # what takes longest first
     weights = {key: len(rows) for key, rows in static.items()}
-    weights |= {key: n_steps(one) for key, one in transients.items()}
+    weights |= {key: n_steps(load) for key, load in transients.items()}
     checkpoint = Checkpoint(solver.checkpoint.folder.resolve())
     sent = replace(solver, checkpoint=checkpoint, stages=Stages(None), extras=Extras())
     prepare = partial(prepare_pieces, sent, loads, tuple(named), __version__)
     with solver.stages.stage("workers", sum(weights.values())) as advance:
         run_grouped_campaign(
             prepare,
-            [{key: piece} for key, piece in pieces.items()],
+            [{key: job} for key, job in jobs.items()],
             executor,
             keep=solver.checkpoint,
             progress=lambda key: advance(weights[key]),
@@ -81,8 +81,8 @@ def prepare_pieces(
 def _computed(
     solver: CaseSolver, loads: LoadSet, named: Sequence[int], group: Sequence[Piece]
 ) -> Iterator[Arrays]:
-    for piece in group:
-        if isinstance(piece, range):
-            yield solver.static_piece(loads, piece, named)
+    for job in group:
+        if isinstance(job, range):
+            yield solver.static_piece(loads, job, named)
         else:
-            yield solver.walked(piece)
+            yield solver.walked(job)

@@ -72,48 +72,48 @@ class Pieces:
     def envelope(self) -> Envelope | None:
         """Return the envelope of all cases; None where none was solved."""
         parts = (
-            Envelope(**{name: piece[name] for name in _EXTREMES})  # type: ignore[arg-type]
-            for piece in self
-            if _EXTREMES[0] in piece
+            Envelope(**{name: arrays[name] for name in _EXTREMES})  # type: ignore[arg-type]
+            for arrays in self
+            if _EXTREMES[0] in arrays
         )
         first = next(parts, None)
         return None if first is None else reduce(lambda a, b: joined([a, b]), parts, first)
 
     def rows(self) -> Iterator[tuple[list[str], Matrix]]:
         """Yield labels and metrics of one piece after the other."""
-        for piece in self:
-            first, table = int(piece["first"]), piece["metrics"]
+        for arrays in self:
+            first, table = int(arrays["first"]), arrays["metrics"]
             yield [self.label(first + row) for row in range(len(table))], table
 
     def worst(self, count: int) -> list[Worst]:
         """Return the worst cases of each metric that has a worst value, the worst first."""
-        found: dict[str, list[Worst]] = {one.name: [] for one in self.metrics if one.worst}
-        for piece in self:
-            table, first = piece["metrics"], int(piece["first"])
+        worst: dict[str, list[Worst]] = {entry.name: [] for entry in self.metrics if entry.worst}
+        for arrays in self:
+            table, first = arrays["metrics"], int(arrays["first"])
             for column, metric in enumerate(self.metrics):
                 if metric.worst is None:
                     continue
                 values = table[:, column]
-                best = found[metric.name] + [
+                best = worst[metric.name] + [
                     Worst(metric=metric.name, row=first + row, value=float(values[row]))
                     for row in _worst_rows(metric, values, count).tolist()
                 ]
                 sign = _sign(metric)
-                found[metric.name] = sorted(best, key=lambda one: (sign * one.value, one.row))[
-                    :count
-                ]
-        return [one for some in found.values() for one in some]
+                worst[metric.name] = sorted(
+                    best, key=lambda entry: (sign * entry.value, entry.row)
+                )[:count]
+        return [entry for entries in worst.values() for entry in entries]
 
     def extreme(self, metric: str, *, largest: bool) -> tuple[int, float] | None:
         """Return the row of the largest or smallest value of a metric, and it; None of none."""
-        column = [one.name for one in self.metrics].index(metric)
-        found: list[tuple[int, float]] = []
-        for piece in self:
-            values = (1 if largest else -1) * piece["metrics"][:, column]
+        column = [entry.name for entry in self.metrics].index(metric)
+        extremes: list[tuple[int, float]] = []
+        for arrays in self:
+            values = (1 if largest else -1) * arrays["metrics"][:, column]
             if not np.isnan(values).all():
                 row = int(np.nanargmax(values))
-                found.append((int(piece["first"]) + row, float(piece["metrics"][row, column])))
-        return (max if largest else min)(found, key=lambda one: one[1], default=None)
+                extremes.append((int(arrays["first"]) + row, float(arrays["metrics"][row, column])))
+        return (max if largest else min)(extremes, key=lambda entry: entry[1], default=None)
 
     def named(self, history: str, row: int) -> str:
         """Return what a static case is called, or an instant of a history."""
@@ -121,23 +121,23 @@ class Pieces:
 
     def column(self, metric: str) -> Vector:
         """Return a metric of all cases or instants, NaN where there is no solution."""
-        at = [one.name for one in self.metrics].index(metric)
-        return np.concatenate([piece["metrics"][:, at] for piece in self])
+        column = [metric_entry.name for metric_entry in self.metrics].index(metric)
+        return np.concatenate([arrays["metrics"][:, column] for arrays in self])
 
     def bending(self, bolt: str) -> Matrix:
         """Return the bending moments of a bolt (n_row, 2, 2), NaN where there is no solution."""
-        return np.concatenate([piece[f"{BENDING}{bolt}"] for piece in self])
+        return np.concatenate([arrays[f"{BENDING}{bolt}"] for arrays in self])
 
     def fields(self, rows: Sequence[int]) -> tuple[list[int], Matrix, Matrix]:
         """Return those of some rows that were kept, with pressures and gaps (n_row, n_point)."""
-        known: dict[int, tuple[Vector, Vector]] = {}
-        for piece in self:
-            for at, row in enumerate(piece["kept"].tolist()):
+        fields_of: dict[int, tuple[Vector, Vector]] = {}
+        for arrays in self:
+            for number, row in enumerate(arrays["kept"].tolist()):
                 if row in rows:
-                    known[row] = (piece["pressure"][at], piece["gap"][at])
-        found = [row for row in rows if row in known]
-        pressure, gap = (np.array([known[row][part] for row in found]) for part in (0, 1))
-        return found, pressure, gap
+                    fields_of[row] = (arrays["pressure"][number], arrays["gap"][number])
+        present = [row for row in rows if row in fields_of]
+        pressure, gap = (np.array([fields_of[row][part] for row in present]) for part in (0, 1))
+        return present, pressure, gap
 
 
 def piece_of(
@@ -169,35 +169,39 @@ def piece_of(
         What is carried along interfaces whose needed friction is wanted.
     """
     table = np.full((len(rows), len(metrics)), np.nan)
-    for own, solution, certificate in solved:
+    for numbers, solution, certificate in solved:
         own_metrics = case_metrics(solution, interfaces, certificate, rings, areas)
         if solution.shear_forces is not None:
             own_metrics = np.hstack([own_metrics, friction_figures(solution, interfaces)])
-        table[own - rows.start] = own_metrics
-    kept = {
+        table[numbers - rows.start] = own_metrics
+    chosen_rows = {
         rows.start + row
         for column, metric in enumerate(metrics)
         if metric.worst is not None
         for row in _worst_rows(metric, table[:, column], count).tolist()
     }
-    kept |= set(named) & set(rows)
+    chosen_rows |= set(named) & set(rows)
     arrays: dict[str, Matrix] = {"first": np.asarray(rows.start), "metrics": table}
     chosen: list[int] = []
     pressure: list[Vector] = []
     gap: list[Vector] = []
     envelopes: list[Envelope] = []
-    for own, solution, _ in solved:
-        wanted = np.flatnonzero(np.isin(own, sorted(kept)))
-        chosen += own[wanted].tolist()
-        pressure += list(solution.pressure[wanted])
-        gap += list(solution.gap[wanted])
-        envelopes.append(envelope_of(solution, own))
+    for numbers, solution, _ in solved:
+        positions = np.flatnonzero(np.isin(numbers, sorted(chosen_rows)))
+        chosen += numbers[positions].tolist()
+        pressure += list(solution.pressure[positions])
+        gap += list(solution.gap[positions])
+        envelopes.append(envelope_of(solution, numbers))
     prefix = "bolt_bending."
-    bent = [one.name.removeprefix(prefix) for one in metrics if one.name.startswith(prefix)]
+    bent = [
+        bolt_metric.name.removeprefix(prefix)
+        for bolt_metric in metrics
+        if bolt_metric.name.startswith(prefix)
+    ]
     for bolt in bent:
         moments = np.full((len(rows), 2, 2), np.nan)
-        for own, solution, _ in solved:
-            moments[own - rows.start] = solution.bolt_bending(bolt)
+        for numbers, solution, _ in solved:
+            moments[numbers - rows.start] = solution.bolt_bending(bolt)
         arrays[f"{BENDING}{bolt}"] = moments
     n_point = len(next(iter(solved))[1].system.contact.weights) if solved else 0
     arrays["kept"] = np.array(chosen, dtype=np.int64)

@@ -60,7 +60,7 @@ def solved_strength(
     judged: BoltStrengths,
     rom: ReducedModel,
     sets: Mapping[str, Pieces],
-    rest: Solution,
+    preloaded: Solution,
     loads: LoadSet,
     limits: Mapping[str, float],
 ) -> Iterator[Check]:
@@ -73,24 +73,22 @@ def solved_strength(
     ----------
     sets
         Solved cases: static ones under an empty name, and transients by name.
-    rest
+    preloaded
         The preloaded state.
     limits : [force]
         Interface to the least clamp force that is demanded of it.
     """
     if not rom.bolts:
         return
-    solved = {name: np.flatnonzero(_solved(pieces, rom)) for name, pieces in sets.items()}
-    preloaded = _rest(rom, rest)
+    solved = {name: np.flatnonzero(_solved(cases, rom)) for name, cases in sets.items()}
+    rest_case = _rest(rom, preloaded)
     nominal = {
-        name: _state(pieces, rom, solved[name])
-        for name, pieces in sets.items()
-        if len(solved[name])
+        name: _state(cases, rom, solved[name]) for name, cases in sets.items() if len(solved[name])
     }
     rubs = bool(len(rom.contact.rubbing))
     solving = [] if rubs else deciding_loads(loads, sets.get(STATIC))
     anew = {load.name: load for load in solving}
-    ends = preload_ends(rom, preloaded, nominal, anew, judged.ranges)
+    ends = preload_ends(rom, rest_case, nominal, anew, judged.ranges)
     if ends[0].solved:
         yield from clamp_checks(ends, rom.interfaces, rom.bolts, limits, rom.units)
     counted = {name: times for name, times in loads.repetitions.items() if times}
@@ -115,20 +113,22 @@ def _told_apart(
     if STATIC not in end.cases:
         return replace(end, solved=frozenset())
     static = end.cases[STATIC]
-    place = {names[row]: number for number, row in enumerate(solved[STATIC].tolist())}
+    numbers = {names[row]: number for number, row in enumerate(solved[STATIC].tolist())}
     forces = {bolt: values.copy() for bolt, values in static.bolt_forces.items()}
     moments = {bolt: values.copy() for bolt, values in static.bolt_moments.items()}
-    for name in end.solved & anew.keys() & place.keys():
+    for name in end.solved & anew.keys() & numbers.keys():
         state = end.cases[name]
         for bolt, values in forces.items():
-            values[place[name]] = state.bolt_forces[bolt][0]
+            values[numbers[name]] = state.bolt_forces[bolt][0]
         for bolt, bent in moments.items():
-            bent[place[name]] = state.bolt_moments[bolt][0]
+            bent[numbers[name]] = state.bolt_moments[bolt][0]
     merged = replace(static, bolt_forces=forces, bolt_moments=moments)
     apart = {
-        name: replace(_rows(merged, [place[name]]), times=None) for name in counted if name in place
+        name: replace(_rows(merged, [numbers[name]]), times=None)
+        for name in counted
+        if name in numbers
     }
-    others = [number for name, number in place.items() if name not in apart]
+    others = [number for name, number in numbers.items() if name not in apart]
     cases = {name: state for name, state in end.cases.items() if name not in anew}
     cases[STATIC] = _rows(merged, others)
     if not others:
@@ -147,25 +147,25 @@ def _rows(state: CaseState, rows: Sequence[int]) -> CaseState:
     )
 
 
-def _solved(pieces: Pieces, rom: ReducedModel) -> np.ndarray:
-    return ~np.isnan(pieces.column(f"bolt_force.{next(iter(rom.bolts))}"))
+def _solved(cases: Pieces, rom: ReducedModel) -> np.ndarray:
+    return ~np.isnan(cases.column(f"bolt_force.{next(iter(rom.bolts))}"))
 
 
-def _rest(rom: ReducedModel, rest: Solution) -> CaseState:
+def _rest(rom: ReducedModel, state: Solution) -> CaseState:
     return CaseState(
-        pressure=rest.pressure.reshape(-1, rom.contact.n_points)[-1:],
-        bolt_forces={name: np.ravel(rest.bolt_force(name))[-1:] for name in rom.bolts},
+        pressure=state.pressure.reshape(-1, rom.contact.n_points)[-1:],
+        bolt_forces={name: np.ravel(state.bolt_force(name))[-1:] for name in rom.bolts},
         bolt_moments={
-            name: rest.bolt_bending(name).reshape(-1, 2, 2)[-1:] for name in bent_bolts(rom.bolts)
+            name: state.bolt_bending(name).reshape(-1, 2, 2)[-1:] for name in bent_bolts(rom.bolts)
         },
     )
 
 
-def _state(pieces: Pieces, rom: ReducedModel, rows: Indices) -> CaseState:
+def _state(cases: Pieces, rom: ReducedModel, rows: Indices) -> CaseState:
     """Return cases as one over "time", which is their number."""
     return CaseState(
         pressure=np.empty((len(rows), 0)),
-        bolt_forces={name: pieces.column(f"bolt_force.{name}")[rows] for name in rom.bolts},
-        bolt_moments={name: pieces.bending(name)[rows] for name in bent_bolts(rom.bolts)},
+        bolt_forces={name: cases.column(f"bolt_force.{name}")[rows] for name in rom.bolts},
+        bolt_moments={name: cases.bending(name)[rows] for name in bent_bolts(rom.bolts)},
         times=rows.astype(float),
     )

@@ -35,94 +35,94 @@ MOST_PATHS = 200
 """Static cases that are followed to their openings: up to seconds each."""
 
 
-def rings_of(wanted: Requirements, rom: ReducedModel) -> dict[str, Ring]:
+def rings_of(requirements: Requirements, rom: ReducedModel) -> dict[str, Ring]:
     """Return the rings that are demanded, by the name of their metric."""
-    named = _named(wanted, rom)
+    named = _named(requirements, rom)
     return {
         name: ring_around(rom.interfaces[ring_surface(ring, rom.interfaces)], ring.around)
         for name, ring in named.items()
     }
 
 
-def areas_of(wanted: Requirements, rom: ReducedModel) -> dict[str, TangentialRows]:
+def areas_of(requirements: Requirements, rom: ReducedModel) -> dict[str, TangentialRows]:
     """Return what is carried along the interfaces whose slip is judged by sums, by name."""
-    if wanted.slip_friction is None:
+    if requirements.slip_friction is None:
         return {}
-    known = {one.interface: one for one in rom.tangential if not one.bolt}
-    judged = _coefficients(wanted, rom)
-    return {name: known[name] for name in judged if name in known and not known[name].unknown}
+    carried = {rows.interface: rows for rows in rom.tangential if not rows.bolt}
+    judged = _coefficients(requirements, rom)
+    return {name: carried[name] for name in judged if name in carried and not carried[name].unknown}
 
 
-def _coefficients(wanted: Requirements, rom: ReducedModel) -> dict[str, float]:
-    smooth = [name for name, one in rom.interfaces.items() if not one.friction > 0]
-    return slip_coefficients(wanted.slip_friction, smooth)
+def _coefficients(requirements: Requirements, rom: ReducedModel) -> dict[str, float]:
+    smooth = [name for name, surface in rom.interfaces.items() if not surface.friction > 0]
+    return slip_coefficients(requirements.slip_friction, smooth)
 
 
-def _named(wanted: Requirements, rom: ReducedModel) -> dict[str, ClosedRing]:
-    places = [ring_surface(ring, rom.interfaces) for ring in wanted.closed_ring]
+def _named(requirements: Requirements, rom: ReducedModel) -> dict[str, ClosedRing]:
+    places = [ring_surface(ring, rom.interfaces) for ring in requirements.closed_ring]
     names = [
-        place if places.count(place) == 1 else f"{place}.{places[:number].count(place) + 1}"
-        for number, place in enumerate(places)
+        surface if places.count(surface) == 1 else f"{surface}.{places[:number].count(surface) + 1}"
+        for number, surface in enumerate(places)
     ]
-    return dict(zip(names, wanted.closed_ring, strict=True))
+    return dict(zip(names, requirements.closed_ring, strict=True))
 
 
 def solved_verdicts(
-    wanted: Requirements,
+    requirements: Requirements,
     rom: ReducedModel,
     loads: LoadSet,
     static: Pieces | None,
     transients: Mapping[str, Pieces],
-    rest: Solution | None = None,
+    preloaded: Solution | None = None,
 ) -> Iterator[Verdict]:
     """Yield the verdicts on what is required, each where it is nearest to failing.
 
     Parameters
     ----------
-    rest
+    preloaded
         Preloaded state of a joint with friction.
 
     """
     sets = {**({} if static is None else {"": static}), **transients}
-    for name, least in wanted_clamps(wanted.min_clamp_force, rom.interfaces).items():
+    for name, force in wanted_clamps(requirements.min_clamp_force, rom.interfaces).items():
         case, value = _extreme(sets, f"clamp_force.{name}", largest=False)
-        yield Verdict.at_least("min_clamp_force", name, case, value, least)
+        yield Verdict.at_least("min_clamp_force", name, case, value, force)
     limits = {
-        "max_pressure": wanted.max_pressure,
-        "max_nodal_pressure": wanted.max_nodal_pressure,
+        "max_pressure": requirements.max_pressure,
+        "max_nodal_pressure": requirements.max_nodal_pressure,
     }
     for requirement, limit in limits.items():
         if limit is None:
             continue
-        found = {name: _extreme(sets, f"{requirement}.{name}") for name in rom.interfaces}
-        yield from pressure_verdict(requirement, limit, found)
-    yield from _openings(wanted.no_opening_within, rom, sets, rest)
-    for name, ring in _named(wanted, rom).items():
+        extremes = {name: _extreme(sets, f"{requirement}.{name}") for name in rom.interfaces}
+        yield from pressure_verdict(requirement, limit, extremes)
+    yield from _openings(requirements.no_opening_within, rom, sets, preloaded)
+    for name, ring in _named(requirements, rom).items():
         case, value = _extreme(sets, f"ring_pressure.{name}", largest=False)
         yield ring_verdict(ring, ring_surface(ring, rom.interfaces), case, value)
-    yield from _factors(wanted, rom, loads)
-    if wanted.min_slip_safety is not None:
-        yield from _slip(wanted.min_slip_safety, wanted, rom, static)
-    if wanted.min_sliding_factor is not None:
+    yield from _factors(requirements, rom, loads)
+    if requirements.min_slip_safety is not None:
+        yield from _slip(requirements.min_slip_safety, requirements, rom, static)
+    if requirements.min_sliding_factor is not None:
         reason = "sliding is followed with friction by faying run alone"
-        yield Verdict.unknown("min_sliding_factor", wanted.min_sliding_factor, reason)
+        yield Verdict.unknown("min_sliding_factor", requirements.min_sliding_factor, reason)
 
 
 def solved_assessment(
-    wanted: Requirements,
+    requirements: Requirements,
     rom: ReducedModel,
     loads: LoadSet,
     static: Pieces | None,
     transients: Mapping[str, Pieces],
-    rest: Solution | None = None,
+    preload_state: Solution | None = None,
     strengths: BoltStrengths | None = None,
 ) -> Assessment:
     """Return bolts and interfaces over all cases, as far as metrics tell, with the verdicts."""
     judged = BoltStrengths() if strengths is None else strengths
     sets = {**({} if static is None else {"": static}), **transients}
-    preloaded = solve_static(rom) if rest is None else rest
-    demands = _slip_demands(wanted, rom, static)
-    limits = wanted_clamps(wanted.min_clamp_force, rom.interfaces)
+    preloaded = solve_static(rom) if preload_state is None else preload_state
+    demands = _slip_demands(requirements, rom, static)
+    limits = wanted_clamps(requirements.min_clamp_force, rom.interfaces)
     assessment = Assessment(
         bolts={
             name: _bolt(name, sets, float(np.ravel(preloaded.bolt_force(name))[-1]))
@@ -138,15 +138,17 @@ def solved_assessment(
             )
             for name, surface in rom.interfaces.items()
         },
-        verdicts=tuple(solved_verdicts(wanted, rom, loads, static, transients, rest)),
-        open_below=wanted.open_share,
+        verdicts=tuple(
+            solved_verdicts(requirements, rom, loads, static, transients, preload_state)
+        ),
+        open_below=requirements.open_share,
         checks=tuple(solved_strength(judged, rom, sets, preloaded, loads, limits)),
     )
     factored = deciding_loads(loads, static)
     if judged.margins is None or (judged.margins.standard == NASA and not factored):
         return assessment
-    rubbing = {name: one.friction for name, one in rom.interfaces.items() if one.friction > 0}
-    coefficients = rubbing | _coefficients(wanted, rom)
+    rubbing = {name: face.friction for name, face in rom.interfaces.items() if face.friction > 0}
+    coefficients = rubbing | _coefficients(requirements, rom)
     checks = demanded_checks(
         judged.margins,
         judged.ranges,
@@ -161,13 +163,13 @@ def solved_assessment(
 
 
 def _bolt(name: str, sets: Mapping[str, Pieces], preload: float) -> BoltAssessment:
-    least_case, least = _extreme(sets, f"bolt_force.{name}", largest=False)
-    most_case, most = _extreme(sets, f"bolt_force.{name}")
+    least_case, smallest = _extreme(sets, f"bolt_force.{name}", largest=False)
+    most_case, largest = _extreme(sets, f"bolt_force.{name}")
     return BoltAssessment(
         preload=preload,
-        least=least,
+        least=smallest,
         least_case=least_case,
-        most=most,
+        most=largest,
         most_case=most_case,
         axial_loads={},
         load_factors={},
@@ -182,17 +184,17 @@ def _interface(
     preload: float,
     slip: SlipDemand | None,
 ) -> InterfaceAssessment:
-    least_case, least = _extreme(sets, f"clamp_force.{name}", largest=False)
-    most_case, most = _extreme(sets, f"clamp_force.{name}")
+    least_case, smallest = _extreme(sets, f"clamp_force.{name}", largest=False)
+    most_case, largest = _extreme(sets, f"clamp_force.{name}")
     pressure_case, pressure = _extreme(sets, f"max_pressure.{name}")
     mean_case, mean = _extreme(sets, f"max_nodal_pressure.{name}")
     open_case, open_area = _extreme(sets, f"open_area.{name}")
     return InterfaceAssessment(
         preload=preload,
-        least_clamp=least,
+        least_clamp=smallest,
         least_clamp_case=least_case,
         certified=None,
-        most_clamp=most,
+        most_clamp=largest,
         most_clamp_case=most_case,
         certified_most=None,
         certified_width=None,
@@ -218,15 +220,15 @@ def sliding_checks(
         if not surface.friction > 0:
             continue
         shares: list[tuple[float, str]] = []
-        for label, pieces in sets.items():
+        for label, cases in sets.items():
             open_area, at_bound = (
-                pieces.column(f"{metric}.{name}") for metric in ("open_area", "area_at_bound")
+                cases.column(f"{metric}.{name}") for metric in ("open_area", "area_at_bound")
             )
             closed = surface.weights.sum() - open_area
             slips = np.where(closed > 0, at_bound / np.where(closed > 0, closed, 1.0), 0.0)
             if not np.isnan(slips).all():
                 row = int(np.nanargmax(slips))
-                shares.append((float(slips[row]), pieces.named(label, row)))
+                shares.append((float(slips[row]), cases.named(label, row)))
         share, case = max(shares, default=(np.inf, ""))
         slides = share > 1 - ALL
         yield Check(
@@ -251,28 +253,28 @@ SLIPS_ALL = "all that touches is at its friction bound; faying run tells whether
 
 
 def _slip_demands(
-    wanted: Requirements, rom: ReducedModel, static: Pieces | None
+    requirements: Requirements, rom: ReducedModel, static: Pieces | None
 ) -> dict[str, SlipDemand]:
     """Return the friction that static cases need at most of interfaces without any."""
     if static is None:
         return {}
-    coefficients, known = _coefficients(wanted, rom), areas_of(wanted, rom)
-    told = {one.interface: one.unknown for one in rom.tangential if not one.bolt}
-    found = {}
+    coefficients, carried = _coefficients(requirements, rom), areas_of(requirements, rom)
+    unknown = {rows.interface: rows.unknown for rows in rom.tangential if not rows.bolt}
+    demands = {}
     for name, surface in rom.interfaces.items():
         coefficient = coefficients.get(name)
         if surface.friction > 0:
             continue
-        if name in known and coefficient is not None:
+        if name in carried and coefficient is not None:
             case, needed = _extreme({"": static}, f"needed_friction.{name}")
             safety = {case: coefficient / needed} if needed > NO_FRICTION else {}
-            found[name] = SlipDemand(
+            demands[name] = SlipDemand(
                 needed_friction={case: needed}, coefficient=coefficient, safety=safety
             )
         else:
-            why = told.get(name) or UNTOLD
-            found[name] = SlipDemand(coefficient=coefficient, unknown=why)
-    return found
+            why = unknown.get(name) or UNTOLD
+            demands[name] = SlipDemand(coefficient=coefficient, unknown=why)
+    return demands
 
 
 UNTOLD = "the file does not tell what is carried along it; reduce the study again"
@@ -280,10 +282,10 @@ UNTOLD = "the file does not tell what is carried along it; reduce the study agai
 
 
 def _slip(
-    limit: float, wanted: Requirements, rom: ReducedModel, static: Pieces | None
+    limit: float, requirements: Requirements, rom: ReducedModel, static: Pieces | None
 ) -> Iterator[Verdict]:
     """Judge S_G of the static cases, by sums."""
-    coefficients, known = _coefficients(wanted, rom), areas_of(wanted, rom)
+    coefficients, carried = _coefficients(requirements, rom), areas_of(requirements, rom)
     if static is None or not coefficients:
         missing = "no slip_friction is given" if not coefficients else "there is no static case"
         reason = (
@@ -292,18 +294,18 @@ def _slip(
         )
         yield Verdict.unknown("min_slip_safety", limit, reason)
         return
-    told = {one.interface: one.unknown for one in rom.tangential if not one.bolt}
-    found: list[tuple[float, str, str]] = []
+    unknown = {rows.interface: rows.unknown for rows in rom.tangential if not rows.bolt}
+    safeties: list[tuple[float, str, str]] = []
     for name, coefficient in coefficients.items():
-        if name not in known:
-            why = told.get(name, UNTOLD)
+        if name not in carried:
+            why = unknown.get(name, UNTOLD)
             yield Verdict.unknown("min_slip_safety", limit, why, name)
             continue
         case, needed = _extreme({"": static}, f"needed_friction.{name}")
-        found.append((coefficient / needed if needed > NO_FRICTION else np.inf, name, case))
-    if found:
-        value, place, case = min(found)
-        yield Verdict.at_least("min_slip_safety", place, case, value, limit)
+        safeties.append((coefficient / needed if needed > NO_FRICTION else np.inf, name, case))
+    if safeties:
+        value, interface, case = min(safeties)
+        yield Verdict.at_least("min_slip_safety", interface, case, value, limit)
 
 
 def _extreme(sets: Mapping[str, Pieces], metric: str, *, largest: bool = True) -> tuple[str, float]:
@@ -312,38 +314,38 @@ def _extreme(sets: Mapping[str, Pieces], metric: str, *, largest: bool = True) -
     Of clamp forces of certified cases it is the lower end of the interval.
     """
     best: list[tuple[str, float]] = []
-    for name, pieces in sets.items():
-        known = {one.name for one in pieces.metrics}
+    for name, cases in sets.items():
+        names = {entry.name for entry in cases.metrics}
         low = metric.replace("clamp_force.", "clamp_force_low.", 1)
-        found = pieces.extreme(low if low in known else metric, largest=largest)
-        if found is not None:
-            best.append((pieces.named(name, found[0]), found[1]))
+        extreme = cases.extreme(low if low in names else metric, largest=largest)
+        if extreme is not None:
+            best.append((cases.named(name, extreme[0]), extreme[1]))
     if not best:
         message = "no case was solved, so there is nothing to judge"
         raise ModelError(message)
-    return (max if largest else min)(best, key=lambda one: one[1])
+    return (max if largest else min)(best, key=lambda entry: entry[1])
 
 
 def _openings(
-    radius: float | None, rom: ReducedModel, sets: Mapping[str, Pieces], rest: Solution | None
+    radius: float | None, rom: ReducedModel, sets: Mapping[str, Pieces], state: Solution | None
 ) -> Iterator[Verdict]:
     if radius is None:
         return
-    preload = (solve_static(rom) if rest is None else rest).pressure
-    envelopes = {name: pieces.envelope() for name, pieces in sets.items()}
+    preload = (solve_static(rom) if state is None else state).pressure
+    envelopes = {name: cases.envelope() for name, cases in sets.items()}
     for bolt_name, bolt in rom.bolts.items():
-        near = np.flatnonzero(pressed_near(rom.interfaces, bolt, radius, preload))
+        points = np.flatnonzero(pressed_near(rom.interfaces, bolt, radius, preload))
         lows: list[tuple[str, float]] = []
         for name, envelope in envelopes.items():
-            if envelope is not None and len(near):
-                point = near[envelope.min_pressure[near].argmin()]
+            if envelope is not None and len(points):
+                point = points[envelope.min_pressure[points].argmin()]
                 case = sets[name].named(name, int(envelope.min_pressure_case[point]))
                 lows.append((case, float(envelope.min_pressure[point])))
         yield no_opening(bolt_name, radius, lows)
 
 
-def _factors(wanted: Requirements, rom: ReducedModel, loads: LoadSet) -> Iterator[Verdict]:
-    limit = wanted.min_opening_factor
+def _factors(requirements: Requirements, rom: ReducedModel, loads: LoadSet) -> Iterator[Verdict]:
+    limit = requirements.min_opening_factor
     if limit is None:
         return
     reason = ""
@@ -359,7 +361,7 @@ def _factors(wanted: Requirements, rom: ReducedModel, loads: LoadSet) -> Iterato
         return
     areas = areas_that_open(rom.interfaces, rom.contact.slices, rom.bolts)
     paths = {
-        name: opening_factors(rom.joint, row, areas, open_below=wanted.open_share)
+        name: opening_factors(rom.joint, row, areas, open_below=requirements.open_share)
         for name, row in zip(loads.names, loads.inputs, strict=True)
     }
     yield from opening_verdicts(limit, paths)

@@ -80,15 +80,15 @@ def write_plan(plan: TighteningPlan, path: Path, torques: Mapping[str, float]) -
     """
     with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        after = (f"{name} after" for name in plan.bolts)
+        force_columns = (f"{name} after" for name in plan.bolts)
         writer.writerow(
-            ["turn", "pass", "bolt", "tighten to", "share of preload", "torque", *after]
+            ["turn", "pass", "bolt", "tighten to", "share of preload", "torque", *force_columns]
         )
         columns = (plan.passes, plan.turned, plan.settings, plan.shares, plan.bolt_forces)
         for turn, (of_pass, bolt, setting, share, forces) in enumerate(
             zip(*columns, strict=True), 1
         ):
             torque = f"{setting * torques[bolt]:.7g}" if bolt in torques else ""
-            told = (f"{value:.7g}" for value in forces)
-            row = [turn, of_pass, bolt, f"{setting:.7g}", f"{share:.7g}", torque, *told]
+            force_texts = (f"{value:.7g}" for value in forces)
+            row = [turn, of_pass, bolt, f"{setting:.7g}", f"{share:.7g}", torque, *force_texts]
             writer.writerow(row)
