@@ -20,7 +20,7 @@ from faying.study.keys import (
     tables,
     topographies,
 )
-from faying.study.keys.editor_schema import EDITOR_SCHEMA
+from faying.study.keys.schema import EDITOR_SCHEMA
 
 SECTIONS: dict[str, type[BaseModel]] = {
     "top level": tables.Study,

@@ -34,7 +34,7 @@ def check(
     from faying.study.inputs.jumps import jump_sentence, load_jumps
     from faying.study.inputs.load_model import load_model
     from faying.study.inputs.loads import check_targets
-    from faying.study.inputs.model_preview import understood
+    from faying.study.inputs.model_preview import model_preview
     from faying.study.judgement.model_warnings import missing_contact
     from faying.study.judgement.solid_constants import bolt_doubts, doubts
     from faying.study.keys.deck_study import is_bare, study_or_deck
@@ -50,7 +50,7 @@ def check(
         stage = bar.add_task(f"Reading {file.name}" if file else "Reading the model", total=None)
         loaded = load_model(checked)
         bar.update(stage, description="Looking at bodies, contact and bolts")
-        preview = understood(checked, loaded, bare=bare)
+        preview = model_preview(checked, loaded, bare=bare)
     model = preview.model
     check_targets(checked, model)
     console = Console(markup=False)

@@ -25,7 +25,7 @@ from faying.model.matrices import mass_properties
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 from faying.study.inputs.load_model import LoadedModel
-from faying.study.inputs.model_preview import Understood
+from faying.study.inputs.model_preview import ModelPreview
 from faying.study.judgement.model_warnings import kept_share
 from faying.study.keys.deck_study import is_bare, quoted
 from faying.study.keys.tables import Study
@@ -38,7 +38,7 @@ MOST_LOADS = 8
 """Loads of the source for which a load case is written out."""
 
 
-def described(study: Study, loaded: LoadedModel, preview: Understood) -> Iterator[Table]:
+def described(study: Study, loaded: LoadedModel, preview: ModelPreview) -> Iterator[Table]:
     """Yield the tables of ``faying check``, in the order of the data flow."""
     model = preview.model
     yield _overview(study, model)
@@ -72,7 +72,7 @@ def described(study: Study, loaded: LoadedModel, preview: Understood) -> Iterato
     yield from _missing(study, preview)
 
 
-def _missing(study: Study, preview: Understood) -> Iterator[Table]:
+def _missing(study: Study, preview: ModelPreview) -> Iterator[Table]:
     """Say what a run would still need, and the beginning of a study that says it."""
     if preview.needs:
         columns = ["what a run would still need"]

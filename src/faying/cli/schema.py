@@ -5,6 +5,6 @@ import typer
 
 def schema() -> None:
     """Print the JSON Schema of study files, for editors."""
-    from faying.study.keys.editor_schema import EDITOR_SCHEMA
+    from faying.study.keys.schema import EDITOR_SCHEMA
 
     typer.echo(EDITOR_SCHEMA.read_text(encoding="utf-8"), nl=False)

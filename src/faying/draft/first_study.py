@@ -9,8 +9,7 @@ import numpy as np
 from faying._typing import Indices, Mask, Vector
 from faying.draft.bolts import Hole, bolt_diameter, clamping_lines, holes_in_line, pattern
 from faying.draft.cylinders import cylinders
-from faying.draft.held import HELD, LOADED, far_node, loose_groups, named, pins
-from faying.draft.look import Look, look_at
+from faying.draft.model_file import ModelFile, read_model_file
 from faying.draft.study_text import (
     MARK,
     STRAIN,
@@ -19,6 +18,7 @@ from faying.draft.study_text import (
     hole_keys,
     study_text,
 )
+from faying.draft.supports_and_loads import HELD, LOADED, far_node, loose_groups, named, pins
 from faying.exceptions import FayingError, ModelError
 from faying.interface.facing import facing_bodies
 from faying.interface.interface import Interface
@@ -84,7 +84,7 @@ def first_study(path: Path, target: Path, ignore: Sequence[str] = ()) -> FirstSt
     The model of the study is built to see that it can be, and to tell areas and gaps; once more,
     with weak springs, where the first says that they are wanted.
     """
-    found = _findings(look_at(path, ignore))
+    found = _findings(read_model_file(path, ignore))
     built, problem = _tried(study_text(found, target, {}), target)
     if REMEDY in problem:
         supported = replace(found, weak_springs=True)
@@ -103,17 +103,17 @@ def _tried(text: str, target: Path) -> tuple[Mapping[str, Interface], str]:
         return {}, str(error)
 
 
-def _findings(look: Look) -> Findings:
+def _findings(file: ModelFile) -> Findings:
     """Look for interfaces, bolts, supports and loads where the file does not say them."""
-    described, assembly = look.described, look.described.assembly
+    described, assembly = file.described, file.described.assembly
     faces = facing_bodies(assembly)
     faces.sort(key=lambda face: (not face.touching, -face.area))
     touching = sum(face.touching for face in faces)
     active = 0 if described.has_joined_faces else touching or len(faces)
     contact = np.unique(np.concatenate([np.empty(0, np.int64), *(face.nodes for face in faces)]))
-    bolts, holes, new_bolts, along = _bolts(look, [np.array(face.normal) for face in faces])
+    bolts, holes, new_bolts, along = _bolts(file, [np.array(face.normal) for face in faces])
     found = Findings(
-        look=look,
+        file=file,
         faces=tuple(faces),
         active=0 if described.interfaces else active,
         bolts=tuple(bolts),
@@ -130,10 +130,10 @@ def _findings(look: Look) -> Findings:
 
 
 def _bolts(
-    look: Look, normals: Sequence[Vector]
+    file: ModelFile, normals: Sequence[Vector]
 ) -> tuple[list[BoltEntry], list[Hole], list[Hole], Direction | None]:
     """Return bolts, holes that may be those of others, those made use of, and where one points."""
-    described, assembly = look.described, look.described.assembly
+    described, assembly = file.described, file.described.assembly
     if described.bolts:
         preloaded = {*described.preloads, *described.initial_forces}
         untold = [bolt for bolt in described.bolts if bolt.name not in preloaded]
@@ -160,8 +160,8 @@ def _bolts(
         entries.append(
             BoltEntry(
                 name=f"bolt-{number}" if len(empty) > 1 else "bolt",
-                keys=hole_keys(hole, look.units),
-                preload=strained * np.pi / 4 * bolt_diameter(hole, look.units) ** 2,
+                keys=hole_keys(hole, file.units),
+                preload=strained * np.pi / 4 * bolt_diameter(hole, file.units) ** 2,
             )
         )
     along = _vector(np.array(empty[0].ends[1]) - empty[0].ends[0]) if empty else None
@@ -195,10 +195,10 @@ def _strained(assembly: Assembly, spec: BoltSpec) -> float:
 
 def _loaded(findings: Findings, contact: Indices, along: Direction) -> Findings:
     """Add where a load enters, and one that is small against the preloads."""
-    look, assembly = findings.look, findings.look.described.assembly
+    file, assembly = findings.file, findings.file.described.assembly
     mesh = assembly.mesh
     preloads = [
-        *look.described.preloads.values(),
+        *file.described.preloads.values(),
         *(entry.preload or 0.0 for entry in findings.bolts),
     ]
     extent = float(np.ptp(mesh.nodes, axis=0).max())
@@ -210,7 +210,7 @@ def _loaded(findings: Findings, contact: Indices, along: Direction) -> Findings:
     ]
     free = _movable(findings)
     # The surface of a cut through a bolt has the bolt's name.
-    used = [*findings.held, *(entry.name for entry in look.described.bolts)]
+    used = [*findings.held, *(entry.name for entry in file.described.bolts)]
     sets = [
         entry
         for entry in (*by_name, *loose_groups(assembly, used, contact))
@@ -237,7 +237,7 @@ def _is_face(mesh: Mesh, name: str) -> bool:
 
 def _movable(findings: Findings) -> Mask:
     """Mark the translations (n_node, 3) that can take a load; all where constraints contradict."""
-    assembly, mesh = findings.look.described.assembly, findings.look.mesh
+    assembly, mesh = findings.file.described.assembly, findings.file.mesh
     fixed = [(nodes_of_set(assembly, name), [*range(6)]) for name in findings.held]
     for pin in findings.pins:
         components = [DISPLACEMENT_NAMES.index(name) for name in pin.components]
@@ -251,7 +251,7 @@ def _movable(findings: Findings) -> Mask:
 
 
 def _held_nodes(findings: Findings) -> Indices:
-    mesh, supports = findings.look.mesh, findings.look.described.assembly.supports
+    mesh, supports = findings.file.mesh, findings.file.described.assembly.supports
     nodes = [mesh.node_sets[name] for name in findings.held]
     nodes += [support.nodes for support in supports]
     nodes += [mesh.node_index(np.array([pin.node])) for pin in findings.pins]

@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 
 from faying.draft.bolts import DIAMETER, Hole, size_of
-from faying.draft.held import Pin
-from faying.draft.look import Look
+from faying.draft.model_file import ModelFile
+from faying.draft.supports_and_loads import Pin
 from faying.interface.facing import Facing
 from faying.interface.interface import Interface
 from faying.model.bodies import body_names
 from faying.study.keys.deck_study import quoted
-from faying.study.keys.editor_schema import EDITOR_SCHEMA
+from faying.study.keys.schema import EDITOR_SCHEMA
 from faying.units import units_of
 
 MARK = "DECIDE:"
@@ -79,7 +79,7 @@ class Findings:
         Of that load.
     """
 
-    look: Look
+    file: ModelFile
     faces: tuple[Facing, ...] = ()
     active: int = 0
     bolts: tuple[BoltEntry, ...] = ()
@@ -110,7 +110,7 @@ def study_text(
     """
     lines = [f"#:schema {EDITOR_SCHEMA.as_uri()}"]
     lines += _comment(
-        f"Begun by faying init from {findings.look.path.name}. What that does not say is marked "
+        f"Begun by faying init from {findings.file.path.name}. What that does not say is marked "
         f"with the word {MARK[:-1]}: search for it, decide, and take the mark away. faying check "
         f"{target.name} tells what was understood, faying run {target.name} computes it."
     )
@@ -118,7 +118,7 @@ def study_text(
         lines += _comment(f"{MARK} it does not run yet: {problem}")
     sections: tuple[Iterable[str], ...] = (
         _head(findings, target, built),
-        _materials(findings.look),
+        _materials(findings.file),
         _interfaces(findings, built),
         _bolts(findings),
         _held(findings),
@@ -136,17 +136,17 @@ def _comment(text: str) -> list[str]:
 
 
 def _head(findings: Findings, target: Path, built: Mapping[str, Interface]) -> Iterator[str]:
-    look, mesh = findings.look, findings.look.mesh
-    yield f"title = {quoted(look.path.stem)}"
-    yield f'units = "{look.units}"  # {MARK} the file does not say; suits its materials or size'
+    file, mesh = findings.file, findings.file.mesh
+    yield f"title = {quoted(file.path.stem)}"
+    yield f'units = "{file.units}"  # {MARK} the file does not say; suits its materials or size'
     yield ""
     yield "[model]"
-    yield f'source = "{look.source}"'
-    yield f"file = {quoted(_relative(look.path, target))}"
-    if look.ignore:
-        yield f"ignore = [{', '.join(map(quoted, look.ignore))}]"
-    if look.separate:
-        names = ", ".join(map(quoted, look.separate))
+    yield f'source = "{file.source}"'
+    yield f"file = {quoted(_relative(file.path, target))}"
+    if file.ignore:
+        yield f"ignore = [{', '.join(map(quoted, file.ignore))}]"
+    if file.separate:
+        names = ", ".join(map(quoted, file.separate))
         yield f"separate = [{names}]  # {MARK} parts that touch; they share nodes in the mesh"
     if findings.weak_springs:
         rubs = any(interface.law.friction > 0 for interface in built.values())
@@ -166,17 +166,17 @@ def _relative(path: Path, target: Path) -> str:
         return path.resolve().as_posix()
 
 
-def _materials(look: Look) -> Iterator[str]:
-    if look.stand_in is not None:
-        yield f"[material.{look.stand_in.name}]  # {MARK} the mesh has none; this is steel"
-        yield f"E = {_number(look.stand_in.youngs_modulus)}"
-        yield f"nu = {_number(look.stand_in.poissons_ratio)}"
-        yield f"rho = {_number(look.stand_in.density)}"
+def _materials(file: ModelFile) -> Iterator[str]:
+    if file.stand_in is not None:
+        yield f"[material.{file.stand_in.name}]  # {MARK} the mesh has none; this is steel"
+        yield f"E = {_number(file.stand_in.youngs_modulus)}"
+        yield f"nu = {_number(file.stand_in.poissons_ratio)}"
+        yield f"rho = {_number(file.stand_in.density)}"
         return
     constants = [
         f"{solid.name or number}: E {solid.youngs_modulus:g}, nu {solid.poissons_ratio:g}, "
         f"rho {solid.density:g}"
-        for number, solid in look.described.assembly.materials.items()
+        for number, solid in file.described.assembly.materials.items()
     ]
     shown = "; ".join(list(dict.fromkeys(constants))[:10])
     if shown:
@@ -184,7 +184,7 @@ def _materials(look: Look) -> Iterator[str]:
 
 
 def _interfaces(findings: Findings, built: Mapping[str, Interface]) -> Iterator[str]:
-    declared = findings.look.described.interfaces
+    declared = findings.file.described.interfaces
     if declared:
         yield "# Contact the file declares; an [[interface]] of the same name overrides its keys."
         for spec in declared:
@@ -192,10 +192,10 @@ def _interfaces(findings: Findings, built: Mapping[str, Interface]) -> Iterator[
                 f"  {spec.name}: minus {spec.minus}, plus {spec.plus}{_facts(spec.name, built)}"
             )
         return
-    names = body_names(findings.look.mesh)
+    names = body_names(findings.file.mesh)
     if not findings.faces:
         yield from _comment(f"{MARK} no faces of different bodies face each other: no interface")
-    if findings.look.described.has_joined_faces and findings.faces:
+    if findings.file.described.has_joined_faces and findings.faces:
         yield from _comment(
             f"{MARK} bodies are tied or cut at bolts, so that faces below may be joined already"
         )
@@ -221,7 +221,7 @@ def _interfaces(findings: Findings, built: Mapping[str, Interface]) -> Iterator[
 def _body(names: Sequence[str], findings: Findings, number: int) -> str:
     """Return what selects a body: the set that is all of it, or its number."""
     name = names[number]
-    used = {*findings.look.described.assembly.face_sets, *findings.look.mesh.node_sets}
+    used = {*findings.file.described.assembly.face_sets, *findings.file.mesh.node_sets}
     return f"body {number}" if name in used else name
 
 
@@ -238,7 +238,7 @@ def _trailing(name: str, built: Mapping[str, Interface]) -> str:
 
 
 def _bolts(findings: Findings) -> Iterator[str]:
-    described = findings.look.described
+    described = findings.file.described
     for spec in described.bolts:
         for kind, forces in (
             ("preload", described.preloads),
@@ -252,7 +252,7 @@ def _bolts(findings: Findings) -> Iterator[str]:
     if findings.made:
         measures = (
             f"their diameter is {DIAMETER:g} of the hole's, the radius of washers {WASHER:g} of it"
-            if size_of(findings.made[0], findings.look.units) is None
+            if size_of(findings.made[0], findings.file.units) is None
             else "clearance holes of ISO 273; heads are hexagons unless 'head' says otherwise"
         )
         yield from _comment(
@@ -280,7 +280,7 @@ def _bolts(findings: Findings) -> Iterator[str]:
                 "and take"
             )
         yield from _comment(f"{MARK} {said}")
-        for key, value in hole_keys(hole, findings.look.units).items():
+        for key, value in hole_keys(hole, findings.file.units).items():
             yield f"#   {key} = {value}"
     if not (described.bolts or findings.bolts or findings.holes):
         yield from _comment(f"{MARK} no bolt was found; [[bolt]] tightens beams, or makes one")
@@ -309,7 +309,7 @@ def _number(value: float) -> str:
 
 
 def _held(findings: Findings) -> Iterator[str]:
-    mesh, supports = findings.look.mesh, findings.look.described.assembly.supports
+    mesh, supports = findings.file.mesh, findings.file.described.assembly.supports
     if supports:
         count = len(np.unique(np.concatenate([support.nodes for support in supports])))
         yield from _comment(f"The file holds {count} nodes; [[support]] holds more")
@@ -331,7 +331,7 @@ def _held(findings: Findings) -> Iterator[str]:
 
 
 def _loads(findings: Findings) -> Iterator[str]:
-    described = findings.look.described
+    described = findings.file.described
     loads = [*described.assembly.loads]
     if described.selected_load in loads:
         loads.sort(key=lambda name: name != described.selected_load)
@@ -383,7 +383,7 @@ def _rest(findings: Findings, built: Mapping[str, Interface]) -> Iterator[str]:
         f"{MARK} what the joint must hold in every load case; faying run then ends with status 3 "
         "where it does not"
     )
-    units = units_of(findings.look.units)
+    units = units_of(findings.file.units)
     yield "# [requirement]"
     yield f"# min_clamp_force = ?  # [{units.force}]"
     yield f"# max_pressure = ?  # [{units.pressure}]"

@@ -9,7 +9,7 @@ from faying.display.quantities import percent
 from faying.report.methods import grade
 from faying.report.style import label
 from faying.report.table import Cell, Column, Table, described, graded
-from faying.study.judgement.backbone_errors import backbone_errors
+from faying.study.judgement.comparison import backbone_errors
 from faying.study.judgement.summary import timings
 from faying.study.results.values import CaseResult, MethodResult, Results
 from faying.units import units_of

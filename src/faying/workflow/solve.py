@@ -39,7 +39,7 @@ from faying.units import Units, units_of
 from faying.workflow.outcome import Outcome
 from faying.workflow.solve_cases import CaseSolver
 from faying.workflow.solve_workers import compute_pieces
-from faying.workflow.solved_pieces import Pieces
+from faying.workflow.solved_cases import SolvedCases
 from faying.workflow.solved_strength import BoltStrengths
 from faying.workflow.solved_verdicts import areas_of, rings_of, sliding_checks, solved_assessment
 
@@ -204,8 +204,8 @@ def stated(requirements: Requirements) -> list[str]:
 
 def _written(
     rom: ReducedModel,
-    static: Pieces | None,
-    transients: Mapping[str, Pieces],
+    static: SolvedCases | None,
+    transients: Mapping[str, SolvedCases],
     named: Sequence[int],
     out: Path,
     options: SolveOptions,
@@ -234,7 +234,7 @@ def _written(
     return {**summary, "metrics": _described(every, units)}
 
 
-def _described(every: Sequence[Pieces], units: Units) -> dict[str, Any]:
+def _described(every: Sequence[SolvedCases], units: Units) -> dict[str, Any]:
     return {
         metric.name: {"unit": units.of(metric.dimension), "description": metric.description}
         for solved in every
@@ -242,7 +242,7 @@ def _described(every: Sequence[Pieces], units: Units) -> dict[str, Any]:
     }
 
 
-def _worst(solved: Pieces, count: int) -> dict[str, Any]:
+def _worst(solved: SolvedCases, count: int) -> dict[str, Any]:
     """Return how many there are, and the worst of each metric."""
     worst: dict[str, list[dict[str, Any]]] = {}
     for worst_value in solved.worst(count):
@@ -264,7 +264,7 @@ def _barely_held(written: Mapping[str, Any]) -> list[str]:
     return weak_warnings(shares)
 
 
-def _fields(solved: Pieces, count: int, named: Sequence[int]) -> SolvedFields | None:
+def _fields(solved: SolvedCases, count: int, named: Sequence[int]) -> SolvedFields | None:
     """Return the fields of the worst and the named rows; None where nothing was solved."""
     envelope = solved.envelope()
     if envelope is None:

@@ -1,4 +1,4 @@
-"""The pieces of many static cases, or of a transient, solved on a reduced model one by one."""
+"""Many static cases, or a transient, solved on a reduced model a part at a time."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -28,7 +28,7 @@ from faying.study.keys.tables import DEFAULT_INCREMENTS
 from faying.study.stages.optional import Extras
 from faying.study.stages.path_cases import rest_state
 from faying.study.stages.progress import Stages
-from faying.workflow.solved_pieces import Pieces, piece_of
+from faying.workflow.solved_cases import SolvedCases, piece_of
 
 PIECE_NUMBERS = 2**18
 """Numbers of one field of all cases solved together: 2 MB, of which some twenty are at hand."""
@@ -77,7 +77,7 @@ class CaseSolver:
         """Where all loads of a joint with friction begin; None without."""
         return None if self.tightening is None else rest_state(self.rom, self.tightening)
 
-    def static(self, loads: LoadSet, named: Sequence[int]) -> Pieces:
+    def static(self, loads: LoadSet, named: Sequence[int]) -> SolvedCases:
         """Solve static cases, or take what an interrupted call has finished."""
         ranges, failed = self.static_pieces(len(loads.names)), list[str]()
         with self.stages.stage("static cases", len(loads.names)) as advance:
@@ -85,7 +85,7 @@ class CaseSolver:
                 arrays = self.checkpoint.bundle(key, partial(self.static_piece, loads, rows, named))
                 failed += arrays[FAILED].tolist()
                 advance(len(rows))
-        return Pieces(
+        return SolvedCases(
             checkpoint=self.checkpoint,
             keys=list(ranges),
             metrics=self._static_metrics,
@@ -93,10 +93,10 @@ class CaseSolver:
             failed=failed,
         )
 
-    def transient(self, load: TimedLoad) -> Pieces:
+    def transient(self, load: TimedLoad) -> SolvedCases:
         """Solve a transient, from where an interrupted call has kept it."""
         end = self.checkpoint.bundle(end_key(load), partial(self.walked, load))
-        return Pieces(
+        return SolvedCases(
             checkpoint=self.checkpoint,
             keys=[_piece_key(load, number) for number in range(int(end["count"]))],
             metrics=self._metrics,

@@ -1,4 +1,4 @@
-"""Pieces of many loads on a reduced model, computed by workers before the call that finds them.
+"""Parts of many loads on a reduced model, computed by workers before the call that finds them.
 
 A worker is given a piece of the static cases, or a whole transient: the same pieces as without
 workers, so that numbers do not depend on how many there are.

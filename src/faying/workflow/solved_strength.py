@@ -19,7 +19,7 @@ from faying.simulation.load import InputRow
 from faying.simulation.solution import Solution
 from faying.study.inputs.load_set import LoadSet
 from faying.study.keys.requirement_tables import MarginsSection
-from faying.workflow.solved_pieces import Pieces
+from faying.workflow.solved_cases import SolvedCases
 
 STATIC = ""
 """Name of the static cases among sets of cases."""
@@ -47,7 +47,7 @@ class BoltStrengths:
     margins: MarginsSection | None = None
 
 
-def deciding_loads(loads: LoadSet, static: Pieces | None) -> list[InputRow]:
+def deciding_loads(loads: LoadSet, static: SolvedCases | None) -> list[InputRow]:
     """Return the static cases in which some metric is worst, as loads.
 
     These alone are solved at the ends of the preloads and under factored loads.
@@ -59,7 +59,7 @@ def deciding_loads(loads: LoadSet, static: Pieces | None) -> list[InputRow]:
 def solved_strength(
     judged: BoltStrengths,
     rom: ReducedModel,
-    sets: Mapping[str, Pieces],
+    sets: Mapping[str, SolvedCases],
     preloaded: Solution,
     loads: LoadSet,
     limits: Mapping[str, float],
@@ -147,7 +147,7 @@ def _rows(state: CaseState, rows: Sequence[int]) -> CaseState:
     )
 
 
-def _solved(cases: Pieces, rom: ReducedModel) -> np.ndarray:
+def _solved(cases: SolvedCases, rom: ReducedModel) -> np.ndarray:
     return ~np.isnan(cases.column(f"bolt_force.{next(iter(rom.bolts))}"))
 
 
@@ -161,7 +161,7 @@ def _rest(rom: ReducedModel, state: Solution) -> CaseState:
     )
 
 
-def _state(cases: Pieces, rom: ReducedModel, rows: Indices) -> CaseState:
+def _state(cases: SolvedCases, rom: ReducedModel, rows: Indices) -> CaseState:
     """Return cases as one over "time", which is their number."""
     return CaseState(
         pressure=np.empty((len(rows), 0)),

@@ -28,7 +28,7 @@ from faying.simulation.solution import Solution
 from faying.simulation.static_case import solve_static
 from faying.study.inputs.load_set import LoadSet
 from faying.study.judgement.margins import NASA, demanded_checks
-from faying.workflow.solved_pieces import Pieces
+from faying.workflow.solved_cases import SolvedCases
 from faying.workflow.solved_strength import BoltStrengths, deciding_loads, solved_strength
 
 MOST_PATHS = 200
@@ -71,8 +71,8 @@ def solved_verdicts(
     requirements: Requirements,
     rom: ReducedModel,
     loads: LoadSet,
-    static: Pieces | None,
-    transients: Mapping[str, Pieces],
+    static: SolvedCases | None,
+    transients: Mapping[str, SolvedCases],
     preloaded: Solution | None = None,
 ) -> Iterator[Verdict]:
     """Yield the verdicts on what is required, each where it is nearest to failing.
@@ -112,8 +112,8 @@ def solved_assessment(
     requirements: Requirements,
     rom: ReducedModel,
     loads: LoadSet,
-    static: Pieces | None,
-    transients: Mapping[str, Pieces],
+    static: SolvedCases | None,
+    transients: Mapping[str, SolvedCases],
     preload_state: Solution | None = None,
     strengths: BoltStrengths | None = None,
 ) -> Assessment:
@@ -162,7 +162,7 @@ def solved_assessment(
     return replace(assessment, checks=checks)
 
 
-def _bolt(name: str, sets: Mapping[str, Pieces], preload: float) -> BoltAssessment:
+def _bolt(name: str, sets: Mapping[str, SolvedCases], preload: float) -> BoltAssessment:
     least_case, smallest = _extreme(sets, f"bolt_force.{name}", largest=False)
     most_case, largest = _extreme(sets, f"bolt_force.{name}")
     return BoltAssessment(
@@ -180,7 +180,7 @@ def _bolt(name: str, sets: Mapping[str, Pieces], preload: float) -> BoltAssessme
 def _interface(
     name: str,
     surface: ContactSurface,
-    sets: Mapping[str, Pieces],
+    sets: Mapping[str, SolvedCases],
     preload: float,
     slip: SlipDemand | None,
 ) -> InterfaceAssessment:
@@ -212,7 +212,7 @@ def _interface(
 
 
 def sliding_checks(
-    rom: ReducedModel, static: Pieces | None, transients: Mapping[str, Pieces]
+    rom: ReducedModel, static: SolvedCases | None, transients: Mapping[str, SolvedCases]
 ) -> Iterator[Check]:
     """Judge interfaces with friction: what sticks somewhere in a case does not slide in it."""
     sets = {**({} if static is None else {"": static}), **transients}
@@ -253,7 +253,7 @@ SLIPS_ALL = "all that touches is at its friction bound; faying run tells whether
 
 
 def _slip_demands(
-    requirements: Requirements, rom: ReducedModel, static: Pieces | None
+    requirements: Requirements, rom: ReducedModel, static: SolvedCases | None
 ) -> dict[str, SlipDemand]:
     """Return the friction that static cases need at most of interfaces without any."""
     if static is None:
@@ -282,7 +282,7 @@ UNTOLD = "the file does not tell what is carried along it; reduce the study agai
 
 
 def _slip(
-    limit: float, requirements: Requirements, rom: ReducedModel, static: Pieces | None
+    limit: float, requirements: Requirements, rom: ReducedModel, static: SolvedCases | None
 ) -> Iterator[Verdict]:
     """Judge S_G of the static cases, by sums."""
     coefficients, carried = _coefficients(requirements, rom), areas_of(requirements, rom)
@@ -308,7 +308,9 @@ def _slip(
         yield Verdict.at_least("min_slip_safety", interface, case, value, limit)
 
 
-def _extreme(sets: Mapping[str, Pieces], metric: str, *, largest: bool = True) -> tuple[str, float]:
+def _extreme(
+    sets: Mapping[str, SolvedCases], metric: str, *, largest: bool = True
+) -> tuple[str, float]:
     """Return the case, or history and instant, of an extreme value, and the value.
 
     Of clamp forces of certified cases it is the lower end of the interval.
@@ -327,7 +329,7 @@ def _extreme(sets: Mapping[str, Pieces], metric: str, *, largest: bool = True) -
 
 
 def _openings(
-    radius: float | None, rom: ReducedModel, sets: Mapping[str, Pieces], state: Solution | None
+    radius: float | None, rom: ReducedModel, sets: Mapping[str, SolvedCases], state: Solution | None
 ) -> Iterator[Verdict]:
     if radius is None:
         return

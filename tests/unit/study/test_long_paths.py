@@ -9,7 +9,7 @@ import faying as fy
 from faying.execution.checkpoint import Checkpoint
 from faying.simulation.start import last_of
 from faying.study.stages import long_paths
-from faying.study.stages.checkpointed_steps import Pieces
+from faying.study.stages.checkpointed_steps import CheckpointedSteps
 from faying.study.stages.long_paths import follow_path
 
 LOADS = [fy.Load({"tip.Fx": 600.0 * np.sin(0.4 * one)}) for one in range(1, 12)]
@@ -36,7 +36,7 @@ def test_an_interrupted_path_goes_on_after_its_last_piece(tmp_path, monkeypatch,
 
     monkeypatch.setattr(long_paths, "follow", interrupted)
     monkeypatch.setattr(long_paths, "PIECE", 4)
-    pieces = Pieces(Checkpoint(tmp_path), "way full 1")
+    pieces = CheckpointedSteps(Checkpoint(tmp_path), "way full 1")
     with pytest.raises(KeyboardInterrupt):
         follow_path(system, LOADS, rest, "way", pieces, reached.append)
     before = sum(float(pieces.take(name, dict)["seconds"]) for name in kept_names())

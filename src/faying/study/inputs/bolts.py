@@ -61,7 +61,7 @@ def _elements_between(
 ) -> tuple[int, ...]:
     """Beams of the deck, or else its one axial spring, with both ends among the nodes of a bolt."""
     nodes = set(assembly.mesh.node_index(np.array(bolt.nodes or ())).tolist())
-    found = tuple(beam.id for beam in assembly.beams if nodes.issuperset(beam.nodes))
+    beams = tuple(beam.id for beam in assembly.beams if nodes.issuperset(beam.nodes))
     springs = tuple(
         spring.id
         for spring in assembly.springs
@@ -69,15 +69,15 @@ def _elements_between(
         and nodes.issuperset(node for node, _ in spring.ends)
         and all(component < 3 for _, component in spring.ends)
     )
-    if found or len(springs) == 1:
-        return found or springs
-    place = study.source.place(("bolt", number, "nodes"))
+    if beams or len(springs) == 1:
+        return beams or springs
+    location = study.source.place(("bolt", number, "nodes"))
     if springs:
         shown = ", ".join(map(str, springs))
-        message = f"{place}: springs {shown} join these nodes; give the axial one as 'elements'"
+        message = f"{location}: springs {shown} join these nodes; give the axial one as 'elements'"
         raise StudyError(message)
     message = (
-        f"{place}: no beam and no axial spring of the deck joins two of these nodes; give the "
+        f"{location}: no beam and no axial spring of the deck joins two of these nodes; give the "
         "nodes its beams run through, or 'elements'"
     )
     raise StudyError(message)
@@ -94,11 +94,11 @@ def check_distinct_bolts(study: Study, bolts: tuple[BoltSpec, ...]) -> None:
     owner: dict[int, str] = {}
     for bolt in bolts:
         for element in bolt.elements or ():
-            other = owner.setdefault(element, bolt.name)
-            if other != bolt.name:
+            owner_name = owner.setdefault(element, bolt.name)
+            if owner_name != bolt.name:
                 message = (
-                    f"{study.path.name}: bolts '{other}' and '{bolt.name}' both tighten element "
-                    f"{element}; to change the preload of a deck's bolt, use its name"
+                    f"{study.path.name}: bolts '{owner_name}' and '{bolt.name}' both tighten "
+                    f"element {element}; to change the preload of a deck's bolt, use its name"
                 )
                 raise StudyError(message)
 
@@ -140,9 +140,11 @@ def check_no_second_preload(
 
 def _nodes_of(assembly: Assembly, bolt: BoltSpec) -> list[int]:
     """Node indices of all beams and springs a bolt of the deck is made of."""
-    own = set(bolt.elements or ())
-    beams = [node for beam in assembly.beams if beam.id in own for node in beam.nodes]
-    springs = [node for one in assembly.springs if one.id in own for node, _ in one.ends]
+    elements = set(bolt.elements or ())
+    beams = [node for beam in assembly.beams if beam.id in elements for node in beam.nodes]
+    springs = [
+        node for spring in assembly.springs if spring.id in elements for node, _ in spring.ends
+    ]
     return sorted({*beams, *springs})
 
 
@@ -158,9 +160,9 @@ def _pull(load: NodalLoads, nodes: list[int]) -> float:
 def initial_forces(study: Study, described: JointDescription) -> dict[str, float]:
     """Return the initial forces that the study, or else the source, locks bolts at, by name."""
     tightened = final_forces(study)
-    given = {n: force for n, force in described.initial_forces.items() if n not in tightened}
+    forces = {n: force for n, force in described.initial_forces.items() if n not in tightened}
     wished = {b.name: b.initial_force for b in study.bolts if b.initial_force is not None}
-    return given | wished
+    return forces | wished
 
 
 def losses(study: Study) -> dict[str, PreloadLoss]:
@@ -192,21 +194,21 @@ def preloads(
     """
     wished = final_forces(study)
     locked = initial_forces(study, described)
-    given = {**described.preloads, **wished}
+    forces = {**described.preloads, **wished}
     for bolt in bolts:
         if bolt.name in locked:
-            given.pop(bolt.name, None)
+            forces.pop(bolt.name, None)
             continue
-        if bolt.name not in given:
+        if bolt.name not in forces:
             message = (
                 f"{study.path.name}: bolt '{bolt.name}' of the model has no preload; add [[bolt]] "
                 f'with name = "{bolt.name}" and preload = its final force (0 is not tightened)'
             )
             raise StudyError(message)
-        if not given[bolt.name] >= 0:
+        if not forces[bolt.name] >= 0:
             message = (
-                f"{study.path.name}: bolt '{bolt.name}' has the preload {given[bolt.name]:g}, "
+                f"{study.path.name}: bolt '{bolt.name}' has the preload {forces[bolt.name]:g}, "
                 "which presses it; give a positive final force in the deck or by [[bolt]]"
             )
             raise StudyError(message)
-    return given
+    return forces

@@ -77,7 +77,7 @@ def load_jumps(
 def _jumps(case: LoadCaseSection, window: float, rise: float | None) -> Iterator[Jump]:
     for load, value in case_load(case).forces.items():
         history = value if isinstance(value, History) else History(np.zeros(1), np.array([value]))
-        time, change, least = _largest_change(history, window)
+        time, change, threshold = _largest_change(history, window)
         largest = float(np.abs(history.values).max())
         if largest > 0 and abs(change) > SUDDEN * largest:
             yield Jump(
@@ -85,7 +85,7 @@ def _jumps(case: LoadCaseSection, window: float, rise: float | None) -> Iterator
                 time=time,
                 change=change,
                 share=abs(change) / largest,
-                window=least,
+                window=threshold,
                 rise=rise,
             )
 
@@ -101,10 +101,10 @@ def _largest_change(history: History, window: float) -> tuple[float, float, floa
         return 0.0, start, 0.0
     knots = history.times
     begin = np.unique(np.clip(np.concatenate([knots, knots - window]), -window, None))
-    before = np.where(begin < 0, 0.0, history.at(begin))
-    changes = history.at(begin + window) - before
-    most = int(np.argmax(np.abs(changes)))
-    return max(float(begin[most]), 0.0), float(changes[most]), window
+    level_before = np.where(begin < 0, 0.0, history.at(begin))
+    changes = history.at(begin + window) - level_before
+    largest = int(np.argmax(np.abs(changes)))
+    return max(float(begin[largest]), 0.0), float(changes[largest]), window
 
 
 def jump_sentence(case: str, jumps: Sequence[Jump], time_unit: str, *, history: bool) -> str:
@@ -117,13 +117,13 @@ def jump_sentence(case: str, jumps: Sequence[Jump], time_unit: str, *, history: 
     """
     if not jumps:
         return ""
-    loads = ", ".join(_told(one, time_unit) for one in jumps)
+    loads = ", ".join(_told(jump, time_unit) for jump in jumps)
     said = (
         f"{case}: {loads} jump{'s' * (len(jumps) == 1)}. No structure sees such a load, for real "
         "ones rise: a jump excites motions above all that reduced models carry and the time step "
         "resolves, and pressures right after it are uncertain in every model."
     )
-    rises = [one.rise for one in jumps if one.rise is not None]
+    rises = [jump.rise for jump in jumps if jump.rise is not None]
     if not rises:
         return (
             f"{said} Let it rise over about a quarter of the longest period; a run says how long."
@@ -135,6 +135,6 @@ def jump_sentence(case: str, jumps: Sequence[Jump], time_unit: str, *, history: 
 
 
 def _told(jump: Jump, time_unit: str) -> str:
-    at = f"{jump.time:.3g} {time_unit}".rstrip()
+    instant = f"{jump.time:.3g} {time_unit}".rstrip()
     within = f" within {jump.window:.3g} {time_unit}".rstrip() if jump.window else ""
-    return f"{jump.load} (by {jump.change:.6g} at t = {at}{within})"
+    return f"{jump.load} (by {jump.change:.6g} at t = {instant}{within})"

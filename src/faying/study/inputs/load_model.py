@@ -34,9 +34,8 @@ from faying.study.inputs.bolts import (
     unlocked,
 )
 from faying.study.inputs.loads import check_loads
-from faying.study.inputs.masses import with_study_masses
 from faying.study.inputs.sets import with_study_sets
-from faying.study.inputs.supports import with_study_supports
+from faying.study.inputs.supports import with_study_masses, with_study_supports
 from faying.study.keys.consistency import boundary_problems, deck_load_problems
 from faying.study.keys.errors import Problem, nearest, reject
 from faying.study.keys.lap_joint import lap_joint_keywords
@@ -125,8 +124,8 @@ def load_model(study: Study, source: JointDescription | None = None) -> LoadedMo
     check_distinct_bolts(study, bolts)
     boundaries = _merged(study, "boundary", described.boundaries, _entries(study.boundaries))
     interfaces = _merged(study, "interface", described.interfaces, _interface_entries(study))
-    known = [spec.name for spec in boundaries]
-    problems = [*boundary_problems(study, known), *deck_load_problems(study, assembly)]
+    names = [spec.name for spec in boundaries]
+    problems = [*boundary_problems(study, names), *deck_load_problems(study, assembly)]
     reject(study.source, [*problems, *temperature_name_problems(study, assembly)])
     forces = preloads(study, described, bolts)
     deck_loads = [load.deck_load for _, load in loadings(study) if load.deck_load is not None]
@@ -143,8 +142,14 @@ def load_model(study: Study, source: JointDescription | None = None) -> LoadedMo
         preloads=forces,
         initial_forces=locked,
         gap_offsets=_gap_offsets(study, described),
-        topographies={one.name: one.topography for one in study.interfaces if one.topography},
-        crowns={one.name: one.crown for one in study.interfaces if one.crown},
+        topographies={
+            interface.name: interface.topography
+            for interface in study.interfaces
+            if interface.topography
+        },
+        crowns={
+            interface.name: interface.crown for interface in study.interfaces if interface.crown
+        },
         gap_rules=_gap_rules(study, described),
         deck_loads=tuple(dict.fromkeys(deck_loads)),
         temperatures=temperatures_of(study, assembly),
@@ -280,14 +285,14 @@ def _with_materials(assembly: Assembly, study: Study) -> Assembly:
     names |= {beam.material.name for beam in assembly.beams}
     for name in study.materials:
         if name not in names and name not in solids:
-            known = sorted(filter(None, names)) or list(solids)
-            place = study.source.table(("material", name))
-            message = f"{place}: the deck has no material '{name}'; {nearest(name, known)}"
+            targets = sorted(filter(None, names)) or list(solids)
+            location = study.source.table(("material", name))
+            message = f"{location}: the deck has no material '{name}'; {nearest(name, targets)}"
             raise StudyError(message)
         if any(name in section.materials for section in assembly.shell_sections.values()):
-            place = study.source.table(("material", name))
+            location = study.source.table(("material", name))
             message = (
-                f"{place}: shells are made of material '{name}' too, whose sections keep the "
+                f"{location}: shells are made of material '{name}' too, whose sections keep the "
                 "constants of the deck; change it there"
             )
             raise StudyError(message)
@@ -305,7 +310,9 @@ def _with_materials(assembly: Assembly, study: Study) -> Assembly:
 
 def _entries(sections: Iterable[Section]) -> list[dict[str, Any]]:
     """Return the keys each entry of a study gives."""
-    return [{key: getattr(one, key) for key in one.model_fields_set} for one in sections]
+    return [
+        {key: getattr(section, key) for key in section.model_fields_set} for section in sections
+    ]
 
 
 def _interface_entries(study: Study) -> list[dict[str, Any]]:
@@ -372,7 +379,7 @@ def _refused_overrides(
 
 def _gap_rules(study: Study, described: JointDescription) -> dict[str, GapRule]:
     """Return the rules of the source; a gap that the study gives counts instead of its value."""
-    wished = {one.name for one in study.interfaces if one.initial_gap is not None}
+    wished = {interface.name for interface in study.interfaces if interface.initial_gap is not None}
     return {
         name: rule
         for name, rule in described.gap_rules.items()

@@ -106,19 +106,19 @@ def read_loads(
         If they cannot be read or do not fit the model.
     """
     if path.is_dir():
-        files = sorted(one for one in path.iterdir() if one.suffix in TABLES)
+        files = sorted(file for file in path.iterdir() if file.suffix in TABLES)
         if not files:
             message = f"{path} has no tables ({', '.join(TABLES)}); name a file or another folder"
             raise StudyError(message)
-        twice = [one for one, other in pairwise(files) if one.stem == other.stem]
+        twice = [file for file, following in pairwise(files) if file.stem == following.stem]
         if twice:
             message = (
                 f"{path} has two tables of the name '{twice[0].stem}', which is that of their "
                 "results; rename or remove one"
             )
             raise StudyError(message)
-        tables = [read_load_table(one) for one in files]
-        static = next((one for one in tables if one.times is None), None)
+        tables = [read_load_table(file) for file in files]
+        static = next((file for file in tables if file.times is None), None)
         if static is not None:
             message = (
                 f"{static.path.name} has no column 'time'; a folder holds loads over time, name a "
@@ -139,10 +139,10 @@ def read_loads(
 
 
 def _of_cases(cases: Sequence[LoadCaseSection], rom: ReducedModel) -> LoadSet:
-    other = [case for case in cases if not (case.kind == "static" or case.transient)]
-    if other:
+    unusable = [case for case in cases if not (case.kind == "static" or case.transient)]
+    if unusable:
         message = (
-            f"load case '{other[0].name}' is a {other[0].kind}, which only a run of a study "
+            f"load case '{unusable[0].name}' is a {unusable[0].kind}, which only a run of a study "
             "follows; leave it out, or follow it in Python with faying.solve_path"
         )
         raise StudyError(message)
@@ -226,16 +226,16 @@ def _table_step(times: Vector) -> float:
 
 def _checked(rom: ReducedModel, loads: Iterable[TimedLoad]) -> tuple[TimedLoad, ...]:
     """Refuse loads and time steps that the model cannot follow before anything is computed."""
-    several = tuple(loads)
-    for one in several:
-        one.load.inputs(rom, np.zeros(1))
-        if not (one.step >= SMALLEST and max(one.step, one.duration) <= LARGEST):
+    checked = tuple(loads)
+    for load in checked:
+        load.load.inputs(rom, np.zeros(1))
+        if not (load.step >= SMALLEST and max(load.step, load.duration) <= LARGEST):
             message = (
-                f"{one.load.name}: the time step is {one.step:g} and the duration "
-                f"{one.duration:g}; expected both from {SMALLEST:g} to {LARGEST:g}"
+                f"{load.load.name}: the time step is {load.step:g} and the duration "
+                f"{load.duration:g}; expected both from {SMALLEST:g} to {LARGEST:g}"
             )
             raise StudyError(message)
-    return several
+    return checked
 
 
 def _period(case: LoadCaseSection, rom: ReducedModel) -> float:

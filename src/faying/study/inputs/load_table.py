@@ -122,7 +122,7 @@ def table_inputs(table: LoadTable, joint: Joint) -> Matrix:
         message = f"{table.path.name}: columns that the model does not have\n{listed}"
         raise StudyError(message)
     places = boundary_slices(joint.boundaries)
-    n_boundary = sum(len(one.dofs) for one in joint.boundaries.values())
+    n_boundary = sum(len(boundary.dofs) for boundary in joint.boundaries.values())
     bolts, patterns = list(joint.bolts), list(joint.load_patterns)
     first = n_boundary + len(bolts)
     inputs = np.zeros((table.n_row, first + len(patterns)))
@@ -180,7 +180,7 @@ def _csv(path: Path) -> tuple[list[str], Matrix, tuple[str, ...] | None]:
     _check_header(path, header)
     rows = [line for _, line in lines[1:]]
     _check_width(path, lines, len(header))
-    numeric = [place for place, name in enumerate(header) if name != NAME]
+    numeric = [position for position, name in enumerate(header) if name != NAME]
     if not rows or not numeric:
         return header, np.empty((0, len(numeric))), None
     try:
@@ -222,7 +222,7 @@ def _cells(path: Path, number: int, line: str) -> list[str]:
 
 
 def _check_header(path: Path, header: Sequence[str]) -> None:
-    twice = [name for place, name in enumerate(header) if name in header[:place]]
+    twice = [name for column, name in enumerate(header) if name in header[:column]]
     if twice:
         message = f"{path.name}, line 1: column '{twice[0]}' is there twice; keep one"
         raise StudyError(message)
@@ -237,9 +237,9 @@ def _check_header(path: Path, header: Sequence[str]) -> None:
 def _check_width(path: Path, lines: Sequence[tuple[int, str]], expected: int) -> None:
     wrong = [(n, line) for n, line in lines[1:] if len(_cells(path, n, line)) != expected]
     if wrong:
-        found = len(_cells(path, *wrong[0]))
+        width = len(_cells(path, *wrong[0]))
         message = (
-            f"{path.name}, line {wrong[0][0]}: found {found} cells, expected {expected} as in the "
+            f"{path.name}, line {wrong[0][0]}: found {width} cells, expected {expected} as in the "
             "header; separate them by commas and write decimal points"
         )
         raise StudyError(message)
@@ -250,10 +250,10 @@ def _bad_cells(
 ) -> StudyError:
     """Return the message that lists cells that are no finite numbers."""
     wrong = [
-        f"  - line {number}: found '{cell[:40]}' in column '{header[place]}'"
+        f"  - line {number}: found '{cell[:40]}' in column '{header[column]}'"
         for number, line in lines
-        for place, cell in enumerate(_cells(path, number, line))
-        if place in numeric and not _is_number(cell)
+        for column, cell in enumerate(_cells(path, number, line))
+        if column in numeric and not _is_number(cell)
     ]
     listed = "\n".join(wrong[:MOST_SHOWN])
     more = f"\n  ... and {len(wrong) - MOST_SHOWN} more" if len(wrong) > MOST_SHOWN else ""
@@ -291,7 +291,7 @@ def _check_names(path: Path, names: Sequence[str]) -> None:
             raise StudyError(message)
     if len(set(names)) < len(names):
         in_order = sorted(names)
-        twice = next(one for one, other in pairwise(in_order) if one == other)
+        twice = next(earlier for earlier, later in pairwise(in_order) if earlier == later)
         message = f"{path.name}: two rows have the name '{twice}'; names of cases must differ"
         raise StudyError(message)
 

@@ -23,7 +23,7 @@ CANDIDATES: tuple[tuple[InterfaceSpec, Callable[[Assembly, InterfaceSpec], objec
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Understood:
+class ModelPreview:
     """A model and what is missing from it.
 
     Attributes
@@ -42,7 +42,7 @@ class Understood:
     needs: tuple[str, ...]
 
 
-def understood(study: Study, loaded: LoadedModel, *, bare: bool) -> Understood:
+def model_preview(study: Study, loaded: LoadedModel, *, bare: bool) -> ModelPreview:
     """Build the model as far as it can be built.
 
     Parameters
@@ -67,7 +67,7 @@ def understood(study: Study, loaded: LoadedModel, *, bare: bool) -> Understood:
         model, problem = _without_joint(loaded), str(error)
     free = free_parts(model)
     needs = tuple(_needs(study, loaded, model, free, problem, candidate))
-    return Understood(model=model, candidate=candidate, free=free, needs=needs)
+    return ModelPreview(model=model, candidate=candidate, free=free, needs=needs)
 
 
 def _candidate(assembly: Assembly) -> InterfaceSpec | None:

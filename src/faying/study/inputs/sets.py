@@ -38,32 +38,32 @@ def _from_deck(assembly: Assembly, study: Study, name: str, named: NamedSet) -> 
         mesh = mesh.with_node_set(name, mesh.node_sets[deck])
     if deck in mesh.element_sets:
         mesh = _with_elements(mesh, study, name, mesh.element_sets[deck])
-    known = [*assembly.face_sets, *mesh.node_sets, *mesh.element_sets]
-    if deck not in known:
-        _refuse(study, name, f"the deck has no set '{deck}'; {nearest(deck, known)}")
+    names = [*assembly.face_sets, *mesh.node_sets, *mesh.element_sets]
+    if deck not in names:
+        _refuse(study, name, f"the deck has no set '{deck}'; {nearest(deck, names)}")
     return replace(assembly, mesh=mesh)
 
 
 def _from_properties(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
-    mesh, wanted = assembly.mesh, named.properties or ()
+    mesh, selected = assembly.mesh, named.properties or ()
     properties = mesh.element_properties
-    for missing in sorted(set(wanted) - set(properties.tolist())):
-        known = ", ".join(map(str, np.unique(properties).tolist()))
-        _refuse(study, name, f"no solid has property {missing}; properties are {known or 'none'}")
-    chosen = mesh.element_ids[np.isin(properties, wanted)]
+    for missing in sorted(set(selected) - set(properties.tolist())):
+        names = ", ".join(map(str, np.unique(properties).tolist()))
+        _refuse(study, name, f"no solid has property {missing}; properties are {names or 'none'}")
+    chosen = mesh.element_ids[np.isin(properties, selected)]
     return replace(assembly, mesh=_with_elements(mesh, study, name, chosen))
 
 
 def _from_nodes(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
-    wanted, mesh = named.nodes or (), assembly.mesh
-    _check_ids(study, name, "node", wanted, mesh.node_ids)
-    return replace(assembly, mesh=mesh.with_node_set(name, mesh.node_index(np.array(wanted))))
+    ids, mesh = named.nodes or (), assembly.mesh
+    _check_ids(study, name, "node", ids, mesh.node_ids)
+    return replace(assembly, mesh=mesh.with_node_set(name, mesh.node_index(np.array(ids))))
 
 
 def _from_elements(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
-    wanted, mesh = np.array(named.elements or (), dtype=np.int64), assembly.mesh
-    _check_ids(study, name, "solid element", wanted.tolist(), mesh.element_ids)
-    return replace(assembly, mesh=_with_elements(mesh, study, name, wanted))
+    ids, mesh = np.array(named.elements or (), dtype=np.int64), assembly.mesh
+    _check_ids(study, name, "solid element", ids.tolist(), mesh.element_ids)
+    return replace(assembly, mesh=_with_elements(mesh, study, name, ids))
 
 
 def _from_ids(assembly: Assembly, study: Study, name: str, named: NamedSet) -> Assembly:
@@ -77,8 +77,8 @@ def _from_ids(assembly: Assembly, study: Study, name: str, named: NamedSet) -> A
     return _from_nodes(assembly, study, name, NamedSet(nodes=named.ids))
 
 
-def _check_ids(study: Study, name: str, what: str, wanted: Sequence[int], known: Indices) -> None:
-    missing = np.setdiff1d(wanted, known)
+def _check_ids(study: Study, name: str, what: str, ids: Sequence[int], existing: Indices) -> None:
+    missing = np.setdiff1d(ids, existing)
     if missing.size:
         shown = ", ".join(map(str, missing[:5].tolist()))
         _refuse(study, name, f"the model has no {what} with id {shown}; correct the list")

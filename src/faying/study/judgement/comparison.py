@@ -17,7 +17,7 @@ def accuracy(model: Model, response: Response, reference: Response) -> Accuracy:
     """Measure the errors of pressures and boundary displacements, of paths in every increment."""
     mine, exact = increments(response), increments(reference)
     if mine:
-        pressures = [np.concatenate([one.pressure for one in path]) for path in (mine, exact)]
+        pressures = [np.concatenate([record.pressure for record in path]) for path in (mine, exact)]
     else:
         pressures = [response.pressure, reference.pressure]
     displacements = [
@@ -31,7 +31,7 @@ def increments(response: Response) -> list[PathRecord]:
     """Return what a response has of increments: a path, or the last cycle of each amplitude."""
     if response.path is not None:
         return [response.path]
-    return [one.increments for one in response.cycles.values()]
+    return [cycle.increments for cycle in response.cycles.values()]
 
 
 def rubbed(response: Response) -> Sequence[SlipRecord]:
@@ -40,10 +40,10 @@ def rubbed(response: Response) -> Sequence[SlipRecord]:
 
 
 def _displacements(response: Response, boundary: str) -> Matrix:
-    found = increments(response)
-    if not found:
+    records = increments(response)
+    if not records:
         return response.displacements[boundary]
-    return np.concatenate([one.displacements[boundary] for one in found])
+    return np.concatenate([record.displacements[boundary] for record in records])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,7 +66,7 @@ def slip_errors(response: Response, reference: Response) -> SlipErrors:
     """Compare tractions and energies of two responses to the same path or load over time."""
     mine, exact = rubbed(response), rubbed(reference)
     energy = _energy(exact)
-    tractions = [[one.traction for one in path] for path in (mine, exact)]
+    tractions = [[record.traction for record in path] for path in (mine, exact)]
     return SlipErrors(
         traction=traction_error(*tractions),
         dissipation=abs(_energy(mine) - energy) / energy if energy > 0 else None,
@@ -74,7 +74,7 @@ def slip_errors(response: Response, reference: Response) -> SlipErrors:
 
 
 def _energy(path: Sequence[SlipRecord]) -> float:
-    return float(sum(one.dissipation.sum() for one in path))
+    return float(sum(record.dissipation.sum() for record in path))
 
 
 def recovered_error(response: Response, reference: Response) -> float | None:
@@ -82,3 +82,31 @@ def recovered_error(response: Response, reference: Response) -> float | None:
     if response.recovered_pressure is None:
         return None
     return measure(response.recovered_pressure, reference.pressure, []).max_relative_error
+
+
+@dataclass(frozen=True, kw_only=True)
+class BackboneErrors:
+    """Largest differences over modes and amplitudes, over the values of the reference.
+
+    Attributes
+    ----------
+    frequency, damping
+        Of frequencies and damping ratios, as fractions.
+    """
+
+    frequency: float
+    damping: float
+
+
+def backbone_errors(response: Response, reference: Response) -> BackboneErrors | None:
+    """Compare two responses amplitude by amplitude; None where there are no backbones."""
+    frequency, damping = [], []
+    for mode, exact in reference.backbones.items():
+        mine = response.backbones[mode]
+        frequency.append(np.abs(mine.frequency / exact.frequency - 1).max())
+        damped = exact.damping_ratio > 0
+        off = np.abs(mine.damping_ratio - exact.damping_ratio)[damped] / exact.damping_ratio[damped]
+        damping.append(off.max(initial=0.0))
+    if not frequency:
+        return None
+    return BackboneErrors(frequency=float(max(frequency)), damping=float(max(damping)))

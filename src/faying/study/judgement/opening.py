@@ -42,22 +42,22 @@ def opening(record: InterfaceRecord, case: CaseResult) -> Opening | None:
     """Compare a load case with the preloaded state; None for an interface without points."""
     if not len(record.points):
         return None
-    own = slice(*record.slice)
-    pressure = np.atleast_2d(case.reference.pressure[..., own])
-    gap = np.atleast_2d(case.reference.gap[..., own])
-    before, now = record.preload_pressure > 0, pressure > 0
+    points = slice(*record.slice)
+    pressure = np.atleast_2d(case.reference.pressure[..., points])
+    gap = np.atleast_2d(case.reference.gap[..., points])
+    pressed, now = record.preload_pressure > 0, pressure > 0
     instant, point = np.unravel_index(int(gap.argmax()), gap.shape)
     return Opening(
-        opened=_share(record, before & ~now, before),
-        closed=_share(record, ~before & now, before),
+        opened=_share(record, pressed & ~now, pressed),
+        closed=_share(record, ~pressed & now, pressed),
         gap=max(float(gap[instant, point]), 0.0),
         point=record.points[point],
         instant=None if case.times is None else int(instant),
     )
 
 
-def _share(record: InterfaceRecord, changed: Mask, before: Mask) -> float:
+def _share(record: InterfaceRecord, changed: Mask, pressed_before: Mask) -> float:
     """Return the largest area that changed (n_instant, n_point), over that pressed before."""
-    pressed = float(record.weights[before].sum())
+    pressed = float(record.weights[pressed_before].sum())
     areas: Matrix = changed @ record.weights
     return float(areas.max()) / pressed if pressed > 0 else 0.0

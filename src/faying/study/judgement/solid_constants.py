@@ -43,38 +43,38 @@ def doubts(materials: Mapping[int, Material], units: str) -> Iterator[str]:
         return
     length, mass, _ = units.split("-")
     density = MASSES[mass] / LENGTHS[length] ** 3
-    told = set()
+    reported = set()
     for material in materials.values():
-        for name, value, factor, unit, (least, most) in (
+        for name, value, factor, unit, (low, high) in (
             ("E", material.youngs_modulus, pascal, "Pa", MODULI),
             ("rho", material.density, density, "kg/m³", DENSITIES),
         ):
-            if value and not least <= value * factor <= most:
-                told.add(
+            if value and not low <= value * factor <= high:
+                reported.add(
                     f"material '{material.name}': {name} = {value:g} is {value * factor:g} {unit} "
                     f"in {units}, as of no solid; check it and 'units'"
                 )
         stiff, heavy = material.youngs_modulus * pascal, material.density * density
         single = MODULI[0] <= stiff <= MODULI[1] and heavy >= DENSITIES[0]
         if single and stiff > LIGHTEST * heavy**2:
-            told.add(
+            reported.add(
                 f"material '{material.name}': E is {stiff / 1e9:.3g} GPa and rho {heavy:.3g} kg/m³ "
                 f"in {units}, and no solid that light is that stiff; check them and 'units'"
             )
-    yield from sorted(told)
+    yield from sorted(reported)
 
 
 def bolt_doubts(study: Study, loaded: LoadedModel) -> Iterator[str]:
     """Yield what cannot be right about preloads, of bolts whose section is known."""
     pascal = pascals(loaded.units)
     threads = threads_of(study)
-    least, most = TIGHTENED
+    low, high = TIGHTENED
     for spec in loaded.bolts if pascal else ():
         force = loaded.preloads.get(spec.name, loaded.initial_forces.get(spec.name, 0.0))
         thread = threads.get(spec.name)
         area = _section(loaded, spec) if thread is None else np.pi / 4 * thread.diameter**2
         stress = 0.0 if not area else force / area * (pascal or 1.0)
-        if stress and not least <= stress <= most:
+        if stress and not low <= stress <= high:
             yield (
                 f"bolt '{spec.name}': a preload of {force:g} {units_of(loaded.units).force} on "
                 f"{area:.4g} {units_of(loaded.units).of('length²')} is {stress / 1e6:.3g} MPa, as "
@@ -86,7 +86,7 @@ def _section(loaded: LoadedModel, spec: BoltSpec) -> float | None:
     """Return the sectional area of a bolt; None where it is not known."""
     if spec.diameter is not None:
         return float(np.pi / 4 * spec.diameter**2)
-    beams = [one for one in loaded.assembly.beams if one.id in (spec.elements or ())]
+    beams = [beam for beam in loaded.assembly.beams if beam.id in (spec.elements or ())]
     return beams[0].section.area if beams else None
 
 
@@ -94,8 +94,10 @@ def pressure_doubts(
     cases: Mapping[str, CaseResult], materials: Mapping[int, Material], units: str
 ) -> Iterator[str]:
     """Yield the load case whose contact pressure no solid bears, the largest of them."""
-    stiffest = max((one.youngs_modulus for one in materials.values()), default=0.0)
-    peaks = {name: float(one.reference.pressure.max(initial=0.0)) for name, one in cases.items()}
+    stiffest = max((entry.youngs_modulus for entry in materials.values()), default=0.0)
+    peaks = {
+        name: float(entry.reference.pressure.max(initial=0.0)) for name, entry in cases.items()
+    }
     name = max(peaks, key=peaks.__getitem__, default="")
     if stiffest and peaks.get(name, 0.0) > COHESION * stiffest:
         unit = units_of(units).pressure

@@ -84,9 +84,9 @@ def summarize(results: Results) -> dict[str, Any]:
 def plain(value: Any) -> Any:
     """Return values as JSON has them; what is infinite or was never reached is null."""
     if isinstance(value, Mapping):
-        return {name: plain(one) for name, one in value.items()}
+        return {name: plain(member) for name, member in value.items()}
     if isinstance(value, (list, tuple, np.ndarray)):
-        return [plain(one) for one in value]
+        return [plain(member) for member in value]
     if isinstance(value, (bool, np.bool_)):
         return bool(value)
     if isinstance(value, np.integer):
@@ -111,23 +111,23 @@ def _chosen_modes(results: Results) -> dict[str, Any] | None:
     }
 
 
-def _validation(found: ValidationRecord) -> dict[str, Any]:
+def _validation(record: ValidationRecord) -> dict[str, Any]:
     summary: dict[str, Any] = {}
-    if found.load_space is not None:
+    if record.load_space is not None:
         summary["unseen_loads"] = {
             name: {str(count): asdict(errors) for count, errors in sizes.items()}
-            for name, sizes in found.load_space.methods.items()
+            for name, sizes in record.load_space.methods.items()
         }
-    if found.penalty is not None:
+    if record.penalty is not None:
         summary["penalty"] = {
-            "recommended": found.penalty.recommended,
-            "reached": found.penalty.reached,
-            "advice": found.penalty.advice,
+            "recommended": record.penalty.recommended,
+            "reached": record.penalty.reached,
+            "advice": record.penalty.advice,
         }
-    if found.choices:
+    if record.choices:
         summary["joint_modes"] = {
             name: {"count": choice.count, "met": choice.met, "tolerance": choice.tolerance}
-            for name, choice in found.choices.items()
+            for name, choice in record.choices.items()
         }
     return summary
 
@@ -254,87 +254,89 @@ def _step_check(divided: bool, halved: bool) -> str | None:
 
 def _slip(case: CaseResult) -> dict[str, Any]:
     """Return what friction does in a load case; nothing where there is none."""
-    found = rubbed(case.reference)
+    records = rubbed(case.reference)
     if case.reference.backbones:
         return {
-            "backbones": {mode: _backbone(one) for mode, one in case.reference.backbones.items()}
+            "backbones": {
+                mode: _backbone(record) for mode, record in case.reference.backbones.items()
+            }
         }
-    if not found:
+    if not records:
         return {}
-    largest, cycles = found[-1], list(case.reference.cycles.values())
-    at = -1 if case.kind == "static" else largest.most_slip
+    largest, cycles = records[-1], list(case.reference.cycles.values())
+    increment = -1 if case.kind == "static" else largest.most_slip
     summary: dict[str, Any] = {
-        "max_traction": max(one.max_traction for one in found),
-        "stick_fraction": float(largest.stick_share[at]),
-        "slip_fraction": float(largest.slip_share[at]),
+        "max_traction": max(record.max_traction for record in records),
+        "stick_fraction": float(largest.stick_share[increment]),
+        "slip_fraction": float(largest.slip_share[increment]),
         "dissipated_energy": float(largest.dissipation.sum()),
-        "macroslip": any(bool(one.macroslip.any()) for one in found),
+        "macroslip": any(bool(record.macroslip.any()) for record in records),
         "first_slip_factor": None if case.reserve is None else case.reserve.first_slip,
         "slip_onset_factor": None if case.reserve is None else case.reserve.onset,
     }
     if case.reserve is not None:
         summary["slip_reserve"] = asdict(case.reserve)
     if cycles:
-        summary["cycles"] = {name: _cycle(one) for name, one in case.reference.cycles.items()}
+        summary["cycles"] = {name: _cycle(record) for name, record in case.reference.cycles.items()}
     return summary
 
 
-def _backbone(one: Backbone) -> dict[str, Any]:
+def _backbone(curve: Backbone) -> dict[str, Any]:
     by_rule = {
         name: values.tolist()
         for name in ("masing_frequency", "masing_damping", "masing_deviation")
-        if (values := getattr(one, name)) is not None
+        if (values := getattr(curve, name)) is not None
     }
     return {
-        "small_frequency": one.small_frequency,
-        "measured_at": one.measured_at,
-        "amplitude": one.amplitude.tolist(),
-        "energy": one.energy.tolist(),
-        "frequency": one.frequency.tolist(),
-        "damping_ratio": one.damping_ratio.tolist(),
-        "linear_damping": one.linear_damping.tolist(),
-        "energy_per_cycle": one.energy_per_cycle.tolist(),
-        "stick_fraction": one.stick_share.tolist(),
-        "macroslip": one.macroslip.tolist(),
-        "stationary": one.stationary.tolist(),
-        "remarks": list(one.remarks),
+        "small_frequency": curve.small_frequency,
+        "measured_at": curve.measured_at,
+        "amplitude": curve.amplitude.tolist(),
+        "energy": curve.energy.tolist(),
+        "frequency": curve.frequency.tolist(),
+        "damping_ratio": curve.damping_ratio.tolist(),
+        "linear_damping": curve.linear_damping.tolist(),
+        "energy_per_cycle": curve.energy_per_cycle.tolist(),
+        "stick_fraction": curve.stick_share.tolist(),
+        "macroslip": curve.macroslip.tolist(),
+        "stationary": curve.stationary.tolist(),
+        "remarks": list(curve.remarks),
         **by_rule,
     }
 
 
-def _cycle(one: CycleRecord) -> dict[str, Any]:
+def _cycle(cycle: CycleRecord) -> dict[str, Any]:
     return {
-        "energy_per_cycle": float(one.energies[-1]),
-        "loop_area": one.loop_area,
-        "cycles": len(one.energies),
-        "stationary": one.stationary,
-        "max_slip_range": float(one.slip_range.max(initial=0.0)),
-        "max_fretting": float(one.fretting.max(initial=0.0)),
+        "energy_per_cycle": float(cycle.energies[-1]),
+        "loop_area": cycle.loop_area,
+        "cycles": len(cycle.energies),
+        "stationary": cycle.stationary,
+        "max_slip_range": float(cycle.slip_range.max(initial=0.0)),
+        "max_fretting": float(cycle.fretting.max(initial=0.0)),
     }
 
 
 def _openings(results: Results, case: CaseResult) -> dict[str, Any]:
     """Return what the load opens of each interface that the preload presses."""
-    found = {name: opening(record, case) for name, record in results.interfaces.items()}
+    openings = {name: opening(record, case) for name, record in results.interfaces.items()}
     return {
         name: {
-            "opened_fraction": one.opened,
-            "closed_fraction": one.closed,
-            "max_gap": one.gap,
-            "max_gap_point": one.point.tolist(),
+            "opened_fraction": change.opened,
+            "closed_fraction": change.closed,
+            "max_gap": change.gap,
+            "max_gap_point": change.point.tolist(),
         }
-        for name, one in found.items()
-        if one is not None
+        for name, change in openings.items()
+        if change is not None
     }
 
 
 def _reference(response: Response) -> dict[str, Any]:
     total = sum(np.asarray(force) for force in response.contact_forces.values())
-    pressures = [response.pressure, *(one.pressure for one in increments(response))]
+    pressures = [response.pressure, *(values.pressure for values in increments(response))]
     weak = {body: plain(float(np.max(share))) for body, share in response.weak_shares.items()}
     return {
         **({"weak_share": weak} if weak else {}),
-        "max_pressure": max(float(one.max(initial=0.0)) for one in pressures),
+        "max_pressure": max(float(values.max(initial=0.0)) for values in pressures),
         "contact_force": float(np.max(total)),
         "open_fraction": float(max(np.max(part) for part in response.open_fraction.values())),
         "max_penetration": float(np.maximum(-response.gap, 0.0).max(initial=0.0)),
@@ -345,20 +347,20 @@ def _reference(response: Response) -> dict[str, Any]:
 
 def _estimated(response: Response) -> dict[str, float]:
     """Return the errors of a reduced transient that were estimated without a full solution."""
-    found = response.estimate
-    if found is None:
+    estimate = response.estimate
+    if estimate is None:
         return {}
     figures = {
-        "estimated_max_relative_error": found.max_relative_error,
-        "estimated_rms_relative_error": found.rms_relative_error,
+        "estimated_max_relative_error": estimate.max_relative_error,
+        "estimated_rms_relative_error": estimate.rms_relative_error,
     }
-    if found.max_traction_error is not None:
-        figures["estimated_max_traction_error"] = found.max_traction_error
+    if estimate.max_traction_error is not None:
+        figures["estimated_max_traction_error"] = estimate.max_traction_error
     return figures
 
 
 def _method(result: MethodResult, case: CaseResult) -> dict[str, float]:
-    accuracy = {name: one for name, one in asdict(result.accuracy).items() if one is not None}
+    accuracy = {name: error for name, error in asdict(result.accuracy).items() if error is not None}
     figures = {**accuracy, **_estimated(result.response)}
     if result.recovered_error is not None:
         figures["recovered_max_relative_error"] = result.recovered_error

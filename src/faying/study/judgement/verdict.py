@@ -14,8 +14,8 @@ from faying.units import units_of
 
 def run_verdict(results: Results) -> JointVerdict:
     """Return the verdict on the joint over the load cases of a run."""
-    units, found = units_of(results.units), results.assessment
-    if found is None:
+    units, assessment = units_of(results.units), results.assessment
+    if assessment is None:
         reasons = [text for text in results.omissions if text.startswith("joint assessment")]
         missing = "; ".join(reasons) or "see the warnings"
         return joint_verdict((), units, missing if required(results.study_text) else "")
@@ -25,7 +25,7 @@ def run_verdict(results: Results) -> JointVerdict:
         for name, case in results.cases.items()
         if rubbing and case.reserve is not None
     }
-    checks = joint_checks(found, units, reserves)
+    checks = joint_checks(assessment, units, reserves)
     return joint_verdict((_timed(check, results) for check in checks), units)
 
 
@@ -42,8 +42,8 @@ def _timed(check: Check, results: Results) -> Check:
     case = results.cases.get(check.case)
     if case is None or case.times is None or check.instant is not None:
         return check
-    at = _instant(check, case, results)
-    return check if at is None else replace(check, instant=float(case.times[at]))
+    instant = _instant(check, case, results)
+    return check if instant is None else replace(check, instant=float(case.times[instant]))
 
 
 def _instant(check: Check, case: CaseResult, results: Results) -> int | None:

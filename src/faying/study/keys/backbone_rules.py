@@ -19,20 +19,20 @@ MOST_MAPS = 6
 
 def backbone_problems(study: Study, location: Location, case: LoadCaseSection) -> Iterator[Problem]:
     """Find what backbones lack or have too much, and loads that other cases lack."""
-    table, place = study.source.table(location), study.source.place
+    table, position = study.source.table(location), study.source.place
     if case.kind != "backbone":
         if not case.forces:
             yield Problem(location, f"{table}: 'forces' is missing or empty; add one or more loads")
         return
     if case.forces:
         text = "a backbone is loaded by the inertia of its modes alone; remove it"
-        yield Problem((*location, "forces"), f"{place((*location, 'forces'))}: {text}")
+        yield Problem((*location, "forces"), f"{position((*location, 'forces'))}: {text}")
     if not case.modes:
         text = "kind = \"backbone\" needs 'modes', as modes = [1, 2]; add it"
         yield Problem(location, f"{table}: {text}")
     if len(set(case.modes)) < len(case.modes):
         text = "a mode is there twice; keep one"
-        yield Problem((*location, "modes"), f"{place((*location, 'modes'))}: {text}")
+        yield Problem((*location, "modes"), f"{position((*location, 'modes'))}: {text}")
     if bool(case.amplitudes) == (case.amplitude_range is not None):
         text = (
             "kind = \"backbone\" takes either 'amplitudes' [length] or 'amplitude_range' = "
@@ -40,10 +40,10 @@ def backbone_problems(study: Study, location: Location, case: LoadCaseSection) -
         )
         yield Problem(location, f"{table}: {text}")
     levels = case.levels
-    outside = [one for one in case.maps if not levels or not levels[0] <= one <= levels[-1]]
+    outside = [level for level in case.maps if not levels or not levels[0] <= level <= levels[-1]]
     if len(case.maps) > MOST_MAPS or (outside and levels):
         text = f"give at most {MOST_MAPS}, from the smallest to the largest amplitude of the case"
-        yield Problem((*location, "maps"), f"{place((*location, 'maps'))}: {text}")
+        yield Problem((*location, "maps"), f"{position((*location, 'maps'))}: {text}")
     if case.amplitude_range is not None:
         low, high, count = case.amplitude_range
         if not low < high or not 2 <= count <= MOST_AMPLITUDES:
@@ -52,21 +52,21 @@ def backbone_problems(study: Study, location: Location, case: LoadCaseSection) -
                 f"to {MOST_AMPLITUDES} of them"
             )
             where: Location = (*location, "amplitude_range")
-            yield Problem(where, f"{place(where)}: {text}")
+            yield Problem(where, f"{position(where)}: {text}")
 
 
 def backbones_of(study: Study, model: Model) -> Iterator[Problem]:
     """Find backbones without friction, of modes or at places that a model does not have."""
-    rubs = any(one.law.friction > 0 for one in model.interfaces.values())
+    rubs = any(interface.law.friction > 0 for interface in model.interfaces.values())
     for i, case in enumerate(study.load_cases):
         if case.kind != "backbone":
             continue
         wrong: dict[str, str] = {}
         if not rubs:
             wrong["kind"] = "no interface has friction, which makes damping; add 'friction' to one"
-        most = model.K.shape[0] - 1
-        if any(mode > most for mode in case.modes):
-            wrong["modes"] = f"the model has {most} modes; take smaller numbers"
+        count = model.K.shape[0] - 1
+        if any(mode > count for mode in case.modes):
+            wrong["modes"] = f"the model has {count} modes; take smaller numbers"
         try:
             _check_place(case.at, list(model.boundaries))
         except ModelError as error:
@@ -76,10 +76,10 @@ def backbones_of(study: Study, model: Model) -> Iterator[Problem]:
             yield Problem(location, f"{study.source.place(location)}: {text}")
 
 
-def _check_place(at: str | None, boundaries: list[str]) -> None:
-    if at is None:
+def _check_place(boundary: str | None, boundaries: list[str]) -> None:
+    if boundary is None:
         return
-    _, name, component = boundary_and_component(at)
+    _, name, component = boundary_and_component(boundary)
     if name not in boundaries:
         message = f"there is no boundary '{name}'; {nearest(name, boundaries)}"
         raise ModelError(message)

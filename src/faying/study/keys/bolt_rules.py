@@ -16,14 +16,14 @@ def bolt_problems(study: Study) -> Iterator[Problem]:
         location: Location = ("bolt", i)
         ways = [key for key in ("elements", "nodes", "axis") if getattr(bolt, key) is not None]
         if len(ways) > 1 or (not ways and not SOURCES[study.model.source].has_joint):
-            found = quoted(ways) or "none"
-            text = f"found {found}, expected one of 'elements', 'nodes' or 'axis'"
+            named = quoted(ways) or "none"
+            text = f"found {named}, expected one of 'elements', 'nodes' or 'axis'"
             yield _in_table(study, location, f"{text}; say where bolt '{bolt.name}' is, once")
         yield from _matrix_bolt(study, i)
         tightened = [key for key in TIGHTENED if getattr(bolt, key) is not None]
         if len(tightened) > 1:
-            found = " and ".join(map(repr, tightened))
-            text = f"found {found}; give the final force or the initial one"
+            named = " and ".join(map(repr, tightened))
+            text = f"found {named}; give the final force or the initial one"
             yield _problem(study, (*location, tightened[-1]), text)
         yield from _sized_bolt(study, i)
         if not tightened and (ways or not SOURCES[study.model.source].is_deck):
@@ -73,8 +73,8 @@ def _sized_bolt(study: Study, number: int) -> Iterator[Problem]:
         yield _problem(study, (*location, "head_pressure_limit"), text)
     untold = [
         key
-        for key, told in (("diameter", bolt.size), ("washer_radius", faced))
-        if bolt.axis and not getattr(bolt, key) and not told
+        for key, source in (("diameter", bolt.size), ("washer_radius", faced))
+        if bolt.axis and not getattr(bolt, key) and not source
     ]
     if untold:
         text = f"a bolt given by its axis needs {' and '.join(map(repr, untold))}; add it"

@@ -22,43 +22,43 @@ def _closure(value: Any, info: ValidationInfo) -> Curve:
         choices = ", ".join(f"{{ {_example(name)} }}" for name in CLOSURES)
         message = f"found {shown(value)}, expected one of {choices}"
         raise refusal(message)
-    ((name, given),) = value.items()
+    ((name, parameters),) = value.items()
     if name not in CLOSURES:
         raise refusal(one_of(name, list(CLOSURES)))
     try:
-        if name in COLUMNS and isinstance(given, (str, Path)):
-            return read_closure_table(existing_file(Path(given), info), name)
-        return CLOSURES[name](**_parameters(name, given))
+        if name in COLUMNS and isinstance(parameters, (str, Path)):
+            return read_closure_table(existing_file(Path(parameters), info), name)
+        return CLOSURES[name](**_parameters(name, parameters))
     except (ModelError, FormatError) as error:
         raise refusal(str(error)) from None
 
 
-def _parameters(name: str, given: Any) -> dict[str, Any]:
+def _parameters(name: str, values: Any) -> dict[str, Any]:
     """Return the parameters of a curve, none missing, unknown or no number."""
-    if not isinstance(given, Mapping):
-        message = f"found {shown(given)}, expected {_example(name)}"
+    if not isinstance(values, Mapping):
+        message = f"found {shown(values)}, expected {_example(name)}"
         raise refusal(message)
-    names = [one.name for one in fields(CLOSURES[name])]  # type: ignore[arg-type]
-    for key in given:
+    names = [entry.name for entry in fields(CLOSURES[name])]  # type: ignore[arg-type]
+    for key in values:
         if key not in names:
             message = f"closure '{name}' has no '{key}'; {nearest(key, names)}"
             raise refusal(message)
-    missing = [key for key in names if key not in given]
+    missing = [key for key in names if key not in values]
     if missing:
         message = f"closure '{name}' needs '{missing[0]}'; give {_example(name)}"
         raise refusal(message)
-    for key, number in given.items():
-        for one in number if isinstance(number, (list, tuple)) else [number]:
-            if isinstance(one, bool) or not isinstance(one, (int, float)):
-                message = f"{key} of closure '{name}' is {shown(one)}; give a number"
+    for key, number in values.items():
+        for entry in number if isinstance(number, (list, tuple)) else [number]:
+            if isinstance(entry, bool) or not isinstance(entry, (int, float)):
+                message = f"{key} of closure '{name}' is {shown(entry)}; give a number"
                 raise refusal(message)
-    return {key: given[key] for key in names}
+    return {key: values[key] for key in names}
 
 
 def _example(name: str) -> str:
     if name in COLUMNS:
         return f'{name} = "file.csv"'
-    names = ", ".join(f"{one.name} = …" for one in fields(CLOSURES[name]))  # type: ignore[arg-type]
+    names = ", ".join(f"{parameter.name} = …" for parameter in fields(CLOSURES[name]))  # type: ignore[arg-type]
     return f"{name} = {{ {names} }}"
 
 

@@ -35,9 +35,9 @@ def inconsistencies(study: Study) -> list[Problem]:
     return [problem for rule in RULES for problem in rule(study)]
 
 
-def boundary_problems(study: Study, known: Iterable[str]) -> Iterator[Problem]:
+def boundary_problems(study: Study, boundaries: Iterable[str]) -> Iterator[Problem]:
     """Find loads on boundaries that do not exist."""
-    names = list(known)
+    names = list(boundaries)
     for location, load in loadings(study):
         name = load.boundary
         if name is not None and name not in names:
@@ -47,12 +47,12 @@ def boundary_problems(study: Study, known: Iterable[str]) -> Iterator[Problem]:
 
 def deck_load_problems(study: Study, assembly: Assembly) -> Iterator[Problem]:
     """Find loads of the deck that it does not have."""
-    known = assembly.loads
+    loads = assembly.loads
     for location, load in loadings(study):
         name = load.deck_load
-        if name is not None and name not in known:
+        if name is not None and name not in loads:
             left_out = [note for note in assembly.ignored if note.startswith(f"load set {name} (")]
-            reason = f"left out: {left_out[0]}" if left_out else nearest(name, known)
+            reason = f"left out: {left_out[0]}" if left_out else nearest(name, loads)
             deck = study.model.file.name if study.model.file else "the model"
             text = f"{deck} has no load '{name}'; {reason}"
             yield _problem(study, (*location, "deck_load"), text)
@@ -60,14 +60,14 @@ def deck_load_problems(study: Study, assembly: Assembly) -> Iterator[Problem]:
 
 def _load_targets(study: Study) -> Iterator[Problem]:
     for location, load in loadings(study):
-        given = [key for key in ("boundary", "component") if getattr(load, key) is not None]
+        keys = [key for key in ("boundary", "component") if getattr(load, key) is not None]
         whole = [key for key in ("deck_load", "temperature") if getattr(load, key) is not None]
-        if len(whole) > 1 or (whole and given):
-            more = quoted([*whole[1:], *given])
+        if len(whole) > 1 or (whole and keys):
+            more = quoted([*whole[1:], *keys])
             text = f"found '{whole[0]}' and {more}; a load is one or the other, remove one"
             yield _in_table(study, location, text)
-        elif not whole and len(given) < 2:
-            missing = "component" if given == ["boundary"] else "boundary"
+        elif not whole and len(keys) < 2:
+            missing = "component" if keys == ["boundary"] else "boundary"
             text = f"missing key '{missing}'; add it, or 'deck_load' for a load of the deck"
             yield _in_table(study, location, text)
 
@@ -112,12 +112,12 @@ def _model_files(study: Study) -> Iterator[Problem]:
         if getattr(study.model, key) and not (source.is_deck or source.is_mesh):
             text = f"source '{source.name}' has no parts to choose from; remove it"
             yield _problem(study, ("model", key), text)
-    for key in dict.fromkeys(one.key for one in SOURCES.values()):
-        given = key in study.model.model_fields_set
-        if key == source.key and not given and source.needs_key:
+    for key in dict.fromkeys(reader.key for reader in SOURCES.values()):
+        stated = key in study.model.model_fields_set
+        if key == source.key and not stated and source.needs_key:
             text = f"source '{source.name}' needs '{key}'; add it"
             yield _in_table(study, ("model",), text)
-        if key != source.key and given:
+        if key != source.key and stated:
             text = f"does not belong to source '{source.name}'; remove it or change the source"
             yield _problem(study, ("model", key), text)
 
@@ -163,8 +163,10 @@ def _coupled(study: Study) -> Iterator[Problem]:
 
 
 def _supports(study: Study) -> Iterator[Problem]:
-    supports = [("support", i, one.set, one.node) for i, one in enumerate(study.supports)]
-    masses = [("mass", i, one.set, one.node) for i, one in enumerate(study.masses)]
+    supports = [
+        ("support", i, section.set, section.node) for i, section in enumerate(study.supports)
+    ]
+    masses = [("mass", i, section.set, section.node) for i, section in enumerate(study.masses)]
     for table, i, named, node in (*supports, *masses):
         if (named is None) == (node is None):
             text = f"a {table} needs either 'set' or 'node'; give one of them"
@@ -202,8 +204,8 @@ def _reduction(study: Study) -> Iterator[Problem]:
         text = "joint_modes = 'auto' is certified at loads of [reduction.training] box; add a box"
         yield _problem(study, ("reduction", "joint_modes"), text)
     if any(later <= earlier for earlier, later in pairwise(modes)):
-        found = ", ".join(map(str, modes))
-        text = f"found {found}; the numbers of modes must increase, sort them"
+        modes_text = ", ".join(map(str, modes))
+        text = f"found {modes_text}; the numbers of modes must increase, sort them"
         yield _problem(study, ("reduction", "joint_modes"), text)
     if len(set(reduction.methods)) < len(reduction.methods):
         text = "a method is named twice; name each once"
@@ -240,9 +242,9 @@ def _number_of_loads(study: Study) -> Iterator[Problem]:
 
 
 def _not_both(study: Study, location: Location, timed: Timed) -> Iterator[Problem]:
-    for one, other in (("step", "steps_per_period"), ("duration", "periods")):
-        if getattr(timed, one) is not None and getattr(timed, other) is not None:
-            text = f"'{one}' and '{other}' say the same twice; remove one"
+    for first, second in (("step", "steps_per_period"), ("duration", "periods")):
+        if getattr(timed, first) is not None and getattr(timed, second) is not None:
+            text = f"'{first}' and '{second}' say the same twice; remove one"
             yield _in_table(study, location, text)
     pairs = ((timed.duration, 1 / (timed.step or 1e30)), (timed.periods, timed.steps_per_period))
     for length, rate in pairs:
@@ -292,18 +294,18 @@ def _timing(study: Study, location: Location, case: LoadCaseSection) -> Iterator
 def _forces(study: Study, location: Location, case: LoadCaseSection) -> Iterator[Problem]:
     yield from repeated_loads(study, (*location, "forces"), case.forces)
     for j, force in enumerate(case.forces):
-        here: Location = (*location, "forces", j)
+        entry: Location = (*location, "forces", j)
         if (force.value is None) == (force.file is None):
-            yield _in_table(study, here, "give either 'value' or 'file'")
+            yield _in_table(study, entry, "give either 'value' or 'file'")
         if force.file is None:
             continue
         if case.kind != "history":
             text = f'kind = "{case.kind}" takes a value; use kind = "history" for a file'
-            yield _problem(study, (*here, "file"), text)
+            yield _problem(study, (*entry, "file"), text)
         try:
             read_history(force.file)
         except StudyError as error:
-            yield _problem(study, (*here, "file"), str(error))
+            yield _problem(study, (*entry, "file"), str(error))
     if case.kind == "history" and not any(force.file for force in case.forces):
         text = "kind = \"history\" needs a 'file' in at least one of its forces; add it"
         yield _in_table(study, location, text)

@@ -88,9 +88,9 @@ def _source(path: Path) -> str:
     for source in SOURCES.values():
         if suffix in source.suffixes:
             return source.name
-    known = ", ".join(suffix for source in SOURCES.values() for suffix in source.suffixes)
+    suffixes = ", ".join(suffix for source in SOURCES.values() for suffix in source.suffixes)
     message = (
-        f"{path}: '{path.suffix}' is neither {STUDY} nor a suffix of decks ({known}); rename the "
-        "file, or name it and its source in a study"
+        f"{path}: '{path.suffix}' is neither {STUDY} nor a suffix of decks ({suffixes}); rename "
+        "the file, or name it and its source in a study"
     )
     raise StudyError(message)

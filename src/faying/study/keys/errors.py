@@ -77,7 +77,7 @@ class StudySource:
         return None
 
 
-def nearest(found: str, known: Iterable[str]) -> str:
+def nearest(word: str, words: Iterable[str]) -> str:
     """Say which known name is meant, or list them.
 
     Examples
@@ -85,22 +85,22 @@ def nearest(found: str, known: Iterable[str]) -> str:
     >>> nearest("prelaod", ["name", "preload"])
     "did you mean 'preload'?"
     """
-    names = [str(name) for name in known]
-    meant = guess(found, names)
+    names = [str(name) for name in words]
+    meant = guess(word, names)
     return meant or (f"known are {quoted(names)}" if names else "there is none")
 
 
-def guess(found: str, names: Iterable[str]) -> str:
+def guess(word: str, names: Iterable[str]) -> str:
     """Say which known name is meant, or nothing if none is near."""
     lower = {name.lower(): name for name in names}
-    close = get_close_matches(found.lower(), list(lower), n=1)
+    close = get_close_matches(word.lower(), list(lower), n=1)
     return f"did you mean '{lower[close[0]]}'?" if close else ""
 
 
-def one_of(found: object, names: Sequence[str]) -> str:
+def one_of(word: object, names: Sequence[str]) -> str:
     """Say that something else than one of a few names was found, and which is meant."""
-    text = f"found {shown(found)}, expected one of {quoted(names)}"
-    meant = guess(str(found), names)
+    text = f"found {shown(word)}, expected one of {quoted(names)}"
+    meant = guess(str(word), names)
     return f"{text}; {meant}" if meant else text
 
 
@@ -117,29 +117,32 @@ def reject(source: StudySource, problems: Sequence[Problem]) -> None:
     if len(problems) > MOST_SHOWN:
         lines.append(f"... and {len(problems) - MOST_SHOWN} more")
     if len(lines) > 1:
-        lines = [f"{source.path.name}: {len(problems)} mistakes", *(f"  - {one}" for one in lines)]
+        lines = [
+            f"{source.path.name}: {len(problems)} mistakes",
+            *(f"  - {line}" for line in lines),
+        ]
     raise StudyError("\n".join(lines))
 
 
 def translated(source: StudySource, error: Mapping[str, Any]) -> Problem:
     """Turn one entry of pydantic's ``ValidationError.errors()`` into a problem."""
     location: Location = tuple(error["loc"])
-    kind, found, context = str(error["type"]), error["input"], error.get("ctx", {})
+    kind, value, context = str(error["type"]), error["input"], error.get("ctx", {})
     if kind == UNKNOWN_KEY:
         location = (*location, context["key"])
         return Problem(location, f"unknown key {source.place(location)}; {context['remedy']}")
     if kind == "missing":
         table = source.table(location[:-1])
         return Problem(location, f"missing key '{location[-1]}' in {table}; add it")
-    place = source.place(location)
+    where = source.place(location)
     if kind == OWN_TYPE:
-        return Problem(location, f"{place}: {error['msg']}")
+        return Problem(location, f"{where}: {error['msg']}")
     if kind == "literal_error":
-        known = context["expected"].replace(" or ", ", ").split(", ")
-        names = [name.strip("'") for name in known]
-        return Problem(location, f"{place}: {one_of(found, names)}")
+        choices = context["expected"].replace(" or ", ", ").split(", ")
+        names = [name.strip("'") for name in choices]
+        return Problem(location, f"{where}: {one_of(value, names)}")
     expected = _expectation(kind, context, str(error["msg"]))
-    return Problem(location, f"{place}: found {shown(found)}, expected {expected}")
+    return Problem(location, f"{where}: found {shown(value)}, expected {expected}")
 
 
 def shown(value: object) -> str:

@@ -58,8 +58,8 @@ def increment_problems(
 def spare_tangential_penalties(study: Study) -> Iterator[Problem]:
     """Find tangential penalties of interfaces that nothing gives friction."""
     for i, interface in enumerate(study.interfaces):
-        given = "tangential_penalty" in interface.model_fields_set
-        if given and not interface.friction and not SOURCES[study.model.source].is_deck:
+        stated = "tangential_penalty" in interface.model_fields_set
+        if stated and not interface.friction and not SOURCES[study.model.source].is_deck:
             text = "there is no friction that it could serve; add 'friction' or remove it"
             yield _problem(study, ("interface", i, "tangential_penalty"), text)
 
@@ -101,14 +101,14 @@ def check_friction(study: Study, model: Model) -> None:
     StudyError
         One message with everything that is refused, by name.
     """
-    rubbing = [name for name, one in model.interfaces.items() if one.law.friction > 0]
+    rubbing = [name for name, interface in model.interfaces.items() if interface.law.friction > 0]
     problems = [
         *_bolt_columns(study, model),
         *backbones_of(study, model),
         *frequencies_of(study, model),
     ]
     problems += _with_friction(study, rubbing[0]) if rubbing else _without(study, model)
-    gaskets = [name for name, one in model.interfaces.items() if one.law.remembers]
+    gaskets = [name for name, interface in model.interfaces.items() if interface.law.remembers]
     problems += _with_gasket(study, gaskets[0]) if gaskets else []
     reject(study.source, problems)
 
@@ -119,9 +119,9 @@ def _bolt_columns(study: Study, model: Model) -> Iterator[Problem]:
         if case.factors is None:
             continue
         loads = [force.target for force in case.forces]
-        known = [ALL, *loads, *model.bolts]
-        found = read_load_factors(case.factors, loads)
-        for name, values in zip(found.names, found.values.T, strict=True):
+        columns = [ALL, *loads, *model.bolts]
+        factors = read_load_factors(case.factors, loads)
+        for name, values in zip(factors.names, factors.values.T, strict=True):
             absurd = (values < 0) | (values > MOST_PRELOAD_FACTOR)
             if name in model.bolts and name not in loads and absurd.any():
                 text = (
@@ -129,10 +129,10 @@ def _bolt_columns(study: Study, model: Model) -> Iterator[Problem]:
                     f"factor from 0 to {MOST_PRELOAD_FACTOR:g} on the bolt's initial force"
                 )
                 yield _problem(study, ("load_case", i, "factors"), text)
-            if name not in known:
+            if name not in columns:
                 text = (
                     f"{case.factors.name}: column '{name}' is neither a load of the case nor a "
-                    f"bolt; {nearest(name, known)}"
+                    f"bolt; {nearest(name, columns)}"
                 )
                 yield _problem(study, ("load_case", i, "factors"), text)
 
@@ -177,7 +177,7 @@ def _with_friction(study: Study, interface: str) -> Iterator[Problem]:
     if study.sticking is not None:
         text = f"{reason}, which says itself what sticks; remove [sticking], or the friction"
         yield _problem(study, ("sticking",), text)
-    able = [name for name, one in METHODS.items() if not one.trained]
+    able = [name for name, method in METHODS.items() if not method.trained]
     for name in study.reduction.methods:
         if METHODS[name].trained:
             text = (

@@ -26,8 +26,8 @@ ELSEWHERE = {
 
 def lap_joint_keywords(study: Study) -> dict[str, Any]:
     """Return the study's keywords for the generator, in the types it declares."""
-    given = _schema().model_validate_json(_json(study), strict=True)
-    return {name: getattr(given, name) for name in study.model.lap_joint}
+    keywords = _schema().model_validate_json(_json(study), strict=True)
+    return {name: getattr(keywords, name) for name in study.model.lap_joint}
 
 
 def lap_joint_problems(study: Study) -> Iterator[Problem]:
@@ -57,8 +57,8 @@ def lap_joint_problems(study: Study) -> Iterator[Problem]:
         schema.model_validate_json(_json(study), strict=True)
     except ValidationError as error:
         for entry in error.errors(include_url=False):
-            found = {**entry, "loc": ("model", "lap_joint", *entry["loc"])}
-            yield translated(study.source, found)
+            problem = {**entry, "loc": ("model", "lap_joint", *entry["loc"])}
+            yield translated(study.source, problem)
 
 
 def _schema() -> type[BaseModel]:

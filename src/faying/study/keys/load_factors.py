@@ -81,18 +81,18 @@ def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
 
 def _names(names: Sequence[str], loads: Sequence[str]) -> Iterator[str]:
     """Say what is wrong with the names of the columns."""
-    wanted = f"a line of names first, '{ALL}' or {quoted(loads)}"
+    expected = f"a line of names first, '{ALL}' or {quoted(loads)}"
     if not names or all(_number(name) is not None for name in names):
-        yield f"line 1: found {quoted(names) or 'nothing'}, expected {wanted}"
+        yield f"line 1: found {quoted(names) or 'nothing'}, expected {expected}"
         return
     for name, same in groupby(sorted(names)):
         if not name:
-            yield f"a column has no name; expected {wanted}"
+            yield f"a column has no name; expected {expected}"
         elif len(list(same)) > 1:
             yield f"column '{name}' is there twice; keep one"
-    given = [load for load in loads if load in names]
-    if ALL in names and given:
-        yield f"found '{ALL}' and {quoted(given)}; give one factor for all loads, or one for each"
+    named = [load for load in loads if load in names]
+    if ALL in names and named:
+        yield f"found '{ALL}' and {quoted(named)}; give one factor for all loads, or one for each"
     missing = [load for load in loads if load not in names]
     if ALL not in names and missing and any(";" in name for name in names):
         yield "columns are separated by semicolons; separate them by commas, with decimal points"

@@ -75,8 +75,8 @@ def measurement_problems(study: Study) -> Iterator[Problem]:
         case = backbones.get(section.load_case)
         wrong: dict[str, str] = {}
         if case is None:
-            known = nearest(section.load_case, backbones) if backbones else "there is none"
-            wrong["load_case"] = f"there is no backbone '{section.load_case}'; {known}"
+            advice = nearest(section.load_case, backbones) if backbones else "there is none"
+            wrong["load_case"] = f"there is no backbone '{section.load_case}'; {advice}"
         elif section.mode not in case.modes:
             modes = ", ".join(map(str, case.modes))
             wrong["mode"] = f"load case '{case.name}' computes modes {modes}; name one of them"

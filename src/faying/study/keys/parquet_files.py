@@ -58,7 +58,7 @@ def parquet_cells(path: Path, label: str) -> tuple[list[str], Matrix, tuple[str,
         check_room(8 * size.num_rows * (size.num_columns + 3), path)
         header = [str(name) for name in size.schema.to_arrow_schema().names]
         file = parquet.ParquetFile(path, read_dictionary=[label] if label in header else None)
-        twice = [name for place, name in enumerate(header) if name in header[:place]]
+        twice = [name for number, name in enumerate(header) if name in header[:number]]
         if twice:
             message = f"{path.name}: column '{twice[0]}' is there twice; keep one"
             raise StudyError(message)
@@ -66,7 +66,7 @@ def parquet_cells(path: Path, label: str) -> tuple[list[str], Matrix, tuple[str,
         names = None if read is None else _names(path, label, read)
         numeric = [name for name in header if name != label]
         cells, wrong = np.empty((size.num_rows, len(numeric)), order="F"), []
-        for place, name in enumerate(numeric):
+        for number, name in enumerate(numeric):
             column, kinds = file.schema_arrow.field(name).type, arrow.types
             if not any(
                 kind(column) for kind in (kinds.is_integer, kinds.is_floating, kinds.is_decimal)
@@ -74,8 +74,8 @@ def parquet_cells(path: Path, label: str) -> tuple[list[str], Matrix, tuple[str,
                 wrong.append(f"column '{name}' holds {column}")
                 continue
             read = file.read([name]).column(name)
-            cells[:, place] = read.cast(arrow.float64(), safe=False).to_numpy()
-            bad = np.flatnonzero(~np.isfinite(cells[:, place]))
+            cells[:, number] = read.cast(arrow.float64(), safe=False).to_numpy()
+            bad = np.flatnonzero(~np.isfinite(cells[:, number]))
             wrong += [f"row {row + 1}: column '{name}' is empty or not finite" for row in bad[:1]]
     except (OSError, ValueError, arrow.ArrowException) as error:
         reason = (getattr(error, "strerror", None) or str(error)).splitlines()[0][:200]
@@ -93,11 +93,11 @@ def _names(path: Path, label: str, column: Any) -> tuple[str, ...]:
         row = column.is_null().to_pylist().index(True)
         message = f"{path.name}, row {row + 1}: column '{label}' is empty; name it"
         raise StudyError(message)
-    found: list[str] = []
+    cells: list[str] = []
     for chunk in column.chunks:
         # Texts that repeat are there once, as they are in the file.
         words = getattr(chunk, "dictionary", chunk).to_pylist()
         places = chunk.indices.to_pylist() if hasattr(chunk, "indices") else range(len(words))
         words = list(map(str, words))
-        found += [words[place] for place in places]
-    return tuple(found)
+        cells += [words[number] for number in places]
+    return tuple(cells)

@@ -78,11 +78,11 @@ class _Scanner:
 
     def header(self) -> Location:
         line = self.take().line
-        many = self.token.text == "["
-        self.at += many
+        array = self.token.text == "["
+        self.at += array
         key = self.key()
-        self.at += 1 + many
-        if many:
+        self.at += 1 + array
+        if array:
             name = (*self.absolute(key[:-1]), key[-1])
             self.counts[name] = self.counts.get(name, -1) + 1
             self.record(name, line)

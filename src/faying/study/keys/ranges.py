@@ -89,7 +89,7 @@ def nameable(value: str) -> str:
 def all_in_range(value: Any) -> None:
     """Refuse measures out of range in nested lists."""
     if isinstance(value, (list, tuple)):
-        for one in value:
-            all_in_range(one)
+        for entry in value:
+            all_in_range(entry)
     elif isinstance(value, (int, float)) and not isinstance(value, bool):
         in_range(value)

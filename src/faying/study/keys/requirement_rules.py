@@ -29,32 +29,34 @@ def check_requirements(study: Study, model: Model) -> None:
     ModelError
         If no ring goes around a hole.
     """
-    wanted = requirements_of(study.requirement)
+    requirements = requirements_of(study.requirement)
     problems = []
-    for key, text in misnamed(wanted, list(model.interfaces), _smooth(model)):
+    for key, text in misnamed(requirements, list(model.interfaces), _smooth(model)):
         location = ("requirement", key)
         problems.append(Problem(location, f"{study.source.place(location)}: {text}"))
     reject(study.source, problems)
-    surfaces = contact_surfaces(model) if wanted.closed_ring else {}
-    for ring in wanted.closed_ring:
+    surfaces = contact_surfaces(model) if requirements.closed_ring else {}
+    for ring in requirements.closed_ring:
         ring_around(surfaces[ring_surface(ring, surfaces)], ring.around)
 
 
 def not_judged(study: Study, model: Model) -> Iterator[str]:
     """Say which requirements a run will not be able to judge, and why."""
-    wanted, kinds = study.requirement, {case.kind for case in study.load_cases}
+    section, kinds = study.requirement, {case.kind for case in study.load_cases}
     smooth = _smooth(model)
     rubbing = len(smooth) < len(model.interfaces)
     followed = rubbing and kinds & {"static", "cycle"}
-    known = rubbing or wanted.slip_friction is not None
-    if wanted.min_slip_safety is not None and not (known and kinds & {"static", "cycle"}):
+    coefficient_known = rubbing or section.slip_friction is not None
+    if section.min_slip_safety is not None and not (
+        coefficient_known and kinds & {"static", "cycle"}
+    ):
         yield f"min_slip_safety cannot be judged: {NO_SLIP}"
-    if wanted.min_sliding_factor is not None and not followed:
+    if section.min_sliding_factor is not None and not followed:
         yield f"min_sliding_factor cannot be judged: {NO_FRICTION}"
-    if wanted.min_opening_factor is not None and "static" not in kinds:
+    if section.min_opening_factor is not None and "static" not in kinds:
         yield "min_opening_factor cannot be judged: it is about static loads, and there is none"
 
 
 def _smooth(model: Model) -> list[str]:
     """Return the interfaces without friction."""
-    return [name for name, one in model.interfaces.items() if not one.law.friction > 0]
+    return [name for name, interface in model.interfaces.items() if not interface.law.friction > 0]

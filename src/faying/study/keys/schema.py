@@ -16,7 +16,10 @@ from faying.study.keys.positions import line_numbers
 from faying.study.keys.requirement_tables import RequirementSection
 from faying.study.keys.tables import LoadCaseSection, Study
 
-__all__ = ["Study", "parse_study", "read_load_cases", "read_study"]
+__all__ = ["EDITOR_SCHEMA", "Study", "parse_study", "read_load_cases", "read_study"]
+
+EDITOR_SCHEMA = Path(__file__).parents[1] / "study.schema.json"
+"""What editors complete and check keys with; ``tests/docs/study_schema.py`` writes it."""
 
 
 def read_study(path: Path | str) -> Study:
@@ -71,12 +74,12 @@ def read_load_cases(
     tables = _tables(text, Path(path))
     source = StudySource(Path(path).resolve(), text, line_numbers(text))
     if "model" not in tables:
-        known = ["title", "load_case", "requirement"]
-        unknown = [key for key in tables if key not in known]
+        allowed = ["title", "load_case", "requirement"]
+        unknown = [key for key in tables if key not in allowed]
         if unknown:
-            place = source.place((unknown[0],))
+            where = source.place((unknown[0],))
             message = (
-                f"unknown key {place}; a file of load cases has [[load_case]], [requirement] and a "
+                f"unknown key {where}; a file of load cases has [[load_case]], [requirement] and a "
                 "title"
             )
             raise StudyError(message)
@@ -125,8 +128,8 @@ def parse_tables(tables: Mapping[str, Any], source: StudySource) -> Study:
 
 def _remedy(text: str, error: str) -> str:
     """Return what to do about a line that is no TOML, if it is one of the usual mistakes."""
-    place = re.search(r"at line (\d+)", error)
-    line = text.splitlines()[int(place[1]) - 1] if place else ""
+    position = re.search(r"at line (\d+)", error)
+    line = text.splitlines()[int(position[1]) - 1] if position else ""
     if "overwrite" in error or "twice" in error:
         return "the key or table is there twice, keep one"
     if re.search(r"[=\[{,]\s*[-+]?\d+,\d", line):

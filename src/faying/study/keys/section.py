@@ -33,7 +33,7 @@ from faying.study.keys.ranges import (
 
 
 def check_names(
-    data: dict[str, Any], known: Iterable[str], gone: Mapping[str, str] = MappingProxyType({})
+    data: dict[str, Any], names: Iterable[str], gone: Mapping[str, str] = MappingProxyType({})
 ) -> None:
     """Refuse the first key that is not known, naming the nearest one that is.
 
@@ -42,10 +42,10 @@ def check_names(
     gone
         Keys that were, and what to do about them.
     """
-    known = list(known)
+    names = list(names)
     for key in data:
-        if key not in known:
-            remedy = gone.get(key) or nearest(key, known)
+        if key not in names:
+            remedy = gone.get(key) or nearest(key, names)
             context = {"key": key, "remedy": remedy}
             raise PydanticCustomError(UNKNOWN_KEY, "{key}: {remedy}", context)
 
@@ -65,9 +65,9 @@ class Section(BaseModel):
         return data
 
 
-def name_in(known: Iterable[str]) -> BeforeValidator:
+def name_in(choices: Iterable[str]) -> BeforeValidator:
     """Return the check that a value is one of the names of a registry."""
-    names = list(known)
+    names = list(choices)
 
     def checked(value: Any) -> str:
         if isinstance(value, str) and value in names:

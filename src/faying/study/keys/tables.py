@@ -262,8 +262,8 @@ class LoadCaseSection(Timed):
         motion = isinstance(data, Mapping) and data.get("kind") in ("step", "history")
         if not motion or data.get("step") != "auto":
             return data
-        rest = {name: value for name, value in data.items() if name != "step"}
-        return {"tolerance": LARGE, "steps_per_period": DEFAULT_INSTANTS, **rest}
+        values = {name: value for name, value in data.items() if name != "step"}
+        return {"tolerance": LARGE, "steps_per_period": DEFAULT_INSTANTS, **values}
 
     @property
     def transient(self) -> bool:
@@ -284,10 +284,10 @@ def _units(label: str) -> str:
     if len(parts) != 3 or not all(parts):
         message = f"found {shown(label)}, {expected}"
         raise refusal(message)
-    for part, wanted in zip(parts, ("a length", "a mass", "a time"), strict=True):
-        kind = next((kind for kind, names in KINDS_OF_UNITS.items() if part in names), wanted)
-        if kind != wanted:
-            message = f"found {shown(label)}, {expected}; '{part}' is {kind}, not {wanted}"
+    for part, quantity in zip(parts, ("a length", "a mass", "a time"), strict=True):
+        kind = next((kind for kind, names in KINDS_OF_UNITS.items() if part in names), quantity)
+        if kind != quantity:
+            message = f"found {shown(label)}, {expected}; '{part}' is {kind}, not {quantity}"
             raise refusal(message)
     return label
 

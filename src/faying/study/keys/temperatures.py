@@ -13,19 +13,19 @@ from faying.study.keys.tables import Study
 
 def temperature_problems(study: Study) -> Iterator[Problem]:
     """Find temperatures of matrices, those that no load takes, and loads that take another."""
-    loads = [(at, load) for at, load in loadings(study) if load.temperature is not None]
+    loads = [(key, load) for key, load in loadings(study) if load.temperature is not None]
     for location, load in loads:
         if load.temperature not in study.temperatures:
             remedy = nearest(str(load.temperature), study.temperatures)
-            at: Location = (*location, "temperature")
+            key: Location = (*location, "temperature")
             text = f"no [temperature.{load.temperature}]; {remedy}"
-            yield Problem(at, f"{study.source.place(at)}: {text}")
+            yield Problem(key, f"{study.source.place(key)}: {text}")
     scattered = () if study.preload_scatter is None else study.preload_scatter.temperatures
     for name in scattered:
         if name not in study.temperatures:
-            at = ("preload_scatter", "temperatures")
+            key = ("preload_scatter", "temperatures")
             text = f"no [temperature.{name}]; {nearest(name, study.temperatures)}"
-            yield Problem(at, f"{study.source.place(at)}: {text}")
+            yield Problem(key, f"{study.source.place(key)}: {text}")
     used = {load.temperature for _, load in loads} | {*scattered}
     for name, section in study.temperatures.items():
         table: Location = ("temperature", name)
@@ -58,8 +58,8 @@ def temperatures_of(study: Study, assembly: Assembly) -> dict[str, Temperature]:
             parts={
                 int(part)
                 if part.isdecimal() and part not in assembly.mesh.element_sets
-                else part: at
-                for part, at in section.parts.items()
+                else part: temperature
+                for part, temperature in section.parts.items()
             },
         )
         for name, section in study.temperatures.items()

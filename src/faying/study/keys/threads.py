@@ -29,13 +29,15 @@ def thread_of(bolt: BoltSection, units: str) -> Thread | None:
     """
     rubbing = {"friction": bolt.thread_friction, "head_friction": bolt.head_friction}
     limits = {"pressure_limit": bolt.head_pressure_limit, "engagement": bolt.engagement}
-    told = {key: value for key, value in {**rubbing, **limits}.items() if value is not None}
+    stated = {key: value for key, value in {**rubbing, **limits}.items() if value is not None}
     if bolt.thread is not None:
-        return Thread(**{**bolt.thread.model_dump(), **told})
+        return Thread(**{**bolt.thread.model_dump(), **stated})
     if bolt.size is None:
         return None
     strength = None if bolt.strength is None else BoltStrength(**bolt.strength.model_dump())
-    thread = Thread.named(bolt.size, bolt.grade or "", units, bolt.head, strength=strength, **told)
+    thread = Thread.named(
+        bolt.size, bolt.grade or "", units, bolt.head, strength=strength, **stated
+    )
     face, standard = thread.bearing or (None, None)
     outer = 2 * bolt.washer_radius if bolt.washer_radius else face
     inner = bolt.hole or standard
@@ -50,10 +52,12 @@ def thread_of(bolt: BoltSection, units: str) -> Thread | None:
 
 def stored_threads(text: str, units: str) -> dict[str, Thread]:
     """Return the threads of a study that was checked before; its files need not be here."""
-    bolts = [BoltSection.model_validate(one) for one in tomllib.loads(text).get("bolt", [])]
+    bolts = [
+        BoltSection.model_validate(bolt_table) for bolt_table in tomllib.loads(text).get("bolt", [])
+    ]
     graded = [bolt for bolt in bolts if bolt.thread or bolt.grade or bolt.strength]
-    found = {bolt.name: thread_of(bolt, units) for bolt in graded}
-    return {name: thread for name, thread in found.items() if thread is not None}
+    threads = {bolt.name: thread_of(bolt, units) for bolt in graded}
+    return {name: thread for name, thread in threads.items() if thread is not None}
 
 
 def threads_of(study: Study) -> dict[str, Thread]:
@@ -126,14 +130,14 @@ def _losses(margins: MarginsSection | None) -> PreloadRange:
     """Return what is lost and gained of every preload, by the standard that a study names."""
     if margins is None:
         return PreloadRange()
-    least, most = margins.control
+    low, high = margins.control
     return PreloadRange(
         loss=margins.relaxation,
         creep=margins.creep,
         gained=margins.thermal_gain,
         lost=margins.thermal_loss,
-        least_control=least,
-        most_control=most,
+        least_control=low,
+        most_control=high,
     )
 
 

@@ -45,48 +45,48 @@ def check_results(results: Results) -> None:
     _check(results, axes, "", timed=False)
 
 
-def _check(value: Any, known: Mapping[str, int], place: str, *, timed: bool) -> None:
+def _check(value: Any, axis_lengths: Mapping[str, int], entry: str, *, timed: bool) -> None:
     """Check the fields of a record, which share the axes they name."""
-    axes = dict(known)
+    axes = dict(axis_lengths)
     if isinstance(value, InterfaceRecord):
         axes = {name: length for name, length in axes.items() if name not in OWN}
     if isinstance(value, CaseResult):
         timed = value.times is not None
     for name, meaning in MEANINGS[type(value)].items():
-        here, field = f"{place}/{name}", getattr(value, name)
+        inner, field = f"{entry}/{name}", getattr(value, name)
         if isinstance(value, CaseResult) and name == "half_step":
-            own = 0 if value.half_step_times is None else len(value.half_step_times)
-            _check_field(field, meaning, axes | {"n_time": own}, here, timed=timed)
+            count = 0 if value.half_step_times is None else len(value.half_step_times)
+            _check_field(field, meaning, axes | {"n_time": count}, inner, timed=timed)
         elif isinstance(value, Response) and name == "friction":
-            own = axes.get("n_time", 0)
-            _check_field(field, meaning, axes | {"n_increment": own}, here, timed=timed)
+            count = axes.get("n_time", 0)
+            _check_field(field, meaning, axes | {"n_increment": count}, inner, timed=timed)
         else:
-            _check_field(field, meaning, axes, here, timed=timed)
-    _check_record(value, axes, place)
+            _check_field(field, meaning, axes, inner, timed=timed)
+    _check_record(value, axes, entry)
 
 
-def _check_field(value: Any, meaning: Meaning, axes: Axes, place: str, *, timed: bool) -> None:
+def _check_field(value: Any, meaning: Meaning, axes: Axes, entry: str, *, timed: bool) -> None:
     """Check what stands in a field; what it is named after knows its axes no more than others."""
     if value is None:
         return
     if is_dataclass(value):
-        _check(value, axes, place, timed=timed)
+        _check(value, axes, entry, timed=timed)
     elif isinstance(value, Mapping):
         for name, member in value.items():
-            _check_field(member, meaning, dict(axes), f"{place}/{name}", timed=timed)
+            _check_field(member, meaning, dict(axes), f"{entry}/{name}", timed=timed)
     elif isinstance(value, tuple) and value and is_dataclass(value[0]):
         for number, member in enumerate(value):
-            _check(member, axes, f"{place}/{number}", timed=timed)
+            _check(member, axes, f"{entry}/{number}", timed=timed)
     elif meaning.shape:
-        _check_shape(np.shape(value), meaning.shape, axes, place, timed=timed)
+        _check_shape(np.shape(value), meaning.shape, axes, entry, timed=timed)
         if meaning.index:
-            _check_indices(np.asarray(value), axes[meaning.index], place)
+            _check_indices(np.asarray(value), axes[meaning.index], entry)
         elif meaning.dimension not in ("", "1"):
-            _check_finite(np.asarray(value), place)
+            _check_finite(np.asarray(value), entry)
 
 
 def _check_shape(
-    shape: tuple[int, ...], meaning: str, axes: Axes, place: str, *, timed: bool
+    shape: tuple[int, ...], meaning: str, axes: Axes, entry: str, *, timed: bool
 ) -> None:
     text = _OPTIONAL.sub("n_time," if timed else "", meaning.strip("()"))
     names = [name.strip() for name in text.split(",") if name.strip()]
@@ -95,68 +95,68 @@ def _check_shape(
     )
     if not fits:
         lengths = ", ".join(f"{name} = {axes[name]}" for name in names if name in axes)
-        message = f"'{place}' has shape {shape}, expected {meaning}"
+        message = f"'{entry}' has shape {shape}, expected {meaning}"
         raise ValueError(f"{message} with {lengths}" if lengths else message)
 
 
 def _fits(length: int, name: str, axes: Axes) -> bool:
     """Compare an axis with what its name means; the first of a name says how long it is."""
-    found = _AXIS.fullmatch(name)
-    if found is None or found[5]:
+    match = _AXIS.fullmatch(name)
+    if match is None or match[5]:
         return name == str(length)
-    more = int(found[1] or 0) + int(found[4] or 0)
-    count, rest = divmod(length - more, int(found[2] or 1))
-    return rest == 0 and count >= 0 and axes.setdefault(found[3], count) == count
+    more = int(match[1] or 0) + int(match[4] or 0)
+    count, remainder = divmod(length - more, int(match[2] or 1))
+    return remainder == 0 and count >= 0 and axes.setdefault(match[3], count) == count
 
 
-def _check_indices(values: np.ndarray[Any, Any], length: int, place: str) -> None:
+def _check_indices(values: np.ndarray[Any, Any], length: int, entry: str) -> None:
     if values.size and (values.min() < 0 or values.max() >= length):
-        message = f"'{place}' holds indices from {values.min()} to {values.max()} into {length}"
+        message = f"'{entry}' holds indices from {values.min()} to {values.max()} into {length}"
         raise ValueError(message)
 
 
-def _check_finite(values: np.ndarray[Any, Any], place: str) -> None:
+def _check_finite(values: np.ndarray[Any, Any], entry: str) -> None:
     if not np.isfinite(values).all():
-        message = f"'{place}' holds numbers that are not finite"
+        message = f"'{entry}' holds numbers that are not finite"
         raise ValueError(message)
 
 
-def _check_record(value: Any, axes: Axes, place: str) -> None:
+def _check_record(value: Any, axes: Axes, entry: str) -> None:
     """Check what is between the fields of a record."""
     if isinstance(value, CellBlock):
-        _check_known(value.kind, SOLIDS, f"{place}/kind")
-        _check_width(value.nodes, len(SOLIDS[value.kind].reference_nodes), f"{place}/nodes")
+        _check_known(value.kind, SOLIDS, f"{entry}/kind")
+        _check_width(value.nodes, len(SOLIDS[value.kind].reference_nodes), f"{entry}/nodes")
     elif isinstance(value, FacePairs):
-        _check_known(value.kind, FACES, f"{place}/kind")
-        _check_width(value.minus, FACES[value.kind].n_nodes, f"{place}/minus")
+        _check_known(value.kind, FACES, f"{entry}/kind")
+        _check_width(value.minus, FACES[value.kind].n_nodes, f"{entry}/minus")
     elif isinstance(value, InterfaceRecord):
-        _check_interface(value, axes["n_node"], place)
+        _check_interface(value, axes["n_node"], entry)
 
 
-def _check_interface(record: InterfaceRecord, n_node: int, place: str) -> None:
+def _check_interface(record: InterfaceRecord, n_node: int, entry: str) -> None:
     n_face = sum(len(faces.minus) for faces in record.faces)
     if record.face_coverage is not None and len(record.face_coverage) != n_face:
-        message = f"'{place}/face_coverage' has {len(record.face_coverage)} entries, not {n_face}"
+        message = f"'{entry}/face_coverage' has {len(record.face_coverage)} entries, not {n_face}"
         raise ValueError(message)
     if (record.weights < 0).any() or not ((record.penalty or 0) > 0 or record.closure):
-        message = f"'{place}' has a negative weight or no positive penalty"
+        message = f"'{entry}' has a negative weight or no positive penalty"
         raise ValueError(message)
     pairs = record.pairs[:, 0] * n_node + record.pairs[:, 1]
     for faces in record.faces:
         if not np.isin(faces.minus * n_node + faces.plus, pairs).all():
-            message = f"'{place}/faces' names nodes that are no pair of the interface"
+            message = f"'{entry}/faces' names nodes that are no pair of the interface"
             raise ValueError(message)
 
 
-def _check_width(nodes: np.ndarray[Any, Any], width: int, place: str) -> None:
+def _check_width(nodes: np.ndarray[Any, Any], width: int, entry: str) -> None:
     if nodes.shape[1] != width:
-        message = f"'{place}' has {nodes.shape[1]} nodes each, expected {width}"
+        message = f"'{entry}' has {nodes.shape[1]} nodes each, expected {width}"
         raise ValueError(message)
 
 
-def _check_known(name: str, known: Collection[str], place: str) -> None:
-    if name not in known:
-        message = f"'{place}' is '{name}', expected one of {', '.join(known)}"
+def _check_known(name: str, names: Collection[str], entry: str) -> None:
+    if name not in names:
+        message = f"'{entry}' is '{name}', expected one of {', '.join(names)}"
         raise ValueError(message)
 
 
@@ -165,7 +165,7 @@ def _check_names(results: Results) -> None:
     for name, case in results.cases.items():
         responses = {"reference": case.reference, "half_step": case.half_step}
         for method, sizes in case.methods.items():
-            responses |= {f"methods/{method}/{n}": one.response for n, one in sizes.items()}
+            responses |= {f"methods/{method}/{n}": result.response for n, result in sizes.items()}
         if case.half_step is not None and (case.times is None) != (case.half_step_times is None):
             message = f"'/cases/{name}/half_step' has no instants of its own"
             raise ValueError(message)
@@ -174,20 +174,20 @@ def _check_names(results: Results) -> None:
                 _check_response(results, case, response, f"/cases/{name}/{what}")
 
 
-def _check_response(results: Results, case: CaseResult, response: Response, place: str) -> None:
-    _check_same(response.bolt_forces, results.bolts, f"{place}/bolt_forces")
-    _check_same(response.contact_forces, results.interfaces, f"{place}/contact_forces")
-    _check_same(response.open_fraction, results.interfaces, f"{place}/open_fraction")
-    _check_same(response.displacements, case.components, f"{place}/displacements")
+def _check_response(results: Results, case: CaseResult, response: Response, entry: str) -> None:
+    _check_same(response.bolt_forces, results.bolts, f"{entry}/bolt_forces")
+    _check_same(response.contact_forces, results.interfaces, f"{entry}/contact_forces")
+    _check_same(response.open_fraction, results.interfaces, f"{entry}/open_fraction")
+    _check_same(response.displacements, case.components, f"{entry}/displacements")
     for name, values in response.displacements.items():
         if np.shape(values)[-1:] != (len(case.components[name]),):
-            message = f"'{place}/displacements/{name}' has shape {np.shape(values)}"
+            message = f"'{entry}/displacements/{name}' has shape {np.shape(values)}"
             raise ValueError(message)
 
 
-def _check_same(found: Collection[str], expected: Collection[str], place: str) -> None:
-    if set(found) != set(expected):
-        message = f"'{place}' is of {', '.join(found)}, expected {', '.join(expected)}"
+def _check_same(names: Collection[str], expected: Collection[str], entry: str) -> None:
+    if set(names) != set(expected):
+        message = f"'{entry}' is of {', '.join(names)}, expected {', '.join(expected)}"
         raise ValueError(message)
 
 

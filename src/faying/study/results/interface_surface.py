@@ -24,5 +24,5 @@ def pair_facets(record: ContactSurface) -> tuple[tuple[str, Indices], ...]:
 
 def nodal_average(record: ContactSurface, values: Matrix) -> Matrix:
     """Average values at all contact points (..., n_point) to the pairs (..., n_pair) of one."""
-    own: Matrix = np.asarray(values)[..., slice(*record.slice)]
-    return np.moveaxis(record.nodal_average(np.moveaxis(own, -1, 0)), 0, -1)
+    at_points: Matrix = np.asarray(values)[..., slice(*record.slice)]
+    return np.moveaxis(record.nodal_average(np.moveaxis(at_points, -1, 0)), 0, -1)

@@ -57,11 +57,11 @@ def check_table_format(name: TableFormat) -> None:
 
 
 def _csv(path: Path, label: str, metrics: Sequence[Metric], rows: Rows, _: Units) -> None:
-    header = [label, *(one.name for one in metrics)]
+    header = [label, *(label_text.name for label_text in metrics)]
     with path.open("w", encoding="utf-8") as file:
         file.write(",".join(map(_quoted, header)) + "\n")
         for labels, values in rows:
-            names = np.array([_quoted(one) for one in labels], dtype=object)
+            names = np.array([_quoted(label_text) for label_text in labels], dtype=object)
             table = np.column_stack([names, values.astype(object)])
             np.savetxt(file, table, fmt=["%s", *[DIGITS] * len(metrics)], delimiter=",")
 
@@ -74,11 +74,11 @@ def _parquet(path: Path, label: str, metrics: Sequence[Metric], rows: Rows, unit
     arrow, parquet = pyarrow_for(path.name, "take csv")
     columns = [
         arrow.field(
-            one.name,
+            metric.name,
             arrow.float64(),
-            metadata={"unit": units.of(one.dimension), "description": one.description},
+            metadata={"unit": units.of(metric.dimension), "description": metric.description},
         )
-        for one in metrics
+        for metric in metrics
     ]
     schema = arrow.schema([arrow.field(label, arrow.string()), *columns])
     with parquet.ParquetWriter(path, schema) as file:

@@ -16,10 +16,10 @@ def chosen_count(choices: Mapping[str, NormalModeChoice]) -> int:
 
 def mode_sentences(choices: Mapping[str, NormalModeChoice], units: Units) -> list[str]:
     """Say how many normal modes were chosen for each load case, and why."""
-    most = ""
+    shared = ""
     if len(choices) > 1:
-        most = f" Methods have {chosen_count(choices)}, the most that a load case asks for."
-    return [_sentence(name, choice, units) + most for name, choice in choices.items()]
+        shared = f" Methods have {chosen_count(choices)}, the most that a load case asks for."
+    return [_sentence(name, choice, units) + shared for name, choice in choices.items()]
 
 
 def _sentence(case: str, choice: NormalModeChoice, units: Units) -> str:
@@ -28,7 +28,7 @@ def _sentence(case: str, choice: NormalModeChoice, units: Units) -> str:
     errors = ", ".join(f"{_share(error)} with {count}" for count, error in pairs)
     tolerance = f"{100 * choice.tolerance:.3g}%"
     judged = f"within the tolerance of {tolerance}."
-    most = f"{1 / OBSERVED[0]:g} times that, the most that the true error was seen to be, is "
+    largest = f"{1 / OBSERVED[0]:g} times that, the most that the true error was seen to be, is "
     if not choice.met:
         judged = (
             f"not within the tolerance of {tolerance}: {_limit(choice)}. Method "
@@ -37,7 +37,7 @@ def _sentence(case: str, choice: NormalModeChoice, units: Units) -> str:
     return (
         f'{case}: normal_modes = "auto" is {choice.count}; the loads excite modes up to '
         f"{choice.excited:.3g} {unit}, steps resolve {choice.resolved:.3g} {unit}. Pressures are "
-        f"estimated to be off by {errors}; {most}{judged}{_of_tractions(choice)}"
+        f"estimated to be off by {errors}; {largest}{judged}{_of_tractions(choice)}"
     )
 
 

@@ -75,9 +75,9 @@ def nodal_motion(model: Model, solution: Solution) -> NodalMotion:
     return motion_in(model, some_states(solution, chosen), chosen)
 
 
-def motion_in(model: Model, some: Solution, chosen: Indices) -> NodalMotion:
+def motion_in(model: Model, states: Solution, chosen: Indices) -> NodalMotion:
     """Return how the nodes move in the states of a solution, which are the ``chosen`` of all."""
-    moved = model.dofs.translations @ full_displacement(model, some).T
+    moved = model.dofs.translations @ full_displacement(model, states).T
     amplitudes, shapes, missed = few_shapes(moved)
     return NodalMotion(
         chosen=chosen,
@@ -97,8 +97,8 @@ def few_shapes(states: Matrix) -> tuple[Matrix, Matrix, float]:
     # Eigenvectors of the Gram matrix (15.22) are exact to half the digits, which is far enough.
     amplitudes = la.eigh(states.T @ states)[1][:, ::-1][:, :MOST_SHAPES]
     shapes = states @ amplitudes
-    rest, count, missed = states.copy(), 0, 1.0 if largest > 0 else 0.0
+    remainder, count, missed = states.copy(), 0, 1.0 if largest > 0 else 0.0
     while missed > MISSED and count < amplitudes.shape[1]:
-        rest -= np.outer(shapes[:, count], amplitudes[:, count])
-        count, missed = count + 1, float(np.abs(rest).max()) / largest
+        remainder -= np.outer(shapes[:, count], amplitudes[:, count])
+        count, missed = count + 1, float(np.abs(remainder).max()) / largest
     return amplitudes[:, :count], shapes[:, :count], missed

@@ -85,7 +85,7 @@ class CycleRecord:
 
 def path_record(
     path: Solution,
-    before: Solution,
+    start: Solution,
     load: Load,
     names: Sequence[str],
     factors: Matrix,
@@ -94,7 +94,7 @@ def path_record(
 
     Parameters
     ----------
-    before
+    start
         State the path went on from.
     load
         At factor one.
@@ -103,7 +103,7 @@ def path_record(
     """
     joint = path.system
     return PathRecord(
-        **slip_fields(path, before),
+        **slip_fields(path, start),
         loads=tuple(names),
         factors=np.asarray(factors, dtype=float),
         pressure=path.pressure,
@@ -137,16 +137,16 @@ def cycle_record(cycles: Cycles, load: Load) -> CycleRecord:
 def _range(slip: Matrix) -> Vector:
     """Return the largest distance between two places (n_increment, 2, n_point) of each point."""
     largest: Vector = np.zeros(slip.shape[-1])
-    for place in slip:
-        apart = np.hypot(*np.moveaxis(slip - place, 1, 0))
+    for position in slip:
+        apart = np.hypot(*np.moveaxis(slip - position, 1, 0))
         largest = np.maximum(largest, apart.max(axis=0))
     return largest
 
 
-def _slip_work(path: Solution, before: Solution, joint: Joint) -> Vector:
+def _slip_work(path: Solution, start: Solution, joint: Joint) -> Vector:
     """Return the energy per area (n_point,) that friction took: traction times change of slip."""
     if path.shear_forces is None:
         return np.zeros(joint.contact.n_points)
-    change = np.diff(slip_history(path, before), axis=0)
+    change = np.diff(slip_history(path, start), axis=0)
     work: Vector = -(path.shear_forces * change).sum(axis=(0, 1)) / joint.contact.weights
     return work

@@ -48,8 +48,8 @@ class Remedy:
     @property
     def helped(self) -> bool:
         """Whether what was taken is estimated to be nearer the truth."""
-        before, after = self.first.estimate, self.taken.estimate
-        return after is not None and before is not None and after < before
+        first, second = self.first.estimate, self.taken.estimate
+        return second is not None and first is not None and second < first
 
 
 def remedy_from(summary: Mapping[str, Any]) -> Remedy:
@@ -71,17 +71,17 @@ def remedy_sentence(case: str, remedy: Remedy, shapes: float = 0.0) -> str:
     shapes : [s]
         Of :func:`shapes_seconds`, which all load cases of a run share.
     """
-    first, taken = remedy.first, remedy.taken
+    first, second = remedy.first, remedy.taken
     judged = "could not be estimated"
-    if taken.estimate is not None:
-        judged = f"is estimated at {taken.estimate:.2%}"
-        if taken.estimate > remedy.tolerance:
+    if second.estimate is not None:
+        judged = f"is estimated at {second.estimate:.2%}"
+        if second.estimate > remedy.tolerance:
             judged += ", still more than that" if remedy.helped else ", which is no better"
     once = f", and {shapes:.2g} s once for the shapes of the interface" if shapes else ""
     mark = f"{100 * remedy.tolerance:.3g}%"
     return (
         f"{case}: the pressure error of {first.method} is estimated at {first.estimate:.2%} of the "
-        f"peak, more than {mark}; the case was solved again by {taken.method}, "
-        f"whose error {judged}. That took {taken.seconds:.2g} s after {first.seconds:.2g} s{once}; "
-        "[reduction] inertia = false leaves it out."
+        f"peak, more than {mark}; the case was solved again by {second.method}, "
+        f"whose error {judged}. That took {second.seconds:.2g} s after {first.seconds:.2g} s{once}"
+        "; [reduction] inertia = false leaves it out."
     )

@@ -54,16 +54,16 @@ class SlipRecord:
         return float(np.linalg.norm(self.traction, axis=-1).max(initial=0.0))
 
 
-def slip_fields(solution: Solution, before: Solution | None) -> dict[str, Any]:
+def slip_fields(solution: Solution, start: Solution | None) -> dict[str, Any]:
     """Return the members of a record of a path or a motion.
 
     Parameters
     ----------
-    before
+    start
         State a path went on from; a motion has it as its first instant, where nothing slips yet.
     """
-    slip = slip_history(solution, before)
-    if before is None:
+    slip = slip_history(solution, start)
+    if start is None:
         slip = np.concatenate([slip[1:2], slip[1:]])
     states = point_states(
         solution.system.contact, solution.contact_forces, solution.shear_forces, slip

@@ -98,7 +98,7 @@ def write_recovered(recovered: RecoveredRecord, path: Path) -> None:
 
 def _write_file(path: Path, value: Results | RecoveredRecord, kind: Format) -> None:
     units, attributes = units_of(value.units), {"title": value.title, "units": value.units}
-    table = {name: one for name, one in MEANINGS[type(value)].items() if name != "reduced"}
+    table = {name: meaning for name, meaning in MEANINGS[type(value)].items() if name != "reduced"}
     with new_file(path, kind, attributes, units) as file:
         members = {name: getattr(value, name) for name in table}
         write_members(file, members, table, units, MEANINGS)
@@ -116,7 +116,9 @@ def read_results(path: Path) -> Results:
     """
     with described_file(path, RESULTS) as file:
         stored = {kind: table for kind, table in MEANINGS.items() if kind is not Results}
-        without = {name: one for name, one in MEANINGS[Results].items() if name != "reduced"}
+        without = {
+            name: meaning for name, meaning in MEANINGS[Results].items() if name != "reduced"
+        }
         results: Results = read_value(file, Results, {**stored, Results: without})
         check_results(results)
         return replace(results, reduced=_reduced(file, results))
@@ -134,13 +136,13 @@ def _reduced(file: h5py.File, results: Results) -> dict[str, dict[int, ReducedMo
     mesh = MeshShapes(nodes=results.nodes, node_ids=results.node_ids, blocks=results.blocks)
     joint = read_ports(file["ports"], results.interfaces, forces, mesh)
     joint = replace(joint, name=results.title, units=results.units)
-    found: dict[str, dict[int, ReducedModel]] = {}
+    models: dict[str, dict[int, ReducedModel]] = {}
     for method, sizes in items(file["reduced"]):
-        found[method] = {}
+        models[method] = {}
         for count, group in items(sizes):
             rom = replace(read_model(group, joint), method=method)
             if shapes is not None and "shapes" in group:
                 columns = numbers(group, "shapes", (len(rom.K),), np.int64)
                 rom = replace(rom, mesh=replace(mesh, vectors=shapes, columns=columns))
-            found[method][int(count)] = rom
-    return found
+            models[method][int(count)] = rom
+    return models

@@ -224,8 +224,8 @@ class InterfaceRecord(ContactSurface):
 
 def interface_record(surface: ContactSurface, preload_pressure: Vector) -> InterfaceRecord:
     """Return what results keep of an interface: its surface, and its pressure at rest."""
-    kept = {one.name: getattr(surface, one.name) for one in fields(ContactSurface)}
-    return InterfaceRecord(**kept, preload_pressure=preload_pressure)
+    members = {entry.name: getattr(surface, entry.name) for entry in fields(ContactSurface)}
+    return InterfaceRecord(**members, preload_pressure=preload_pressure)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

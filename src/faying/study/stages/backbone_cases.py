@@ -18,15 +18,15 @@ from faying.simulation.solution import Solution
 from faying.study.keys.tables import DEFAULT_INCREMENTS, LoadCaseSection
 from faying.study.results.responses import respond
 from faying.study.results.values import Response
-from faying.study.stages.checkpointed_steps import SECONDS, Pieces
+from faying.study.stages.checkpointed_steps import SECONDS, CheckpointedSteps
 
 
 def backbone_response(
     model: Model,
     case: LoadCaseSection,
     system: System,
-    rest: Solution,
-    pieces: Pieces,
+    preloaded: Solution,
+    steps: CheckpointedSteps,
     progress: Callable[[int], object],
 ) -> Response:
     """Compute the backbones of a load case, of the modes that move where they are measured.
@@ -35,7 +35,7 @@ def backbone_response(
     ----------
     model
         The full model.
-    rest
+    preloaded
         Preloaded state of the system.
     progress
         Called with the number of amplitudes that there are more of, computed or taken over.
@@ -44,30 +44,30 @@ def backbone_response(
     still: StillModeError | None = None
     for mode in sorted(case.modes):
         name = f"mode {mode}"
-        if pieces.has(name):
+        if steps.has(name):
             progress(len(case.levels))
         with naming(f"load case '{case.name}'"):
-            compute = partial(_curve, case, system, rest, mode, pieces, progress)
+            compute = partial(_curve, case, system, preloaded, mode, steps, progress)
             try:
-                kept = pieces.take(name, compute)
+                arrays = steps.take(name, compute)
             except StillModeError as error:
                 still = error
                 progress(len(case.levels))
                 continue
-        curves[str(mode)] = restored(Backbone, kept)
-        seconds += float(kept[SECONDS])
+        curves[str(mode)] = restored(Backbone, arrays)
+        seconds += float(arrays[SECONDS])
     if still is not None and not curves:
         with naming(f"load case '{case.name}'"):
             raise still
-    return respond(rest, model, seconds, backbones=curves)
+    return respond(preloaded, model, seconds, backbones=curves)
 
 
 def _curve(
     case: LoadCaseSection,
     system: System,
-    rest: Solution,
+    preloaded: Solution,
     mode: int,
-    pieces: Pieces,
+    steps: CheckpointedSteps,
     progress: Callable[[int], object],
 ) -> Arrays:
     """Compute one backbone.
@@ -81,15 +81,15 @@ def _curve(
         case.levels,
         over=case.over,
         at=case.at,
-        initial=rest,
+        initial=preloaded,
         increments=cycle_increments(case),
     )
     seconds, cycles = time.perf_counter() - start, []
     for number in range(len(case.levels)):
         name = f"mode {mode}, amplitude {number + 1}"
-        kept = pieces.take(name, partial(_amplitude, analysis, number))
-        cycles.append(restored(ModalCycle, kept))
-        seconds += float(kept[SECONDS])
+        arrays = steps.take(name, partial(_amplitude, analysis, number))
+        cycles.append(restored(ModalCycle, arrays))
+        seconds += float(arrays[SECONDS])
         progress(1)
     curve = analysis.backbone(cycles, masing=case.masing)
     return {**flattened(curve), SECONDS: np.asarray(seconds)}

@@ -30,7 +30,7 @@ from faying.study.results.second_solution import Remedy
 from faying.study.results.values import FULL_MODEL, CaseResult, MethodResult, Response
 from faying.study.stages.case_solution import solve_case
 from faying.study.stages.checkpoint import Checkpoint
-from faying.study.stages.checkpointed_steps import Pieces
+from faying.study.stages.checkpointed_steps import CheckpointedSteps
 from faying.study.stages.full_transients import (
     FullTransient,
     full_transients,
@@ -91,10 +91,10 @@ class CaseRunner:
         """
         model = self.joint.model
         full = confirmed or self.reference.kind == "full" or goes_in_increments(case, model)
-        found = self._reference(case, full=full)
-        reference, remedy = found.response, found.remedy
+        solved = self._reference(case, full=full)
+        reference, remedy = solved.response, solved.remedy
         methods: dict[str, dict[int, MethodResult]] = {}
-        failures = _gained(f"{case.name}, {found.name}", reference)
+        failures = _gained(f"{case.name}, {solved.name}", reference)
         for method, sizes in self.models.items():
             methods[method] = {}
             if case.transient and not METHODS[method].transient:
@@ -108,7 +108,7 @@ class CaseRunner:
                 remedy = self._with_inertia(case, methods, reference, failures)
         half_step = None
         with self.extras.attempt(f"{case.name}, half the time step"):
-            half_step = _sound(self._half_step(case, found))
+            half_step = _sound(self._half_step(case, solved))
         reserve = None
         with self.extras.attempt(f"{case.name}, slip reserve"):
             reserve = self._reserve(case)
@@ -125,7 +125,7 @@ class CaseRunner:
             half_step=half_step,
             half_step_times=None if half_step is None else self._times(case, 2),
             reserve=reserve,
-            reference_model=found.name,
+            reference_model=solved.name,
             remedy=remedy,
             tolerance=self._tolerance(case) if case.transient else None,
             jumps=self._jumps(case),
@@ -150,19 +150,19 @@ class CaseRunner:
             failures.append(f"{label}: {error}")
             return None
         failures += _gained(label, response)
-        found = recovered = slips = None
+        errors = recovered = slips = None
         with self.stages.timed("comparison"), self.extras.attempt(f"{label}, comparison"):
             slips = slip_errors(response, reference)
             recovered = recovered_error(response, reference)
-            found = accuracy(self.joint.model, response, reference)
-        if found is None or slips is None:
+            errors = accuracy(self.joint.model, response, reference)
+        if errors is None or slips is None:
             return None
         certificate = self._certified(case, response)
         return MethodResult(
             joint_modes=count,
             n_modes=int(rom.K.shape[0]),
             response=response,
-            accuracy=replace(found, max_traction_error=slips.traction),
+            accuracy=replace(errors, max_traction_error=slips.traction),
             recovered_error=recovered,
             dissipation_error=slips.dissipation,
             certified_energy_error=_bound(certificate, "energy_error"),
@@ -185,8 +185,8 @@ class CaseRunner:
         if result is None:
             return None
         methods[REMEDY] = {0: result}
-        taken = (REMEDY, result.response)
-        return remedy_of((CURED, first.response), taken, self._tolerance(case))
+        second = (REMEDY, result.response)
+        return remedy_of((CURED, first.response), second, self._tolerance(case))
 
     def _jumps(self, case: LoadCaseSection) -> tuple[Jump, ...]:
         if not case.transient:
@@ -247,12 +247,12 @@ class CaseRunner:
 
         def compute() -> dict[str, Matrix]:
             with self.stages.stage("slip reserve"):
-                found = reserve_of(self.joint.model, case, self.joint.rest, self.open_below)
-                return flattened(found)
+                reserve = reserve_of(self.joint.model, case, self.joint.rest, self.open_below)
+                return flattened(reserve)
 
         with self.stages.timed("checkpoint"):
-            kept = self.checkpoint.bundle(f"{case.name} slip reserve", compute)
-        return restored(SlipReserve, kept)
+            arrays = self.checkpoint.bundle(f"{case.name} slip reserve", compute)
+        return restored(SlipReserve, arrays)
 
     def _certified(self, case: LoadCaseSection, response: Response) -> Certificate | None:
         """Bound the errors of a static case without friction from the compliance alone."""
@@ -325,13 +325,14 @@ class CaseRunner:
         """Solve a load case with one model, or take what an interrupted run left."""
         model = self.joint.model
         total = self._steps(case, refinement) if case.transient else advances(case, model)
-        known, key = len(self.extras.failed), response_key(case, label, refinement)
+        n_failed, key = len(self.extras.failed), response_key(case, label, refinement)
 
         def compute() -> Mapping[str, Matrix]:
             with self.stages.stage(f"{case.name} {label}", total) as advance:
                 if goes_in_increments(case, model):
-                    rest, pieces = self._rest(system, label), Pieces(self.checkpoint, key)
-                    response = path_response(model, case, system, rest, pieces, advance, like)
+                    preloaded = self._rest(system, label)
+                    steps = CheckpointedSteps(self.checkpoint, key)
+                    response = path_response(model, case, system, preloaded, steps, advance, like)
                 else:
                     initial = None if model.contact.forgets else self._rest(system, label)
                     solution, seconds = solve_case(
@@ -350,7 +351,9 @@ class CaseRunner:
                     recovered=label != REDUCED,
                 )
             # Kept with the response, for a run that takes it over does not try again.
-            return flattened(response) | {FAILED: np.array(self.extras.failed[known:], dtype=str)}
+            return flattened(response) | {
+                FAILED: np.array(self.extras.failed[n_failed:], dtype=str)
+            }
 
         with self.stages.timed("checkpoint"):
             arrays = self.checkpoint.bundle(key, compute)

@@ -1,4 +1,4 @@
-"""Pieces of what one model answers to a load case, kept as they come for a run that resumes."""
+"""Parts of what one model answers to a load case, kept as they come for a run that resumes."""
 
 import time
 from collections.abc import Callable
@@ -14,7 +14,7 @@ SECONDS = "seconds"
 
 
 @dataclass(frozen=True)
-class Pieces:
+class CheckpointedSteps:
     """Where pieces of a response are kept, and the key of the whole of it."""
 
     checkpoint: Checkpoint

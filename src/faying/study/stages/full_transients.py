@@ -56,7 +56,7 @@ def case_groups(
                 run = FullTransient(case=case, refinement=refinement)
                 key = response_key(case, refinement=refinement)
                 alike.setdefault(kind, {})[key] = run
-    return [group for some in alike.values() for group in grouped(some)]
+    return [group for together in alike.values() for group in grouped(together)]
 
 
 def full_transients(
@@ -84,8 +84,8 @@ def full_transients(
     together = even_parts(runs, runs_at_once(joint.model, n_time, PIECE + 1))
     responses = [
         response
-        for some in together
-        for response in _side_by_side(steps, joint, some, duration, n_time, progress)
+        for part in together
+        for response in _side_by_side(steps, joint, part, duration, n_time, progress)
     ]
     seconds = (time.perf_counter() - start) / len(runs)
     return [replace(response, seconds=seconds) for response in responses]
@@ -121,7 +121,7 @@ def _side_by_side(
     """Solve some transients a piece at a time, and keep of each piece what a run keeps."""
     model = joint.model
     # The rest is given: solved anew it would depend, in the last digits, on what was solved before.
-    pieces = transient_pieces(
+    parts_of_runs = transient_pieces(
         steps,
         [case_load(run.case) for run in runs],
         duration=duration,
@@ -130,14 +130,14 @@ def _side_by_side(
         progress=progress,
     )
     even = even_states(n_time)
-    kept: list[list[_Piece]] = [[] for _ in runs]
-    for solutions, _ in pieces:
-        for parts, solution in zip(kept, solutions, strict=True):
+    parts_by_run: list[list[_Piece]] = [[] for _ in runs]
+    for solutions, _ in parts_of_runs:
+        for parts, solution in zip(parts_by_run, solutions, strict=True):
             first = parts[-1].end if parts else 0
             parts.append(_piece(model, solution, first, even))
     return [
         _response(model, parts, moves=run.refinement == 1)
-        for run, parts in zip(runs, kept, strict=True)
+        for run, parts in zip(runs, parts_by_run, strict=True)
     ]
 
 
@@ -166,11 +166,11 @@ class _Piece:
 
 def _piece(model: Model, solution: Solution, first: int, even: Indices) -> _Piece:
     """Keep what a run keeps of the instants from ``first`` on."""
-    own = np.arange(first, first + len(solution.states))
-    most = own[solution.max_pressure.argmax()]
-    numbers = own[np.isin(own, even) | (own == most)]
+    instants = np.arange(first, first + len(solution.states))
+    peak = instants[solution.max_pressure.argmax()]
+    numbers = instants[np.isin(instants, even) | (instants == peak)]
     return _Piece(
-        end=int(own[-1]) + 1,
+        end=int(instants[-1]) + 1,
         contact=without_states(solution),
         seen=seen_of(solution, model),
         numbers=numbers,
@@ -187,8 +187,10 @@ def _response(model: Model, parts: Sequence[_Piece], *, moves: bool) -> Response
         moved = joined([part.moved for part in parts])
         motion = motion_in(model, some_states(moved, np.searchsorted(numbers, chosen)), chosen)
     seen = {
-        member: {name: np.concatenate([part.seen[member][name] for part in parts]) for name in some}
-        for member, some in parts[0].seen.items()
+        member: {
+            name: np.concatenate([part.seen[member][name] for part in parts]) for name in by_name
+        }
+        for member, by_name in parts[0].seen.items()
     }
     return respond(contact, model, 0.0, motion=motion, seen=seen)
 

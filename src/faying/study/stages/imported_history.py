@@ -107,8 +107,8 @@ def _load_names(joint: Joint) -> list[str]:
 
 def _read_csv(path: Path, joint: Joint) -> ImportedHistory:
     header, rows = _rows(path)
-    known = _load_names(joint)
-    _check_header(path, header, known)
+    names = _load_names(joint)
+    _check_header(path, header, names)
     counts = _mode_counts(path, header)
     lines = [line for line, _ in rows]
     table = np.array([_numbers(path, line, header, row) for line, row in rows])
@@ -120,7 +120,7 @@ def _read_csv(path: Path, joint: Joint) -> ImportedHistory:
         MODAL[letter]: table[:, [header.index(f"{letter}{n}") for n in range(1, count + 1)]]
         for letter, count in counts.items()
     }
-    loads = {name: table[:, header.index(name)] for name in header if name in known}
+    loads = {name: table[:, header.index(name)] for name in header if name in names}
     frame = None
     if not set(header).isdisjoint(FRAME):
         still = np.zeros(len(times))
@@ -173,14 +173,14 @@ def _numbers(path: Path, line: int, header: Sequence[str], row: Sequence[str]) -
 
 
 def _check_header(path: Path, header: Sequence[str], loads: Sequence[str]) -> None:
-    known = ["time", "q1", "v1", "a1", *loads, *FRAME]
+    columns = ["time", "q1", "v1", "a1", *loads, *FRAME]
     for name in header:
         if ";" in name:
             message = f"{path}: '{name}' is one column; separate columns by commas"
             raise FormatError(message)
-        if name not in known and not MODAL_COLUMN.fullmatch(name):
+        if name not in columns and not MODAL_COLUMN.fullmatch(name):
             message = (
-                f"{path}: unknown column '{name}'; {nearest(name, known)} (columns are time; q1, "
+                f"{path}: unknown column '{name}'; {nearest(name, columns)} (columns are time; q1, "
                 "q2, …, v1, …, a1, …; boundary forces; motion of the supports, as frame.ax)"
             )
             raise FormatError(message)
@@ -196,18 +196,18 @@ def _check_header(path: Path, header: Sequence[str], loads: Sequence[str]) -> No
 def _mode_counts(path: Path, header: Iterable[str]) -> dict[str, int]:
     """Return the letters of the modal columns and how many columns each has."""
     matches = [match for match in map(MODAL_COLUMN.fullmatch, header) if match]
-    found = {letter: {int(m[2]) for m in matches if m[1] == letter} for letter in MODAL}
-    counts = {letter: max(numbers) for letter, numbers in found.items() if numbers}
-    most = max(counts.values(), default=0)
+    numbers_of = {letter: {int(m[2]) for m in matches if m[1] == letter} for letter in MODAL}
+    counts = {letter: max(numbers) for letter, numbers in numbers_of.items() if numbers}
+    largest = max(counts.values(), default=0)
     if counts and "q" not in counts:
-        message = f"{path} has modal columns but no coordinates; add q1 to q{most}"
+        message = f"{path} has modal columns but no coordinates; add q1 to q{largest}"
         raise FormatError(message)
     for letter in counts:
-        missing = sorted(set(range(1, most + 1)) - found[letter])
+        missing = sorted(set(range(1, largest + 1)) - numbers_of[letter])
         if missing:
             message = (
                 f"{path}: column '{letter}{missing[0]}' is missing, for there are modal columns "
-                f"up to {most}; give {MODAL[letter]} completely"
+                f"up to {largest}; give {MODAL[letter]} completely"
             )
             if letter != "q":
                 message += " or not at all"
@@ -246,10 +246,10 @@ def _read_hdf5(path: Path, joint: Joint) -> ImportedHistory:
 
 
 def _members(path: Path, file: h5py.File, joint: Joint) -> ImportedHistory:
-    known = ["times", *MODAL.values(), "inputs", "frame"]
+    names = ["times", *MODAL.values(), "inputs", "frame"]
     for name in file:
-        if name not in known:
-            message = f"{path}: unknown dataset '{name}'; {nearest(name, known)}"
+        if name not in names:
+            message = f"{path}: unknown dataset '{name}'; {nearest(name, names)}"
             raise FormatError(message)
     if "times" not in file:
         message = f"{path} has no dataset 'times'; add it"
@@ -296,9 +296,9 @@ def _array(path: Path, data: h5py.Dataset | h5py.Group) -> Matrix:
     values = np.asarray(data[()], dtype=np.float64)
     wrong = np.argwhere(~np.isfinite(values))
     if len(wrong):
-        place = ", ".join(map(str, wrong[0].tolist()))
+        index = ", ".join(map(str, wrong[0].tolist()))
         message = (
-            f"{path}: '{name}' holds {values[tuple(wrong[0])]} at [{place}], expected finite "
+            f"{path}: '{name}' holds {values[tuple(wrong[0])]} at [{index}], expected finite "
             "numbers"
         )
         raise FormatError(message)
@@ -311,10 +311,10 @@ def _hdf5_loads(
     """Boundary forces by name, from a group of datasets or from an array like a solution's."""
     if isinstance(data, h5py.Dataset):
         return _component_loads(path, _array(path, data), joint, n_time)
-    known, loads = _load_names(joint), {}
+    names, loads = _load_names(joint), {}
     for name in data:
-        if name not in known:
-            message = f"{path}: unknown boundary force '{name}'; {nearest(name, known)}"
+        if name not in names:
+            message = f"{path}: unknown boundary force '{name}'; {nearest(name, names)}"
             raise FormatError(message)
         values = _array(path, data[name])
         if values.shape != (n_time,):
@@ -326,7 +326,7 @@ def _hdf5_loads(
 
 def _component_loads(path: Path, inputs: Matrix, joint: Joint, n_time: int) -> dict[str, Vector]:
     places = boundary_slices(joint.boundaries)
-    n_boundary = max((place.stop for place in places.values()), default=0)
+    n_boundary = max((columns.stop for columns in places.values()), default=0)
     bolts = initial_bolt_forces(joint)
     patterns, first = list(joint.load_patterns), n_boundary + len(bolts)
     widths = (n_boundary, first, first + len(patterns))
@@ -337,8 +337,8 @@ def _component_loads(path: Path, inputs: Matrix, joint: Joint, n_time: int) -> d
             f"boundary forces, or of these and {len(bolts)} initial bolt forces{more}"
         )
         raise FormatError(message)
-    given = inputs[:, n_boundary:first]
-    if not np.allclose(given, bolts[: given.shape[1]], rtol=ROUND_OFF, atol=0.0):
+    pattern_values = inputs[:, n_boundary:first]
+    if not np.allclose(pattern_values, bolts[: pattern_values.shape[1]], rtol=ROUND_OFF, atol=0.0):
         message = (
             f"{path}: the bolt forces of 'inputs' are not those the bolts of this run are locked "
             f"at ({', '.join(f'{force:g}' for force in bolts)}); run a study with that preload"
@@ -346,12 +346,14 @@ def _component_loads(path: Path, inputs: Matrix, joint: Joint, n_time: int) -> d
         raise FormatError(message)
     loads: dict[str, Vector] = {}
     for name, boundary in joint.boundaries.items():
-        own = inputs[:, places[name]]
+        components = inputs[:, places[name]]
         for component in np.unique(boundary.components).tolist():
-            shares = own[:, boundary.components == component]
+            shares = components[:, boundary.components == component]
             total = shares.sum(axis=1)
             even = total[:, None] / shares.shape[1]
-            if np.abs(shares - even).max(initial=0.0) > ROUND_OFF * np.abs(own).max(initial=0.0):
+            if np.abs(shares - even).max(initial=0.0) > ROUND_OFF * np.abs(components).max(
+                initial=0.0
+            ):
                 message = (
                     f"{path}: 'inputs' do not share {FORCE_NAMES[component]} evenly over the nodes "
                     f"of boundary '{name}'; give its total in a group 'inputs'"

@@ -85,9 +85,11 @@ class InertiaWhenNeeded:
             return projected(self.model, basis)
 
 
-def remedy_of(first: tuple[str, Response], taken: tuple[str, Response], tolerance: float) -> Remedy:
+def remedy_of(
+    first: tuple[str, Response], second: tuple[str, Response], tolerance: float
+) -> Remedy:
     """Return the record of a transient that was solved by one model and then by another."""
-    return Remedy(first=_tried(*first), taken=_tried(*taken), tolerance=tolerance)
+    return Remedy(first=_tried(*first), taken=_tried(*second), tolerance=tolerance)
 
 
 def _tried(method: str, response: Response) -> Tried:

@@ -31,15 +31,17 @@ def kept_models(model: Model, models: Models, classic: Basis, title: str) -> Kep
         rom = projected(model, classic, compliance=compliance)
         if rom.method not in models:
             chosen[rom.method, 0] = rom
-    found: dict[str, dict[int, ReducedModel]] = {}
+    models_by_method: dict[str, dict[int, ReducedModel]] = {}
     for (name, count), rom in zip(chosen, completed(model, list(chosen.values())), strict=True):
-        found.setdefault(name, {})[count] = replace(rom, name=title)
-    return found
+        models_by_method.setdefault(name, {})[count] = replace(rom, name=title)
+    return models_by_method
 
 
-def with_kept(models: Models, kept: Kept) -> dict[str, dict[int, System]]:
+def with_kept(models: Models, recoverable: Kept) -> dict[str, dict[int, System]]:
     """Return the models of a run with those that are kept in place of what they came from."""
     return {
-        name: {count: kept.get(name, {}).get(count, system) for count, system in sizes.items()}
+        name: {
+            count: recoverable.get(name, {}).get(count, system) for count, system in sizes.items()
+        }
         for name, sizes in models.items()
     }

@@ -29,13 +29,13 @@ def check_same_joint(checkpoint: Checkpoint, model: Model) -> None:
     ------
     StudyError
     """
-    contact, found = model.contact, blake2b(digest_size=16)
+    contact, digest = model.contact, blake2b(digest_size=16)
     arrays = [model.K.data, model.K.indices, model.M.data, contact.interpolation.data]
     arrays += [contact.weights, contact.initial_gap, model.pattern_forces]
-    arrays += [one.elongation for one in model.bolts.values()]
+    arrays += [bolt.elongation for bolt in model.bolts.values()]
     for array in arrays:
-        found.update(array.tobytes())
-    mark = np.array(f"{found.hexdigest()} {dict(contact.laws)}")
+        digest.update(array.tobytes())
+    mark = np.array(f"{digest.hexdigest()} {dict(contact.laws)}")
     if checkpoint.bundle("joint", lambda: {"mark": mark})["mark"] != mark:
         message = (
             f"{checkpoint.folder} belongs to another joint: a deck, mesh or matrix of the study "
@@ -51,8 +51,8 @@ def keep_compliance(checkpoint: Checkpoint | None, key: str, structure: Structur
     """
     if checkpoint is None or not structure.is_kept_whole:
         return
-    kept = checkpoint.bundle(key, lambda: {"held": np.asarray(structure.held_compliance)})
-    structure.take_held_compliance(kept["held"])
+    arrays = checkpoint.bundle(key, lambda: {"held": np.asarray(structure.held_compliance)})
+    structure.take_held_compliance(arrays["held"])
 
 
 def kept_tightening(
@@ -72,11 +72,11 @@ def kept_tightening(
             "names": np.array([load.name for load in loads], dtype=str),
         }
 
-    kept = checkpoint.bundle(key, arrays)
-    tightening = restored(Tightening, kept)
+    bundle = checkpoint.bundle(key, arrays)
+    tightening = restored(Tightening, bundle)
     return tightening, tuple(
         Load(name=name, bolt_forces=dict(zip(tightening.bolts, row, strict=True)))
-        for name, row in zip(kept["names"].tolist(), kept["path"].tolist(), strict=True)
+        for name, row in zip(bundle["names"].tolist(), bundle["path"].tolist(), strict=True)
     )
 
 
@@ -88,10 +88,10 @@ def kept_state(
         return compute()
 
     def arrays() -> dict[str, Matrix]:
-        found = compute()
-        return {"name": np.array(found.name), **arrays_of(found)}
+        state = compute()
+        return {"name": np.array(state.name), **arrays_of(state)}
 
-    kept: dict[str, Any] = {
+    members: dict[str, Any] = {
         name: value[()] for name, value in checkpoint.bundle(key, arrays).items()
     }
-    return Solution(name=str(kept.pop("name")), system=system, **kept)
+    return Solution(name=str(members.pop("name")), system=system, **members)

@@ -23,7 +23,7 @@ from faying.simulation.path import (
     solve_path,
 )
 from faying.simulation.solution import Solution
-from faying.study.stages.checkpointed_steps import SECONDS, Pieces
+from faying.study.stages.checkpointed_steps import SECONDS, CheckpointedSteps
 
 PIECE = 50
 """Increments that are kept together: to write them takes 2 ms with 600 contact points, 13 ms with
@@ -35,7 +35,7 @@ def follow_path(
     loads: Sequence[Load],
     initial: Solution,
     name: str,
-    pieces: Pieces,
+    kept_parts: CheckpointedSteps,
     progress: Callable[[int], object],
 ) -> tuple[Solution, float]:
     """Solve a sequence of loads, and say what seconds that took, in whichever run.
@@ -56,24 +56,24 @@ def follow_path(
         progress(len(loads))
         return path, time.perf_counter() - start
     inputs = path_inputs(system, loads)
-    here, relative = path_start(system, initial), moved_alone(system, inputs)
+    state, relative = path_start(system, initial), moved_alone(system, inputs)
     solver = system.static_contact.increments
     seconds, steps = time.perf_counter() - start, list[PathStep]()
     for first in range(0, len(inputs), PIECE):
         part = range(first, min(first + PIECE, len(inputs)))
-        compute = partial(_followed, solver, relative, here, part)
-        kept = pieces.take(f"increments {first + 1} to {part.stop}", compute)
-        steps += _unpacked(kept, relative[first : part.stop])
-        here, seconds = steps[-1], seconds + float(kept[SECONDS])
+        compute = partial(_followed, solver, relative, state, part)
+        arrays = kept_parts.take(f"increments {first + 1} to {part.stop}", compute)
+        steps += _unpacked(arrays, relative[first : part.stop])
+        state, seconds = steps[-1], seconds + float(arrays[SECONDS])
         progress(len(part))
     start = time.perf_counter()
     path = assembled(system, inputs, steps, name)
     return path, seconds + time.perf_counter() - start
 
 
-def _followed(solver: IncrementSolver, relative: Matrix, here: PathStep, part: range) -> Arrays:
+def _followed(solver: IncrementSolver, relative: Matrix, state: PathStep, part: range) -> Arrays:
     """Return what is reached after some of the loads, by name, each with them as first axis."""
-    steps = list(follow(solver, relative, here, part=part))
+    steps = list(follow(solver, relative, state, part=part))
     deepest = deepest_of(solver.contact, steps)
     return {
         **({} if deepest is None else {"deepest": deepest}),

@@ -37,23 +37,23 @@ def normal_modes_of(
     What was chosen is kept for a run that takes over, so that it tries none of them again.
     """
     structure = joint.model.structure
-    known = cache(partial(fixed_interface_normal_modes, structure))
+    modes = cache(partial(fixed_interface_normal_modes, structure))
     count, choices = study.reduction.normal_modes, {}
     if count is None:
         for case in study.load_cases:
             if case.transient:
                 with stages.stage(f"choose normal modes, {case.name}"):
-                    choose = partial(_chosen, study, joint, case, known)
-                    kept = checkpoint.bundle(f"{case.name} normal modes", choose)
-                choices[case.name] = restored(NormalModeChoice, kept)
+                    choose = partial(_chosen, study, joint, case, modes)
+                    arrays = checkpoint.bundle(f"{case.name} normal modes", choose)
+                choices[case.name] = restored(NormalModeChoice, arrays)
         count = chosen_count(choices)
     with stages.stage("normal_modes"):
         # Statics need no mass, and a structure without mass has no vibration modes.
-        return StudyModes(modes=known(count if structure.has_mass else 0), choices=choices)
+        return StudyModes(modes=modes(count if structure.has_mass else 0), choices=choices)
 
 
 def _chosen(
-    study: Study, joint: PreparedJoint, case: LoadCaseSection, known: Modes
+    study: Study, joint: PreparedJoint, case: LoadCaseSection, modes: Modes
 ) -> dict[str, Matrix]:
     mark = study.reduction.transient_tolerance if case.tolerance is None else case.tolerance
     choice = choose_normal_modes(
@@ -67,6 +67,6 @@ def _chosen(
         rest=partial(rest_state, tightening=joint.preload_path)
         if not joint.model.contact.forgets
         else None,
-        modes=known,
+        modes=modes,
     )
     return flattened(choice)

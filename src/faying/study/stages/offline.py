@@ -128,15 +128,15 @@ def prepare_joint(
             model = tied.with_bolt_forces(again.initial_forces)
     with stages.stage("preload"):
         final = model
-        rest = kept_state(checkpoint, "rest", final, lambda: solve_static(final))
+        preloaded = kept_state(checkpoint, "rest", final, lambda: solve_static(final))
     with stages.stage("frequencies"):
-        period = _longest_period(model, rest)
+        period = _longest_period(model, preloaded)
     return PreparedJoint(
         loaded=loaded,
         model=model,
         tightening=tightening,
         preload=preload,
-        rest=rest,
+        rest=preloaded,
         period=period,
     )
 
@@ -154,31 +154,31 @@ def _rubbing_joint(
     def tightened() -> Tightened:
         if not study.friction_during_preload:
             return tighten(smooth_joint(model), forces, losses=losses(study)), ()
-        found = tighten_with_friction(model, forces, losses=losses(study))
-        return found.tightening, found.loads
+        path_tightening = tighten_with_friction(model, forces, losses=losses(study))
+        return path_tightening.tightening, path_tightening.loads
 
     with stages.stage("preload"):
         tightening, path = kept_tightening(checkpoint, "tightening", tightened)
         locked = model.with_bolt_forces(tightening.initial_forces)
-        rest = kept_state(checkpoint, "rest", locked, lambda: rest_state(locked, path))
+        preloaded = kept_state(checkpoint, "rest", locked, lambda: rest_state(locked, path))
     with stages.stage("frequencies"):
-        period = _longest_period(locked, rest)
+        period = _longest_period(locked, preloaded)
     return PreparedJoint(
         loaded=loaded,
         model=locked,
         tightening=tightening,
-        preload=rest,
-        rest=rest,
+        preload=preloaded,
+        rest=preloaded,
         period=period,
         preload_path=path,
     )
 
 
-def _longest_period(model: Model, rest: Solution) -> float:
+def _longest_period(model: Model, preloaded: Solution) -> float:
     """Return the longest period of small vibrations about a state; infinite without mass."""
     if not model.structure.has_mass:
         return np.inf
-    return 1.0 / float(preloaded_frequencies(model, 1, state=rest)[0])
+    return 1.0 / float(preloaded_frequencies(model, 1, state=preloaded)[0])
 
 
 def _condense(model: Model, stages: Stages, checkpoint: Checkpoint | None, key: str) -> None:
@@ -229,7 +229,7 @@ def build_bases(
         If a normal mode was missed.
     """
     reduction, model = study.reduction, joint.model
-    most = max(reduction.joint_modes, default=MOST_AUTOMATIC)
+    count = max(reduction.joint_modes, default=MOST_AUTOMATIC)
     with stages.stage("normal_modes"):
         classic = classic_basis(model, modes)
     with stages.stage("mode_count"):
@@ -247,7 +247,7 @@ def build_bases(
     for joint_modes in dict.fromkeys(METHODS[name].joint_modes for name in reduction.methods):
         if joint_modes is not None:
             with stages.stage(joint_modes.name):
-                bases[joint_modes.name] = joint_modes.extended(model, data, most)
+                bases[joint_modes.name] = joint_modes.extended(model, data, count)
     return TrainedBases(bases=bases, contact_forces=forces, mode_count=mode_count)
 
 
@@ -286,8 +286,8 @@ def step_training(study: Study, joint: PreparedJoint, classic: Basis | None) -> 
         system = projected(model, classic, compliance=True) if reduced and classic else model
         return transient_solver(system, step=time_step(training, joint.period))
 
-    rest = joint.rest if training.system == "full" else None
-    return StepTraining(training=training, period=joint.period, solver=solver, rest=rest)
+    preloaded = joint.rest if training.system == "full" else None
+    return StepTraining(training=training, period=joint.period, solver=solver, rest=preloaded)
 
 
 def choose_counts(
@@ -318,9 +318,9 @@ def reduced_models(
         with stages.stage(f"project {name}"):
             method, choice = METHODS[name], choices.get(METHODS[name].basis_name)
             basis, forces = trained.of(method), trained.contact_forces
-            wanted = [choice.count] if choice else study.reduction.joint_modes
+            counts = [choice.count] if choice else study.reduction.joint_modes
             models[name] = {
                 count: method.reduced(model, basis, forces, count)
-                for count in method.counts(basis, wanted)
+                for count in method.counts(basis, counts)
             }
     return models

@@ -31,13 +31,13 @@ from faying.study.results.path_record import (
 from faying.study.results.responses import respond
 from faying.study.results.values import Response
 from faying.study.stages.backbone_cases import backbone_response
-from faying.study.stages.checkpointed_steps import SECONDS, Pieces
+from faying.study.stages.checkpointed_steps import SECONDS, CheckpointedSteps
 from faying.study.stages.long_paths import follow_path
 
 
 def has_friction(model: Model) -> bool:
     """Say whether an interface of a model has friction."""
-    return any(one.law.friction > 0 for one in model.interfaces.values())
+    return any(interface.law.friction > 0 for interface in model.interfaces.values())
 
 
 def goes_in_increments(case: LoadCaseSection, model: Model) -> bool:
@@ -77,8 +77,8 @@ def path_response(
     model: Model,
     case: LoadCaseSection,
     system: System,
-    rest: Solution,
-    pieces: Pieces,
+    preloaded: Solution,
+    steps: CheckpointedSteps,
     progress: Callable[[int], object],
     like: Response | None = None,
 ) -> Response:
@@ -88,9 +88,9 @@ def path_response(
     ----------
     model
         The full model.
-    rest
+    preloaded
         Preloaded state of the system that is solved.
-    pieces
+    steps
         Where finished amplitudes and increments are kept.
     progress
         Called with how many there are more of those that :func:`advances` counts.
@@ -98,21 +98,21 @@ def path_response(
         Response of the full model, whose number of cycles others follow.
     """
     if case.kind == "backbone":
-        return backbone_response(model, case, system, rest, pieces, progress)
+        return backbone_response(model, case, system, preloaded, steps, progress)
     if case.kind == "cycle":
-        return _cycle_response(model, case, system, rest, pieces, progress, like)
+        return _cycle_response(model, case, system, preloaded, steps, progress, like)
     load = case_load(case)
     names, factors = _factors(case)
     loads = _loads(case, model, names, factors)
-    path, seconds = follow_path(system, loads, rest, case.name, pieces, progress)
-    record = path_record(path, rest, load, names, factors)
+    path, seconds = follow_path(system, loads, preloaded, case.name, steps, progress)
+    record = path_record(path, preloaded, load, names, factors)
     return respond(
         last_of(path),
         model,
         seconds,
         path=record,
         motion=_motion(model, path),
-        certificate=_certificate(model, path, rest),
+        certificate=_certificate(model, path, preloaded),
     )
 
 
@@ -120,8 +120,8 @@ def _cycle_response(
     model: Model,
     case: LoadCaseSection,
     system: System,
-    rest: Solution,
-    pieces: Pieces,
+    preloaded: Solution,
+    steps: CheckpointedSteps,
     progress: Callable[[int], object],
     like: Response | None,
 ) -> Response:
@@ -137,7 +137,7 @@ def _cycle_response(
             system,
             load,
             amplitude,
-            rest,
+            preloaded,
             increments=case.increments or DEFAULT_INCREMENTS,
             count=None if like is None else len(like.cycles[str(amplitude)].energies),
         )
@@ -147,9 +147,9 @@ def _cycle_response(
 
     *others, largest = sorted(case.amplitudes or (1.0,))
     for amplitude in others:
-        kept = pieces.take(f"amplitude {amplitude}", partial(recorded, amplitude))
-        records[str(amplitude)] = restored(CycleRecord, kept)
-        seconds += float(kept[SECONDS])
+        arrays = steps.take(f"amplitude {amplitude}", partial(recorded, amplitude))
+        records[str(amplitude)] = restored(CycleRecord, arrays)
+        seconds += float(arrays[SECONDS])
         progress(1)
     start = time.perf_counter()
     last = cycles(largest)
@@ -164,13 +164,13 @@ MOST_CERTIFIED = 1000
 """Contact points with three components up to which a run factorizes H for every path: seconds."""
 
 
-def _certificate(model: Model, path: Solution, rest: Solution) -> IncrementCertificate | None:
+def _certificate(model: Model, path: Solution, preloaded: Solution) -> IncrementCertificate | None:
     """Certify the increments of a reduced model; those of the full one are what is meant."""
     rubs = path.shear_forces is not None and has_friction(model)
     rubs = rubs and model.contact.proportional
     if path.system is model or not rubs or model.contact.n_points > MOST_CERTIFIED:
         return None
-    return certify_increments(model, path, rest)
+    return certify_increments(model, path, preloaded)
 
 
 def _motion(model: Model, path: Solution) -> NodalMotion | None:
@@ -179,7 +179,7 @@ def _motion(model: Model, path: Solution) -> NodalMotion | None:
 
 
 def reserve_of(
-    model: Model, case: LoadCaseSection, rest: Solution, open_below: float | None = None
+    model: Model, case: LoadCaseSection, preloaded: Solution, open_below: float | None = None
 ) -> SlipReserve:
     """Return the slip reserve of a load case of the full model, from its preloaded state.
 
@@ -191,7 +191,7 @@ def reserve_of(
     return slip_reserve(
         model,
         case_load(case),
-        rest,
+        preloaded,
         share=case.slip_share or DEFAULT_SHARE,
         increments=case.increments or DEFAULT_INCREMENTS,
         open_below=open_below,
@@ -207,8 +207,8 @@ def _factors(case: LoadCaseSection) -> tuple[tuple[str, ...], Matrix]:
     if case.factors is None:
         count = case.increments or DEFAULT_INCREMENTS
         return (ALL,), np.arange(1, count + 1)[:, None] / count
-    found = read_load_factors(case.factors, [force.target for force in case.forces])
-    return found.names, found.values
+    table = read_load_factors(case.factors, [force.target for force in case.forces])
+    return table.names, table.values
 
 
 def _loads(

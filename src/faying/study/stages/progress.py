@@ -65,11 +65,11 @@ class Stages:
         try:
             yield
         finally:
-            taken = clock() - start
-            own = taken - self._within.pop()
-            self.seconds[name] = self.seconds.get(name, 0.0) + own
+            elapsed = clock() - start
+            alone = elapsed - self._within.pop()
+            self.seconds[name] = self.seconds.get(name, 0.0) + alone
             if self._within:
-                self._within[-1] += taken
+                self._within[-1] += elapsed
 
     def account(self) -> dict[str, float]:
         """Return the seconds of the stages so far, and as ``other`` those outside all of them.

@@ -27,7 +27,7 @@ from faying.study.stages.reference import Reference
 def record(
     study: Study,
     joint: PreparedJoint,
-    kept: Mapping[str, Mapping[int, ReducedModel]],
+    recoverable: Mapping[str, Mapping[int, ReducedModel]],
     trained: TrainedBases,
     cases: Mapping[str, CaseResult],
     validation: ValidationRecord,
@@ -77,7 +77,7 @@ def record(
         ),
         measurements=measured_curves(study),
         validation=validation,
-        reduced=kept,
+        reduced=recoverable,
         reference=reference.kind,
         reference_reason=reference.reason,
     )

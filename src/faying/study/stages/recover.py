@@ -158,11 +158,11 @@ def peaks(results: Results, recovered: RecoveredRecord) -> Iterator[Peak]:
     vectors = recovered.traction
     size = None if vectors is None else np.linalg.norm(vectors, axis=-1)
     for name, interface in results.interfaces.items():
-        own = recovered.pressure[:, slice(*interface.slice)]
-        row, column = np.unravel_index(int(own.argmax()), own.shape)
+        pressure = recovered.pressure[:, slice(*interface.slice)]
+        row, column = np.unravel_index(int(pressure.argmax()), pressure.shape)
         yield Peak(
             interface=name,
-            pressure=float(own[row, column]),
+            pressure=float(pressure[row, column]),
             point=tuple(interface.points[column].tolist()),
             time=float(recovered.times[row]),
             contact_force=float(recovered.contact_force[name][row]),
@@ -217,14 +217,14 @@ def reduced_model(results: Results, method: str, joint_modes: int | None = None)
     sizes = results.reduced[method]
     if joint_modes is None and len(sizes) == 1:
         return next(iter(sizes.values()))
-    known = ", ".join(map(str, sizes))
+    counts = ", ".join(map(str, sizes))
     if joint_modes is None:
-        message = f"method '{method}' was run with {known} joint modes; say with --joint-modes"
+        message = f"method '{method}' was run with {counts} joint modes; say with --joint-modes"
         raise StudyError(message)
     if joint_modes not in sizes:
         message = (
             f"the run has no model '{method}' with {joint_modes} joint modes; it was run with "
-            f"{known}, not {joint_modes}: change --joint-modes"
+            f"{counts}, not {joint_modes}: change --joint-modes"
         )
         raise StudyError(message)
     return sizes[joint_modes]
@@ -240,10 +240,10 @@ def _from_modal(
             raise StudyError(message)
     q, kinds = np.asarray(history.coordinates), rom.basis.kinds
     if q.shape[1] != len(kinds):
-        each = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
+        modes_text = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
         message = (
             f"{history.path} has {q.shape[1]} coordinates, but the basis of '{rom.method}' has "
-            f"{len(kinds)} ({each}); give all in this order, or name another --method"
+            f"{len(kinds)} ({modes_text}); give all in this order, or name another --method"
         )
         raise StudyError(message)
     v, a, derivatives = _derivatives(history, q, options)
@@ -263,8 +263,8 @@ def _derivatives(
     history: ImportedHistory, q: Matrix, options: RecoverOptions
 ) -> tuple[Matrix | None, Matrix | None, str]:
     """Velocities and accelerations as given or by differences; None is left to a spline."""
-    given = {"velocities": history.velocities, "accelerations": history.accelerations}
-    missing = [name for name, values in given.items() if values is None]
+    derivatives = {"velocities": history.velocities, "accelerations": history.accelerations}
+    missing = [name for name, values in derivatives.items() if values is None]
     if not missing:
         return history.velocities, history.accelerations, "both from the history"
     way = options.derivatives or "spline"

@@ -62,65 +62,70 @@ def assess_run(
         return None
     model = joint.model
     with stages.stage("joint assessment"), extras.attempt("joint assessment"):
-        wanted = requirements_of(study.requirement)
+        requirements = requirements_of(study.requirement)
         static = [case for case in study.load_cases if case.kind == "static"]
         smooth = static if model.contact.forgets else []
         intervals = _intervals(joint, smooth, cases, extras)
         reserves = {n: case.reserve for n, case in cases.items() if case.reserve is not None}
         states = {name: _state(case, intervals.get(name)) for name, case in cases.items()}
-        rest = CaseState(
+        preloaded = CaseState(
             pressure=joint.rest.pressure.reshape(-1, model.contact.n_points)[-1:],
             bolt_forces={n: np.ravel(joint.rest.bolt_force(n))[-1:] for n in model.bolts},
             bolt_moments={
                 n: joint.rest.bolt_bending(n).reshape(-1, 2, 2)[-1:]
                 for n in bent_bolts(model.bolts)
-                if all(n in one.bolt_moments for one in states.values())
+                if all(n in state.bolt_moments for state in states.values())
             },
         )
         demands: dict[tuple[str, str], SlipDemand] = {}
         with extras.attempt("slip by sums"):
-            demands = _demands(joint, study, wanted)
-        found = judged(
+            demands = _demands(joint, study, requirements)
+        assessment = judged(
             contact_surfaces(model),
             model.bolts,
-            rest,
+            preloaded,
             states,
-            wanted,
-            {**_paths(joint, smooth, wanted, extras), **_rubbed_paths(static, reserves)},
+            requirements,
+            {**_paths(joint, smooth, requirements, extras), **_rubbed_paths(static, reserves)},
             reserves,
             demands,
         )
         threads = threads_of(study)
         spreads = _scatter(study, exact, static, threads, extras)
-        found = replace(found, scatter=spreads)
+        assessment = replace(assessment, scatter=spreads)
         with extras.attempt("strength of bolts"):
             loads = {case.name: case_load(case) for case in smooth}
             goal = joint.loaded.preloads
             ranges, hot = preload_ranges(study), _temperatures(study)
-            ends = preload_ends(exact, rest, states, loads, ranges, goal, hot)
+            ends = preload_ends(exact, preloaded, states, loads, ranges, goal, hot)
             surfaces = contact_surfaces(model)
-            limits = wanted_clamps(wanted.min_clamp_force, surfaces)
+            limits = wanted_clamps(requirements.min_clamp_force, surfaces)
             clamps = clamp_checks(ends, surfaces, model.bolts, limits, study.units)
-            initial = loosest_forces(model, rest, ranges)
+            initial = loosest_forces(model, preloaded, ranges)
             loosened: tuple[Check, ...] = ()
             if initial is not None:
-                opens = set(opening_cases(found))
+                opens = set(opening_cases(assessment))
                 follow = [case for case in smooth if case.name in opens]
-                paths = _paths(joint, follow, wanted, extras, initial)
-                slips = _demands(joint, study, wanted, initial)
-                loose = judged(surfaces, model.bolts, rest, states, wanted, paths, reserves, slips)
+                paths = _paths(joint, follow, requirements, extras, initial)
+                slips = _demands(joint, study, requirements, initial)
+                loose = judged(
+                    surfaces, model.bolts, preloaded, states, requirements, paths, reserves, slips
+                )
                 loosened = loosest_checks(loose, units_of(study.units))
-            found = replace(found, checks=tuple(clamps), loosened=loosened)
+            assessment = replace(assessment, checks=tuple(clamps), loosened=loosened)
             counted = {c.name: c.repetitions for c in study.load_cases if c.repetitions}
-            found = with_threads(found, states, threads, study.units, ends, counted)
+            assessment = with_threads(assessment, states, threads, study.units, ends, counted)
         with extras.attempt("margins of bolts"):
-            every, rubs = [case_load(case) for case in static], _coefficients(model, study, wanted)
+            every, rubs = (
+                [case_load(case) for case in static],
+                _coefficients(model, study, requirements),
+            )
             margins, ranges = study.requirement.margins, preload_ranges(study)
             checks = demanded_checks(
-                margins, ranges, exact, threads, every, rubs, found, study.units
+                margins, ranges, exact, threads, every, rubs, assessment, study.units
             )
-            return replace(found, checks=checks)
-        return found
+            return replace(assessment, checks=checks)
+        return assessment
     return None
 
 
@@ -152,20 +157,22 @@ def _scatter(
 def _state(case: CaseResult, certified: CertifiedClamps | None) -> CaseState:
     """Return a load case as it is judged: over all instants, or all increments of its paths."""
     response, paths = case.reference, increments(case.reference)
-    states = [np.atleast_2d(response.pressure), *(one.pressure for one in paths)]
+    states = [np.atleast_2d(response.pressure), *(record.pressure for record in paths)]
     pressure = np.concatenate(states)
     moments = {name: ends.reshape(-1, 2, 2) for name, ends in response.bolt_moments.items()}
     return CaseState(
         pressure=pressure,
         bolt_forces={
-            name: np.concatenate([np.atleast_1d(force), *(one.bolt_forces[name] for one in paths)])
+            name: np.concatenate(
+                [np.atleast_1d(force), *(record.bolt_forces[name] for record in paths)]
+            )
             for name, force in response.bolt_forces.items()
         },
         certified=certified,
         retightened=any(
-            name in response.bolt_forces and (one.factors[:, column] != 1).any()
-            for one in paths
-            for column, name in enumerate(one.loads)
+            name in response.bolt_forces and (record.factors[:, column] != 1).any()
+            for record in paths
+            for column, name in enumerate(record.loads)
         ),
         times=case.times,
         # Of increments bending is known at the last one, which stands for the others.
@@ -190,8 +197,8 @@ def _intervals(
         inputs = np.concatenate([case_load(case).inputs(joint.model, start) for case in static])
         pressure = np.array([cases[case.name].reference.pressure for case in static])
         areas = surroundings(contact_surfaces(joint.model), joint.model.bolts)
-        found = joint.certifier.certify_inputs(inputs, pressure, areas)
-        return {case.name: certified_clamps(found, row) for row, case in enumerate(static)}
+        certificate = joint.certifier.certify_inputs(inputs, pressure, areas)
+        return {case.name: certified_clamps(certificate, row) for row, case in enumerate(static)}
     return {}
 
 
@@ -200,20 +207,20 @@ ENDS = ("forth", "back")
 
 
 def _demands(
-    joint: PreparedJoint, study: Study, wanted: Requirements, initial: Vector | None = None
+    joint: PreparedJoint, study: Study, requirements: Requirements, initial: Vector | None = None
 ) -> dict[tuple[str, str], SlipDemand]:
     """Return the friction that static load cases and ends of cycles need, as if there were none."""
     model, loads = joint.model, list[Load]()
     for case in study.load_cases:
-        load, most = case_load(case), max(case.amplitudes or (1.0,))
+        load, largest = case_load(case), max(case.amplitudes or (1.0,))
         if case.kind == "static":
             loads.append(load)
         elif case.kind == "cycle":
-            for end, factor in zip(ENDS, (most, -most), strict=True):
+            for end, factor in zip(ENDS, (largest, -largest), strict=True):
                 loads.append(replace(load.scaled(factor), name=f"{case.name}, {end}"))
     if not loads:
         return {}
-    coefficients = _coefficients(model, study, wanted)
+    coefficients = _coefficients(model, study, requirements)
     names, start = [load.name for load in loads], np.zeros(1)
     inputs = np.concatenate([load.inputs(model, start) for load in loads])
     inputs = with_initial(model, inputs, initial)
@@ -222,38 +229,40 @@ def _demands(
     return slip_demands(model, surfaces, rows, names, inputs, pressure, coefficients)
 
 
-def _coefficients(model: Model, study: Study, wanted: Requirements) -> dict[str, float]:
+def _coefficients(model: Model, study: Study, requirements: Requirements) -> dict[str, float]:
     """Return the coefficient that each interface is judged with, of those that have one.
 
     Of a range it is the smallest.
     """
     scatter = study.preload_scatter
     lowest = scatter.surface_friction[0] if scatter and scatter.surface_friction else None
-    known = {name: one.law.friction for name, one in model.interfaces.items()}
-    smooth = [name for name, friction in known.items() if not friction > 0]
-    own = {
+    frictions = {name: interface.law.friction for name, interface in model.interfaces.items()}
+    smooth = [name for name, friction in frictions.items() if not friction > 0]
+    rubbing = {
         name: friction if lowest is None else lowest
-        for name, friction in known.items()
+        for name, friction in frictions.items()
         if friction > 0
     }
-    return own | slip_coefficients(wanted.slip_friction, smooth)
+    return rubbing | slip_coefficients(requirements.slip_friction, smooth)
 
 
 def _paths(
     joint: PreparedJoint,
     static: list[LoadCaseSection],
-    wanted: Requirements,
+    requirements: Requirements,
     extras: Extras,
     initial: Vector | None = None,
 ) -> dict[str, Openings]:
     """Follow static load cases without friction to their openings; not those where that failed."""
-    model, found, start = joint.model, dict[str, Openings](), np.zeros(1)
+    model, openings, start = joint.model, dict[str, Openings](), np.zeros(1)
     areas = areas_that_open(model.interfaces, model.contact.slices, model.bolts)
     for case in static:
         with extras.attempt(f"{case.name}, load factors of opening"):
             inputs = with_initial(model, case_load(case).inputs(model, start), initial)[0]
-            found[case.name] = opening_factors(model, inputs, areas, open_below=wanted.open_share)
-    return found
+            openings[case.name] = opening_factors(
+                model, inputs, areas, open_below=requirements.open_share
+            )
+    return openings
 
 
 def _rubbed_paths(
@@ -262,8 +271,8 @@ def _rubbed_paths(
     """Return the openings of static load cases that were followed with friction."""
     return {
         case.name: Openings(
-            opened=dict(zip(one.areas, one.openings, strict=True)), followed=one.largest
+            opened=dict(zip(reserve.areas, reserve.openings, strict=True)), followed=reserve.largest
         )
         for case in static
-        if (one := reserves.get(case.name)) is not None and one.areas
+        if (reserve := reserves.get(case.name)) is not None and reserve.areas
     }

@@ -47,14 +47,14 @@ class StepTraining:
     ) -> Iterator[Arrays]:
         """Yield ``forces``, λ (n_point, n_time) [force], of the responses to some of the loads."""
         loads = step_loads(self.training)
-        found = step_responses(
+        solutions = step_responses(
             self._solver,
             [loads[number] for number in numbers],
             duration=time_span(self.training, self.period),
             initial=self.rest,
             progress=progress,
         )
-        return map(_forces, found)
+        return map(_forces, solutions)
 
     @cached_property
     def _solver(self) -> TransientSolver:

@@ -44,8 +44,8 @@ class TransientJudge:
         """
         if recovered:
             with self.stages.stage("recovery"), self.extras.attempt(f"{name}, recovered pressures"):
-                found = recover_pressure(self.joint.model, solution).pressure
-                response = replace(response, recovered_pressure=found)
+                pressure = recover_pressure(self.joint.model, solution).pressure
+                response = replace(response, recovered_pressure=pressure)
         estimate = None
         with self.stages.stage("estimated errors"), self.extras.attempt(f"{name}, estimated error"):
             estimate = self._estimate(solution, load, integrator)

@@ -72,8 +72,8 @@ def _load_space(
         results[name] = {}
         for size, rom in sizes.items():
             with extras.attempt(f"unseen loads, {name} with {size} joint modes"):
-                found = solve_static_cases(rom, unseen)
-                largest = np.abs(found.pressure - exact.pressure).max(axis=1) / exact.max_pressure
+                solved = solve_static_cases(rom, unseen)
+                largest = np.abs(solved.pressure - exact.pressure).max(axis=1) / exact.max_pressure
                 results[name][size] = LoadSpaceResult(
                     median_error=float(np.median(largest)), worst_error=float(largest.max())
                 )

@@ -40,11 +40,11 @@ def pieces(study: Study, *, full: bool = True) -> list[dict[str, Piece]]:
         Whether load cases are compared with the full model.
     """
     groups = case_groups(study.load_cases, half_step=study.validation.half_step) if full else []
-    found: list[dict[str, Piece]] = [{**group} for group in groups]
+    tasks: list[dict[str, Piece]] = [{**group} for group in groups]
     training = study.reduction.training
     if is_trained(study) and training.system == "full":
-        found += [{**group} for group in step_groups(training)]
-    return found
+        tasks += [{**group} for group in step_groups(training)]
+    return tasks
 
 
 def compute_pieces(
@@ -90,8 +90,8 @@ def prepare_pieces(text: str, path: Path, version: str) -> Function:
 
 
 def _computed(joint: PreparedJoint, steps: StepTraining, group: Sequence[Piece]) -> list[Arrays]:
-    numbers = [piece for piece in group if isinstance(piece, int)]
-    transients = [piece for piece in group if not isinstance(piece, int)]
+    numbers = [task for task in group if isinstance(task, int)]
+    transients = [task for task in group if not isinstance(task, int)]
     if numbers:
         return list(steps.forces(numbers))
     return list(map(flattened, full_transients(joint, transients)))

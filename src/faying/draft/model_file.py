@@ -31,7 +31,7 @@ STEELS = {
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Look:
+class ModelFile:
     """A file, read.
 
     Attributes
@@ -60,7 +60,7 @@ class Look:
         return self.described.assembly.mesh
 
 
-def look_at(path: Path, ignore: Sequence[str] = ()) -> Look:
+def read_model_file(path: Path, ignore: Sequence[str] = ()) -> ModelFile:
     """Read a deck or a mesh.
 
     Raises
@@ -81,7 +81,7 @@ def look_at(path: Path, ignore: Sequence[str] = ()) -> Look:
             check_surfaces(described, path)
             materials = described.assembly.materials
             units = _unit_set(materials)
-            return Look(
+            return ModelFile(
                 path=path,
                 source=source.name,
                 described=described,
@@ -99,7 +99,7 @@ def _unit_set(materials: Mapping[int, Material]) -> str:
     return next((units for units in UNITS if not [*doubts(materials, units)]), UNITS[0])
 
 
-def _mesh(path: Path) -> Look:
+def _mesh(path: Path) -> ModelFile:
     """Read a mesh, with materials of its own or steel."""
     stand_in: Material | None = None
     try:
@@ -114,7 +114,7 @@ def _mesh(path: Path) -> Look:
         assembly = replace(assembly, materials=materials)
     apart = _sharing(assembly.mesh)
     assembly = replace(assembly, mesh=separated(assembly.mesh, apart))
-    return Look(
+    return ModelFile(
         path=path,
         source="mesh",
         described=JointDescription(assembly=assembly),

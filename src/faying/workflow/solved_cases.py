@@ -42,7 +42,7 @@ class Worst:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Pieces:
+class SolvedCases:
     """The pieces of one set of static cases, or of one transient, in order.
 
     Attributes
