@@ -15,6 +15,7 @@ True
 """
 
 import ast
+import warnings
 from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
@@ -34,7 +35,15 @@ _HOMES = {
 __all__ = sorted(_HOMES)
 
 
+_RENAMED = {"load": "read_reduced_model"}
+"""Former names, which warn."""
+
+
 def __getattr__(name: str) -> Any:
+    if name in _RENAMED:
+        message = f"faying.{name} is called faying.{_RENAMED[name]} now; use that"
+        warnings.warn(message, DeprecationWarning, stacklevel=2)
+        name = _RENAMED[name]
     if name not in _HOMES:
         message = f"module 'faying' has no attribute '{name}'"
         raise AttributeError(message)

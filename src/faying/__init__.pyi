@@ -61,7 +61,7 @@ from faying.reduction.craig_bampton import craig_bampton as craig_bampton
 from faying.reduction.jim_a import jim_a as jim_a
 from faying.reduction.jim_b import jim_b as jim_b
 from faying.reduction.mode_count import count_modes_below as count_modes_below
-from faying.reduction.model_reader import load as load
+from faying.reduction.model_reader import read_reduced_model as read_reduced_model
 from faying.reduction.projection import full_displacement as full_displacement
 from faying.reduction.projection import reduce as reduce
 from faying.reduction.recovery import recovery_operator as recovery_operator

@@ -34,7 +34,7 @@ def model_file(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def rom(model_file):
-    return fy.load(model_file)
+    return fy.read_reduced_model(model_file)
 
 
 @pytest.fixture(scope="module")

@@ -165,7 +165,7 @@ def test_its_error_is_estimated(joint, classic):
 
 def test_a_saved_model_moves_to_the_same_bits(rom, tmp_path):
     rom.save(tmp_path / "joint.faying")
-    back = fy.load(tmp_path / "joint.faying")
+    back = fy.read_reduced_model(tmp_path / "joint.faying")
     assert (back.method, back.basis.kinds) == ("compliance+inertia", rom.basis.kinds)
     options = {"step": 2e-5, "duration": 4e-4, "integrator": fy.EnergyDecaying()}
     one, other = (fy.solve_transient(model, fy.Load(LC2), **options) for model in (rom, back))

@@ -121,7 +121,11 @@ def test_reduced_models_of_exact_pressures_bend_alike(joint, tmp_path):
     exact = fy.reduce(joint, basis, compliance=True)
     exact.save(tmp_path / "joint.faying")
     full = fy.solve_static_cases(joint, LOADS).bolt_bending("bolt")
-    for rom in (exact, fy.load(tmp_path / "joint.faying"), completed(joint, [exact])[0]):
+    for rom in (
+        exact,
+        fy.read_reduced_model(tmp_path / "joint.faying"),
+        completed(joint, [exact])[0],
+    ):
         found = fy.solve_static_cases(rom, LOADS).bolt_bending("bolt")
         # As pressures: round-off of the residual compliance.
         assert np.abs(found - full).max() < 1e-8 * np.abs(full).max()

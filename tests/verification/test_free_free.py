@@ -126,7 +126,7 @@ def test_reduced_models_are_exact_in_statics(anywhere, tmp_path):
     rom.save(tmp_path / "free.h5")
     load = LOAD if anywhere.boundaries else fy.Load()
     full = fy.solve_static(anywhere, load)
-    for model in (rom, fy.load(tmp_path / "free.h5")):
+    for model in (rom, fy.read_reduced_model(tmp_path / "free.h5")):
         fast = fy.solve_static(model, load)
         np.testing.assert_allclose(fast.pressure, full.pressure, atol=1e-8 * full.max_pressure)
     for name in anywhere.boundaries:

@@ -267,7 +267,7 @@ def test_hard_contact_with_friction_moves():
 @pytest.mark.long
 def test_saved_models_move_alike_to_the_bit(rom, tmp_path):
     rom.save(tmp_path / "joint.h5")
-    again = fy.load(tmp_path / "joint.h5")
+    again = fy.read_reduced_model(tmp_path / "joint.h5")
     for scheme in SCHEMES.values():
         options = {"step": STEP, "duration": 10 * STEP, "integrator": scheme}
         mine, theirs = (fy.solve_transient(one, PULLED, **options) for one in (rom, again))

@@ -86,7 +86,7 @@ def tightened(model):
 
 def loaded(model, folder):
     reduced(model).save(folder / "joint.faying")
-    rom = fy.load(folder / "joint.faying")
+    rom = fy.read_reduced_model(folder / "joint.faying")
     assert rom.contact.laws == model.contact.laws
     return fy.solve_path(rom, LOADS)
 

@@ -77,7 +77,7 @@ def test_reduced_models_know_it_too(pair, tmp_path):
     exact = fy.assess(pair, LOADS, paths=False)
     rom = fy.reduce(pair, fy.craig_bampton(pair, normal_modes=6), compliance=True)
     rom.save(tmp_path / "joint.faying")
-    for system in (rom, fy.load(tmp_path / "joint.faying")):
+    for system in (rom, fy.read_reduced_model(tmp_path / "joint.faying")):
         found = fy.assess(system, LOADS, paths=False)
         for name, bolt in exact.bolts.items():
             one, other = bolt.slip_around["joint"], found.bolts[name].slip_around["joint"]

@@ -73,7 +73,7 @@ def solve(
 
         from faying.cli.outcome import met, show_verdict
         from faying.cli.progress import progress_bar
-        from faying.reduction.model_reader import load, preload_path_of, study_of
+        from faying.reduction.model_reader import preload_path_of, read_reduced_model, study_of
         from faying.simulation.integrators import named_integrator
         from faying.study.inputs.load_set import read_loads
         from faying.study.keys.requirement_rules import requirements_of
@@ -84,7 +84,7 @@ def solve(
         if step is not None and not 0 < step < float("inf"):
             message = f"--step is {step:g}; give a positive time"
             raise StudyError(message)
-        rom = load(model)
+        rom = read_reduced_model(model)
         load_set = read_loads(loads, rom, step=step, integrator=named_integrator(integrator))
         usable_folder(folder)
         tightened, text = preload_path_of(model), study_of(model)

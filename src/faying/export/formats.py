@@ -21,7 +21,7 @@ from typing import cast
 from faying.exceptions import FormatError, StudyError
 from faying.files.atomic import moved
 from faying.files.names import file_names
-from faying.reduction.model_reader import load
+from faying.reduction.model_reader import read_reduced_model
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.keys.errors import nearest
 from faying.study.results.values import Results
@@ -160,7 +160,7 @@ def _given(
     if isinstance(source, Results):
         return run_model(source, method, joint_modes), source, None
     if Path(source).is_file():
-        return load(source), None, Path(source).parent
+        return read_reduced_model(source), None, Path(source).parent
     run = results_of(source)
     return run_model(run, method, joint_modes), run, Path(source)
 

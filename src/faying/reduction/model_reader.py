@@ -69,7 +69,7 @@ _MEMBERS = (
 """Groups whose members are read by their annotations, which say nothing of finite numbers."""
 
 
-def load(path: Path | str) -> ReducedModel:
+def read_reduced_model(path: Path | str) -> ReducedModel:
     """Read a reduced model that :meth:`ReducedModel.save` wrote.
 
     Returns

@@ -31,7 +31,8 @@ class ReducedModel(Shown, ModelData):
     """A model in generalized coordinates q of u ≈ Φ q, Eq. (15.15), without the full model.
 
     All that is done with a reduced model takes this value: solutions, certificates, recovery of
-    pressures, exports and files (:meth:`save`, :func:`faying.load`). Its fields are those of
+    pressures, exports and files (:meth:`save`,
+    :func:`faying.read_reduced_model`). Its fields are those of
     :class:`~faying.reduction.model_data.ModelData`.
     """
 
@@ -169,7 +170,7 @@ class ReducedModel(Shown, ModelData):
         shapes: bool = True,
         provenance: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
-        """Write the model to one HDF5 file, atomically; :func:`faying.load` reads it.
+        """Write the model to one HDF5 file, atomically; :func:`faying.read_reduced_model` reads it.
 
         Parameters
         ----------

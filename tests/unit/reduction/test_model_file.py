@@ -58,7 +58,7 @@ def after(before, tmp_path_factory):
     found = {}
     for name, rom in before.items():
         rom.save(folder / f"{name}.h5")
-        found[name] = fy.load(folder / f"{name}.h5")
+        found[name] = fy.read_reduced_model(folder / f"{name}.h5")
     return found
 
 
@@ -144,7 +144,7 @@ def test_friction_comes_back(tmp_path):
     model = model.with_friction(0.3)
     rom = fy.reduce(model, fy.craig_bampton(model, normal_modes=3), compliance=True)
     rom.save(tmp_path / "joint.h5")
-    there = fy.load(tmp_path / "joint.h5")
+    there = fy.read_reduced_model(tmp_path / "joint.h5")
     assert_same_bits(there, rom)
     path = [fy.Load({}), fy.Load({"tip.Fx": 2e3}), fy.Load({"tip.Fx": -1e3})]
     one, other = (fy.solve_path(system, path) for system in (rom, there))
@@ -166,7 +166,7 @@ def test_recovery_knows_enough_of_the_full_model(damped, before):
 def test_loaded_models_recover_with_the_full_model_too(damped, before, after, tmp_path):
     expected = fy.recover_pressure(damped, fy.solve_transient(before["classic"], LOAD, **TIMES))
     before["classic"].save(tmp_path / "bare.h5", shapes=False)
-    for rom in (after["classic"], fy.load(tmp_path / "bare.h5")):
+    for rom in (after["classic"], fy.read_reduced_model(tmp_path / "bare.h5")):
         found = fy.recover_pressure(damped, fy.solve_transient(rom, LOAD, **TIMES))
         # Recovery matrices by the same formulas; round-off of their products.
         allowed = 1e-10 * expected.pressure.max()
@@ -200,7 +200,7 @@ def test_model_without_shapes_says_so(before, tmp_path):
     before["classic"].save(path, shapes=False)
     before["classic"].save(tmp_path / "whole.h5")
     assert path.stat().st_size < 0.7 * (tmp_path / "whole.h5").stat().st_size
-    bare = fy.load(path)
+    bare = fy.read_reduced_model(path)
     # A copy, for contact starts from what a model solved before.
     fresh = replace(before["classic"])
     assert_same_solution(fy.solve_static(bare, LOAD), fy.solve_static(fresh, LOAD))
@@ -215,7 +215,7 @@ def test_model_of_a_run_is_saved_too(quick_demo, tmp_path):
 
     rom = results_of(quick_demo).reduced["jim-b+compliance"][20]
     rom.save(tmp_path / "joint.h5")
-    back = fy.load(tmp_path / "joint.h5")
+    back = fy.read_reduced_model(tmp_path / "joint.h5")
     np.testing.assert_array_equal(back.mesh.modes, rom.mesh.modes)
     assert_same_solution(fy.solve_static(back, LOAD), fy.solve_static(rom, LOAD))
     assert (back.name, back.method, back.units) == (rom.name, "jim-b+compliance", rom.units)
@@ -271,7 +271,7 @@ def test_structure_that_nothing_holds_is_reduced_without_recovery(damped, monkey
     rom = fy.reduce(damped, fy.craig_bampton(damped, normal_modes=3), compliance=True)
     assert rom.ports is None
     rom.save(tmp_path / "free.h5")
-    assert_same_bits(fy.load(tmp_path / "free.h5"), rom)
+    assert_same_bits(fy.read_reduced_model(tmp_path / "free.h5"), rom)
     with pytest.raises(ModelError, match="does not know the compliance of the full model"):
         _ = rom.joint
     with pytest.raises(ModelError, match="has no recovery matrices"):
@@ -372,19 +372,19 @@ def set_to(name, value):
 )
 def test_damaged_files_end_in_one_message(saved, change, message):
     with pytest.raises(FormatError, match=message) as error:
-        fy.load(changed(saved, change))
+        fy.read_reduced_model(changed(saved, change))
     assert len(str(error.value).splitlines()) == 1
 
 
 def test_other_files_end_in_one_message(tmp_path, saved):
     with pytest.raises(FormatError, match="does not exist"):
-        fy.load(tmp_path / "none.h5")
+        fy.read_reduced_model(tmp_path / "none.h5")
     (tmp_path / "text.h5").write_text("hello")
     with pytest.raises(FormatError, match="is not an HDF5 file"):
-        fy.load(tmp_path / "text.h5")
+        fy.read_reduced_model(tmp_path / "text.h5")
     saved.write_bytes(saved.read_bytes()[:-5000])
     with pytest.raises(FormatError, match=r"cut off|damaged"):
-        fy.load(saved)
+        fy.read_reduced_model(saved)
 
 
 def test_flipped_bit_in_an_array_is_found(saved):
@@ -394,7 +394,7 @@ def test_flipped_bit_in_an_array_is_found(saved):
     content[chunk.byte_offset + chunk.size // 2] ^= 1
     saved.write_bytes(content)
     with pytest.raises(FormatError, match="damaged"):
-        fy.load(saved)
+        fy.read_reduced_model(saved)
 
 
 @pytest.fixture
@@ -407,7 +407,7 @@ def compressed(damped):
 
 def test_compressed_compliance_is_kept_to_the_bit(compressed, tmp_path):
     compressed.save(tmp_path / "joint.h5")
-    same = fy.load(tmp_path / "joint.h5")
+    same = fy.read_reduced_model(tmp_path / "joint.h5")
     load = fy.Load({"tip.Fz": -300.0})
     for one, other in (
         (fy.solve_static(compressed, load), fy.solve_static(same, load)),
@@ -450,7 +450,7 @@ def test_parts_of_a_compressed_compliance_that_do_not_fit_are_refused(
         FormatError,
         match=r"residual_compliance(' do not fit together|/core' holds numbers that are not)",
     ):
-        fy.load(tmp_path / "joint.h5")
+        fy.read_reduced_model(tmp_path / "joint.h5")
 
 
 def test_pairs_of_a_compressed_compliance_that_are_named_twice_are_refused(compressed, tmp_path):
@@ -458,4 +458,9 @@ def test_pairs_of_a_compressed_compliance_that_are_named_twice_are_refused(compr
     with h5py.File(tmp_path / "joint.h5", "r+") as file:
         file["reduced/residual_compliance/members"][0] = 1
     with pytest.raises(FormatError, match="members' names a coordinate twice"):
-        fy.load(tmp_path / "joint.h5")
+        fy.read_reduced_model(tmp_path / "joint.h5")
+
+
+def test_the_former_name_of_the_reader_warns():
+    with pytest.warns(DeprecationWarning, match="faying.read_reduced_model now"):
+        assert fy.load is fy.read_reduced_model

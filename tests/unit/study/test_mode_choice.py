@@ -103,7 +103,7 @@ def test_python_and_reduce_choose_the_same(chosen, tmp_path):
     assert result.exit_code == 0
     told = summary["normal_mode_choice"]["load_cases"]["push"]
     assert told["reason"] in result.output
-    assert modes_of(fy.load(out)) == told["count"]
+    assert modes_of(fy.read_reduced_model(out)) == told["count"]
     model = fy.lap_joint(
         element_size=10.0,
         hole_radius=0.0,

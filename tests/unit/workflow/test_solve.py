@@ -98,7 +98,7 @@ def model_file(study, tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def rom(model_file):
-    return fy.load(model_file)
+    return fy.read_reduced_model(model_file)
 
 
 def table(path: Path) -> dict[str, list[str]]:
@@ -126,7 +126,7 @@ def test_results_are_those_of_a_run(study, tmp_path, method, size):
     cases = read_results(out / "results.h5").cases
     reduce_study(study, tmp_path / "one.faying", method=method)
     (tmp_path / "loads.toml").write_text(LOADS)
-    rom = fy.load(tmp_path / "one.faying")
+    rom = fy.read_reduced_model(tmp_path / "one.faying")
     loads = read_loads(tmp_path / "loads.toml", rom)
     options = SolveOptions(named=("bend", "pull"))
     assert solve_loads(rom, loads, tmp_path / "solved", options).converged
@@ -747,7 +747,7 @@ def test_histories_are_judged_too(model_file, tmp_path):
         + jump[2]
         + REQUIRED.replace("LIMIT", "1.0").replace("min_opening_factor = 1.0\n", "")
     )
-    rom = fy.load(model_file)
+    rom = fy.read_reduced_model(model_file)
     read = read_loads(loads, rom)
     options = SolveOptions(requirements=requirements_of(read.requirement))
     summary = solve_loads(rom, read, tmp_path / "out", options).summary

@@ -86,7 +86,7 @@ def reduced(request, tmp_path_factory):
 
 
 def solved(file, loads, out, **given):
-    rom = fy.load(file)
+    rom = fy.read_reduced_model(file)
     path = bolt_loads(preload_path_of(file))
     return solve_loads(rom, read_loads(loads, rom), out, tightening=path, **given)
 
@@ -146,7 +146,7 @@ def test_files_that_do_not_say_how_they_were_tightened_are_refused(reduced, tmp_
     assert preload_path_of(old) is None
     result = CliRunner().invoke(app, ["solve", str(old), str(loads), "--out", str(tmp_path / "x")])
     assert result.exit_code != 0
-    rom = fy.load(old)
+    rom = fy.read_reduced_model(old)
     with pytest.raises(StudyError, match=r"'joint' has friction.*make the file anew"):
         solve_loads(rom, read_loads(loads, rom), tmp_path / "out")
     with h5py.File(old, "a") as members:
@@ -158,7 +158,7 @@ def test_files_that_do_not_say_how_they_were_tightened_are_refused(reduced, tmp_
 def test_what_is_not_followed_is_refused(reduced, tmp_path):
     """Increments of a case; openings are followed by runs alone, and unknown here."""
     _, file, loads = reduced
-    rom = fy.load(file)
+    rom = fy.read_reduced_model(file)
     finer = tmp_path / "finer.toml"
     finer.write_text(loads.read_text().replace('"static"', '"static"\nincrements = 20'))
     with pytest.raises(StudyError, match="'bend' says its increments"):
