@@ -58,7 +58,7 @@ FAILED = "failed"
 """Name of the sentences about extras that failed, beside the arrays of a response."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(eq=False, kw_only=True)
 class CaseRunner:
     """What all load cases of a run share."""
 

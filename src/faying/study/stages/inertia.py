@@ -5,7 +5,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 
 from faying.assessment.transient_error import REMEDY
 from faying.joint.model import Model
@@ -22,7 +21,7 @@ CURED = "compliance"
 """Method that lacks the inertia."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(eq=False, kw_only=True)
 class InertiaWhenNeeded:
     """The reduced model with inertia at the interface, built when a transient asks for it.
 
@@ -38,6 +37,8 @@ class InertiaWhenNeeded:
         Those of the study's methods; the one with inertia among them where the study names it.
     allowed
         Whether the study lets a run build it unasked.
+    built
+        The model that was built unasked; None where none was.
     """
 
     model: Model
@@ -45,16 +46,12 @@ class InertiaWhenNeeded:
     stages: Stages
     models: Mapping[str, Mapping[int, System]]
     allowed: bool = True
+    built: ReducedModel | None = None
 
     @property
     def named(self) -> bool:
         """Whether the study names the method, so that it is compared in any case."""
         return REMEDY in self.models
-
-    @property
-    def built(self) -> ReducedModel | None:
-        """The model that was built unasked; None where none was."""
-        return self.__dict__.get("_own")
 
     @property
     def system(self) -> System:
@@ -70,19 +67,19 @@ class InertiaWhenNeeded:
         One back-substitution for each contact pair and more, as
         :func:`~faying.reduction.attachment.attachment_modes`, once for all load cases.
         """
-        return self.models[REMEDY][0] if self.named else self._own
+        if self.named:
+            return self.models[REMEDY][0]
+        if self.built is None:
+            with self.stages.stage(SHAPES):
+                basis = attachment_modes(self.model, classic=self.classic)
+            with self.stages.stage(PROJECTION):
+                self.built = projected(self.model, basis)
+        return self.built
 
     def wanted(self, response: Response, tolerance: float) -> bool:
         """Say whether the estimated error of a transient is too large to be left as it is."""
         estimate = response.estimate
         return self.allowed and estimate is not None and estimate.max_relative_error > tolerance
-
-    @cached_property
-    def _own(self) -> ReducedModel:
-        with self.stages.stage(SHAPES):
-            basis = attachment_modes(self.model, classic=self.classic)
-        with self.stages.stage(PROJECTION):
-            return projected(self.model, basis)
 
 
 def remedy_of(

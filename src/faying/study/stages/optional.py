@@ -39,7 +39,7 @@ class Attempt:
         return True
 
 
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Extras:
     """Validation and the like, tried one by one.
 
