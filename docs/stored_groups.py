@@ -26,7 +26,7 @@ from faying.assessment.transient_check import TransientCheck
 from faying.files.described import SPARSE
 from faying.files.meanings import Meaning, Table
 from faying.interface.interface import FacePairs
-from faying.model.mesh import CellBlock
+from faying.model.cells import CellBlock
 from faying.reduction.mode_count import ModeCount
 from faying.reduction.model_fields import BOUNDARY, COORDINATES, PORTS
 from faying.study.inputs.jumps import Jump

@@ -11,7 +11,7 @@ from faying.assessment.joint_record import Assessment, BoltAssessment, Interface
 from faying.assessment.mesh_error import MeshError
 from faying.assessment.penalty_sweep import PenaltySweep
 from faying.interface.interface import FacePairs
-from faying.model.mesh import CellBlock
+from faying.model.cells import CellBlock
 from faying.reduction.mode_count import ModeCount
 from faying.study.results.nodal_motion import NodalMotion
 from faying.study.results.validation_record import (

@@ -11,11 +11,11 @@ from faying.interface.facets import area_vectors, gauss_rule, shape_functions
 from faying.interface.mortar import build_mortar_interface, find_couplings
 from faying.joint.build import build_model
 from faying.model.assembly import Assembly, Material, Support
+from faying.model.cells import CellBlock
 from faying.model.dofs import DofMap
 from faying.model.generate import Cells, brick_grid, shaped
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import exterior_facets
 
 STEEL = Material(youngs_modulus=210000.0, poissons_ratio=0.29, density=7.82e-9)
 SIZE = np.array([10.0, 8.0, 3.0])
@@ -118,7 +118,7 @@ def squeezed(flat, penalty, *, pressure=100.0, curve=None, quadrature=None):
         replace(assembly, supports=tuple(supports)),
         interfaces=[replace(SPEC, penalty=penalty, quadrature=quadrature)],
     )
-    outside = exterior_facets(assembly.mesh)
+    outside = assembly.mesh.exterior
     touching = (np.abs(before[outside.nodes[:, :3], 2]) < 1e-9).all(axis=1)
     loads = np.zeros((len(before), 6))
     loads[:, :3] = pressure_loads(assembly, outside.taken(~touching), pressure)

@@ -6,8 +6,9 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.model.assembly import Assembly, Material
+from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 
 STEEL = Material(youngs_modulus=210000.0, poissons_ratio=0.29, density=7.82e-9)
 # A brick cut into two wedges along the diagonal 0-2, and into six tetrahedra around 0-6.

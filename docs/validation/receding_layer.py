@@ -14,7 +14,8 @@ import numpy as np
 import faying as fy
 from faying._typing import Matrix, Vector
 from faying.model.assembly import Assembly, Spring, Support
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.cells import CellBlock
+from faying.model.mesh import Mesh
 
 DATA = Path(__file__).parents[2] / "tests" / "data" / "receding_layer"
 GROUND = 1.0  # [N/mm]; holds the upper layer, and carries nothing as the load is balanced

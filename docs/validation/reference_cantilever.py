@@ -14,7 +14,6 @@ from scipy.spatial import cKDTree
 import faying as fy
 from faying._typing import Indices, Matrix
 from faying.joint.sticking import sticking_stiffness
-from faying.model.bodies import bodies
 
 DATA = Path(__file__).parents[2] / "tests" / "data" / "lap_joint"
 RULES = {"gauss": "gauss2", "nodal": "lobatto"}
@@ -41,7 +40,7 @@ def joint(quadrature: str) -> fy.Model:
 
 def node_map(model: fy.Model, mesh: dict[str, Matrix]) -> Indices:
     """Return our node at each node of the reference; plates share places at the interface."""
-    body, nodes = bodies(model.assembly.mesh), model.assembly.mesh.nodes
+    body, nodes = model.assembly.mesh.bodies, model.assembly.mesh.nodes
     found = np.empty(len(mesh["nodes"]), dtype=np.int64)
     for plate in (0, 1):
         ours, theirs = np.flatnonzero(body == plate), np.flatnonzero(mesh["node_sub"] == plate)

@@ -11,9 +11,10 @@ from scipy.sparse.linalg import spsolve
 import faying as fy
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.model.assembly import Assembly
+from faying.model.cells import CellBlock
 from faying.model.generate import Cells, brick_grid, shaped
 from faying.model.matrices import assemble_matrices
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 
 KINDS = (
     ("hex8", "incompatible"),

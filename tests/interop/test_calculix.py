@@ -16,11 +16,12 @@ from faying.joint.lap_joint import STEEL, lap_joint_assembly
 from faying.linalg.factorization import factorize
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.boundary import FORCE_NAMES
+from faying.model.cells import CellBlock
 from faying.model.constraints import constrain
 from faying.model.description import JointDescription
 from faying.model.elements import SOLIDS
 from faying.model.matrices import assemble_matrices, used_components
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 from faying.reduction.normal_modes import lowest_modes
 from faying.simulation.frictional_preload import tighten_with_friction
 from faying.simulation.start import last_of

@@ -12,7 +12,6 @@ from scipy.spatial.transform import Rotation
 
 from faying.interface.clipping import areas, clip, fans
 from faying.interface.mortar import find_couplings
-from faying.model.bodies import bodies
 from mortar_blocks import SIZE, SPEC, bent, blocks, mortar, nodal_forces, turned
 
 seeds = st.integers(0, 2**32 - 1)
@@ -179,6 +178,6 @@ def test_renumbering_changes_no_projection(below, above, angle, seed):
     field = random.normal(size=(len(mesh.nodes), 3))
     found = np.empty((len(mesh.nodes), 3))
     found[order[after.pairs[:, 0]]] = after.motion @ field[order]
-    assert (bodies(mesh)[before.pairs[:, 0]] == 0).all()
+    assert (mesh.bodies[before.pairs[:, 0]] == 0).all()
     # Corners of barely covered facets extrapolate.
     np.testing.assert_allclose(found[before.pairs[:, 0]], before.motion @ field, atol=1e-7)

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 import faying as fy
 from faying.joint.build import build_model
 from faying.joint.lap_joint import STEEL, lap_joint_assembly
-from faying.model.mesh import CellBlock
+from faying.model.cells import CellBlock
 
 MEASURES = {
     "length": 110.0,

@@ -9,8 +9,9 @@ from pressed_layers import HOLDING_SPRING, STEEL, Layers
 import faying as fy
 from faying.joint.build import build_model
 from faying.model.assembly import Assembly, AverageCoupling, Spring, Support
+from faying.model.cells import CellBlock
 from faying.model.generate import brick_grid
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 
 
 def graded(fine, until, size, growth=1.25):

@@ -7,8 +7,9 @@ import numpy as np
 import faying as fy
 from faying.joint.build import build_model
 from faying.model.assembly import Assembly, AverageCoupling, Material, Spring, Support
+from faying.model.cells import CellBlock
 from faying.model.generate import brick_grid
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 
 STEEL = Material(youngs_modulus=210000.0, poissons_ratio=0.29, density=7.82e-9)
 HOLDING_SPRING = 0.1

@@ -5,8 +5,9 @@ import numpy as np
 import faying as fy
 from faying.joint.build import build_model
 from faying.model.assembly import Assembly
+from faying.model.cells import CellBlock
 from faying.model.generate import brick_grid
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 
 
 def two_bodies(x, y, depth, height, *, ends=()):

@@ -8,9 +8,10 @@ import pytest
 import faying as fy
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Beam, RigidCoupling, Spring, Support
+from faying.model.cells import CellBlock
 from faying.model.generate import brick_grid
 from faying.model.generated_bolt import round_section
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 from faying.reduction.projection import completed
 

@@ -15,8 +15,9 @@ import pytest
 import faying as fy
 from faying.joint.build import build_model
 from faying.model.assembly import Assembly, RigidCoupling, Spring, Support
+from faying.model.cells import CellBlock
 from faying.model.generate import brick_grid
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 
 SIDE, BED, BOLT, PRELOAD, COUNT = 60.0, 2e3, 2e5, 20e3, 6
 AREA, INERTIA = SIDE**2, SIDE**4 / 12

@@ -11,8 +11,9 @@ from faying.exceptions import ModelError
 from faying.joint.build import build_model
 from faying.model.assembly import Assembly, RigidCoupling, Spring, Support
 from faying.model.bolt import Bolt
+from faying.model.cells import CellBlock
 from faying.model.generate import Cells, brick_grid, shaped
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 from small_system import small_system
 
 

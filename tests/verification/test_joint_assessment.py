@@ -14,8 +14,9 @@ from faying.exceptions import ModelError
 from faying.joint.bolt_surroundings import surroundings
 from faying.joint.build import build_model
 from faying.model.assembly import Assembly, RigidCoupling, Spring, Support
+from faying.model.cells import CellBlock
 from faying.model.generate import brick_grid
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 from faying.reduction.projection import contact_surfaces
 
 LOAD = fy.Load({"tip.Fx": 3e3, "tip.Fz": -400.0, "tip.Mx": 8e3}, name="pull and bend")

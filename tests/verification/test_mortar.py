@@ -18,9 +18,7 @@ from faying.joint.build import build_model
 from faying.joint.lap_joint import lap_joint_assembly
 from faying.joint.sticking import sticking_stiffness, stuck_pairs
 from faying.model.assembly import FaceSet
-from faying.model.bodies import bodies
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import exterior_facets
 from faying.simulation.newton import solve_static_newton
 from mortar_blocks import (
     SIZE,
@@ -149,11 +147,11 @@ class TestBalance:
         joint = mortar(assembly, quadrature=quadrature)
         forces = nodal_forces(joint, np.full(joint.n_points, 7.0))
         nodes = assembly.mesh.nodes
-        outside = exterior_facets(assembly.mesh)
+        outside = assembly.mesh.exterior
         upper = (np.abs(nodes[outside.nodes[:, :3], 2]) < 1e-9).all(axis=1)
         upper &= outside.properties == 2
         expected = pressure_loads(assembly, outside.taken(upper), 7.0)
-        own = bodies(assembly.mesh) == 1
+        own = assembly.mesh.bodies == 1
         # Rounding of sums over a hundred segments.
         scale = np.abs(expected).max()
         np.testing.assert_allclose(forces[own], expected[own], rtol=0, atol=1e-12 * scale)
@@ -165,11 +163,11 @@ class TestBalance:
         joint = mortar(assembly, quadrature=quadrature)
         forces = nodal_forces(joint, np.full(joint.n_points, 7.0))
         nodes = assembly.mesh.nodes
-        outside = exterior_facets(assembly.mesh)
+        outside = assembly.mesh.exterior
         upper = (np.abs(nodes[outside.nodes[:, :3], 2]) < 1e-9).all(axis=1)
         upper &= outside.properties == 2
         expected = pressure_loads(assembly, outside.taken(upper), 7.0)
-        own = bodies(assembly.mesh) == 1
+        own = assembly.mesh.bodies == 1
         # Quadrature of rational functions: measured 9e-9 on quad4, 3e-7 on quad8; 8e-5 and 2e-4
         # without corrected weights.
         scale = np.abs(expected).max()
@@ -324,7 +322,7 @@ class TestGeometry:
         """Only the plus side is curved; its gap is that of the parabola at every contact point."""
         flat = pair("hex8", "hex8", ((10, 4), (14, 6)))
         nodes = flat.mesh.nodes.copy()
-        upper = bodies(flat.mesh) == 1
+        upper = flat.mesh.bodies == 1
         nodes[upper, 2] += 0.5 * nodes[upper, 0] ** 2 / 400.0
         joint = mortar(bent(flat, lambda _: nodes), tolerance=0.1)
         expected = joint.points[:, 0] ** 2 / 800.0
@@ -503,7 +501,7 @@ class TestBoltedJoint:
 class TestDownstream:
     def test_pairs_lie_at_their_minus_nodes(self, joint):
         interface = joint.interfaces["joint"]
-        nodes, label = joint.assembly.mesh.nodes, bodies(joint.assembly.mesh)
+        nodes, label = joint.assembly.mesh.nodes, joint.assembly.mesh.bodies
         assert (label[interface.pairs] == [0, 1]).all()
         np.testing.assert_array_equal(interface.pair_points(nodes), nodes[interface.pairs[:, 0]])
         away = np.linalg.norm(np.diff(nodes[interface.pairs], axis=1), axis=2)
@@ -535,7 +533,7 @@ class TestDownstream:
         moved = np.hstack([rigid, np.zeros_like(rigid)]).ravel()
         # 1e4 N/mm times motions that agree to 1e-11.
         assert np.abs(K @ moved).max() < 1e-6
-        sliding = moved.reshape(-1, 6) * (bodies(assembly.mesh) == 1)[:, None]
+        sliding = moved.reshape(-1, 6) * (assembly.mesh.bodies == 1)[:, None]
         assert sliding.ravel() @ K @ sliding.ravel() > 1e4
         assert (K @ sliding.ravel()).reshape(-1, 6).sum(axis=0) == pytest.approx(0, abs=1e-6)
 

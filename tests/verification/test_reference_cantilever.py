@@ -12,7 +12,6 @@ import faying as fy
 from faying.io.nastran import write_deck
 from faying.joint.sticking import sticking_stiffness
 from faying.model.assembly import RigidCoupling, Spring, Support
-from faying.model.bodies import bodies
 
 RULES = {"gauss2": "gauss", "lobatto": "nodal"}
 LOADS = {
@@ -47,7 +46,7 @@ def generated(rule):
 
 def node_map(model, mesh):
     """Node of the model at each node of the reference; the plates share places at the interface."""
-    body = bodies(model.assembly.mesh)
+    body = model.assembly.mesh.bodies
     found = np.empty(len(mesh["nodes"]), dtype=int)
     for plate in (0, 1):
         ours, theirs = np.flatnonzero(body == plate), np.flatnonzero(mesh["node_sub"] == plate)

@@ -13,10 +13,11 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from faying.interface.facets import shape_functions as facet_shape_functions
 from faying.model.assembly import Assembly, Material
+from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS, solid_element
 from faying.model.elements.solid_element import shape_gradients, shape_values
 from faying.model.matrices import assemble_matrices, mass_properties, rigid_body_motions
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 from solid_blocks import STEEL, one_sheared_cell, solid_assembly, solid_block, solid_dofs
 
 DATA = Path(__file__).parents[1] / "data" / "lap_joint"

@@ -10,7 +10,8 @@ from faying.exceptions import ModelError, StudyError
 from faying.export.arrays import variables
 from faying.export.linearized import linearize
 from faying.model.assembly import Assembly, Support
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.cells import CellBlock
+from faying.model.mesh import Mesh
 from solid_blocks import brick_grid
 
 ALUMINIUM = fy.Material(

@@ -18,7 +18,7 @@ from faying.joint.model import Model
 from faying.linalg.machine_memory import free_memory
 from faying.linalg.memory import FactorMemory, gigabytes
 from faying.model.assembly import Assembly
-from faying.model.bodies import bodies, body_names
+from faying.model.bodies import body_names
 from faying.model.bolt_axis import bolt_direction
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary
 from faying.model.matrices import mass_properties
@@ -154,7 +154,7 @@ def _point(values: Iterable[float]) -> str:
 
 
 def _bodies(mesh: Mesh) -> Table:
-    label, names = bodies(mesh), body_names(mesh)
+    label, names = mesh.bodies, body_names(mesh)
     owners = [label[block.nodes[:, 0]] for block in mesh.blocks]
     owner = np.concatenate([*owners, np.empty(0, dtype=np.int64)])
     rows = []
@@ -228,7 +228,7 @@ def _friction(model: Model) -> Table:
 
 def _sides(model: Model) -> Table:
     """List the bodies each interface joins; matrices have none that could be named."""
-    label = bodies(model.assembly.mesh)
+    label = model.assembly.mesh.bodies
     names = np.array([*body_names(model.assembly.mesh), "matrices"])
     rows = (
         (

@@ -8,7 +8,7 @@ from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
 from faying.model.mesh import Mesh
-from faying.model.surface import Facets, exterior_facets, facet_area_vectors
+from faying.model.surface import Facets, facet_area_vectors
 
 SMOOTH = np.cos(np.radians(40.0))
 """Cosine between neighbouring facets of one smooth face: circles of nine edges and more."""
@@ -68,7 +68,7 @@ def cylinders(mesh: Mesh) -> Cylinders:
     normals are nearly perpendicular, then the cylinder is fitted to the corners by least squares.
     Time is that of sorting the edges.
     """
-    facets = exterior_facets(mesh)
+    facets = mesh.exterior
     vectors = facet_area_vectors(mesh.nodes, facets)
     size = np.linalg.norm(vectors, axis=1)
     facets, vectors, size = facets.taken(size > 0), vectors[size > 0], size[size > 0]

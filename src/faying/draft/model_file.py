@@ -9,7 +9,6 @@ import numpy as np
 from faying.exceptions import FormatError, StudyError
 from faying.io.mesh_files import ANY_GROUP, read_mesh_file
 from faying.model.assembly import Material
-from faying.model.bodies import bodies
 from faying.model.description import JointDescription, check_surfaces
 from faying.model.mesh import Mesh
 from faying.model.separate import separated
@@ -126,7 +125,7 @@ def _mesh(path: Path) -> ModelFile:
 
 def _sharing(mesh: Mesh) -> tuple[str, ...]:
     """Return the volume groups to separate where all solids hang together: all but the first."""
-    if len(np.unique(bodies(mesh)[bodies(mesh) >= 0])) != 1:
+    if len(np.unique(mesh.bodies[mesh.bodies >= 0])) != 1:
         return ()
     covered = np.empty(0, dtype=np.int64)
     names = []

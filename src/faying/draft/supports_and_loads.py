@@ -8,9 +8,7 @@ import numpy as np
 from faying._typing import Indices, Mask
 from faying.interface.selection import select_facets
 from faying.model.assembly import Assembly
-from faying.model.bodies import bodies
 from faying.model.mesh import Mesh
-from faying.model.surface import exterior_facets
 
 HELD = re.compile(r"fix|clamp|held|hold|support|ground|encast|spc", re.IGNORECASE)
 LOADED = re.compile(r"load|tip|force|pull|push|press|traction", re.IGNORECASE)
@@ -40,7 +38,7 @@ def pins(assembly: Assembly, contact: Indices) -> list[Pin]:
     """
     mesh = assembly.mesh
     usable = _outside(assembly, contact)
-    label = bodies(mesh)
+    label = mesh.bodies
     sizes = np.bincount(label[label >= 0])
     rows = np.flatnonzero(usable & (label == sizes.argmax()))
     if len(rows) < 3:
@@ -80,7 +78,7 @@ def _outside(assembly: Assembly, contact: Indices) -> Mask:
     """Tell which nodes are corners of outer facets, touch no other body and follow no other."""
     mesh = assembly.mesh
     usable = np.zeros(len(mesh.nodes), dtype=bool)
-    usable[exterior_facets(mesh).corners.ravel()] = True
+    usable[mesh.exterior.corners.ravel()] = True
     usable[contact] = False
     for coupling in assembly.rigid_couplings:
         usable[coupling.nodes] = False

@@ -6,9 +6,8 @@ from faying._typing import Indices, Matrix
 from faying.exceptions import ModelError, naming
 from faying.interface.selection import select_facets
 from faying.model.assembly import Assembly
-from faying.model.bodies import bodies
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import Facets, exterior_facets, unique_rows
+from faying.model.surface import Facets, unique_rows
 
 DEFAULT_TOLERANCE = 0.01
 """Default tolerance as a fraction of the smallest facet edge."""
@@ -27,7 +26,7 @@ def candidates(assembly: Assembly, spec: InterfaceSpec) -> tuple[Facets, Indices
 
 
 def _all_bodies(assembly: Assembly, spec: InterfaceSpec) -> tuple[Facets, Indices]:
-    facets = exterior_facets(assembly.mesh)
+    facets = assembly.mesh.exterior
     count = len(np.unique(facets.bodies))
     if count < 2:
         state = "is one body" if count else "has no solid elements"
@@ -42,7 +41,7 @@ def _all_bodies(assembly: Assembly, spec: InterfaceSpec) -> tuple[Facets, Indice
 
 def _one_side_and_the_rest(assembly: Assembly, spec: InterfaceSpec) -> tuple[Facets, Facets]:
     named = _selected(assembly, spec, "plus" if spec.minus == "auto" else "minus")
-    exterior = exterior_facets(assembly.mesh)
+    exterior = assembly.mesh.exterior
     first, group, _ = unique_rows(named.joined(exterior).corner_keys)
     unnamed = exterior.taken(first[group[len(named) :]] >= len(named))
     return (unnamed, named) if spec.minus == "auto" else (named, unnamed)
@@ -56,7 +55,7 @@ def _selected(assembly: Assembly, spec: InterfaceSpec, name: str) -> Facets:
 def _body_ranks(assembly: Assembly) -> Indices:
     """Rank bodies by their smallest node id, which does not depend on the order of the nodes."""
     mesh = assembly.mesh
-    label = bodies(mesh)
+    label = mesh.bodies
     smallest = np.full(int(label.max()) + 1, np.iinfo(np.int64).max)
     np.minimum.at(smallest, label[label >= 0], mesh.node_ids[label >= 0])
     rank = np.empty_like(smallest)

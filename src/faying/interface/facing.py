@@ -12,7 +12,7 @@ from faying.interface.pairing import pair_facets
 from faying.interface.segments import Segments, find_segments
 from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import Facets, exterior_facets, facet_area_vectors
+from faying.model.surface import Facets, facet_area_vectors
 
 ACROSS = 0.5
 """Largest gap of faces that are paired, over the median size of the facets."""
@@ -58,7 +58,7 @@ def facing_bodies(assembly: Assembly) -> list[Facing]:
     A k-d tree of the facets for each body; time grows with the number of facets that are near
     others, times the number of bodies.
     """
-    facets = exterior_facets(assembly.mesh)
+    facets = assembly.mesh.exterior
     vectors = facet_area_vectors(assembly.mesh.nodes, facets)
     facets = facets.taken(np.linalg.norm(vectors, axis=1) > 0)
     if len(np.unique(facets.bodies)) < 2:

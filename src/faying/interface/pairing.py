@@ -20,9 +20,9 @@ from faying.interface.mismatch import check_no_mismatch, facet_place, raise_no_c
 from faying.interface.selection import select_facets
 from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import Facets, exterior_facets, facet_area_vectors, unique_rows
+from faying.model.surface import Facets, facet_area_vectors, unique_rows
 
-__all__ = ["exterior_facets", "find_interfaces", "pair_facets", "select_facets"]
+__all__ = ["find_interfaces", "pair_facets", "select_facets"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

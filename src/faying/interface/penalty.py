@@ -11,7 +11,6 @@ from faying.model.elements import SOLIDS
 from faying.model.mesh import Mesh
 from faying.model.surface import (
     Facets,
-    exterior_facets,
     facet_centres,
     facet_normals,
     padded,
@@ -100,7 +99,7 @@ def _owners(assembly: Assembly, faces: tuple[FacePairs, ...]) -> Facets:
     nodes = np.concatenate([padded(side) for f in faces for side in (f.minus, f.plus)])
     nobody = np.full(len(nodes), -1)
     facets_given = Facets(nodes=nodes, elements=nobody, properties=nobody, bodies=nobody)
-    both = exterior_facets(assembly.mesh).joined(facets_given)
+    both = assembly.mesh.exterior.joined(facets_given)
     first, group, _ = unique_rows(both.corner_keys)
     return both.taken(first[group[-len(nodes) :]])
 

@@ -7,9 +7,8 @@ import numpy as np
 from faying._typing import Indices
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
-from faying.model.bodies import bodies
 from faying.model.specs import Selection
-from faying.model.surface import Facets, exterior_facets, padded, unique_rows
+from faying.model.surface import Facets, padded, unique_rows
 
 _SHOWN = 8
 
@@ -28,7 +27,7 @@ def select_facets(assembly: Assembly, selection: Selection) -> Facets:
     Returns
     -------
     Facets
-        In the order of :func:`faying.model.surface.exterior_facets`; face sets in their own.
+        In the order of ``Mesh.exterior``; face sets in their own.
 
     Raises
     ------
@@ -60,7 +59,7 @@ def _by_name(assembly: Assembly, name: str) -> Facets:
     mesh = assembly.mesh
     if name in assembly.face_sets:
         return _face_set(assembly, name)
-    exterior = exterior_facets(mesh)
+    exterior = mesh.exterior
     if name in mesh.node_sets:
         # The extra last entry stands for the unused columns (-1) and is always inside.
         inside = np.zeros(len(mesh.nodes) + 1, dtype=bool)
@@ -76,7 +75,7 @@ def _by_name(assembly: Assembly, name: str) -> Facets:
 
 
 def _by_number(assembly: Assembly, numbers: Indices) -> Facets:
-    exterior = exterior_facets(assembly.mesh)
+    exterior = assembly.mesh.exterior
     elements, properties = assembly.mesh.element_ids, assembly.mesh.element_properties
     meanings = [(properties, exterior.properties), (elements, exterior.elements)]
     for meaning, owner in meanings:
@@ -96,7 +95,7 @@ def _face_set(assembly: Assembly, name: str) -> Facets:
     nodes = padded(assembly.face_sets[name].nodes)
     nobody = np.full(len(nodes), -1)
     facets = Facets(nodes=nodes, elements=nobody, properties=nobody, bodies=nobody)
-    exterior = exterior_facets(assembly.mesh)
+    exterior = assembly.mesh.exterior
     first, group, _ = unique_rows(exterior.joined(facets).corner_keys)
     owner = first[group[len(exterior) :]]
     # The first of a group is the exterior facet where there is one.
@@ -108,7 +107,7 @@ def _face_set(assembly: Assembly, name: str) -> Facets:
 
 
 def _body_names(assembly: Assembly) -> list[str]:
-    count = int(bodies(assembly.mesh).max(initial=-1)) + 1
+    count = int(assembly.mesh.bodies.max(initial=-1)) + 1
     return [f"body {number}" for number in range(count)]
 
 

@@ -24,9 +24,10 @@ from faying.io.ansys_routines import (
 from faying.io.isolated import read_isolated
 from faying.io.straight_sides import StraightSides
 from faying.model.assembly import Assembly, Material
+from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS
 from faying.model.generate import mid_side_ends
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 
 _BONDED = frozenset((2, 3, 4, 5, 6))
 """KEYOPT(12) of contact that does not open, or neither opens nor slides."""

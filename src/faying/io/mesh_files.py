@@ -17,11 +17,12 @@ from faying.io.aster_mail import read_mail
 from faying.io.med_files import read_med
 from faying.io.mesh_groups import FACE_NODES, Group, cells_of, dimension, groups_of, volume_groups
 from faying.model.assembly import Assembly, FaceSet, Material
+from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS
 from faying.model.elements.orientation import right_side_out
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 from faying.model.separate import separated
-from faying.model.surface import Facets, exterior_facets, padded, unique_rows
+from faying.model.surface import Facets, padded, unique_rows
 
 ANY_GROUP = "default"
 """Material of the groups that have none of their own."""
@@ -101,7 +102,7 @@ def read_mesh_file(
         ),
         separate,
     )
-    face_sets, notes = _face_sets(mesh_read, groups, exterior_facets(mesh))
+    face_sets, notes = _face_sets(mesh_read, groups, mesh.exterior)
     chosen = {number: _material(path, names[number], materials) for number in used}
     others = [name for name in materials if name not in {*names.values(), ANY_GROUP}]
     chosen |= {n: materials[name] for n, name in enumerate(others, max([*names, *used]) + 1)}

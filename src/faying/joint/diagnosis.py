@@ -10,7 +10,7 @@ from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
 from faying.exceptions import ModelError
 from faying.joint.model import Model
 from faying.model.assembly import Assembly
-from faying.model.bodies import bodies, body_names
+from faying.model.bodies import body_names
 from faying.model.dofs import DofMap
 from faying.model.local_stiffness import rigid_stiffness
 from faying.model.rigid_motion import (
@@ -260,7 +260,7 @@ def _body(assembly: Assembly, chosen: Indices | Mask) -> str:
     """Name a body by an element set that covers it, and by its nodes."""
     mesh = assembly.mesh
     ids = mesh.node_ids[chosen]
-    number = int(bodies(mesh)[chosen][0])
+    number = int(mesh.bodies[chosen][0])
     name = body_names(mesh)[number] if number >= 0 else ""
     named = f"body '{name}'" if name in mesh.element_sets else "body"
     return f"{named} (nodes {ids.min()} to {ids.max()})"

@@ -10,10 +10,11 @@ from typing import Literal
 import numpy as np
 
 from faying.model.assembly import Assembly, Material, RigidCoupling, Spring, Support
+from faying.model.cells import CellBlock
 from faying.model.description import JointDescription
 from faying.model.generated_bolt import add_bolt
 from faying.model.lap_geometry import PLATE_NAMES, LapGeometry
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec
 
 STEEL = Material(name="steel", youngs_modulus=210_000.0, poissons_ratio=0.29, density=7.82e-9)

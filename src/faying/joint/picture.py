@@ -19,13 +19,13 @@ from faying.display.axes import new_axes
 from faying.display.style import BODY_COLOURS, BOLT_COLOUR, INTERFACE_COLOUR, heading, plain
 from faying.interface.interface import Interface
 from faying.model.assembly import Assembly
-from faying.model.bodies import bodies, body_names
+from faying.model.bodies import body_names
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
+from faying.model.cells import CellBlock
 from faying.model.elements import FACES
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 from faying.model.outline import outline_of
-from faying.model.surface import exterior_faces
 from faying.units import units_of
 
 VIEW = {"elev": 24.0, "azim": -58.0}
@@ -60,8 +60,8 @@ def plot_bodies(
     mesh = Mesh(nodes=nodes, node_ids=np.arange(len(nodes)), blocks=tuple(blocks))
     polygons: list[Matrix] = []
     colours: list[Matrix] = []
-    for faces in exterior_faces(mesh):
-        ring = faces.nodes[:, list(FACES[faces.kind].ring)]
+    for kind, facets in mesh.exterior.by_kind().items():
+        ring = facets[:, list(FACES[kind].ring)]
         corners = nodes[ring]
         polygons.extend(corners)
         base = np.array([to_rgb(colour) for colour in BODY_COLOURS])
@@ -231,7 +231,7 @@ def plot_model(
     axes = new_axes(projection="3d", size=(9.0, 5.5)) if axes is None else axes
     assembly = model.assembly
     mesh = assembly.mesh
-    plot_bodies(mesh.nodes, mesh.blocks, bodies(mesh), axes)
+    plot_bodies(mesh.nodes, mesh.blocks, mesh.bodies, axes)
     name_axes(axes, units_of(model.units).length)
     beams = mesh.nodes[np.array([beam.nodes for beam in assembly.beams], dtype=int).reshape(-1, 2)]
     add_lines(axes, beams, color=BOLT_COLOUR, lw=2.0, zorder=5)

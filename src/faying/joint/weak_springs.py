@@ -19,7 +19,7 @@ from faying.joint.diagnosis import REMEDY_BESIDE_SPRINGS, model_motions, unconst
 from faying.joint.model import Model
 from faying.joint.weak_support import WeakSupport
 from faying.model.assembly import Assembly, Spring
-from faying.model.bodies import bodies, body_names
+from faying.model.bodies import body_names
 from faying.model.local_stiffness import stiffness_at
 
 WEAK = 1e-5
@@ -124,7 +124,7 @@ def _held_pairs(model: Model) -> Mapping[str, Indices]:
     touching = [interface.pairs for interface in model.interfaces.values()]
     pairs = np.concatenate([np.empty((0, 2), np.int64), *touching])
     pairs = pairs[free[pairs].any(axis=1)]
-    labels = bodies(model.assembly.mesh)[pairs]
+    labels = model.assembly.mesh.bodies[pairs]
     names = [*body_names(model.assembly.mesh), "other parts"]  # label -1 is of no solid
     return {
         "-".join(names[label] for label in both): _spread(

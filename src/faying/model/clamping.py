@@ -7,7 +7,6 @@ from scipy.sparse.csgraph import connected_components
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Beam, Spring
-from faying.model.bodies import bodies
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 
@@ -28,7 +27,7 @@ def check_clamping(mesh: Mesh, spec: BoltSpec, seats: tuple[Indices, Indices]) -
     ModelError
         If both hold the same bodies and no other one lies between them.
     """
-    labels = bodies(mesh)
+    labels = mesh.bodies
     head, nut = (np.unique(labels[seat]) for seat in seats)
     if not len(head) or not len(nut) or not np.array_equal(head, nut):
         return
@@ -52,7 +51,7 @@ def element_seats(assembly: Assembly, cut: Beam | Spring) -> tuple[Indices, Indi
     """
     first, second = cut.nodes if isinstance(cut, Beam) else (node for node, _ in cut.ends)
     links = _links(assembly, (first, second))
-    solid = bodies(assembly.mesh) >= 0
+    solid = assembly.mesh.bodies >= 0
     of_node, through = links.tocsc(), links[:, np.flatnonzero(~solid)]
     _, group = connected_components(through @ through.T, directed=False)
 

@@ -15,12 +15,11 @@ from faying.model.assembly import (
     PointMass,
     RigidCoupling,
 )
-from faying.model.bodies import bodies
 from faying.model.clamping import check_clamping
 from faying.model.deck_bolt import bolt_axis_element
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
-from faying.model.surface import exterior_facets, facet_normals
+from faying.model.surface import facet_normals
 
 __all__ = ["add_bolt", "bolt_axis_element", "round_section"]
 
@@ -155,9 +154,9 @@ def _material(assembly: Assembly, spec: BoltSpec) -> Material:
 def _seats(mesh: Mesh, spec: BoltSpec, ends: Matrix) -> tuple[Indices, Indices]:
     """Find the nodes under the two washers."""
     axis = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
-    facets = exterior_facets(mesh)
+    facets = mesh.exterior
     cosines = facet_normals(mesh.nodes, facets) @ axis
-    labels = bodies(mesh)
+    labels = mesh.bodies
 
     def facing(towards: float) -> Indices:
         """Nodes of the facets that face along the axis, or against it."""

@@ -9,6 +9,7 @@ import scipy.sparse as sp
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, frozen, read_only
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Material, MatrixBlock
+from faying.model.cells import CellBlock
 from faying.model.elastic_law import isotropic_law, tensor
 from faying.model.elements import block_element
 from faying.model.elements.beam import beam_matrices
@@ -16,7 +17,6 @@ from faying.model.elements.bush import bush_matrices
 from faying.model.elements.geometry import check_shapes
 from faying.model.elements.mass import mass_coefficients
 from faying.model.elements.stiffness import stiffness_blocks
-from faying.model.mesh import CellBlock
 from faying.model.node_pairs import NodePairs
 from faying.model.shell_matrices import shell_matrices
 from faying.model.solid_cells import check_nodes, mass_moments, materials_of

@@ -7,38 +7,12 @@ import numpy as np
 
 from faying._typing import Indices, Matrix, frozen
 from faying.exceptions import ModelError
+from faying.model.cells import CellBlock
+from faying.model.surface import Facets
+from faying.model.topology import Topology
 
 FARTHEST = 1e30
 """Largest coordinate: products of several measures must stay within double precision."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class CellBlock:
-    """Solid elements of one kind.
-
-    Attributes
-    ----------
-    kind
-        A key of :data:`faying.model.elements.SOLIDS`, as in ``"hex8"``.
-    nodes : (n_cell, n_node_per_cell) [into n_node]
-        Node indices, in the Nastran order of the element.
-    ids : (n_cell,) [1]
-        Element ids as the user knows them; unique over all blocks of a mesh.
-    properties : (n_cell,) [1]
-        Property ids; they name the material through ``Assembly.materials``.
-    formulation
-        Of these elements, as in ``"reduced"``; empty for that of the assembly.
-    """
-
-    kind: str
-    nodes: Indices
-    ids: Indices
-    properties: Indices
-    formulation: str = ""
-
-    def __post_init__(self) -> None:
-        for name in ("nodes", "ids", "properties"):
-            object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -55,6 +29,9 @@ class Mesh:
         Solid elements, one block per kind (several blocks of one kind are allowed).
     node_sets, element_sets
         Names to node *indices* and to element *ids*.
+    topology
+        What the cells are to each other, which copies of the mesh with the same blocks share;
+        made anew for other blocks.
     """
 
     nodes: Matrix
@@ -62,6 +39,7 @@ class Mesh:
     blocks: tuple[CellBlock, ...] = ()
     node_sets: Mapping[str, Indices] = field(default_factory=dict)
     element_sets: Mapping[str, Indices] = field(default_factory=dict)
+    topology: Topology = field(default_factory=Topology)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "nodes", frozen(self.nodes))
@@ -77,6 +55,23 @@ class Mesh:
                 f"{FARTHEST:g}, for volumes must stay within double precision; correct it"
             )
             raise ModelError(message)
+
+        if self.topology.blocks is not self.blocks:
+            object.__setattr__(self, "topology", Topology(self.blocks))
+
+    @property
+    def bodies(self) -> Indices:
+        """Body of each node (n_node,) in the order of the lowest node; -1 for nodes of no solid."""
+        labels = self.topology.bodies
+        return np.pad(labels, (0, len(self.nodes) - len(labels)), constant_values=-1)
+
+    @property
+    def exterior(self) -> Facets:
+        """Facets that belong to one element only, block by block in the order of their faces.
+
+        Facets that touch another body count as exterior: bodies share no nodes.
+        """
+        return self.topology.exterior
 
     @property
     def n_elements(self) -> int:

@@ -11,9 +11,10 @@ from scipy.sparse.csgraph import connected_components
 from faying._typing import Indices, Mask
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, FaceSet, NodalLoads, RigidCoupling, Support
-from faying.model.bodies import bodies, body_names
+from faying.model.bodies import body_names
+from faying.model.cells import CellBlock
 from faying.model.description import JointDescription
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 from faying.model.remaining_joint import remaining_joint
 from faying.model.shells import ShellBlock
 
@@ -109,7 +110,7 @@ def elements_named(
         elif name in mesh.element_sets:
             parts.append(mesh.element_sets[name])
         elif name in bodies_named:
-            inside = np.flatnonzero(bodies(mesh) == bodies_named.index(name))
+            inside = np.flatnonzero(mesh.bodies == bodies_named.index(name))
             parts += [block.ids[np.isin(block.nodes[:, 0], inside)] for block in mesh.blocks]
         else:
             shown = ", ".join(

@@ -9,7 +9,6 @@ from scipy.sparse.csgraph import connected_components
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.linalg.factorization import MECHANISM
 from faying.model.assembly import Assembly
-from faying.model.bodies import bodies
 from faying.model.dofs import DofMap
 from faying.model.shell_matrices import PANEL
 from faying.model.shells import ShellBlock
@@ -112,7 +111,7 @@ def rigid_parts(assembly: Assembly) -> Indices:
 
     A node of several belongs to the first; a hinge between them costs no energy.
     """
-    labels = _with_shells(assembly, np.array(bodies(assembly.mesh)))
+    labels = _with_shells(assembly, np.array(assembly.mesh.bodies))
     block = assembly.matrices
     if block is None:
         return labels
@@ -158,7 +157,7 @@ def _shapes(assembly: Assembly, dofs: DofMap, labels: Indices) -> SparseMatrix:
     # Solids do not resist rotations of their nodes, shells do, given matrices may.
     turning = np.full(len(labels), assembly.matrices is not None)
     for shells in _surfaces(assembly):
-        turning[shells.nodes] |= bodies(assembly.mesh)[shells.nodes] < 0
+        turning[shells.nodes] |= assembly.mesh.bodies[shells.nodes] < 0
     rigid = (labels[node] >= 0) & ((component < 3) | turning[node])
     single = np.flatnonzero(~rigid)
     groups = [(single, np.ones((len(single), 1)), np.arange(len(single))[:, None])]

@@ -7,7 +7,8 @@ import numpy as np
 
 from faying._typing import Indices, Mask
 from faying.exceptions import ModelError
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.cells import CellBlock
+from faying.model.mesh import Mesh
 
 
 def separated(mesh: Mesh, groups: Sequence[str]) -> Mesh:

@@ -7,10 +7,10 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Material
+from faying.model.cells import CellBlock
 from faying.model.elements import SolidElement, block_element
 from faying.model.elements.geometry import check_shapes, volume_factors
 from faying.model.elements.solid_element import mass_tables
-from faying.model.mesh import CellBlock
 from faying.model.surface import unique_rows
 
 # Cells of a batch whose few numbers at a point fill the processor's cache.

@@ -8,7 +8,7 @@ import numpy as np
 from faying._typing import Indices
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Support
-from faying.model.bodies import bodies, body_names
+from faying.model.bodies import body_names
 
 
 def with_supports(assembly: Assembly, supports: Mapping[str, Sequence[int]]) -> Assembly:
@@ -68,7 +68,7 @@ def nodes_of_set(assembly: Assembly, name: str) -> Indices:
         return mesh.element_nodes(mesh.element_sets[name])
     parts = body_names(mesh)
     if name in parts:
-        return np.flatnonzero(bodies(mesh) == parts.index(name))
+        return np.flatnonzero(mesh.bodies == parts.index(name))
     sets = [*mesh.node_sets, *assembly.face_sets, *mesh.element_sets, *parts]
     names = ", ".join(dict.fromkeys(sets)) or "none, so give a node"
     message = f"there is no node set '{name}', nor another set or body; known are {names}"

@@ -1,16 +1,11 @@
 """The surface of the solids: facets that belong to one element only, and whose they are."""
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, frozen
-from faying.exceptions import ModelError
-from faying.model.assembly import FaceSet
-from faying.model.bodies import labelled
-from faying.model.elements import FACES, SOLIDS
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.elements import FACES
 
 WIDTH = max(face.n_nodes for face in FACES.values())
 """Columns of a table of facets of all kinds."""
@@ -118,72 +113,6 @@ def corner_keys(nodes: Indices) -> Indices:
     corners = nodes[:, :4].copy()
     corners[triangular(nodes), 3] = -1
     return np.sort(corners, axis=1)
-
-
-def exterior_facets(mesh: Mesh) -> Facets:
-    """Find the facets that belong to one element only, and whose they are.
-
-    Facets that touch another body count as exterior: bodies share no nodes.
-
-    Parameters
-    ----------
-    mesh
-        Solids of any kind, also mixed; a linear and a quadratic facet on the same corners count
-        as one inner facet.
-
-    Returns
-    -------
-    Facets
-        Block by block, in the order of the elements' faces.
-
-    Raises
-    ------
-    ModelError
-        If the mesh holds an unknown kind of element.
-
-    Notes
-    -----
-    One sort of all facets of the mesh, once for meshes of the same cells.
-    """
-    return _exterior(mesh.blocks, len(mesh.nodes))
-
-
-@lru_cache(maxsize=1)
-def _exterior(blocks: tuple[CellBlock, ...], n_node: int) -> Facets:
-    keys, kinds = [np.empty((0, 4), dtype=np.int64)], []
-    for block in blocks:
-        if block.kind not in SOLIDS:
-            message = f"there is no solid element '{block.kind}'; known: {', '.join(SOLIDS)}"
-            raise ModelError(message)
-        for face, local in SOLIDS[block.kind].faces:
-            corners = list(local[: face.n_corners])
-            key = np.full((len(block.ids), 4), -1, dtype=np.int64)
-            key[:, : len(corners)] = block.nodes[:, corners]
-            key.sort(axis=1)
-            keys.append(key)
-            kinds.append((block, list(local)))
-    _, inverse, counts = unique_rows(np.concatenate(keys))
-    alone = np.split(counts[inverse] == 1, np.cumsum([len(key) for key in keys])[1:-1])
-    tables, elements, properties = [np.empty((0, WIDTH), dtype=np.int64)], [], []
-    for (block, columns), chosen in zip(kinds, alone, strict=True) if kinds else ():
-        tables.append(padded(block.nodes[chosen][:, columns]))
-        elements.append(block.ids[chosen])
-        properties.append(block.properties[chosen])
-    nodes = np.concatenate(tables)
-    nothing = np.empty(0, dtype=np.int64)
-    return Facets(
-        nodes=nodes,
-        elements=np.concatenate([nothing, *elements]),
-        properties=np.concatenate([nothing, *properties]),
-        bodies=labelled(blocks, n_node)[nodes[:, 0]],
-    )
-
-
-def exterior_faces(mesh: Mesh) -> tuple[FaceSet, ...]:
-    """Return the facets of :func:`exterior_facets`, one face set per kind present."""
-    return tuple(
-        FaceSet(kind=kind, nodes=nodes) for kind, nodes in exterior_facets(mesh).by_kind().items()
-    )
 
 
 def unique_rows(rows: Indices) -> tuple[Indices, Indices, Indices]:

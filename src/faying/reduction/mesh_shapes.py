@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Indices, Matrix, SparseMatrix
-from faying.model.mesh import CellBlock
+from faying.model.cells import CellBlock
 
 
 @final

@@ -6,7 +6,7 @@ from faying.interface.surface import ContactSurface
 from faying.joint.tangential import TangentialRows
 from faying.joint.weak_support import WeakSupport
 from faying.model.boundary import Boundary
-from faying.model.mesh import CellBlock
+from faying.model.cells import CellBlock
 from faying.reduction.stored_compliance import StoredCompliance
 
 PORTS: Table = {

@@ -36,7 +36,7 @@ from faying.linalg.compressed import Compliance, plus
 from faying.linalg.relief import factorize_relieved, shifted
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
-from faying.model.mesh import CellBlock
+from faying.model.cells import CellBlock
 from faying.reduction.basis import Basis, ModeKind
 from faying.reduction.mesh_shapes import MeshShapes
 from faying.reduction.model_check import (

@@ -15,7 +15,8 @@ from faying.draft.study_text import MARK
 from faying.exceptions import FayingError, StudyError
 from faying.interface.facing import facing_bodies
 from faying.model.assembly import Assembly, Material
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.cells import CellBlock
+from faying.model.mesh import Mesh
 from faying.study.inputs.load_model import build
 from faying.study.keys.schema import parse_study
 from small_abaqus_deck import DECK

@@ -13,11 +13,12 @@ from faying.interface.mortar import find_couplings
 from faying.interface.pairing import find_interfaces
 from faying.io.abaqus import write_deck
 from faying.model.assembly import Assembly, FaceSet, Support
+from faying.model.cells import CellBlock
 from faying.model.description import JointDescription
 from faying.model.gap_rule import GapRule
 from faying.model.generate import brick_grid, shaped
-from faying.model.mesh import CellBlock, Mesh
-from faying.model.surface import exterior_facets, facet_normals
+from faying.model.mesh import Mesh
+from faying.model.surface import facet_normals
 from mortar_blocks import SIZE, blocks
 
 ANY = fy.InterfaceSpec(
@@ -29,7 +30,7 @@ AREA = SIZE[0] * SIZE[1]
 def faced(assembly):
     """Name the upper faces of the lower block and the lower ones of the upper block."""
     mesh = assembly.mesh
-    facets = exterior_facets(mesh)
+    facets = mesh.exterior
     up = facet_normals(mesh.nodes, facets)[:, 2]
     chosen = {
         "under": np.isin(facets.elements, mesh.element_sets["lower"]) & (up > 0.7),

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from faying.exceptions import ModelError
-from faying.interface.pairing import exterior_facets, find_interfaces, pair_facets, select_facets
+from faying.interface.pairing import find_interfaces, pair_facets, select_facets
 from faying.joint.lap_joint import lap_joint_assembly
 from faying.model.assembly import Assembly, FaceSet
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.cells import CellBlock
+from faying.model.mesh import Mesh
 from faying.model.specs import InterfaceSpec
 
 AUTO = InterfaceSpec(name="joint")
@@ -64,7 +65,7 @@ def assert_aligned(assembly, faces):
 
 
 def test_exterior_of_a_box():
-    facets = exterior_facets(lap().mesh)
+    facets = lap().mesh.exterior
     one_box = 2 * (4 * 3 + 4 * 1 + 3 * 1)
     assert len(facets) == 2 * one_box
     np.testing.assert_array_equal(np.bincount(facets.bodies), [one_box, one_box])
@@ -78,7 +79,7 @@ def test_exterior_of_a_box():
 @pytest.mark.parametrize("shape", ["hex8", "hex20", "tet4", "tet10", "wedge6"])
 def test_exterior_area_vectors_add_up_to_nothing_and_to_the_surface(shape):
     joint = lap_joint_assembly(element_size=5.0, shape=shape, hole_radius=None).assembly
-    facets = exterior_facets(joint.mesh)
+    facets = joint.mesh.exterior
     corners = joint.mesh.nodes[facets.corners]
     vectors = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     # A closed surface; the rounding of some thousand facets of 25 mm².
@@ -105,7 +106,7 @@ def test_a_mixed_mesh_has_no_inner_facets_outside():
             CellBlock(kind="wedge6", nodes=[[4, 8, 5, 7, 9, 6]], ids=2 * one, properties=one),
         ),
     )
-    by_kind = exterior_facets(mesh).by_kind()
+    by_kind = mesh.exterior.by_kind()
     assert {kind: len(facets) for kind, facets in by_kind.items()} == {"tri3": 2, "quad4": 7}
     top = [4, 5, 6, 7]
     assert not any(sorted(row) == top for row in by_kind["quad4"].tolist())
@@ -113,7 +114,7 @@ def test_a_mixed_mesh_has_no_inner_facets_outside():
 
 def test_selections_name_the_same_facets():
     joint = lap()
-    exterior = exterior_facets(joint.mesh)
+    exterior = joint.mesh.exterior
     upper = exterior.nodes[exterior.bodies == 1]
     for selection in ("upper", 2, "2", [2], "body 1", joint.mesh.element_sets["upper"].tolist()):
         np.testing.assert_array_equal(select_facets(joint, selection).nodes, upper)
@@ -129,7 +130,7 @@ def test_a_node_set_selects_facets_with_all_their_nodes():
 
 def test_a_face_set_knows_its_owners():
     joint = lap()
-    exterior = exterior_facets(joint.mesh)
+    exterior = joint.mesh.exterior
     chosen = exterior.taken(exterior.bodies == 1)
     # Other first corner, same facet.
     faces = FaceSet(kind="quad4", nodes=np.roll(chosen.nodes[:, :4], 1, axis=1))

@@ -10,6 +10,7 @@ from faying.io.abaqus import read_joint
 from faying.io.nastran import read_deck, write_deck
 from faying.joint.lap_joint import lap_joint_assembly
 from faying.model.assembly import Assembly, Material
+from faying.model.cells import CellBlock
 from faying.model.elastic_law import (
     isotropic_law,
     mean_constants,
@@ -20,7 +21,7 @@ from faying.model.elastic_law import (
 )
 from faying.model.elements import SOLIDS
 from faying.model.matrices import assemble_matrices
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 from small_abaqus_deck import DECK
 
 # Sums of some hundred products of numbers of one size, in another order.

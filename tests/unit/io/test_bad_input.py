@@ -15,7 +15,7 @@ import faying as fy
 from faying import cli
 from faying.io.nastran import write_deck
 from faying.model.assembly import Assembly, Beam, Spring
-from faying.model.mesh import CellBlock
+from faying.model.cells import CellBlock
 
 MODEL = fy.lap_joint(element_size=5.0)
 JOINT = MODEL.assembly

@@ -11,7 +11,6 @@ from faying.exceptions import FormatError, ModelError
 from faying.io.mesh_files import read_mesh_file
 from faying.joint.build import build_model
 from faying.model.assembly import Material, Spring, Support
-from faying.model.bodies import bodies
 from faying.model.elements import SOLIDS
 from faying.model.generate import brick_grid, shaped
 from faying.model.matrices import assemble_matrices, mass_properties
@@ -102,9 +101,9 @@ def test_groups_are_materials_and_sets(tmp_path):
 @pytest.mark.parametrize("kind", list(MESHIO))
 def test_separated_layers_touch_in_matching_facets(kind, tmp_path):
     path = as_gmsh(kind, tmp_path)
-    assert bodies(read_mesh_file(path, materials=MATERIALS).mesh).max() == 0
+    assert read_mesh_file(path, materials=MATERIALS).mesh.bodies.max() == 0
     assembly = read_mesh_file(path, materials=MATERIALS, separate=("upper",))
-    assert bodies(assembly.mesh).max() == 1
+    assert assembly.mesh.bodies.max() == 1
     low = np.flatnonzero(assembly.mesh.nodes[:, 2] == 0)
     top = np.flatnonzero(assembly.mesh.nodes[:, 2] == 2)
     mesh = assembly.mesh.with_node_set("low", low).with_node_set("top", top)

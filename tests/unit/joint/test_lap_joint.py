@@ -8,17 +8,15 @@ import pytest
 from faying.exceptions import ModelError
 from faying.joint.lap_joint import STEEL, lap_joint_assembly
 from faying.model.assembly import Assembly, Beam, BeamSection, Material, Spring
-from faying.model.bodies import bodies
+from faying.model.cells import CellBlock
 from faying.model.constraints import constrain
 from faying.model.deck_bolt import bolt_axis_element
 from faying.model.generate import brick_grid, shaped
 from faying.model.generated_bolt import add_bolt
 from faying.model.matrices import mass_properties, used_components
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 from faying.model.surface import (
-    exterior_faces,
-    exterior_facets,
     facet_area_vectors,
     facet_centres,
     facet_normals,
@@ -29,7 +27,7 @@ SHAPES = ("hex8", "hex20", "tet4", "tet10", "wedge6")
 
 def touching(mesh, below, above):
     """Pairs of coinciding nodes of two bodies."""
-    label = bodies(mesh)
+    label = mesh.bodies
     first, second = np.flatnonzero(label == below), np.flatnonzero(label == above)
     known = {tuple(p): i for p, i in zip(mesh.nodes[first].round(9).tolist(), first, strict=True)}
     points = mesh.nodes[second].round(9).tolist()
@@ -43,12 +41,12 @@ def touching_faces(mesh, below, above):
     partner = np.full(len(mesh.nodes), -1)
     partner[pairs[:, 1]] = pairs[:, 0]
     partner[pairs[:, 0]] = pairs[:, 0]
-    label, found = bodies(mesh), []
+    label, found = mesh.bodies, []
     for body in (below, above):
         facets = [
             frozenset(row)
-            for face in exterior_faces(mesh)
-            for row in partner[face.nodes[label[face.nodes[:, 0]] == body]].tolist()
+            for nodes in mesh.exterior.by_kind().values()
+            for row in partner[nodes[label[nodes[:, 0]] == body]].tolist()
             if min(row) >= 0
         ]
         found.append(facets)
@@ -58,7 +56,7 @@ def touching_faces(mesh, below, above):
 def test_default_has_the_size_of_the_papers_model():
     mesh = lap_joint_assembly().assembly.mesh
     assert mesh.n_elements == 1824
-    assert np.count_nonzero(bodies(mesh) >= 0) == 2740
+    assert np.count_nonzero(mesh.bodies >= 0) == 2740
     assert len(mesh.nodes) == 2743
     assert len(touching(mesh, 0, 1)) == 148
 
@@ -66,13 +64,13 @@ def test_default_has_the_size_of_the_papers_model():
 def test_without_hole():
     mesh = lap_joint_assembly(hole_radius=None).assembly.mesh
     assert mesh.n_elements == 1920
-    assert np.count_nonzero(bodies(mesh) >= 0) == 2790
+    assert np.count_nonzero(mesh.bodies >= 0) == 2790
     assert len(touching(mesh, 0, 1)) == 153
 
 
 def test_default_lies_where_the_paper_puts_it():
     joint = lap_joint_assembly()
-    mesh, (lower, upper) = joint.assembly.mesh, (bodies(joint.assembly.mesh) == i for i in (0, 1))
+    mesh, (lower, upper) = joint.assembly.mesh, (joint.assembly.mesh.bodies == i for i in (0, 1))
     np.testing.assert_array_equal(mesh.nodes[lower].min(axis=0), [-55, -10, -10])
     np.testing.assert_array_equal(mesh.nodes[lower].max(axis=0), [20, 10, 0])
     np.testing.assert_array_equal(mesh.nodes[upper].min(axis=0), [-20, -10, 0])
@@ -132,7 +130,7 @@ def test_double_lap_has_two_interfaces():
     assert sides == [("joint-1", "lower", "middle"), ("joint-2", "middle", "upper")]
     assert len(touching(mesh, 0, 1)) == len(touching(mesh, 1, 2)) == 9 * 5 - 1
     for body, reach in ((0, (-55, 20)), (1, (-20, 55)), (2, (-55, 20))):
-        x = mesh.nodes[bodies(mesh) == body, 0]
+        x = mesh.nodes[mesh.bodies == body, 0]
         assert (x.min(), x.max()) == reach
     tip = mesh.node_index([joint.boundaries[0].node])[0]
     np.testing.assert_array_equal(mesh.nodes[tip], [55, 0, 0])
@@ -161,7 +159,7 @@ def test_washers_hold_the_outer_surface_within_their_radius(washer):
     couplings = (*assembly.rigid_couplings[1:], *assembly.average_couplings)
     nodes = assembly.mesh.nodes
     for coupling, height in zip(couplings, (-10, 10), strict=True):
-        solid = bodies(assembly.mesh) >= 0
+        solid = assembly.mesh.bodies >= 0
         expected = solid & (nodes[:, 2] == height) & (np.hypot(*nodes[:, :2].T) <= 6.5)
         np.testing.assert_array_equal(coupling.nodes, np.flatnonzero(expected))
 
@@ -200,7 +198,7 @@ def test_structure_with_bolt_has_only_resisted_freedoms():
     assembly = joint.assembly
     tip = int(assembly.mesh.node_index([joint.boundaries[0].node])[0])
     dofs = constrain(assembly, used_components(assembly), keep=6 * tip + np.arange(6))
-    n_solid = np.count_nonzero(bodies(assembly.mesh) >= 0)
+    n_solid = np.count_nonzero(assembly.mesh.bodies >= 0)
     tied = sum(len(c.nodes) for c in assembly.rigid_couplings)
     clamped = len(assembly.mesh.node_sets["clamp"])
     assert len(dofs.free) == 3 * (n_solid - tied - clamped) + 3 * 6
@@ -336,8 +334,8 @@ def test_surface_is_closed_and_faces_outward(shape):
     mesh = Mesh(nodes=cells.nodes, node_ids=np.arange(len(cells.nodes)), blocks=(block,))
     # Sides of 2 x 2 x 1 bricks; tetrahedra halve all squares, wedges those at top and bottom.
     halved = {"hex8": 0, "hex20": 0, "tet4": 16, "tet10": 16, "wedge6": 8}[shape]
-    assert sum(len(faces.nodes) for faces in exterior_faces(mesh)) == 16 + halved
-    facets = exterior_facets(mesh)
+    assert len(mesh.exterior) == 16 + halved
+    facets = mesh.exterior
     vectors = facet_area_vectors(mesh.nodes, facets)
     area = vectors.sum(axis=0)
     flux = np.sum(vectors * facet_centres(mesh.nodes, facets)) / 3
@@ -352,5 +350,5 @@ def test_bodies_are_numbered_by_their_lowest_node():
     cells = np.array([[4, 5, 6, 7], [0, 1, 2, 3], [7, 8, 9, 10]])
     block = CellBlock(kind="tet4", nodes=cells, ids=[1, 2, 3], properties=[1, 1, 1])
     mesh = Mesh(nodes=np.zeros((12, 3)), node_ids=np.arange(12), blocks=(block,))
-    np.testing.assert_array_equal(bodies(mesh), [0] * 4 + [1] * 7 + [-1])
-    np.testing.assert_array_equal(bodies(replace(mesh, blocks=())), [-1] * 12)
+    np.testing.assert_array_equal(mesh.bodies, [0] * 4 + [1] * 7 + [-1])
+    np.testing.assert_array_equal(replace(mesh, blocks=()).bodies, [-1] * 12)

@@ -20,6 +20,7 @@ from faying.model.assembly import (
     PointMass,
     Spring,
 )
+from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS
 from faying.model.matrices import (
     assemble_matrices,
@@ -27,7 +28,7 @@ from faying.model.matrices import (
     rigid_body_motions,
     used_components,
 )
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.mesh import Mesh
 from faying.model.solid_cells import check_cells
 
 STEEL = Material(youngs_modulus=210000.0, poissons_ratio=0.3, density=8e-9)

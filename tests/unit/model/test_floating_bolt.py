@@ -10,7 +10,6 @@ from clamped_plates import abaqus_deck
 from faying.draft.first_study import first_study
 from faying.exceptions import ModelError
 from faying.io.abaqus import read_joint
-from faying.model.bodies import bodies
 from faying.model.supports import nodes_of_set
 from faying.study.inputs.load_model import build, load_model
 from faying.study.keys.schema import parse_study
@@ -25,7 +24,7 @@ def deck(tmp_path):
 
 def test_supports_take_names_of_bodies(deck):
     assembly = read_joint(deck).assembly
-    labels = bodies(assembly.mesh)
+    labels = assembly.mesh.bodies
     np.testing.assert_array_equal(nodes_of_set(assembly, "body 1"), np.flatnonzero(labels == 1))
     with pytest.raises(ModelError, match=r"no node set 'body 9', nor another set or body"):
         nodes_of_set(assembly, "body 9")

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from fake_results import fake_results
-from faying.model.mesh import CellBlock, Mesh
+from faying.model.cells import CellBlock
+from faying.model.mesh import Mesh
 from faying.report.view.explosion import explosion
 from faying.report.view.outer_surface import outer_surface
 from faying.report.view.packing import STEPS, packed_integers, packed_numbers

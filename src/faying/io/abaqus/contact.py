@@ -21,7 +21,6 @@ from faying.model.assembly import Assembly
 from faying.model.gap_rule import GapRule
 from faying.model.mesh import Mesh
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import exterior_facets
 
 MEMBERS = ("SURFACE BEHAVIOR", "FRICTION", "CONTACT DAMPING", "GAP CONDUCTANCE")
 
@@ -206,7 +205,7 @@ def with_mixed_sides(mesh: Mesh, sides: Iterable[DeckSurface]) -> Mesh:
     for side in sides:
         if len(side.facets) == 1:
             continue
-        exterior = exterior_facets(mesh)
+        exterior = mesh.exterior
         inside = np.zeros(len(mesh.nodes) + 1, dtype=bool)
         inside[side.nodes] = inside[-1] = True
         count = int(inside[exterior.nodes].all(axis=1).sum())

@@ -16,7 +16,7 @@ from faying.io.abaqus.overclosure import curve_of, stiffness_of
 from faying.io.abaqus.surfaces import Surfaces, find_surface, slave_and_master
 from faying.io.solid_cuts import Cut
 from faying.model.assembly import Assembly
-from faying.model.bodies import bodies, body_names
+from faying.model.bodies import body_names
 from faying.model.gap_rule import GapRule
 from faying.model.specs import InterfaceSpec
 
@@ -188,7 +188,7 @@ def joined_bodies(
     assembly: Assembly, cuts: Sequence[Cut], sides: Sequence[tuple[Indices, Indices]]
 ) -> set[frozenset[int]]:
     """Return the pairs of bodies on both sides of cuts, or of pairs of surfaces by their nodes."""
-    labels = bodies(assembly.mesh)
+    labels = assembly.mesh.bodies
     both = [*sides, *((cut.kept, cut.copies) for cut in cuts)]
     return {pair for minus, plus in both for pair in _pairs(labels[minus], labels[plus])}
 

@@ -19,7 +19,7 @@ from faying.io.abaqus.surfaces import DeckSurface
 from faying.io.tied_surfaces import equal_motions
 from faying.model.assembly import Assembly, FaceSet
 from faying.model.elements import FACES
-from faying.model.surface import exterior_facets, facet_area_vectors, facet_frames, rows_by_kind
+from faying.model.surface import facet_area_vectors, facet_frames, rows_by_kind
 
 _SHARES = {"tri6": (1 / 999, 332 / 999), "quad8": (0.01, 0.24)}
 """Of the area of a facet with mid-side nodes, as in CalculiX: corners, mid-side nodes."""
@@ -64,7 +64,7 @@ def with_lone_nodes(
 def _whole(assembly: Assembly, surface: DeckSurface) -> bool:
     inside = np.zeros(len(assembly.mesh.nodes) + 1, dtype=bool)
     inside[surface.nodes] = inside[-1] = True
-    return bool(inside[exterior_facets(assembly.mesh).nodes].all(axis=1).any())
+    return bool(inside[assembly.mesh.exterior.nodes].all(axis=1).any())
 
 
 def _points(assembly: Assembly, pair: Pair) -> tuple[Assembly, list[Pair]]:
@@ -103,7 +103,7 @@ def _points(assembly: Assembly, pair: Pair) -> tuple[Assembly, list[Pair]]:
 def _shares(assembly: Assembly) -> Vector:
     """Areas of nodes (n_node,), zero inside and off solids."""
     mesh = assembly.mesh
-    exterior = exterior_facets(mesh)
+    exterior = mesh.exterior
     areas = np.linalg.norm(facet_area_vectors(mesh.nodes, exterior), axis=1)
     shares = np.zeros(len(mesh.nodes))
     for kind, rows in rows_by_kind(exterior.nodes).items():

@@ -14,8 +14,8 @@ from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.orientations import distributed_axes
 from faying.io.abaqus.sets import NamedSets
 from faying.model.assembly import Material
+from faying.model.cells import CellBlock
 from faying.model.elastic_law import turned
-from faying.model.mesh import CellBlock
 
 
 def find_isotropic(materials: Mapping[str, Material], keyword: Keyword) -> Material:

@@ -14,7 +14,6 @@ from faying.io.abaqus.shells import Shells
 from faying.model.assembly import FaceSet
 from faying.model.elements import SOLIDS
 from faying.model.mesh import Mesh
-from faying.model.surface import exterior_facets
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -168,7 +167,7 @@ def _of_elements(
     whole = faces == 0
     owners = []
     if whole.any():
-        exterior = exterior_facets(mesh)
+        exterior = mesh.exterior
         chosen = exterior.taken(np.isin(exterior.elements, ids[whole]))
         for kind, exposed in chosen.by_kind().items():
             facets.setdefault(kind, []).append(exposed)

@@ -25,10 +25,10 @@ from faying.io.abaqus.written_nodes import (
 from faying.io.abaqus.written_steps import step_lines
 from faying.io.unwritten import refuse_unwritten
 from faying.model.assembly import Assembly, NodalLoads
+from faying.model.cells import CellBlock
 from faying.model.deck_bolt import bolt_axis_element
 from faying.model.description import JointDescription
 from faying.model.elements import SOLIDS, block_element
-from faying.model.mesh import CellBlock
 
 
 def write_deck(

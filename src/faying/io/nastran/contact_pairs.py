@@ -15,7 +15,7 @@ from faying.model.assembly import Assembly
 from faying.model.gap_rule import GapRule
 from faying.model.mesh import Mesh
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import corner_nodes, exterior_facets
+from faying.model.surface import corner_nodes
 
 DEFAULT_ERROR = 1 / 20
 """MSC's contact tolerance over the smallest edge of solids, where none is given."""
@@ -145,7 +145,7 @@ def _facet_size(region: Region, mesh: Mesh) -> float:
 
 def _edges(region: Region, mesh: Mesh) -> Vector:
     """Return the lengths of the edges of a region's faces, or of its bodies'."""
-    corners = exterior_facets(mesh)
+    corners = mesh.exterior
     if region.elements is not None:
         corners = corners.taken(np.isin(corners.elements, region.elements))
     nodes = corners.corners if region.facets is None else corner_nodes(region.facets)

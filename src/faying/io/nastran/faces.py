@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from faying._typing import Indices, Mask
+from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS
-from faying.model.mesh import CellBlock
 from faying.model.surface import WIDTH, padded
 
 Fits = Callable[[Indices, str, str, Indices], Mask]

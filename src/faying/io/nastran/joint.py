@@ -24,7 +24,7 @@ from faying.model.assembly import Assembly
 from faying.model.deck_bolt import axial_stiffness, bolt_axis_element
 from faying.model.description import JointDescription
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import WIDTH, exterior_facets, unique_rows
+from faying.model.surface import WIDTH, unique_rows
 
 
 def read_joint(
@@ -209,7 +209,7 @@ def _with_regions(deck: Deck, regions: Mapping[int, Region], pairs: list[Pair]) 
     mixed = {name for name, face_set in faces.items() if face_set is None}
     exterior = np.zeros((0, WIDTH), dtype=np.int64)
     if used | mixed:
-        exterior = exterior_facets(assembly.mesh).nodes
+        exterior = assembly.mesh.exterior.nodes
     for region in every.values():
         if region.elements is not None:
             element_sets[region.name] = region.elements

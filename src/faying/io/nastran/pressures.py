@@ -16,8 +16,8 @@ from faying.interface.facets import area_vectors, gauss_rule, shape_functions
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.faces import find_faces
 from faying.io.nastran.grids import Grids
+from faying.model.cells import CellBlock
 from faying.model.elements import FACES
-from faying.model.mesh import CellBlock
 from faying.model.shells import ShellBlock
 from faying.model.surface import rows_by_kind
 

@@ -11,7 +11,7 @@ from faying.io.nastran.contact_pairs import Pair
 from faying.io.nastran.regions import Region
 from faying.model.assembly import Assembly
 from faying.model.shells import ShellBlock
-from faying.model.surface import WIDTH, exterior_facets, facet_centres, facet_normals
+from faying.model.surface import WIDTH, facet_centres, facet_normals
 
 _SAME = 1e-6
 """Relative difference of thicknesses that is rounding."""
@@ -68,7 +68,7 @@ def with_shell_sides(
 
 def _faces(region: Region, assembly: Assembly) -> tuple[Matrix, Matrix]:
     """Return centres and outward normals (n, 3) of the faces of a region of solids."""
-    faces = exterior_facets(assembly.mesh)
+    faces = assembly.mesh.exterior
     if region.elements is not None:
         faces = faces.taken(np.isin(faces.elements, region.elements))
     elif region.facets is not None:

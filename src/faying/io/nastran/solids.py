@@ -13,10 +13,10 @@ from faying.io.nastran.layers import layers
 from faying.io.nastran.solid_materials import along
 from faying.io.straight_sides import StraightSides
 from faying.model.assembly import Material
+from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS, SolidElement
 from faying.model.elements.orientation import right_side_out
 from faying.model.generate import mid_side_ends
-from faying.model.mesh import CellBlock
 
 LAYERED = "PCOMPS"
 _OF_LAYERS = (

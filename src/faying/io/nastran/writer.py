@@ -15,8 +15,8 @@ from faying.io.nastran.layout import Value, large, small
 from faying.io.nastran.numbering import LARGEST, Numbering, number_assembly
 from faying.io.unwritten import refuse_unwritten
 from faying.model.assembly import Assembly, Support
+from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS, solid_element
-from faying.model.mesh import CellBlock
 
 _METHOD = 1
 

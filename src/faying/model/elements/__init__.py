@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from faying.exceptions import ModelError
+from faying.model.cells import CellBlock
 from faying.model.elements.face_kind import FaceKind
 from faying.model.elements.hex8 import HEX8
 from faying.model.elements.hex8_incompatible import HEX8_INCOMPATIBLE
@@ -17,7 +18,6 @@ from faying.model.elements.tet4 import TET4
 from faying.model.elements.tet10 import TET10
 from faying.model.elements.wedge6 import WEDGE6
 from faying.model.elements.wedge15 import WEDGE15
-from faying.model.mesh import CellBlock
 
 SOLIDS: Mapping[str, SolidElement] = MappingProxyType(
     {

@@ -7,7 +7,6 @@ import numpy as np
 from faying._typing import Indices, Matrix
 from faying.model.elements import FACES
 from faying.model.mesh import Mesh
-from faying.model.surface import exterior_facets
 
 SHARP = np.cos(np.radians(30.0))
 """Cosine of the angle between facets from which the edge between them is drawn."""
@@ -51,7 +50,7 @@ def outer_surface(mesh: Mesh, more: Indices) -> OuterSurface:
     more
         Nodes that are wanted too, wherever they are.
     """
-    faces = exterior_facets(mesh).by_kind()
+    faces = mesh.exterior.by_kind()
     parts = [triangles_of(kind, nodes) for kind, nodes in faces.items()]
     triangles = np.concatenate([*parts, np.empty((0, 3), dtype=np.int64)])
     nodes, first, inverse = np.unique(

@@ -12,8 +12,8 @@ import numpy as np
 
 from faying.files.meanings import Meaning
 from faying.interface.interface import FacePairs
+from faying.model.cells import CellBlock
 from faying.model.elements import FACES, SOLIDS
-from faying.model.mesh import CellBlock
 from faying.study.results.store_fields import MEANINGS
 from faying.study.results.values import CaseResult, InterfaceRecord, Response, Results
 

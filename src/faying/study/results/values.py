@@ -12,7 +12,7 @@ from faying.assessment.measured_curve import MeasuredCurve
 from faying.assessment.mesh_error import MeshError
 from faying.assessment.slip_reserve import SlipReserve
 from faying.interface.surface import ContactSurface
-from faying.model.mesh import CellBlock
+from faying.model.cells import CellBlock
 from faying.reduction.mode_count import ModeCount
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.inputs.jumps import Jump

@@ -8,7 +8,6 @@ import numpy as np
 import scipy
 
 from faying import __version__
-from faying.model.bodies import bodies
 from faying.model.bolt_axis import bolt_ends
 from faying.model.matrices import mass_properties
 from faying.reduction.projection import contact_surfaces
@@ -43,7 +42,7 @@ def record(
         study_text=study.text,
         nodes=mesh.nodes,
         node_ids=mesh.node_ids,
-        body=bodies(mesh),
+        body=mesh.bodies,
         blocks=mesh.blocks,
         mass=mass_properties(model.assembly).mass,
         dofs=model.structure.n_dof,

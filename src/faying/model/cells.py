@@ -1,0 +1,36 @@
+"""Cells of solid elements."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from faying._typing import Indices, frozen
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CellBlock:
+    """Solid elements of one kind.
+
+    Attributes
+    ----------
+    kind
+        A key of :data:`faying.model.elements.SOLIDS`, as in ``"hex8"``.
+    nodes : (n_cell, n_node_per_cell) [into n_node]
+        Node indices, in the Nastran order of the element.
+    ids : (n_cell,) [1]
+        Element ids as the user knows them; unique over all blocks of a mesh.
+    properties : (n_cell,) [1]
+        Property ids; they name the material through ``Assembly.materials``.
+    formulation
+        Of these elements, as in ``"reduced"``; empty for that of the assembly.
+    """
+
+    kind: str
+    nodes: Indices
+    ids: Indices
+    properties: Indices
+    formulation: str = ""
+
+    def __post_init__(self) -> None:
+        for name in ("nodes", "ids", "properties"):
+            object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
