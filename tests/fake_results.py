@@ -4,7 +4,7 @@ import numpy as np
 
 from faying.assessment.accuracy import Accuracy
 from faying.assessment.check import Check
-from faying.assessment.choose import JointModeChoice
+from faying.assessment.choose_joint_modes import JointModeChoice
 from faying.assessment.choose_normal_modes import NormalModeChoice
 from faying.assessment.clamp_range import ClampRange
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment

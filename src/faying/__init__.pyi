@@ -6,7 +6,7 @@ from faying.assessment.accuracy import relative_error as relative_error
 from faying.assessment.backbone_band import backbone_band as backbone_band
 from faying.assessment.backbone_response import backbone_response as backbone_response
 from faying.assessment.certificate import certify as certify
-from faying.assessment.choose import choose_joint_modes as choose_joint_modes
+from faying.assessment.choose_joint_modes import choose_joint_modes as choose_joint_modes
 from faying.assessment.choose_normal_modes import choose_normal_modes as choose_normal_modes
 from faying.assessment.decay import free_decay as free_decay
 from faying.assessment.energy import energy_balance as energy_balance

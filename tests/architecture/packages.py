@@ -15,6 +15,7 @@ ORDER = (
     "_typing",
     "exceptions",
     "units",
+    "digits",
     "display",
     "linalg",
     "files",

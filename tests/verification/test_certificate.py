@@ -7,7 +7,7 @@ import scipy.sparse.linalg as spla
 
 import faying as fy
 from faying.assessment.certificate import certifier, certify
-from faying.assessment.choose import choose_joint_modes
+from faying.assessment.choose_joint_modes import choose_joint_modes
 from faying.assessment.tresca import certify_increments
 from faying.exceptions import ModelError
 from faying.reduction.recovery import static_displacements

@@ -107,7 +107,7 @@ def test_given_steps_are_those_of_another_run(rom):
 @pytest.mark.long
 def test_a_stream_resumes_to_the_bit(rom, tmp_path, monkeypatch):
     options = {**TIMES, "tolerance": 0.02, "integrator": fy.EnergyDecaying(0.0)}
-    monkeypatch.setattr("faying.export.transient_stream.PIECE", 4)
+    monkeypatch.setattr("faying.export.transient_stream.STEPS_PER_WRITE", 4)
     whole = fy.stream_transient(rom, rising(0.1), tmp_path / "whole.h5", **options)
 
     done = []

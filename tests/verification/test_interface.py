@@ -12,7 +12,7 @@ from faying.contact.laws import normal_law
 from faying.exceptions import ModelError
 from faying.interface.interface import FacePairs
 from faying.interface.pairing import find_interfaces, pair_facets
-from faying.interface.relative import times_normals
+from faying.interface.relative_displacement import times_normals
 from faying.interface.zero_thickness import automatic_penalty, build_interface
 from faying.joint.lap_joint import lap_joint_assembly
 from faying.joint.sticking import sticking_stiffness, stuck_pairs

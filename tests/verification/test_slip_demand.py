@@ -9,7 +9,7 @@ import faying as fy
 from faying.assessment.slip_demand import area_sums, least_mean_arm
 from faying.cli.description import _signs
 from faying.exceptions import ModelError
-from faying.interface.relative import common_normal
+from faying.interface.relative_displacement import common_normal
 from faying.joint.build import build_model
 from faying.joint.tangential import TangentialRows, tangential_rows
 from faying.model.assembly import Support

@@ -10,7 +10,7 @@ from pressed_layers import STEEL
 
 import faying as fy
 from faying.exceptions import FormatError, ModelError
-from faying.interface.scan import Scan, read_scan
+from faying.interface.surface_scan import Scan, read_scan
 from faying.interface.topography import ScanPlacement, topography
 
 MODULUS = effective_modulus(*[(STEEL.youngs_modulus, STEEL.poissons_ratio)] * 2)

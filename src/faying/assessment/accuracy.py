@@ -7,16 +7,10 @@ from typing import Protocol
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
+from faying.digits import SOLVED
 from faying.display.facts import Shown
 from faying.exceptions import ModelError
 from faying.joint.system import Joint
-
-NO_MOTION = 1e-9
-"""Translation or rotation over the largest of any boundary, below which it is round-off.
-
-A boundary that only turns has translations of 1e-16; the unit of length, which this compares with
-radians, may be a thousand times another.
-"""
 
 
 class Compared(Protocol):
@@ -190,9 +184,9 @@ def _displacement_error(displacements: list[tuple[Matrix, Matrix, Indices]]) -> 
         shift, turn = components < 3, components >= 3
         moved = moved.beside(motion[..., shift], reference[..., shift])
         size = float(np.abs(reference).max(initial=0.0))
-        if _lengths(reference[..., shift]).max(initial=0.0) <= NO_MOTION * size:
+        if _lengths(reference[..., shift]).max(initial=0.0) <= SOLVED * size:
             turned = turned.beside(motion[..., turn], reference[..., turn])
-    return max(moved.error(NO_MOTION * largest), turned.error(NO_MOTION * largest))
+    return max(moved.error(SOLVED * largest), turned.error(SOLVED * largest))
 
 
 @dataclass(frozen=True)

@@ -32,10 +32,10 @@ from faying.simulation.load import Load
 from faying.simulation.path import solve_path
 from faying.simulation.solution import Solution
 
-SPAN = 2.0
+MODE_RANGE = 2.0
 """Modes are linear ones of their own up to this multiple of the highest frequency."""
 
-SIDE = 150
+POINTS_PER_SIDE = 150
 """Points of a curve on each side of its peak."""
 
 HONEST = (
@@ -44,7 +44,7 @@ HONEST = (
 )
 """How far curves from a backbone are right."""
 
-LOST = 0.5
+LARGEST_FRICTION_DAMPING = 0.5
 """Damping of friction over that of the mode from which peaks were seen to be 3 % off."""
 
 
@@ -115,7 +115,7 @@ def backbone_response(
     inputs = harmonic_inputs(system, load)
     preloaded = solve_path(system, [Load()]) if initial is None else initial
     modes = stuck_modes(
-        system, preloaded, SPAN * max(high, backbone.small_frequency), backbone.mode
+        system, preloaded, MODE_RANGE * max(high, backbone.small_frequency), backbone.mode
     )
     linear = LinearResponse.of(system, modes, inputs)
     estimate = _Estimate.of(backbone, linear)
@@ -124,7 +124,7 @@ def backbone_response(
         frequency, swing = estimate.curve(level, low, high, remarks)
         at_peak = float(np.abs(swing).max(initial=0.0))
         share = estimate.friction_share(at_peak)
-        if share > LOST:
+        if share > LARGEST_FRICTION_DAMPING:
             remarks.append(
                 f"level {level:g}: friction takes {share:.0%} of the loss at the peak; peaks were "
                 "seen 3 % off there, and flanks 13 %"
@@ -133,7 +133,7 @@ def backbone_response(
     return FrequencyResponse(
         load=dict(load),
         curves=tuple(curves),
-        linear=linear.curve(1.0, np.linspace(low, high, 2 * SIDE), {}),
+        linear=linear.curve(1.0, np.linspace(low, high, 2 * POINTS_PER_SIDE), {}),
         remarks=(
             "from the backbone of one mode: blind to other modes that a multiple of the frequency "
             "meets",
@@ -290,7 +290,7 @@ class _Estimate:
                 "is cut there: give the backbone larger ones"
             )
         # Close to the peak both sides part like a root.
-        share = np.sin(np.linspace(0, np.pi / 2, SIDE))
+        share = np.sin(np.linspace(0, np.pi / 2, POINTS_PER_SIDE))
         q = np.exp(np.log(grid[0]) + share * np.log(top / grid[0]))
         circular, damping, _ = self.at(q)
         middle = circular**2 * (1 - 2 * damping**2)

@@ -12,7 +12,12 @@ from typing import final
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector, frozen
-from faying.assessment.transient_error import LARGE, OBSERVED, finer_model, transient_error
+from faying.assessment.transient_error import (
+    LARGE_ERROR,
+    OBSERVED_RATIOS,
+    finer_model,
+    transient_error,
+)
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.model import Model
 from faying.joint.system import System
@@ -30,13 +35,13 @@ from faying.simulation.static import AT_REST
 from faying.simulation.times import check_times
 from faying.simulation.transient import solve_transient
 
-FEWEST, MOST = 5, 320
+FEWEST_MODES, MOST_MODES = 5, 320
 """Normal modes that are tried first, then twice as many, and so on, and last."""
 
-AS_GOOD = 1.25
+LARGEST_RATIO = 1.25
 """Estimated error over the least of all from which on fewer modes are not as good as more."""
 
-FREQUENCIES = 200
+N_FREQUENCIES = 200
 """At which loads are looked at, evenly by their logarithm over four decades."""
 
 
@@ -51,8 +56,8 @@ class NormalModeChoice:
         Chosen number of normal modes: of those tried the fewest within the tolerance, or, where
         none is, the fewest that are as good as the best (``met``).
     met
-        Whether the estimated error over :data:`~.transient_error.OBSERVED`, the most that the true
-        one was seen to be, is within the tolerance.
+        Whether the estimated error over :data:`~.transient_error.OBSERVED_RATIOS`, the most
+        that the true one was seen to be, is within the tolerance.
     tolerance : [1]
         Largest pressure error over the peak that was asked for.
     excited : [1/time]
@@ -108,7 +113,7 @@ def choose_normal_modes(
     step: float,
     duration: float,
     integrator: Integrator | None = None,
-    tolerance: float = LARGE,
+    tolerance: float = LARGE_ERROR,
     step_tolerance: float | None = None,
     rest: Callable[[System], Solution] | None = None,
     modes: Callable[[int], NormalModes] | None = None,
@@ -162,7 +167,7 @@ def choose_normal_modes(
     )
     resolved, excited = 1.0 / step, excited_frequency(model, load, step, duration, tolerance)
     counts, highest, estimates, tractions = [], [], [], []
-    enough = OBSERVED[0] * tolerance
+    enough = OBSERVED_RATIOS[0] * tolerance
     steps: Indices | None = None
     for count in _numbers(len(model.structure.interior), _moved(model, excited)):
         basis = modes_of(count)
@@ -190,8 +195,8 @@ def choose_normal_modes(
 
 def _numbers(n_interior: int, first: int) -> list[int]:
     """Return the numbers of modes to try, rising, from ``first`` or the last on."""
-    doubled = [FEWEST]
-    while doubled[-1] < MOST:
+    doubled = [FEWEST_MODES]
+    while doubled[-1] < MOST_MODES:
         doubled.append(2 * doubled[-1])
     every = sorted({min(count, n_interior) for count in doubled})
     return [count for count in every if count >= first] or every[-1:]
@@ -213,13 +218,13 @@ def _hopeless(estimates: list[float], count: int, tolerance: float) -> bool:
     if now >= previous:
         return len(estimates) > 2  # once may be chance
     at_most: float = (
-        now * (now / previous) ** np.log2(MOST / count) if np.isfinite(previous) else 0.0
+        now * (now / previous) ** np.log2(MOST_MODES / count) if np.isfinite(previous) else 0.0
     )
     return bool(at_most > tolerance)
 
 
 def _chosen(counts: list[int], estimates: list[float], tolerance: float) -> int:
-    enough = max(tolerance, AS_GOOD * min(estimates))
+    enough = max(tolerance, LARGEST_RATIO * min(estimates))
     return next(n for n, error in zip(counts, estimates, strict=True) if error <= enough)
 
 
@@ -238,7 +243,7 @@ def excited_frequency(
     peaks = np.abs(inputs).max(axis=0)
     forces = inputs[:, peaks > 0] / peaks[peaks > 0]
     resolved = 1.0 / (2 * np.pi * step)
-    for frequency in resolved * np.geomspace(1.0, 1e-4, FREQUENCIES):
+    for frequency in resolved * np.geomspace(1.0, 1e-4, N_FREQUENCIES):
         if _beside_static(forces, times, frequency) > tolerance:
             return float(frequency)
     return 0.0

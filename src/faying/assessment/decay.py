@@ -8,7 +8,7 @@ import numpy as np
 from faying._typing import Vector
 from faying.exceptions import ModelError
 
-FEWEST = 3
+FEWEST_SWINGS = 3
 """Half swings from which a damping ratio is told."""
 
 
@@ -74,10 +74,10 @@ def free_decay(times: Vector, motion: Vector) -> Decay:
         raise ModelError(message)
     instants, extremes = _extremes(t, x)
     swings = np.abs(np.diff(extremes)) / 2
-    if len(swings) < FEWEST or not (swings > 0).all():
+    if len(swings) < FEWEST_SWINGS or not (swings > 0).all():
         message = (
-            f"the motion has {len(swings)} half swings, and its decay is told from {FEWEST} on; "
-            "take a longer time, or a coordinate that the mode moves"
+            f"the motion has {len(swings)} half swings, and its decay is told from "
+            f"{FEWEST_SWINGS} on; take a longer time, or a coordinate that the mode moves"
         )
         raise ModelError(message)
     decrement = np.log(swings[:-2] / swings[2:])
@@ -92,7 +92,7 @@ def free_decay(times: Vector, motion: Vector) -> Decay:
 
 def _extremes(t: Vector, x: Vector) -> tuple[Vector, Vector]:
     """Return instants and values of the extremes in between, refined by parabolas."""
-    if len(x) < FEWEST:
+    if len(x) < FEWEST_SWINGS:
         return t[:0], x[:0]
     rise_before, rise_after = x[1:-1] - x[:-2], x[2:] - x[1:-1]
     inner = (

@@ -12,11 +12,9 @@ import scipy.linalg as la
 
 from faying._typing import Matrix, Vector
 from faying.contact.dense_points import SINGULAR_PIVOT
+from faying.digits import ROUND_OFF
 
-NULL = 1e-12
-"""Eigenvalues of H below this fraction of the largest are zeros of a singular H."""
-
-OUT_OF_RANGE = 1e-8
+LARGEST_MISS = 1e-8
 """A force functional that misses the range of a singular H by this fraction is unbounded."""
 
 
@@ -52,7 +50,7 @@ class Flexibility:
         """Return √(ℓᵀ H⁺ ℓ) (k,) of force functionals ℓ (k, n_point); infinite off the range."""
         norms = np.sqrt(self.energy(functionals))
         missed = np.linalg.norm(functionals - self.projected(functionals), axis=-1)
-        return np.where(missed > OUT_OF_RANGE * np.linalg.norm(functionals, axis=-1), np.inf, norms)
+        return np.where(missed > LARGEST_MISS * np.linalg.norm(functionals, axis=-1), np.inf, norms)
 
     @cached_property
     def point_norms(self) -> Vector:
@@ -61,7 +59,7 @@ class Flexibility:
         if self.range_basis is None:
             return np.asarray(norms)
         missed = 1.0 - (self.range_basis**2).sum(axis=1)
-        return np.where(missed > OUT_OF_RANGE, np.inf, norms)
+        return np.where(missed > LARGEST_MISS, np.inf, norms)
 
     def projected(self, gaps: Matrix) -> Matrix:
         """Return gaps projected onto the range of H."""
@@ -106,6 +104,6 @@ def flexibility(H: Matrix) -> Flexibility:
         inverse, _ = la.lapack.dtrtri(factor, lower=1)
         return Flexibility(H=H, half_inverse=inverse.T, range_basis=None)
     values, vectors = la.eigh(H)
-    positive = values > NULL * values[-1]
+    positive = values > ROUND_OFF * values[-1]
     basis = vectors[:, positive]
     return Flexibility(H=H, half_inverse=basis / np.sqrt(values[positive]), range_basis=basis)

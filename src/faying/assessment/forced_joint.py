@@ -9,8 +9,8 @@ import numpy as np
 
 from faying._typing import ComplexMatrix, ComplexVector, Matrix, Vector
 from faying.assessment.backbone_response import LinearResponse
-from faying.assessment.modal_cycles import AT_BOUND
 from faying.assessment.response_curve import ContactInMotion, ResponseCurve, boundary_components
+from faying.assessment.slip import ON_THE_BOUND
 from faying.assessment.stuck_modes import StuckModes, stuck_modes
 from faying.contact.stuck_points import StuckPoints
 from faying.exceptions import ConvergenceError
@@ -247,9 +247,9 @@ def _row(system: System, point: CurvePoint) -> dict[str, float | Vector]:
     far = np.hypot(*np.moveaxis(path.slack[-N:], 1, 0))
     pressed = path.forces[-N:, 0] > 0
     slips = np.zeros(contact.n_points, dtype=bool)
-    slips[watched] = ((far > AT_BOUND * far.max(initial=0.0)) & pressed).any(axis=0)
+    slips[watched] = ((far > ON_THE_BOUND * far.max(initial=0.0)) & pressed).any(axis=0)
     closed = forces[0] > 0
-    bound = (1 - AT_BOUND) * contact.coefficients[:, None] * forces[0]
+    bound = (1 - ON_THE_BOUND) * contact.coefficients[:, None] * forces[0]
     sticks = closed & (np.hypot(forces[1], forces[2]) < bound)
     weights = contact.weights
     area = np.maximum(weights @ closed, np.finfo(float).tiny)

@@ -6,11 +6,9 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.assessment.case_metrics import Metric
+from faying.assessment.slip import ON_THE_BOUND
 from faying.interface.surface import ContactSurface
 from faying.simulation.solution import Solution
-
-AT_BOUND = 1e-6
-"""Distance of a tangential force from its bound, over it, up to which a point is at it."""
 
 
 def friction_metrics(interfaces: Iterable[str]) -> list[Metric]:
@@ -50,7 +48,7 @@ def friction_figures(solution: Solution, interfaces: Mapping[str, ContactSurface
     shear = none if solution.shear_forces is None else solution.shear_forces
     slip = none if solution.shear_slip is None else solution.shear_slip
     force = np.linalg.norm(shear, axis=1)
-    bound = (normal > 0) & (force >= (1 - AT_BOUND) * friction * normal)
+    bound = (normal > 0) & (force >= (1 - ON_THE_BOUND) * friction * normal)
     traction, far = force / contact.weights, np.linalg.norm(slip, axis=1)
     columns: list[Vector] = []
     for record in interfaces.values():

@@ -6,6 +6,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
+from faying.digits import SOLVED
 from faying.exceptions import ConvergenceError
 
 State = TypeVar("State")
@@ -17,17 +18,15 @@ Of what only happens or not it is infinite, or minus infinity; a number is that 
 alone.
 """
 
-PRECISION, CLOSE = 1e-3, 1e-6
+PRECISION, SMALLEST_WIDTH = 1e-3, 1e-6
 """Width of the interval in which a factor is found, over the factor: of what only happens or not,
 and of what a number says."""
 
 MOST_HALVINGS, MOST_CHORDS = 12, 40
 """Cuts of an increment: what happens below a four-thousandth of it happens at once."""
 
-NOTHING = 1e-9
-"""What is left, over what was before the increment, that is as good as nothing."""
 
-LARGEST = 10.0
+LARGEST_FACTOR = 10.0
 """Load factor at which the search is given up."""
 
 
@@ -113,13 +112,13 @@ def _cut_by_chords(
     is between them.
     """
     values = {factor: left(state, state) for factor, state in sorted(reached.items())}
-    nothing = NOTHING * values[min(values)]
+    nothing = SOLVED * values[min(values)]
     high = next(factor for factor, value in values.items() if value <= nothing)
     low = max(factor for factor in values if factor < high)
     above, below = values[low], values[high]
     passed: bool | None = None
     for _ in range(MOST_CHORDS):
-        if high - low <= CLOSE * high or abs(values[high]) <= nothing:
+        if high - low <= SMALLEST_WIDTH * high or abs(values[high]) <= nothing:
             break
         middle = _chord(low, high, above, below)
         trial = reach(middle, reached[low])

@@ -18,12 +18,7 @@ from faying.assessment.joint_record import (
     CaseState,
     InterfaceAssessment,
 )
-from faying.assessment.opening import (
-    Openings,
-    area_name,
-    areas_that_open,
-    opening_factors,
-)
+from faying.assessment.opening import Openings, area_name, areas_that_open, opening_factors
 from faying.assessment.preload_scatter import PreloadScatter, preload_spreads
 from faying.assessment.recovery import solve_cases_at_ports
 from faying.assessment.requirements import Requirements, check_names
@@ -35,6 +30,7 @@ from faying.assessment.strength.stressed import with_threads
 from faying.assessment.strength.thread import Thread
 from faying.assessment.strength.tightening import PreloadRange, variation_of
 from faying.assessment.verdicts import verdicts, wanted_clamps
+from faying.digits import DECK_DIGITS
 from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import nearest_bolts, surroundings
@@ -49,16 +45,13 @@ from faying.simulation.static import solve_static_cases
 from faying.simulation.static_case import solve_static
 from faying.units import Units
 
-AXIAL = 0.2
+SMALLEST_AXIAL_SHARE = 0.2
 """Axial load over all that changes in a bolt and around it, from which it has a load factor.
 
 Where a load lifts a flange off one has up to all of it, 0.4 to 0.6 on a tee and a pipe flange that
 are pulled; where it bends or turns, pressure that is lost on one side of the bolt comes on the
 other, and 0 to 0.03 are left, of any sign.
 """
-
-NOTHING = 1e-6
-"""Axial load over the preload that is round-off of tightening, 1e-10, and loads that balance."""
 
 
 def assess(
@@ -362,7 +355,7 @@ def _bolt(
         load, gain, changed = _axial_load(name, surfaces, masks, preloaded, state)
         axial[case] = load
         # A share of the load that the bolt takes; its force can change for other reasons too.
-        acts = abs(load) > max(NOTHING * abs(preload), AXIAL * changed)
+        acts = abs(load) > max(DECK_DIGITS * abs(preload), SMALLEST_AXIAL_SHARE * changed)
         if acts and 0 <= gain / load <= 1:
             factors[case] = gain / load
     return BoltAssessment(

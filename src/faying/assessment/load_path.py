@@ -24,7 +24,7 @@ from faying.joint.system import Joint
 from faying.simulation.load import Load
 from faying.simulation.static import port_forces, solved_case
 
-TOGETHER = 1e-10
+KINK_WIDTH = 1e-10
 """Force or slack, over the largest of the problem, below which a point is at a kink itself.
 
 Points that a symmetry makes equal reach zero together up to round-off, about 1e-13 of the largest;
@@ -32,7 +32,7 @@ one that is counted wrongly changes forces by this much at most.
 """
 
 
-STANDING = 1e-13
+SMALLEST_RATE = 1e-13
 """Rate over the largest one below which a force or a slack does not change."""
 
 
@@ -246,7 +246,7 @@ class Walk:
         # Of what cancels: where all points let go at once, gap and forces themselves vanish.
         gap = (np.abs(self.a) + t * np.abs(self.b)).max(initial=0.0)
         closing = forces * segment.solver.self_compliance
-        small = TOGETHER * max(gap, np.abs(closing).max(initial=0.0))
+        small = KINK_WIDTH * max(gap, np.abs(closing).max(initial=0.0))
         at_once = (closing <= small) & (slack <= small)
         if np.count_nonzero(at_once) <= 1:
             return segment.moved_to(turned)
@@ -260,7 +260,7 @@ class Walk:
 
 def _roots(base: Vector, rate: Vector, t: float, chosen: Mask) -> Vector:
     """Return where chosen values base + t rate that fall reach zero; infinite for the others."""
-    falling = chosen & (rate < -STANDING * np.abs(rate).max(initial=0.0))
+    falling = chosen & (rate < -SMALLEST_RATE * np.abs(rate).max(initial=0.0))
     roots = np.full(len(base), np.inf)
     roots[falling] = np.maximum(-base[falling] / rate[falling], t)
     return roots

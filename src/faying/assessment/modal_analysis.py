@@ -35,11 +35,11 @@ from faying.simulation.load import Load
 from faying.simulation.path import path_start, solve_path, warn_of_compiled
 from faying.simulation.solution import Solution
 
-AWAY = 1e-6
+SMALLEST_CONTACT_SHARE = 1e-6
 """Share of a mode's strain energy below which its contact does not take part in it."""
 
 
-MET = 0.05
+SMALLEST_COMPANION = 0.05
 """Velocity of another mode over that of the one that is loaded, from which it is said."""
 
 
@@ -289,7 +289,7 @@ def _remarks(
     stuck: StuckMode, mode: int, rows: Sequence[ModalCycle], swing: Swing, measured_at: str
 ) -> tuple[str, ...]:
     remarks, unit = [], amplitude_unit(measured_at, swing.system.units)
-    if stuck.contact_share < AWAY:
+    if stuck.contact_share < SMALLEST_CONTACT_SHARE:
         remarks.append(
             f"mode {mode} does not move the joint: its contact holds {stuck.contact_share:.1e} of "
             "the strain energy, so friction does not damp it"
@@ -297,7 +297,7 @@ def _remarks(
     elif not any(row.energy > 0 for row in rows):
         remarks.append(f"nothing slips in mode {mode} up to the largest amplitude")
     bound = 1.0 - swing.sticking(swing.start)[0]
-    if bound > 0 and stuck.contact_share >= AWAY:
+    if bound > 0 and stuck.contact_share >= SMALLEST_CONTACT_SHARE:
         remarks.append(
             f"{100 * bound:.2g} % of the area in contact lies on its friction bound before the "
             "first load, which is softer for it than small vibrations are; their frequency is that "
@@ -311,10 +311,10 @@ def _remarks(
             "cycles of one mode are a rough picture"
         )
     largest = np.max([row.met for row in rows], axis=0)
-    if largest.size and largest.max() > MET:
+    if largest.size and largest.max() > SMALLEST_COMPANION:
         k, n = np.unravel_index(int(np.argmax(largest)), largest.shape)
         others = swing.neighbours
-        reached = min(row.reached for row in rows if row.met[k, n] > MET)
+        reached = min(row.reached for row in rows if row.met[k, n] > SMALLEST_COMPANION)
         remarks.append(
             f"{MULTIPLES[k]} times the frequency meets mode {others.modes[n]} of "
             f"{others.circular[n] / (2 * np.pi):.5g}, which friction makes swing from "

@@ -7,6 +7,7 @@ from typing import Self, final
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
+from faying.assessment.slip import ON_THE_BOUND
 from faying.assessment.stuck_modes import StuckMode, stuck_modes
 from faying.contact.increment_solver import IncrementSolver
 from faying.exceptions import ModelError
@@ -16,13 +17,10 @@ from faying.simulation.cycles import MOST_CYCLES, NO_LOSS, STATIONARY
 from faying.simulation.path import PathStep, follow
 from faying.simulation.solution import Solution
 
-AT_BOUND = 1e-6
-"""Distance from the friction bound, over it, within which a point slips."""
-
-STILL = 1e-6
+SMALLEST_BOUNDARY_MOTION = 1e-6
 """Displacement at a boundary, over that of the structure, below which a mode leaves it still."""
 
-ALIKE = 0.99
+SAME_MOTION = 0.99
 """Share of the largest displacement from which the first place that moves so far is measured:
 which of several alike moves most is round-off."""
 
@@ -34,7 +32,7 @@ class StillModeError(ModelError):
 MULTIPLES, SAMPLES = (2, 3, 4, 5), 256
 """Multiples of the frequency at which other modes are looked for, and instants of a cycle."""
 
-MEETS = 0.5
+RESONANCE_WIDTH = 0.5
 """How far the square of a multiple may be from that of another mode, over it, to meet it."""
 
 
@@ -84,10 +82,10 @@ def measured(system: System, mode: StuckMode, at: str | None) -> tuple[StuckMode
         raise ModelError(message)
     moved = [_direction(system, name, rows, mode.shape) for name in names]
     sizes = np.array([np.linalg.norm(motion) for motion in moved])
-    best = _first(sizes, ALIKE)
+    best = _first(sizes, SAME_MOTION)
     name, direction, unit = names[best], moved[best], float(sizes[best])
     moves = np.abs(mode.shape).max(initial=0.0)
-    if not unit > STILL * moves:
+    if not unit > SMALLEST_BOUNDARY_MOTION * moves:
         message = (
             f"the mode of {mode.frequency:.6g} leaves '{name}' still; measure its amplitude "
             f"where it moves: at = a boundary, or one of its components as '{name}.rx'"
@@ -114,7 +112,7 @@ def _direction(system: System, name: str, components: Sequence[int], shape: Vect
     moved = np.where(np.isin(boundary.components, components), shape[boundary.dofs], 0.0)
     nodes = np.unique(boundary.nodes)
     sizes = np.array([np.linalg.norm(moved[boundary.nodes == node]) for node in nodes])
-    return np.where(boundary.nodes == nodes[_first(sizes, ALIKE)], moved, 0.0)
+    return np.where(boundary.nodes == nodes[_first(sizes, SAME_MOTION)], moved, 0.0)
 
 
 def _first(sizes: Vector, share: float) -> int:
@@ -186,7 +184,7 @@ class Neighbours:
         ratio = multiples[:, None] * circular / self.circular
         damping = np.maximum(self.damping, lowest)
         far = np.abs((along @ wave).T / (1 - ratio**2 + 2j * damping * ratio))
-        return np.where(np.abs(1 - ratio**2) < MEETS, far, 0.0)
+        return np.where(np.abs(1 - ratio**2) < RESONANCE_WIDTH, far, 0.0)
 
 
 @final
@@ -344,7 +342,9 @@ class Swing:
         contact, forces = self.system.contact, step.increment.forces
         friction = self.system.contact.coefficients
         closed = (forces[0] > 0) & (friction > 0)
-        sticks = closed & (np.hypot(forces[1], forces[2]) < (1 - AT_BOUND) * friction * forces[0])
+        sticks = closed & (
+            np.hypot(forces[1], forces[2]) < (1 - ON_THE_BOUND) * friction * forces[0]
+        )
         area = float(contact.weights[closed].sum())
         gross = [
             bool(closed[points].any() and not sticks[points].any())

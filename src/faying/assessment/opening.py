@@ -7,10 +7,11 @@ from typing import TypeVar, final
 import numpy as np
 
 from faying._typing import Mask, Vector
-from faying.assessment.growth import LARGEST, Event, first_events
+from faying.assessment.growth import LARGEST_FACTOR, Event, first_events
 from faying.assessment.load_path import growing_displacements
 from faying.assessment.requirements import OPEN_BELOW
 from faying.contact.contact import Contact
+from faying.digits import SOLVED
 from faying.joint.bolt_surroundings import nearest_bolts, told_apart
 from faying.joint.system import Joint, Placed
 from faying.model.bolt import Bolt
@@ -20,12 +21,6 @@ State = TypeVar("State")
 
 INCREMENTS = 10
 """Increments up to the nominal load."""
-
-TOUCHING = 1e-9
-"""Slack of hard contact over the largest free gap below which a point is closed."""
-
-LEAST_SHARE = 1e-9
-"""Share of an area that is round-off of a sum."""
 
 
 @final
@@ -86,7 +81,7 @@ def opening_factors(
     areas: Mapping[str, Mask],
     *,
     open_below: float = OPEN_BELOW,
-    largest: float = LARGEST,
+    largest: float = LARGEST_FACTOR,
 ) -> Openings:
     """Find the factors at which a joint without friction opens under a static load.
 
@@ -116,7 +111,7 @@ def opening_factors(
     """
     contact = system.contact
     fixed, growing = growing_displacements(system, inputs)
-    touching = TOUCHING * float(np.abs(contact.free_gap(fixed)).max(initial=0.0))
+    touching = SOLVED * float(np.abs(contact.free_gap(fixed)).max(initial=0.0))
 
     def reach(factor: float, solved: SolvedCase | None) -> SolvedCase:
         state = None if solved is None else solved.state
@@ -174,7 +169,7 @@ def pressed_depth(contact: Contact, gap: Vector, touching: float = 0.0) -> Vecto
 
 def enough(share: float) -> float:
     """Return the share below which an area is open, less round-off."""
-    return max(share - LEAST_SHARE, LEAST_SHARE)
+    return max(share - SOLVED, SOLVED)
 
 
 def opening_event(

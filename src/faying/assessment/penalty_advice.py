@@ -10,7 +10,7 @@ from faying.interface.penalty import PENALTY_FACTOR
 
 ROUND_OFF = 1e-7
 """Relative errors below this are not told apart."""
-ROUGHER = 1.2
+LARGEST_ROUGHNESS = 1.2
 """Growth of peak over nodal average that is no physics: beyond the automatic penalty's it is not
 recommended, and from the recommended one to the stiff end of a sweep it is worth a warning."""
 
@@ -65,7 +65,7 @@ def recommend_penalty(
     units = units or UnitNames()
     worst = sweep.deviation.max(axis=1)
     rough = _roughness(sweep)
-    smooth = np.flatnonzero(rough <= ROUGHER * rough[_nearest_automatic(sweep)])
+    smooth = np.flatnonzero(rough <= LARGEST_ROUGHNESS * rough[_nearest_automatic(sweep)])
     within = smooth[worst[smooth] <= tolerance]
     row = int(within[0]) if len(within) else int(smooth[worst[smooth].argmin()])
     penalty = float(sweep.penalties[row])
@@ -133,7 +133,7 @@ def _automatic_text(sweep: PenaltySweep, units: UnitNames) -> str:
 def _roughness_text(sweep: PenaltySweep, row: int, units: UnitNames) -> list[str]:
     """Warn where peaks at points outgrow their nodal averages: too many points for the mesh."""
     rough = _roughness(sweep)
-    if rough[-1] < ROUGHER * rough[row]:
+    if rough[-1] < LARGEST_ROUGHNESS * rough[row]:
         return []
     return [
         f"Stiffer is not better here: towards {_stiffness(sweep.penalties[-1], units)} the peak at "

@@ -16,6 +16,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector, frozen
 from faying.assessment.accuracy import relative_error
+from faying.digits import SOLVED
 from faying.exceptions import ModelError
 from faying.interface.pair_fit import PairFit
 from faying.interface.penalty import automatic_penalty_of
@@ -31,14 +32,12 @@ DECADES = np.arange(-2.0, 2.25, 0.5)
 """Default penalties are these powers of ten times the automatic one."""
 
 
-HARD = 10.0
+HARD_PENALTY = 10.0
 """Penalty that stands for hard contact, over the stiffest of a sweep and the automatic one.
 
 What a penalty shows is of first order in its inverse: the default sweep ends at a hundredth of what
 the automatic one shows, and a thousandth is left of it here.
 """
-ROUND_OFF = 1e-9
-"""Pressures below this fraction of the largest are none: what the fit leaves of zeros."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -155,7 +154,7 @@ def penalty_sweep(
         message = "penalties of a sweep must be positive and finite; hard contact is the yardstick"
         raise ModelError(message)
     final = _final_forces(model)
-    hard = _tightened(_hard(model, HARD * max(centre, float(values.max()))), final)
+    hard = _tightened(_hard(model, HARD_PENALTY * max(centre, float(values.max()))), final)
     yardstick = solve_static_cases(hard, loads)
     for load, forces in zip(loads, yardstick.contact_forces, strict=True):
         if not forces.any():
@@ -236,7 +235,7 @@ def _nodal_averages(model: Model, solution: Solution, fits: Mapping[str, PairFit
 def _row(solution: Solution, averages: Matrix, hard: Matrix) -> list[Vector]:
     """One line of the sweep, each entry (n_load,)."""
     off = np.array([relative_error(a, h) for a, h in zip(averages, hard, strict=True)])
-    pressed = hard > ROUND_OFF * hard.max(axis=1, keepdims=True)
+    pressed = hard > SOLVED * hard.max(axis=1, keepdims=True)
     rms = np.sqrt((off**2 * pressed).sum(axis=1) / pressed.sum(axis=1))
     return [
         solution.max_pressure,

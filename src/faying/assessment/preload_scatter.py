@@ -9,7 +9,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.assessment.case_metrics import case_metrics, metrics_of
-from faying.assessment.rubbed_cases import rubbed_metrics, slip_metrics
+from faying.assessment.slip_metrics import rubbed_metrics, slip_metrics
 from faying.assessment.strength.thread import Thread
 from faying.exceptions import ModelError, naming
 from faying.interface.surface import ContactSurface
@@ -17,7 +17,7 @@ from faying.joint.system import System
 from faying.simulation.load import Load
 from faying.simulation.static import solve_static_inputs
 
-SHARES = (0.0, 0.05, 0.5, 0.95, 1.0)
+QUANTILES = (0.0, 0.05, 0.5, 0.95, 1.0)
 """Of the tightenings, below which the values that are told lie."""
 
 
@@ -158,7 +158,7 @@ def preload_spreads(
     for column, metric in enumerate(metrics):
         if metric.worst is None:
             continue
-        values = np.quantile(table[1:, column], SHARES).tolist()
+        values = np.quantile(table[1:, column], QUANTILES).tolist()
         spreads.append(
             Spread(
                 case=load.name,

@@ -16,7 +16,7 @@ from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface
 from faying.model.elements import FACES
 
-AT_ONCE = 2_000_000
+MOST_NUMBERS = 2_000_000
 """Numbers of all links and cases in memory at a time."""
 
 
@@ -98,7 +98,7 @@ def ring_pressure(ring: Ring, pressure: Matrix) -> Vector:
     until none changes: as many passes over all links as the longest such path has nodes.
     """
     nodal = np.asarray((ring.averaging @ pressure[:, ring.points].T).T)
-    parts = max(1, len(nodal) * len(ring.links) // AT_ONCE)
+    parts = max(1, len(nodal) * len(ring.links) // MOST_NUMBERS)
     barriers = [_least_barrier(ring, part) for part in np.array_split(nodal, parts)]
     return np.concatenate(barriers)
 

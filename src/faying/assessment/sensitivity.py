@@ -20,15 +20,13 @@ import numpy as np
 from faying._typing import Matrix
 from faying.assessment.derivatives import Derivatives
 from faying.assessment.linear_increments import LinearIncrement, linear_increments
+from faying.digits import SOLVED
 from faying.exceptions import ModelError
 from faying.joint.system import System, boundary_slices, unstretched_bolt_forces
 from faying.model.boundary import FORCE_NAMES
 from faying.simulation.path import moved_alone
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static_inputs
-
-NO_RESISTANCE = 1e-9
-"""Change of bolt force per change of initial force below which a bolt clamps nothing."""
 
 
 @final
@@ -94,7 +92,7 @@ class Sensitivity:
             )
             raise ModelError(message)
         slope = self._tightened.initial_bolt_forces.bolt_forces
-        if np.linalg.svd(slope, compute_uv=False).min(initial=1.0) < NO_RESISTANCE:
+        if np.linalg.svd(slope, compute_uv=False).min(initial=1.0) < SOLVED:
             message = (
                 f"the bolts {', '.join(self.system.bolts)} have no final preload to change: "
                 "tightening one of them clamps nothing"

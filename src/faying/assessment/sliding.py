@@ -16,21 +16,19 @@ small where what slips here cancels what slips there: under a flange that is ben
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.digits import SOLVED
 
 MOST_PASSES = 200
 """Passes after which the search for the motion ends; each raises η."""
 
-SETTLED = 1e-6
+SMALLEST_GROWTH = 1e-6
 """Growth of η in a pass, over it, at which the search ends."""
 
-ASIDE = 0.1
+LARGEST_LIFT = 0.1
 """Motion across the interface over all of it, as root mean squares, that counts as none.
 
 Around a circle of 24 flat facets it is 0.075, at a right angle to slopes of 6 degrees 0.1.
 """
-
-NEAR = 1e-9
-"""Motion of a point, over the largest, that counts as none: about this point the side turns."""
 
 
 def resistance_used(places: Matrix, tangents: Matrix, shear: Matrix, bounds: Vector) -> float:
@@ -63,12 +61,12 @@ def resistance_used(places: Matrix, tangents: Matrix, shear: Matrix, bounds: Vec
     load = np.einsum("in,inm->m", shear, moves)
     used, speeds = 0.0, np.ones(len(places))
     for _ in range(MOST_PASSES):
-        weights = bounds / np.maximum(speeds, NEAR * speeds.max())
+        weights = bounds / np.maximum(speeds, SOLVED * speeds.max())
         motion = np.linalg.pinv(np.einsum("n,inm,ink->mk", weights, moves, moves)) @ load
         speeds = np.linalg.norm(moves @ motion, axis=0)
         resisted = float(bounds @ speeds)
         previous, used = used, float(load @ motion) / resisted if resisted > 0 else 0.0
-        if used <= previous * (1 + SETTLED):
+        if used <= previous * (1 + SMALLEST_GROWTH):
             break
     return max(previous, used)
 
@@ -87,4 +85,4 @@ def _sliding(along: Matrix, across: Matrix, bounds: Vector) -> Matrix:
     moving = sizes > np.finfo(float).eps * len(sizes) * sizes.max()
     scaled = axes[:, moving] / np.sqrt(sizes[moving])
     shares, motions = np.linalg.eigh(scaled.T @ sums[1] @ scaled)
-    return np.asarray(scaled @ motions[:, shares <= ASIDE**2])
+    return np.asarray(scaled @ motions[:, shares <= LARGEST_LIFT**2])

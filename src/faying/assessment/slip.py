@@ -9,6 +9,7 @@ import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.contact.contact import Contact
+from faying.digits import SOLVED
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import check_points
 
@@ -18,9 +19,6 @@ OPEN, STICK, SLIP = 0, 1, 2
 ON_THE_BOUND = 1e-6
 """Distance of a traction from its bound, over it, that leaves it on the bound: far more than
 increments are solved to, far less than an increment of load changes it."""
-
-NOTICEABLE = 1e-9
-"""Change of a slip over the largest slip, and force over the largest force, above round-off."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -118,14 +116,14 @@ def _slips(normal: Matrix, shear: Matrix | None, slip: Matrix, friction: Vector)
         return np.zeros(normal.shape, dtype=bool)
     farthest = np.hypot(slip[:, 0], slip[:, 1]).max(initial=0.0)
     change = np.diff(slip, axis=0)
-    moved = np.hypot(change[:, 0], change[:, 1]) > NOTICEABLE * farthest
+    moved = np.hypot(change[:, 0], change[:, 1]) > SOLVED * farthest
     return np.asarray(moved & on_the_bound(normal, shear, friction))
 
 
 def on_the_bound(normal: Matrix, shear: Matrix, friction: Vector) -> Mask:
     """Say where tangential forces (n, 2, n_point) are at μ times normal ones (n, n_point)."""
     bound, size = friction * normal, np.hypot(shear[:, 0], shear[:, 1])
-    slack = ON_THE_BOUND * bound + NOTICEABLE * normal.max(initial=0.0)
+    slack = ON_THE_BOUND * bound + SOLVED * normal.max(initial=0.0)
     return np.asarray(size >= bound - slack)
 
 

@@ -17,6 +17,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.digits import ROUND_OFF
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import surroundings
 from faying.joint.system import Joint
@@ -25,17 +26,14 @@ from faying.joint.tangential import TangentialRows
 MOST_PASSES = 1000
 """Passes after which the search for the point of the least mean arm ends."""
 
-SETTLED = 1e-13
+SMALLEST_CHANGE = 1e-13
 """Change of the mean arm in a pass, over it, at which the search ends."""
 
 
-SINGULAR = 1e-12
-"""Determinant of the second derivatives, over the trace squared, of places on a line."""
-
-NO_FRICTION = 1e-6
+SMALLEST_FRICTION = 1e-6
 """Coefficient needed that is none: below that of any two surfaces; balance leaves 1e-14."""
 
-NEAR = 1e-6
+SMALLEST_DISTANCE = 1e-6
 """Distance over the size of an area from which on a place pulls no more: at zero for ever."""
 
 
@@ -135,7 +133,7 @@ def least_mean_arm(places: Matrix, shares: Matrix) -> Vector:
     pour lequel la somme des distances de n points donnés est minimum", Tohoku Math. J. 43 (1937)
     355-386. Distances change in the second order only; a few passes do.
     """
-    reach = NEAR * float(np.ptp(places, axis=0).max(initial=0.0))
+    reach = SMALLEST_DISTANCE * float(np.ptp(places, axis=0).max(initial=0.0))
     point = shares @ places
     arms, left = _mean_arms(places, shares, point), np.arange(len(shares))
     for _ in range(MOST_PASSES):
@@ -143,7 +141,7 @@ def least_mean_arm(places: Matrix, shares: Matrix) -> Vector:
         arms_found = _mean_arms(places, shares[left], fast)
         worse = ~(arms_found < arms[left])
         arms_found[worse] = _mean_arms(places, shares[left[worse]], slow[worse])
-        better = arms[left] - arms_found > SETTLED * arms[left]
+        better = arms[left] - arms_found > SMALLEST_CHANGE * arms[left]
         point[left] = np.where(worse[:, None], slow, fast)
         arms[left] = np.minimum(arms[left], arms_found)
         left = left[better]
@@ -172,7 +170,7 @@ def _nearer(places: Matrix, shares: Matrix, point: Matrix, reach: float) -> tupl
     bends = pulls / arms**2
     xx, xy, yy = ((bends * factor).sum(axis=1) for factor in (y * y, -x * y, x * x))
     size = xx * yy - xy**2
-    solvable = size > SINGULAR * total**2
+    solvable = size > ROUND_OFF * total**2
     scale = np.where(solvable, size, 1.0)
     step = np.stack([yy * pull[:, 0] - xy * pull[:, 1], xx * pull[:, 1] - xy * pull[:, 0]], axis=1)
     slow = point + pull / total[:, None]
@@ -250,7 +248,9 @@ def _demand(sums: AreaSums, cases: Sequence[str], coefficient: float | None) -> 
     needed = sums.needed_friction
     rubbed = {} if coefficient is None else by_case(needed)
     safety = {
-        n: (coefficient or 0.0) / rubbing for n, rubbing in rubbed.items() if rubbing > NO_FRICTION
+        n: (coefficient or 0.0) / rubbing
+        for n, rubbing in rubbed.items()
+        if rubbing > SMALLEST_FRICTION
     }
     return SlipDemand(
         tangential_force=by_case(sums.tangential_force),

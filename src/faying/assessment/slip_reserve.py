@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 
 from faying._typing import Mask, Vector
-from faying.assessment.growth import LARGEST, Event, first_events
+from faying.assessment.growth import LARGEST_FACTOR, Event, first_events
 from faying.assessment.opening import (
     areas_that_open,
     enough,
@@ -30,21 +30,21 @@ from faying.simulation.path import (
 )
 from faying.simulation.solution import Solution
 
-ONSET = 0.05
+ONSET_SHARE = 0.05
 """Share of the area in contact whose slip is called the onset of slip.
 
 Of points that tightening left sticking. Tractions that tightening leaves go up to their bounds
 without a gap, so that a first point can slip under next to no load.
 """
 
-WHOLE = 0.9
+SLIDING_SHARE = 0.9
 """Share of the friction against one rigid motion from which an interface slips as a whole.
 
 When everything first slips it is 0.9 to 1 where sides slide over each other, and 0 to 0.01 where a
 load bends a joint and slip here cancels slip there (``docs/how-to/follow_friction.md``).
 """
 
-SPENT = 0.97
+SPENT_SHARE = 0.97
 """Sum of tangential forces over that of their bounds from which everything slips.
 
 Single points that turn around stick for an increment, whenever there is one.
@@ -112,7 +112,7 @@ def slip_reserve(
     *,
     share: float = 0.5,
     increments: int = 10,
-    largest: float = LARGEST,
+    largest: float = LARGEST_FACTOR,
     open_below: float | None = None,
 ) -> SlipReserve:
     """Find the load factors at which a joint begins to slip, slips by a share, and as a whole.
@@ -163,7 +163,7 @@ def slip_reserve(
         **{f"{AREA}{name}": happens for name, happens in opens.items()},
         "first": _whether(lambda trial, state: search.states(trial, state).slip_share[-1] > 0),
         "onset": _whether(
-            lambda trial, state: search.share(search.states(trial, state), stuck) >= ONSET
+            lambda trial, state: search.share(search.states(trial, state), stuck) >= ONSET_SHARE
         ),
         "share": _whether(
             lambda trial, state: search.states(trial, state).slip_of_closed[-1] >= share
@@ -272,7 +272,7 @@ class _Search:
             return ""
         for name, points in contact.slices.items():
             bounds = contact.laws[name].friction * forces[0, points]
-            if not np.hypot(*forces[1:, points]).sum() > SPENT * bounds.sum():
+            if not np.hypot(*forces[1:, points]).sum() > SPENT_SHARE * bounds.sum():
                 continue
             pressed = np.flatnonzero(forces[0, points] > 0)
             points_pressed = pressed + points.start
@@ -282,7 +282,7 @@ class _Search:
                 forces[1:, points_pressed],
                 bounds[pressed],
             )
-            if used >= WHOLE:
+            if used >= SLIDING_SHARE:
                 return name
         return ""
 

@@ -11,7 +11,7 @@ from faying.joint.system import System
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import check_points
 
-NEARLY_RIGID = 1e-6
+SMALLEST_FLEXIBILITY = 1e-6
 """Flexibility of a closed point that is hard in a direction, over its own compliance in it."""
 
 
@@ -77,7 +77,7 @@ def stuck_springs(system: System, state: Solution) -> tuple[SparseMatrix, Vector
         yields.append(compliance[1:, contact.rubbing].ravel()[stuck])
     rows, flexibility = sp.vstack(parts).tocsr(), np.concatenate(yields)
     if (flexibility == 0).any():
-        flexibility = np.maximum(flexibility, NEARLY_RIGID * _own_compliance(system, rows))
+        flexibility = np.maximum(flexibility, SMALLEST_FLEXIBILITY * _own_compliance(system, rows))
     return rows, flexibility
 
 

@@ -27,13 +27,13 @@ from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 from faying.simulation.transient import solve_transient
 
-PATTERNS = 20
+FORCE_PATTERNS = 20
 """Patterns of contact forces that get inertia; the rest is below 1 % of the first of them."""
 
-SWEEPS = 3
+KRYLOV_SHAPES = 3
 """Krylov shapes of each pattern: its static shape, the one under the inertia of that, and on."""
 
-OBSERVED = (0.4, 2.7)
+OBSERVED_RATIOS = (0.4, 2.7)
 """Least and most estimate over the true largest error (``benchmarks/transient_estimate.py``)."""
 
 OBSERVED_ON = (
@@ -45,7 +45,7 @@ OBSERVED_ON = (
 TRACTIONS_OBSERVED = "of tractions 0.67 to 1.5 times on a lap joint with friction"
 """Said where tractions are estimated too (the same benchmark)."""
 
-LARGE = 0.03
+LARGE_ERROR = 0.03
 """Estimated error from which a remedy is named, unless a tolerance is stated."""
 
 REMEDY = "compliance+inertia"
@@ -192,9 +192,9 @@ def _krylov_shapes(model: Model, solution: Solution) -> Matrix:
     changes = forces[:, 1:] - forces[:, :1]
     if not changes.any():
         return np.zeros((model.structure.n_dof, 0))
-    at_dofs = model.contact.transposed[1] @ pod(changes, count=PATTERNS).vectors
+    at_dofs = model.contact.transposed[1] @ pod(changes, count=FORCE_PATTERNS).vectors
     shapes = [model.structure.solve_held(at_dofs)]
-    for _ in range(SWEEPS - 1):
+    for _ in range(KRYLOV_SHAPES - 1):
         shapes.append(model.structure.solve_held(model.M @ shapes[-1]))
     return np.hstack(shapes)
 

@@ -19,13 +19,11 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector
 from faying.assessment.flexibility import Flexibility, flexibility
 from faying.assessment.slip import slip_history
+from faying.digits import ROUND_OFF
 from faying.exceptions import ModelError
 from faying.joint.system import Joint
 from faying.reduction.recovery import static_displacements
 from faying.simulation.solution import Solution
-
-ROUND_OFF = 1e-12
-"""Distance of a force from its bound, over it, that is on the bound; any y certifies."""
 
 
 @final

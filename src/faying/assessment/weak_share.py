@@ -7,7 +7,7 @@ import numpy as np
 from faying._typing import Matrix
 from faying.simulation.solution import Solution
 
-NEGLIGIBLE = 1e-4
+LARGEST_WEAK_SHARE = 1e-4
 """Share of the contact force up to which weak springs may be forgotten.
 
 Springs that friction lets carry nothing have 1e-6 of it; those that carry the load have as much of
@@ -43,7 +43,7 @@ def weak_warnings(shares: Mapping[str, Mapping[str, float]]) -> list[str]:
         (share, bodies, case)
         for bodies, of_case in shares.items()
         for share, case in [max((share, case) for case, share in of_case.items())]
-        if share > NEGLIGIBLE
+        if share > LARGEST_WEAK_SHARE
     ]
     if not worst:
         return []

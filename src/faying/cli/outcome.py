@@ -11,9 +11,9 @@ from rich.table import Table
 from faying.assessment.backbone import amplitude_unit
 from faying.assessment.transient_error import (
     EXACT,
-    LARGE,
-    OBSERVED,
+    LARGE_ERROR,
     OBSERVED_ON,
+    OBSERVED_RATIOS,
     REMEDY,
     TRACTIONS_OBSERVED,
     remedy_hint,
@@ -180,13 +180,13 @@ def _estimates(cases: Mapping[str, Any]) -> list[str]:
             errors[EXACT] = max(reference_estimate, errors.get(EXACT, 0.0))
         if case.get("remedy") is not None:
             errors.setdefault(REMEDY, 0.0)
-        tolerated = case.get("tolerance") or LARGE
+        tolerated = case.get("tolerance") or LARGE_ERROR
         worst |= {
             method: max(error / tolerated, worst.get(method, 0.0))
             for method, error in errors.items()
         }
     if said:
-        low, high = OBSERVED
+        low, high = OBSERVED_RATIOS
         rubbed = any("(tractions" in line for line in said)
         of_tractions = f"; {TRACTIONS_OBSERVED}" if rubbed else ""
         said.append(

@@ -11,7 +11,7 @@ from faying.io.mesh_files import ANY_GROUP, read_mesh_file
 from faying.model.assembly import Material
 from faying.model.description import JointDescription, check_surfaces
 from faying.model.mesh import Mesh
-from faying.model.separate import separated
+from faying.model.separate_bodies import separated
 from faying.sources import SOURCES, SourceKeys
 from faying.study.judgement.solid_constants import doubts
 from faying.study.keys.deck_study import STUDY, check_not_ansys

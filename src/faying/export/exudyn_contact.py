@@ -14,8 +14,8 @@ COMPONENTS = ("ux", "uy", "uz", "rx", "ry", "rz")
 FORCES = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 ROUND_OFF = 1e-13
 EPSILON = float(np.finfo(float).eps)
-NEARLY_RIGID = 1e-6
-DRIFT = 1e-11
+SMALLEST_FLEXIBILITY = 1e-6
+LARGEST_DRIFT = 1e-11
 """Gap left at closed points, over the largest, from which the inverse is formed anew."""
 
 
@@ -45,7 +45,7 @@ class CoupledPoints:
         for _ in range(50 * len(gap) + 200):
             forces = -(self.inverse(active) @ gap)
             slack = self.flexibility @ forces + gap
-            if np.abs(slack[active]).max(initial=0.0) > DRIFT * largest:
+            if np.abs(slack[active]).max(initial=0.0) > LARGEST_DRIFT * largest:
                 self._held = np.zeros_like(active)
                 self._inverse[:] = 0.0
                 forces = -(self.inverse(active) @ gap)
@@ -127,7 +127,9 @@ class ReducedJoint:
 
     def _law(self, flexibility: Array) -> CoupledPoints:
         diagonal = np.diag(flexibility)
-        penalty = np.maximum(1.0 / (self.data["cn"] * self.weights), NEARLY_RIGID * diagonal)
+        penalty = np.maximum(
+            1.0 / (self.data["cn"] * self.weights), SMALLEST_FLEXIBILITY * diagonal
+        )
         if not penalty.all():
             message = "hard contact needs a model with the compliance its trial vectors lack"
             raise ValueError(message)

@@ -23,13 +23,13 @@ from faying.simulation.times import check_times
 from faying.simulation.transient_pieces import Steps, transient_pieces
 
 FORMAT = "faying transient"
-PIECE = 2000
+STEPS_PER_WRITE = 2000
 """Steps between two writes: 15 MB for a thousand contact points, a second of computing or less."""
 
 HISTORY = "a history that fy.stream_transient wrote"
 ANEW = "start anew without resume"
 
-CHUNK = 1024
+INSTANTS_PER_CHUNK = 1024
 """Instants stored together."""
 
 ALWAYS = ("times", "max_pressure")
@@ -143,7 +143,7 @@ def stream_transient(
                 solver,
                 [load],
                 duration=duration,
-                length=PIECE,
+                length=STEPS_PER_WRITE,
                 restarts=None if restart is None else [restart],
                 progress=progress,
             )
@@ -171,14 +171,16 @@ def _append(
     for name in system.bolts:
         rows[f"bolt_forces/{member_name(name)}"] = segment.bolt_force(name)
     # A chunk more of each, for those that are begun are allocated whole.
-    reserve(file, sum(table.nbytes + CHUNK * table[:1].nbytes for table in rows.values()))
+    reserve(
+        file, sum(table.nbytes + INSTANTS_PER_CHUNK * table[:1].nbytes for table in rows.values())
+    )
     for name, values in rows.items():
         if name not in file:
             file.create_dataset(
                 name,
                 shape=(0, *values.shape[1:]),
                 maxshape=(None, *values.shape[1:]),
-                chunks=(CHUNK, *values.shape[1:]),
+                chunks=(INSTANTS_PER_CHUNK, *values.shape[1:]),
                 dtype=values.dtype,
             )
         data = file[name]

@@ -28,7 +28,7 @@ CELL_TYPES = {
 
 VTK_TYPES = {"f8": "Float64", "i8": "Int64", "u1": "UInt8"}
 
-BLOCK = 32768
+BLOCK_BYTES = 32768
 """Bytes that are compressed together, as VTK's own writers choose it."""
 
 
@@ -149,10 +149,10 @@ def _add_array(parent: ET.Element, name: str, values: Matrix | Indices, kind: st
 
 def _encoded(content: bytes) -> str:
     """Compress in blocks; their sizes are encoded apart from them."""
-    blocks = [content[start : start + BLOCK] for start in range(0, len(content), BLOCK)]
+    blocks = [content[start : start + BLOCK_BYTES] for start in range(0, len(content), BLOCK_BYTES)]
     packed = [zlib.compress(block) for block in blocks]
     last = len(blocks[-1]) if blocks else 0
-    sizes = np.array([len(blocks), BLOCK, last, *map(len, packed)], dtype="<u8")
+    sizes = np.array([len(blocks), BLOCK_BYTES, last, *map(len, packed)], dtype="<u8")
     return "".join(
         base64.b64encode(part).decode("ascii") for part in (sizes.tobytes(), b"".join(packed))
     )

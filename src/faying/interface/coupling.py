@@ -15,26 +15,21 @@ import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
-from faying.interface.curved_surface import FLATNESS, corner_normals, standing_off
+from faying.digits import DECK_DIGITS, SOLVED
+from faying.interface.curved_surface import corner_normals, standing_off
 from faying.interface.facets import Rule, gauss_rule, reference_nodes, shape_functions, surface
 from faying.interface.segment_points import FacetPoints, on_side
 from faying.interface.segments import Segments
 from faying.model.elements import FACES
 from faying.model.surface import Facets, facet_normals, rows_by_kind
 
-_RATIONAL = 8
+_RATIONAL_DEGREES = 8
 """Degrees more where a facet is no parallelogram: its shape functions are then no polynomials."""
 
 _LARGEST_DEGREE = 12
 
 _AT_ONCE = 200_000
 """Quadrature points in memory at a time."""
-
-_AFFINE = 1e-9
-"""Deviation from a parallelogram, over its size, that is rounding."""
-
-_DETERMINED = 1e-9
-"""Smallest eigenvalue of a facet's scaled mass matrix that still says something about motion."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -190,7 +185,7 @@ def _dual(mass: Matrix, weight: Matrix) -> Matrix:
     root = np.sqrt(np.where(used, weight, 1.0))
     scaled = mass / (root[:, :, None] * root[:, None, :])
     values, vectors = np.linalg.eigh(scaled)
-    inverse = np.where(values > _DETERMINED, 1.0 / np.maximum(values, _DETERMINED), 0.0)
+    inverse = np.where(values > SOLVED, 1.0 / np.maximum(values, SOLVED), 0.0)
     pseudo = np.einsum("nak,nk,nbk->nab", vectors, inverse, vectors)
     dual: Matrix = np.where(used[:, :, None] & used[:, None, :], pseudo, 0.0)
     return dual * (root[:, :, None] / root[:, None, :])
@@ -254,7 +249,7 @@ def _degree(nodes: Matrix, segments: Segments, kinds: tuple[str, str], rows: Ind
     affine = _affine(nodes, segments.minus, segments.minus_of[rows])
     if affine and _affine(nodes, segments.plus, segments.plus_of[rows]):
         return degree
-    return min(degree + _RATIONAL, _LARGEST_DEGREE)
+    return min(degree + _RATIONAL_DEGREES, _LARGEST_DEGREE)
 
 
 def _of_kinds(
@@ -301,7 +296,7 @@ def _affine(nodes: Matrix, facets: Facets, rows: Indices) -> bool:
         if x.shape[1] > FACES[kind].n_corners:
             middle = shape_functions(FACES[kind].linear, reference_nodes(kind)) @ corners
             away = np.append(away, np.abs(middle - x))
-        if away.max() > _AFFINE * np.ptp(corners, axis=1).max():
+        if away.max() > SOLVED * np.ptp(corners, axis=1).max():
             return False
     return True
 
@@ -319,4 +314,4 @@ def _arc(
 
 def _is_flat(nodes: Matrix, facets: Facets) -> bool:
     normals = facet_normals(nodes, facets)
-    return bool(np.linalg.norm(normals - normals[0], axis=1).max() <= FLATNESS)
+    return bool(np.linalg.norm(normals - normals[0], axis=1).max() <= DECK_DIGITS)

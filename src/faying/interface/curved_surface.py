@@ -6,9 +6,6 @@ import scipy.sparse as sp
 from faying._typing import Indices, Matrix, Vector
 from faying.model.surface import Facets, facet_normals
 
-FLATNESS = 1e-6
-"""Normals that differ by less are one: coordinates of decks seldom have more digits."""
-
 SHARP = np.radians(15.0)
 """Normals that turn more than this towards a corner belong to an edge or chamfer, not to an arc."""
 

@@ -14,7 +14,7 @@ from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import Facets, facet_area_vectors
 
-ACROSS = 0.5
+LARGEST_GAP = 0.5
 """Largest gap of faces that are paired, over the median size of the facets."""
 
 
@@ -65,7 +65,7 @@ def facing_bodies(assembly: Assembly) -> list[Facing]:
         return []
     sizes = np.sqrt(np.linalg.norm(facet_area_vectors(assembly.mesh.nodes, facets), axis=1))
     touching = touching_tolerance(assembly.mesh.nodes, facets, InterfaceSpec(name="joint"))
-    reach = max(ACROSS * float(np.median(sizes)), touching)
+    reach = max(LARGEST_GAP * float(np.median(sizes)), touching)
     # Again and nearer: what lies beyond the tolerance is no part of an interface that touches. The
     # finer side of that may be the other one.
     both = [*_within(assembly, facets, reach, touching)]

@@ -18,7 +18,7 @@ from faying.display.facts import Shown, with_unit
 from faying.exceptions import naming
 from faying.interface.averaging import averaging_operator, facet_columns
 from faying.interface.coupling import Coupling
-from faying.interface.relative import all_axes, axes_of, tangents_of, times_normals
+from faying.interface.relative_displacement import all_axes, axes_of, tangents_of, times_normals
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

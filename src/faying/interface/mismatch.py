@@ -12,7 +12,7 @@ from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import Facets, facet_area_vectors, facet_centres
 
-FACING = -0.7
+LARGEST_COSINE = -0.7
 """Largest cosine between the outward normals of facets that lie on each other."""
 
 
@@ -115,7 +115,7 @@ def _resting(nodes: Matrix, facets: Facets, side: Indices, chosen: Mask, toleran
     host, guest = host[keep], guest[keep]
     offset = centres[guest] - centres[host]
     height = np.abs(np.einsum("kd,kd->k", offset, normals[host]))
-    facing = np.einsum("kd,kd->k", normals[host], normals[guest]) < FACING
+    facing = np.einsum("kd,kd->k", normals[host], normals[guest]) < LARGEST_COSINE
     # Exact zero would let rounding decide where sides are given in decimals.
     slack = tolerance + arc[host] + arc[guest] + 1e-9 * radius[host]
     on = facing & (height <= slack) & _inside(centres[guest], corners[host], normals[host])

@@ -4,15 +4,16 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.contact.laws import Law
+from faying.digits import SOLVED
 from faying.exceptions import ModelError, naming
-from faying.interface.across import reach_of
 from faying.interface.candidate_facets import candidates, touching_tolerance
 from faying.interface.coupling import Coupling, couple
 from faying.interface.facets import area_vectors, reference_nodes
+from faying.interface.gap_pairing import reach_of
 from faying.interface.interface import FacePairs, Interface
 from faying.interface.mismatch import facet_place, raise_no_contact
 from faying.interface.mortar_points import contact_points
-from faying.interface.relative import (
+from faying.interface.relative_displacement import (
     combined_displacement,
     common_normal,
     unit,
@@ -24,10 +25,7 @@ from faying.model.elements import FACES
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import Facets, facet_area_vectors, rows_by_kind
 
-_COLLAPSED = 1e-9
-"""Jacobian at a corner, over the area of the facet, that is rounding."""
-
-_TWICE = 1e-3
+_LARGEST_EXCESS = 1e-3
 """Share of a facet covered beyond the whole that cannot be rounding."""
 
 
@@ -88,7 +86,7 @@ def _by_body(segments: Segments, facets: Facets, side: Indices) -> list[Segments
 
 
 def _check_once(assembly: Assembly, spec: InterfaceSpec, segments: Segments) -> None:
-    twice = np.flatnonzero(segments.covered > 1 + _TWICE)
+    twice = np.flatnonzero(segments.covered > 1 + _LARGEST_EXCESS)
     if twice.size:
         message = (
             f"interface '{spec.name}': {twice.size} facets of the minus side are covered more than "
@@ -171,7 +169,7 @@ def _pair_normals(nodes: Matrix, coupling: Coupling) -> Matrix:
         vectors = area_vectors(kind, nodes[facets.nodes[rows, : FACES[kind].n_nodes]], corners)
         whole = facet_area_vectors(nodes, facets.taken(rows))[:, None]
         # A corner that has collapsed has no Jacobian, but lies in the plane of its facet.
-        collapsed = np.linalg.norm(vectors, axis=2) < _COLLAPSED * np.linalg.norm(whole, axis=2)
+        collapsed = np.linalg.norm(vectors, axis=2) < SOLVED * np.linalg.norm(whole, axis=2)
         vectors = np.where(collapsed[..., None], whole, vectors)
         np.add.at(total, coupling.columns[rows, : len(corners)], vectors)
     return unit(total)

@@ -14,14 +14,14 @@ from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.contact.laws import Law
 from faying.interface.coupling import Coupling, whole_weights
 from faying.interface.facets import Rule, gauss_rule, shape_functions, surface
-from faying.interface.relative import unit
+from faying.interface.relative_displacement import unit
 from faying.interface.segment_points import on_side
 from faying.interface.zero_thickness import contact_rule
 from faying.model.elements import FACES
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import rows_by_kind
 
-SMALL = 0.2
+SMALLEST_COVERAGE = 0.2
 """Coverage of a node below which its contact point joins a neighbour's.
 
 It stands for too little area to carry a pressure of its own, which hard contact would leave
@@ -222,7 +222,7 @@ def _hosts(coupling: Coupling) -> Indices:
     neighbour = host.copy()
     # The last write wins: the best of all facets around a pair.
     neighbour[coupling.columns[order].ravel()] = np.repeat(best[order], 4)
-    small = coupling.coverage < SMALL
+    small = coupling.coverage < SMALLEST_COVERAGE
     host[small] = neighbour[small]
     while not np.array_equal(host[host], host):
         host = host[host]

@@ -11,7 +11,7 @@ from faying.interface.interface import Interface
 from faying.linalg.factorization import factorize
 from faying.linalg.interface import Factorization
 
-SHIFT = 1e-11
+DIAGONAL_SHIFT = 1e-11
 """Added to the normal equations, over their largest entry: it decides what the points leave open,
 and is far below the accuracy anyone reads."""
 
@@ -43,7 +43,7 @@ class PairFit:
         shape = sp.csr_array(interface.point_shape)
         weighted = sp.csr_array(shape.T @ sp.diags_array(interface.weights))
         normal = weighted @ shape
-        shift = SHIFT * float(normal.diagonal().max())
+        shift = DIAGONAL_SHIFT * float(normal.diagonal().max())
         shifted = sp.csr_array(normal + shift * sp.eye_array(normal.shape[0]))
         return cls(shape=shape, weighted=weighted, normal=factorize(shifted))
 

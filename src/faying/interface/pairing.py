@@ -13,8 +13,8 @@ from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Mask, Matrix
 from faying.exceptions import ModelError
-from faying.interface.across import pairs_across
 from faying.interface.candidate_facets import candidates, touching_tolerance
+from faying.interface.gap_pairing import pairs_across
 from faying.interface.interface import FacePairs
 from faying.interface.mismatch import check_no_mismatch, facet_place, raise_no_contact
 from faying.interface.selection import select_facets

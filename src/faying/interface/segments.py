@@ -13,14 +13,12 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
+from faying.digits import DECK_DIGITS
 from faying.interface.cells import Cells, divided
 from faying.interface.clipping import areas, clip, fans
-from faying.interface.mismatch import FACING
-from faying.interface.reach import Reach, facing_cells, hidden
+from faying.interface.hidden_facets import Reach, facing_cells, hidden
+from faying.interface.mismatch import LARGEST_COSINE
 from faying.model.surface import Facets, facet_area_vectors, facet_centres, facet_frames
-
-NEGLIGIBLE = 1e-6
-"""Share of a minus facet below which it does not count as covered: digits of coordinates."""
 
 WHOLE = 1 - 1e-5
 """Share of a minus facet from which it counts as wholly covered: digits of coordinates."""
@@ -168,7 +166,7 @@ def find_segments(
         lifted = _lifted(seen[0], centres[facets[0]], frames[facets[0]], above, upper_cell[rows])
         common_enough[rows] = ~_hidden(nodes, (minus, plus), facets, seen, lifted)
     covered = np.bincount(first[common_enough], common[common_enough], len(minus)) / full
-    common_enough &= covered[first] >= NEGLIGIBLE
+    common_enough &= covered[first] >= DECK_DIGITS
     triangles, owners = fans(polygons[common_enough], counts[common_enough])
     segments = Segments(
         minus=minus,
@@ -266,7 +264,9 @@ def _near(below: Cells, above: Cells, tolerance: float) -> tuple[Indices, Indice
     normals = below.normals, above.normals
     pairs = [np.empty((0, 2), dtype=np.int64)]
     for lower_cells, upper_cells in _by_distance(*boxes):
-        close = np.einsum("nd,nd->n", normals[0][lower_cells], normals[1][upper_cells]) < FACING
+        close = (
+            np.einsum("nd,nd->n", normals[0][lower_cells], normals[1][upper_cells]) < LARGEST_COSINE
+        )
         close &= (low[lower_cells] <= to[upper_cells]).all(axis=1) & (
             from_[upper_cells] <= high[lower_cells]
         ).all(axis=1)

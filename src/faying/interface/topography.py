@@ -11,12 +11,12 @@ from scipy.spatial import cKDTree
 from faying._typing import Matrix, Vector
 from faying.exceptions import ModelError
 from faying.interface.interface import Interface
-from faying.interface.scan import Scan
+from faying.interface.surface_scan import Scan
 
-RESOLVED = 4.0
+EDGES_PER_WAVE = 4.0
 """Edges of facets that a wave takes at least: fewer show it as another one."""
 
-CELLS = 32.0
+CELLS_PER_WAVE = 32.0
 """Cells of the filter's grid in a wave of the cut-off.
 
 Where they lie changes a bump twice as wide by 3e-4 of its height.
@@ -184,7 +184,7 @@ def _cutoff(interface: Interface, placement: ScanPlacement) -> float:
     if placement.wavelength != "auto":
         return float(placement.wavelength)
     n_face = len(np.unique(interface.face_of_point))
-    return RESOLVED * float(np.sqrt(interface.weights.sum() / n_face))
+    return EDGES_PER_WAVE * float(np.sqrt(interface.weights.sum() / n_face))
 
 
 def _powers(places: Matrix, centre: Vector, size: float) -> Matrix:
@@ -195,7 +195,7 @@ def _powers(places: Matrix, centre: Vector, size: float) -> Matrix:
 
 def _filtered(places: Matrix, values: Vector, points: Matrix, cutoff: float) -> Vector:
     """Return the weighted Gaussian mean of samples at points (n_point,)."""
-    cell = cutoff / CELLS
+    cell = cutoff / CELLS_PER_WAVE
     low = np.minimum(places.min(axis=0), points.min(axis=0)) - cell
     shape = np.ceil((np.maximum(places.max(axis=0), points.max(axis=0)) - low) / cell).astype(int)
     shape += 2

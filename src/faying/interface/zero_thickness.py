@@ -19,7 +19,7 @@ from faying.interface.facets import (
 )
 from faying.interface.interface import FacePairs, Interface
 from faying.interface.penalty import automatic_penalty
-from faying.interface.relative import (
+from faying.interface.relative_displacement import (
     common_normal,
     relative_displacement,
     unit,

@@ -21,7 +21,7 @@ from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS
 from faying.model.elements.orientation import right_side_out
 from faying.model.mesh import Mesh
-from faying.model.separate import separated
+from faying.model.separate_bodies import separated
 from faying.model.surface import Facets, padded, unique_rows
 
 ANY_GROUP = "default"
@@ -63,8 +63,9 @@ def read_mesh_file(
         Volume group to its material; ``"default"`` is that of groups without one of their own.
         Any other name is there for bolts.
     separate
-        Volume groups whose nodes are their own, see :func:`faying.model.separate.separated`: parts
-        of a fragmented geometry, which share the nodes of the faces where they touch.
+        Volume groups whose nodes are their own, see
+        :func:`faying.model.separate_bodies.separated`: parts of a fragmented geometry, which
+        share the nodes of the faces where they touch.
 
     Returns
     -------

@@ -16,7 +16,7 @@ from faying._typing import Indices, Mask, Vector
 from faying.exceptions import FormatError
 from faying.interface.facets import area_vectors, gauss_rule
 from faying.model.assembly import Assembly, Equation, Spring, Support
-from faying.model.deck_bolt import CUT
+from faying.model.deck_bolt import CUT_STIFFNESS
 from faying.model.elements import SOLIDS
 from faying.model.mesh import Mesh
 from faying.model.surface import corner_keys, padded, unique_rows
@@ -268,7 +268,7 @@ def close_cuts(assembly: Assembly, cuts: Sequence[Cut]) -> Assembly:
             Spring(
                 id=spring_id,
                 ends=((fixed, cut.component), (moving, cut.component)),
-                stiffness=CUT * _layer_stiffness(assembly, cut),
+                stiffness=CUT_STIFFNESS * _layer_stiffness(assembly, cut),
                 axis=(tuple((centre - half).tolist()), tuple((centre + half).tolist())),
             )
         )

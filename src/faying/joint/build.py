@@ -10,8 +10,8 @@ import scipy.sparse as sp
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, read_only
 from faying.contact.laws import Hard, Law, normal_law
 from faying.exceptions import ModelError, naming
-from faying.interface.across import declared_area
 from faying.interface.friction import with_friction
+from faying.interface.gap_pairing import declared_area
 from faying.interface.interface import Interface, stack
 from faying.interface.mortar import build_mortar_interface, find_couplings
 from faying.interface.overlap import check_not_doubled

@@ -7,6 +7,7 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
+from faying.digits import DECK_DIGITS
 from faying.exceptions import ModelError
 from faying.joint.model import Model
 from faying.model.assembly import Assembly
@@ -32,8 +33,6 @@ REMEDY_BESIDE_SPRINGS = (
 )
 """Where weak springs were asked for."""
 
-# Rounding of unit vectors, of twists of unit size and of places, over the size of the body.
-_ROUNDING = 1e-6
 
 MOST_NODES = 4
 """Loose nodes that are named."""
@@ -162,7 +161,7 @@ def suspension(model: Model) -> str:
         return ""
     pulled, moved = (motions.T @ (matrix @ motions) for matrix in (model.K, model.M))
     squares = la.eigh(pulled, moved, eigvals_only=True)
-    frequencies = np.sqrt(squares[squares > _ROUNDING * squares[-1]]) / (2 * np.pi)
+    frequencies = np.sqrt(squares[squares > DECK_DIGITS * squares[-1]]) / (2 * np.pi)
     return (
         f"springs to ground alone hold {len(frequencies)} motion(s) of the joint as a whole, in "
         f"which it swings at {frequencies[0]:.3g} to {frequencies[-1]:.3g}; numbers of modes count "
@@ -228,12 +227,12 @@ def _ways(points: Matrix, moved: Matrix) -> str:
     if np.linalg.norm(basis @ twists - shown) > 1e-3 * np.linalg.norm(shown):
         return f"contains a hinge: its nodes move along {_direction(shown[:3, 0])} and others"
     left, size, _ = np.linalg.svd(twists)
-    ways = left[:, : int((size > _ROUNDING * size[0]).sum())]
+    ways = left[:, : int((size > DECK_DIGITS * size[0]).sum())]
     count = ways.shape[1]
     if count == 6:
         return "is held by nothing"
     simplest = _simplest(ways)
-    shifts = np.linalg.norm(simplest[3:]) < _ROUNDING
+    shifts = np.linalg.norm(simplest[3:]) < DECK_DIGITS
     turning = "" if shifts else f"can turn freely {_axis(simplest, centre, radius)}"
     text = turning or f"can move freely along {_direction(simplest[:3])}"
     return text if count == 1 else f"{text} (one of {count} free motions)"
@@ -243,7 +242,7 @@ def _simplest(ways: Matrix) -> Vector:
     """Return a translation among the twists (6, n) if there is one."""
     _, size, right = np.linalg.svd(ways[3:])
     size = np.append(size, np.zeros(ways.shape[1]))[: ways.shape[1]]
-    quietest: Vector = ways @ right[-1] if size[-1] < _ROUNDING else ways[:, 0]
+    quietest: Vector = ways @ right[-1] if size[-1] < DECK_DIGITS else ways[:, 0]
     return quietest
 
 
@@ -251,7 +250,7 @@ def _axis(twist: Vector, centre: Vector, radius: float) -> str:
     """Say about which line a twist turns."""
     rotation = twist[3:] / radius
     point = centre + np.cross(rotation, twist[:3]) / (rotation @ rotation)
-    point = np.where(np.abs(point) < _ROUNDING * radius, 0.0, point)
+    point = np.where(np.abs(point) < DECK_DIGITS * radius, 0.0, point)
     coordinates = ", ".join(f"{value + 0.0:.4g}" for value in point)
     return f"about the axis {_direction(rotation)} through ({coordinates})"
 

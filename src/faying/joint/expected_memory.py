@@ -18,17 +18,17 @@ from faying.model.elements.solid_element import stiffness_gradients
 MOST_COUNTED = 200_000
 """Degrees of freedom up to which matrices are formed to count what their factors hold."""
 
-_SOLID = 0.9
+_SMALLEST_SOLID_SHARE = 0.9
 """Share of the degrees of freedom that are those of solids, of which alone there is an estimate."""
 
-_LEAF = 64
+_LEAF_NODES = 64
 """Nodes that are not divided any more: their factor is full."""
 
 _OVER_PLANES = 1.8
 """Entries that PARDISO stores over those of planes: 1.5 to 2.1 measured on cubes, plates and bars
 of 47 000 to 1.6 million degrees of freedom, of hex8 and of tet10."""
 
-_PEAK = 1.07
+_PEAK_MEMORY = 1.07
 """Its peak over what it holds then, 1.04 to 1.12 in the same measurements."""
 
 _SEPARATORS = 2.0
@@ -38,7 +38,7 @@ _SEPARATORS = 2.0
 _BORDERED = 1.7
 """Peak of that factor with the compliance, over its entries: 1.5 to 2.1 in these measurements."""
 
-_SAMPLE = 10_000
+_SAMPLE_CELLS = 10_000
 """Cells whose mean volume is taken for that of all."""
 
 
@@ -57,7 +57,7 @@ def expected_memory(model: Model) -> FactorMemory:
     for block in mesh.blocks:
         used[block.nodes] = True
     places = mesh.nodes[used]
-    if n_dof <= MOST_COUNTED or 3 * len(places) < _SOLID * n_dof:
+    if n_dof <= MOST_COUNTED or 3 * len(places) < _SMALLEST_SOLID_SHARE * n_dof:
         return model.structure.factor_memory
     backend = chosen_backend(None)
     if backend != "pardiso":
@@ -65,7 +65,7 @@ def expected_memory(model: Model) -> FactorMemory:
     spacing = (_volume(model.assembly) / len(places)) ** (1 / 3)
     factor = int(_OVER_PLANES * 9 * 8 * dissected(places, spacing))
     factors = FactorMemory(
-        backend=backend, order=n_dof, factor=factor, peak=int(_PEAK * factor), counted=False
+        backend=backend, order=n_dof, factor=factor, peak=int(_PEAK_MEMORY * factor), counted=False
     )
     return factors.with_ports(*_between_pairs(model.structure, factor))
 
@@ -103,7 +103,7 @@ def dissected(places: Matrix, spacing: float) -> float:
         behind = along - np.partition(along, len(along) // 2)[len(along) // 2]
         separating = (behind >= 0) & (behind < spacing)
         n_separating = np.count_nonzero(separating)
-        if len(points) <= _LEAF or n_separating in (0, len(points)):
+        if len(points) <= _LEAF_NODES or n_separating in (0, len(points)):
             pairs += len(points) ** 2 / 2 + len(points) * front
             continue
         pairs += n_separating**2 / 2 + n_separating * front
@@ -118,7 +118,7 @@ def _volume(assembly: Assembly) -> float:
     total = 0.0
     for block in assembly.mesh.blocks:
         element = block_element(block, assembly.element)
-        sample = block.nodes[:: 1 + len(block.ids) // _SAMPLE]
+        sample = block.nodes[:: 1 + len(block.ids) // _SAMPLE_CELLS]
         factors = volume_factors(stiffness_gradients(element), assembly.mesh.nodes[sample])
         weights = element.stiffness_quadrature().weights
         total += float((weights @ factors).mean()) * len(block.ids)

@@ -29,7 +29,7 @@ from faying.model.outline import outline_of
 from faying.units import units_of
 
 VIEW = {"elev": 24.0, "azim": -58.0}
-SLENDER = 0.5
+SLENDER_HEIGHT = 0.5
 """Height over length from which a body fills the picture and needs room for names above it."""
 MANY_FACETS = 20_000
 """Beyond this, edges would blacken the picture."""
@@ -109,7 +109,7 @@ def frame(axes: Any, points: Matrix) -> None:
 
 
 def _zoom(extent: Vector) -> float:
-    return 0.85 if extent[2] < SLENDER * extent.max() else 0.7
+    return 0.85 if extent[2] < SLENDER_HEIGHT * extent.max() else 0.7
 
 
 def _ticks(size: float, longest: float) -> Any:

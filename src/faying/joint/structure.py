@@ -8,6 +8,7 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
+from faying.digits import ROUND_OFF
 from faying.joint.free_matrices import FreeMatrices
 from faying.joint.system import PortCompliance
 from faying.linalg.budget import default_budget, pairs_fit
@@ -23,9 +24,6 @@ from faying.linalg.factorization import (
 from faying.linalg.memory import FactorMemory
 from faying.linalg.partial import compressed_port_compliance, port_compliance
 from faying.linalg.relief import balanced, supported, supports
-
-MASSLESS = 1e-12
-"""Inertia of a motion over the largest below which nothing balances forces in it."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -108,7 +106,7 @@ class Structure:
             return np.zeros((self.n_dof, 0))
         motions = self.whole_motions(self.K)
         inertia, ways = np.linalg.eigh(motions.T @ (self.M @ motions))
-        heavy = inertia > MASSLESS * inertia.max(initial=0.0)
+        heavy = inertia > ROUND_OFF * inertia.max(initial=0.0)
         weighed: Matrix = frozen(motions @ (ways[:, heavy] / np.sqrt(inertia[heavy])))
         return weighed
 

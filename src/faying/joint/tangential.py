@@ -13,17 +13,15 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
+from faying.digits import SOLVED
 from faying.interface.interface import Interface
-from faying.interface.relative import tangents_of
+from faying.interface.relative_displacement import tangents_of
 from faying.joint.bolt_surroundings import nearest_bolts, told_apart
 from faying.joint.model import Model
 from faying.joint.sticking import sticking_forces
 from faying.joint.system import elongations
 from faying.model.bolt import Bolt
 from faying.model.connections import connected_parts
-
-PIERCED = 1e-9
-"""Distance of an end of a bolt from an interface, over the length, that is on the other side."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -186,7 +184,7 @@ def _pierced(
         if ends is None:
             continue
         heights = (ends - origin) @ normal
-        smallest = PIERCED * np.abs(np.diff(heights)[0])
+        smallest = SOLVED * np.abs(np.diff(heights)[0])
         if heights.min() > -smallest or heights.max() < smallest or smallest == 0:
             continue
         share = heights[0] / (heights[0] - heights[1])

@@ -22,14 +22,14 @@ from faying.model.assembly import Assembly, Spring
 from faying.model.bodies import body_names
 from faying.model.local_stiffness import stiffness_at
 
-WEAK = 1e-5
+AUTOMATIC_STIFFNESS = 1e-5
 """Automatic stiffness over the stiffness at the nodes that the springs hold.
 
 They take 1e-5 of a load from friction. Weaker ones take less, but increments with friction then
 take more Newton steps; with 1e-7 one was not solved (``docs/how-to/get_a_model_in.md``).
 """
 
-MOVING = 0.01
+SMALLEST_MOTION = 0.01
 """Nodes that move by more than this fraction of the largest free motion belong to a free body."""
 
 
@@ -72,7 +72,7 @@ def with_weak_springs(model: Model, stiffness: float | Literal["auto"] = "auto")
         return model
     pairs = np.concatenate(list(pairs_held.values()))
     if stiffness == "auto":
-        stiffness = WEAK * _stiffness_there(model, np.unique(pairs))
+        stiffness = AUTOMATIC_STIFFNESS * _stiffness_there(model, np.unique(pairs))
     supports = {
         name: WeakSupport(
             nodes=assembly.mesh.node_ids[pair_rows],
@@ -147,7 +147,7 @@ def _free_nodes(model: Model) -> Mask:
     if mechanisms.motions.size:
         nodal = np.moveaxis(model.dofs.nodal(mechanisms.motions.T), 0, -1)
         size = np.linalg.norm(nodal[:, :3], axis=(1, 2))
-    free: Mask = size > MOVING * size.max(initial=0.0)
+    free: Mask = size > SMALLEST_MOTION * size.max(initial=0.0)
     return free
 
 

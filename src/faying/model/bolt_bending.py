@@ -4,14 +4,12 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import SparseMatrix, read_only
+from faying.digits import SOLVED
 from faying.model.assembly import Assembly, Beam
 from faying.model.cut_section import section_rows
 from faying.model.deck_bolt import bolt_chain, chain_ends
 from faying.model.elements.beam import beam_frames, beam_matrices
 from faying.model.specs import BoltSpec
-
-NOTHING = 1e-9
-"""Moments over those of a beam that is held, below which they are round-off of its stiffness."""
 
 
 def end_moments(assembly: Assembly, spec: BoltSpec) -> SparseMatrix | None:
@@ -65,4 +63,4 @@ def are_carried(moments: SparseMatrix, K: SparseMatrix) -> bool:
     loads = moments[:, columns].toarray().T
     balance = K[alone][:, columns].toarray().T
     left = loads - balance @ np.linalg.lstsq(balance, loads)[0] if len(alone) else loads
-    return bool(np.abs(left).max(initial=0.0) > NOTHING * np.abs(loads).max(initial=0.0))
+    return bool(np.abs(left).max(initial=0.0) > SOLVED * np.abs(loads).max(initial=0.0))

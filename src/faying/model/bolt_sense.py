@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from faying._typing import Indices
+from faying.digits import DECK_DIGITS
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Spring
 from faying.model.mesh import Mesh
@@ -12,8 +13,6 @@ from faying.model.mesh import Mesh
 Seats = tuple[Indices, Indices]
 """Nodes of solids that the two ends of a bolt hold."""
 
-_SAME_PLACE = 1e-6
-"""Distance over the size of the model below which two places say nothing about a direction."""
 
 _SAME_SEAT = 0.5
 """Share of the smaller seat from which two bolts that have it in common sit on the same one."""
@@ -35,7 +34,7 @@ def spring_sense(assembly: Assembly, spring: Spring, seats: Seats) -> float:
     (first, component), (second, _) = spring.ends
     mesh = assembly.mesh
     along = mesh.nodes[:, component]
-    nothing = _SAME_PLACE * float(np.ptp(mesh.nodes, axis=0).max())
+    nothing = DECK_DIGITS * float(np.ptp(mesh.nodes, axis=0).max())
     around = [_of_elements_at(mesh, seat) for seat in seats]
     for first_end, second_end in ((first, second), seats, around):
         start, end = along[np.atleast_1d(first_end)], along[np.atleast_1d(second_end)]

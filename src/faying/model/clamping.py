@@ -11,7 +11,7 @@ from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 
 # A body in the plane of a seat touches it, but is not between the seats.
-_INSIDE = 1e-2
+_SMALLEST_DEPTH = 1e-2
 
 
 def check_clamping(mesh: Mesh, spec: BoltSpec, seats: tuple[Indices, Indices]) -> None:
@@ -98,8 +98,8 @@ def _between(mesh: Mesh, spec: BoltSpec, seats: tuple[Indices, Indices]) -> Indi
     along, radial = _cylindrical(mesh.nodes, ends[0], axis)
     radius = max(spec.washer_radius or 0.0, float(radial[np.concatenate(seats)].max()))
     # A beam may end at a single node of a solid; its thickness is then unknown.
-    radius = radius if radius > _INSIDE * length else length / 2
-    inside = (along > _INSIDE * length) & (along < (1 - _INSIDE) * length)
+    radius = radius if radius > _SMALLEST_DEPTH * length else length / 2
+    inside = (along > _SMALLEST_DEPTH * length) & (along < (1 - _SMALLEST_DEPTH) * length)
     return np.flatnonzero(inside & (radial <= radius))
 
 

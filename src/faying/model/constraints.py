@@ -14,6 +14,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, read_only
+from faying.digits import SOLVED
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
 from faying.model.couplings.average import average_rows
@@ -23,8 +24,6 @@ from faying.model.couplings.rows import Rows, dof_name, stacked
 from faying.model.couplings.support import fixed_components, inclined_rows
 from faying.model.dofs import DofMap
 
-# Relative size of a pivot below which equations repeat each other.
-_RANK = 1e-9
 # Relative size of coefficients that are rounding of the solution of those equations.
 _ROUNDING = 1e-13
 # Share of the largest coefficient of an equation that is rounding after others are put into it.
@@ -217,7 +216,7 @@ def _eliminated(equations: Matrix, allowed: Mask) -> tuple[Indices, Matrix]:
         return positions[:0], scaled[:0]
     basis, R, order = scipy.linalg.qr(scaled[:, positions], mode="economic", pivoting=True)
     pivots = np.abs(np.diag(R))
-    rank = int((pivots > _RANK * pivots[0]).sum())
+    rank = int((pivots > SOLVED * pivots[0]).sum())
     chosen: Indices = positions[order[:rank]]
     return chosen, basis[:, :rank].T @ scaled
 

@@ -4,12 +4,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import SparseMatrix, Vector
+from faying.digits import DECK_DIGITS
 from faying.exceptions import ModelError, naming
 from faying.model.assembly import Assembly
 from faying.model.specs import BoltSpec
-
-SURPLUS = 1e-6
-"""Relative excess of a bolt's stiffness over what K holds that rounding of files may cause."""
 
 
 def elongation_factors(assembly: Assembly, spec: BoltSpec) -> SparseMatrix:
@@ -71,7 +69,7 @@ def check_contained(K: SparseMatrix, elongation: Vector, spec: BoltSpec) -> None
     softest = np.linalg.eigvalsh(
         local - declared * np.outer(elongation[nonzero], elongation[nonzero])
     )[0]
-    if softest < -SURPLUS * declared:
+    if softest < -DECK_DIGITS * declared:
         message = (
             f"bolt '{spec.name}': K does not contain a spring of {declared:g} between nodes "
             f"{' and '.join(map(str, spec.nodes or ()))}: part of it would be left over; check "

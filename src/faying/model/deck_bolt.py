@@ -10,11 +10,11 @@ from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Beam, Spring
 from faying.model.specs import BoltSpec
 
-CUT = 1e4
+CUT_STIFFNESS = 1e4
 """Stiffness of the spring that closes a cut over E A / h of the layer of elements beside it: one
 part in ten thousand of one layer is added to the bolt's compliance, K loses four digits at most."""
 
-UNLOCKED = 1e-6
+UNLOCKED_STIFFNESS = 1e-6
 """Axial stiffness left of a bolt that pulls with a given force: its force changes by a millionth of
 what it would if it were locked, and K loses six digits at most."""
 
@@ -67,13 +67,13 @@ def with_unlocked_bolts(assembly: Assembly, specs: Sequence[BoltSpec]) -> Assemb
     return replace(
         assembly,
         beams=tuple(
-            replace(beam, section=replace(beam.section, axial_factor=UNLOCKED))
+            replace(beam, section=replace(beam.section, axial_factor=UNLOCKED_STIFFNESS))
             if beam.id in ids
             else beam
             for beam in assembly.beams
         ),
         springs=tuple(
-            replace(spring, stiffness=spring.stiffness * UNLOCKED / CUT)
+            replace(spring, stiffness=spring.stiffness * UNLOCKED_STIFFNESS / CUT_STIFFNESS)
             if spring.id in ids
             else spring
             for spring in assembly.springs

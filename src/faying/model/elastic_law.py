@@ -10,13 +10,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.digits import DECK_DIGITS
 
 Law = tuple[tuple[float, ...], ...]
 
 _PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))
 _PLACE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
-# Rounding of constants in eight columns may leave a law symmetric to this share only.
-_SYMMETRIC = 1e-6
 
 
 def tensor(law: Law | Matrix) -> Matrix:
@@ -104,7 +103,7 @@ def stable(law: Law | Matrix) -> bool:
         return False
     scale = 1 / np.sqrt(np.diag(matrix))
     even = matrix * scale[:, None] * scale
-    if np.abs(even - even.T).max() > _SYMMETRIC:
+    if np.abs(even - even.T).max() > DECK_DIGITS:
         return False
     return bool(np.linalg.eigvalsh(0.5 * (even + even.T))[0] > 1e-12)
 

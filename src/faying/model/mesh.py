@@ -11,7 +11,7 @@ from faying.model.cells import CellBlock
 from faying.model.surface import Facets
 from faying.model.topology import Topology
 
-FARTHEST = 1e30
+LARGEST_COORDINATE = 1e30
 """Largest coordinate: products of several measures must stay within double precision."""
 
 
@@ -47,12 +47,12 @@ class Mesh:
         if self.nodes.shape != (len(self.node_ids), 3):
             message = f"{len(self.node_ids)} node ids but coordinates of shape {self.nodes.shape}"
             raise ModelError(message)
-        far = np.flatnonzero(~(np.abs(self.nodes) <= FARTHEST).all(axis=1))
+        far = np.flatnonzero(~(np.abs(self.nodes) <= LARGEST_COORDINATE).all(axis=1))
         if len(far):
             position = ", ".join(f"{x:g}" for x in self.nodes[far[0]])
             message = (
                 f"node {self.node_ids[far[0]]} is at ({position}); coordinates are at most "
-                f"{FARTHEST:g}, for volumes must stay within double precision; correct it"
+                f"{LARGEST_COORDINATE:g}, for volumes must stay within double precision; correct it"
             )
             raise ModelError(message)
 

@@ -13,17 +13,17 @@ from faying.model.dofs import DofMap
 from faying.model.shell_matrices import PANEL
 from faying.model.shells import ShellBlock
 
-LARGEST = 2000
+MOST_UNKNOWNS = 2000
 """Unknowns of the dense eigenvalue problem above which it costs more than a minute."""
 
-HELD = 1e-11
+SMALLEST_RESISTANCE = 1e-11
 """Force against a rigid motion over those of all entries of its row; rounding leaves 1e-15.
 
 A grounded spring at one node resists by its stiffness over that of the elements there."""
 
 # Size of a rigid motion of a body, relative to its largest, below which its free nodes do not
 # show it: they lie on one line, say.
-_UNSEEN = 1e-8
+_SMALLEST_MOTION = 1e-8
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -65,9 +65,11 @@ def free_motions(assembly: Assembly, dofs: DofMap, K: SparseMatrix) -> FreeMotio
     """
     labels = rigid_parts(assembly)
     shapes = _shapes(assembly, dofs, labels)
-    if not 0 < shapes.shape[1] <= LARGEST:
+    if not 0 < shapes.shape[1] <= MOST_UNKNOWNS:
         nothing = np.zeros((len(dofs.free), 0))
-        return FreeMotions(motions=nothing, labels=labels, searched=shapes.shape[1] <= LARGEST)
+        return FreeMotions(
+            motions=nothing, labels=labels, searched=shapes.shape[1] <= MOST_UNKNOWNS
+        )
     stiffness = (shapes.T @ (K @ shapes)).toarray()
     singly = shapes.power(2).T @ K.diagonal()
     scale = 1 / np.sqrt(np.maximum(singly, np.finfo(float).eps * singly.max(initial=1.0)))
@@ -99,10 +101,10 @@ def whole_motions(points: Matrix, free: Indices, K: SparseMatrix) -> Matrix:
     _, size, ways = np.linalg.svd(np.linalg.qr(resisted, mode="r"))
     size = np.append(size, np.zeros(6))[:6]
     # Motions that are none, as turns about a line of nodes, meet no resistance either.
-    whole = motions @ ways[size < HELD].T
+    whole = motions @ ways[size < SMALLEST_RESISTANCE].T
     left, seen, _ = np.linalg.svd(whole, full_matrices=False)
     # Where all are, round-off is left of them: what counts is seen over motions of the structure.
-    distinct: Matrix = left[:, seen > _UNSEEN * np.linalg.norm(motions)]
+    distinct: Matrix = left[:, seen > _SMALLEST_MOTION * np.linalg.norm(motions)]
     return distinct
 
 
@@ -195,7 +197,7 @@ def _independent(points: Matrix, components: Indices) -> Matrix:
     left, size, _ = np.linalg.svd(
         motions / np.where(lengths > 0, lengths, 1.0), full_matrices=False
     )
-    independent: Matrix = left[:, size > _UNSEEN * size[0]]
+    independent: Matrix = left[:, size > _SMALLEST_MOTION * size[0]]
     return independent
 
 

@@ -13,13 +13,13 @@ from faying.linalg.substitution import dense
 from faying.reduction.basis import VANISHING, Basis, ModeKind
 from faying.reduction.craig_bampton import craig_bampton
 
-MOMENTS = 12
+INERTIA_SHAPES = 12
 """Static shapes of inertia forces, one upon the other, that follow each boundary and load."""
 
-REFINED = 200
+REFINED_SHAPES = 200
 """Slowest shapes whose inertia forces have their static shapes too."""
 
-COPIES = 4
+SHAPE_COPIES = 4
 """Sets of all shapes alive at once: known, new, their forces, scratch."""
 
 
@@ -27,8 +27,8 @@ def attachment_modes(
     model: Model,
     *,
     normal_modes: int = 20,
-    moments: int = MOMENTS,
-    refined: int = REFINED,
+    moments: int = INERTIA_SHAPES,
+    refined: int = REFINED_SHAPES,
     classic: Basis | None = None,
 ) -> Basis:
     """Extend the classic basis by all static shapes of contact, and by what their inertia excites.
@@ -87,7 +87,7 @@ def attachment_modes(
     inputs = len(structure.boundary) + len(model.load_patterns)
     n = len(start) + moments * inputs + structure.relative_operator.shape[0] + refined
     require_room(
-        8 * COPIES * n * structure.n_dof,
+        8 * SHAPE_COPIES * n * structure.n_dof,
         f"{n} shapes of interface and inertia",
         "take the residual compliance instead, or a coarser interface",
     )
@@ -102,7 +102,7 @@ def attachment_modes(
     return refined_basis(model, basis, refined)
 
 
-def refined_basis(model: Model, basis: Basis, count: int = REFINED) -> Basis:
+def refined_basis(model: Model, basis: Basis, count: int = REFINED_SHAPES) -> Basis:
     """Extend a basis by the static shapes of the inertia forces of its slowest Ritz vectors.
 
     Those of lowest frequency among the shapes that vanish on the boundary: one step of subspace

@@ -8,14 +8,12 @@ from enum import StrEnum
 import numpy as np
 
 from faying._typing import Matrix, SparseMatrix, frozen
+from faying.digits import ROUND_OFF
 from faying.display.facts import Shown
 from faying.exceptions import ModelError
 
-DEPENDENT = 1e-8
+SMALLEST_NEW_PART = 1e-8
 """A trial vector is dropped when this part of its energy norm, or less, is new."""
-
-NEW = 1e-12
-"""The same for blocks of shapes and their energy; round-off leaves less than 1e-15."""
 
 
 class ModeKind(StrEnum):
@@ -118,7 +116,7 @@ class Basis(Shown):
             new = new - vanishing @ (vanishing.T @ (K @ new))
             gram = new.T @ (K @ new)
             parts, directions = np.linalg.eigh((gram + gram.T) / 2)
-            added = parts > NEW
+            added = parts > ROUND_OFF
             new = new @ (directions[:, added] / np.sqrt(parts[added]))
         return self + Basis(vectors=new, kinds=(kind,) * new.shape[1])
 
@@ -145,7 +143,7 @@ class Basis(Shown):
                 vector = vector - done[:, :size] @ (stiff_done[:, :size].T @ vector)
             stiff = K @ vector
             energy = float(np.sqrt(vector @ stiff))
-            if energy <= DEPENDENT * full:
+            if energy <= SMALLEST_NEW_PART * full:
                 continue
             done[:, size], stiff_done[:, size] = vector / energy, stiff / energy
             kinds.append(self.kinds[index])

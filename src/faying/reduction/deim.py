@@ -24,7 +24,7 @@ from faying.exceptions import ConvergenceError, ModelError
 from faying.reduction.contact_reduction import AnyModel, ReducedContact, with_static_contact
 from faying.reduction.pod import pod
 
-EXCHANGES = 100
+MOST_EXCHANGES = 100
 """Exchanges of the points in contact before the sampled problem is given up."""
 
 
@@ -151,7 +151,7 @@ def with_deim(system: AnyModel, sampling: Deim) -> AnyModel:
 
 def _exchange(matrix: Matrix, gap: Vector, closed: Mask) -> tuple[Vector, int]:
     """Semismooth Newton for λ ≥ 0, matrix λ + gap ≥ 0, complementary."""
-    for iteration in range(1, EXCHANGES + 1):
+    for iteration in range(1, MOST_EXCHANGES + 1):
         index = np.flatnonzero(closed)
         forces = np.zeros_like(gap)
         if len(index):

@@ -24,10 +24,10 @@ from faying.contact.state import ContactState
 from faying.exceptions import ModelError
 from faying.reduction.contact_reduction import AnyModel, ReducedContact, with_static_contact
 
-SPANNED = 1e-10
+LARGEST_REMAINDER = 1e-10
 """Part of a snapshot outside the cone below which it is round-off of the projection."""
 
-SWEEPS = 200
+MOST_SWEEPS = 200
 """Alternating sweeps of the nonnegative factorization; its residual changes little after."""
 
 
@@ -151,7 +151,7 @@ def cone_projected_greedy(contact_forces: Matrix, *, count: int) -> ForceBasis:
     while queue and len(picked) < count:
         bound, column, measured = heapq.heappop(queue)
         if measured == len(picked):
-            if -bound <= SPANNED:
+            if -bound <= LARGEST_REMAINDER:
                 break
             picked.append(column)
             continue
@@ -183,7 +183,7 @@ def nonnegative_factors(contact_forces: Matrix, *, count: int) -> ForceBasis:
     W = cone_projected_greedy(contact_forces, count=count).vectors.copy()
     W /= np.linalg.norm(W, axis=0)
     weights = np.maximum(np.linalg.lstsq(W, Y, rcond=None)[0], 0.0)
-    for _ in range(SWEEPS):
+    for _ in range(MOST_SWEEPS):
         weights = _sweep(weights.T, W.T @ W, Y.T @ W).T
         W = _sweep(W, weights @ weights.T, Y @ weights.T)
     return ForceBasis(vectors=W[:, W.any(axis=0)])

@@ -17,7 +17,7 @@ from faying.linalg.memory import NotEnoughMemoryError
 from faying.linalg.singular import InertiaError
 from faying.reduction.normal_modes import NormalModes
 
-GAP = 1e-6
+SMALLEST_GAP = 1e-6
 """Relative distance of two frequencies from which on they count as apart.
 
 Round-off moves them by 1e-10 on meshes of 50 000 degrees of freedom.
@@ -106,7 +106,7 @@ def _last_gap(frequencies: list[float]) -> tuple[int, float] | None:
     """Return how many frequencies lie below the last gap between them, and its middle."""
     gaps = list(enumerate(pairwise(frequencies), start=1))
     for below, (lower, upper) in reversed(gaps):
-        if upper > lower * (1 + GAP):
+        if upper > lower * (1 + SMALLEST_GAP):
             return below, (lower + upper) / 2 if np.isfinite(upper) else 1.1 * lower
     return None
 

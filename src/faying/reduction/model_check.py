@@ -6,14 +6,9 @@ import h5py
 import numpy as np
 
 from faying._typing import Indices, Matrix
+from faying.digits import DECK_DIGITS
 from faying.interface.surface import ContactSurface
 from faying.reduction.mesh_shapes import MeshShapes
-
-ROUND_OFF = 1e-6
-"""Negative part of a matrix, over its diagonal, that round-off may make.
-
-Where nothing holds a structure its stiffness has zeros, known to some 1e-10 of its entries.
-"""
 
 MOST_COMPONENTS = 6
 """Displacement components of a node: three translations, three rotations."""
@@ -30,14 +25,14 @@ def check_definite(matrix: Matrix, entry: str) -> None:
     largest = np.abs(matrix).max(initial=0.0)
     if largest == 0:
         return
-    if np.abs(matrix - matrix.T).max() > ROUND_OFF * largest:
+    if np.abs(matrix - matrix.T).max() > DECK_DIGITS * largest:
         message = f"'{entry}' is not symmetric"
         raise ValueError(message)
     diagonal = np.diag(matrix)
     # Coordinates have units of their own; a sign does not depend on them.
     scale = 1 / np.sqrt(np.where(diagonal > np.finfo(float).eps * largest, diagonal, largest))
     try:
-        np.linalg.cholesky(matrix * scale * scale[:, None] + ROUND_OFF * np.eye(len(matrix)))
+        np.linalg.cholesky(matrix * scale * scale[:, None] + DECK_DIGITS * np.eye(len(matrix)))
     except np.linalg.LinAlgError:
         message = f"'{entry}' has negative eigenvalues"
         raise ValueError(message) from None

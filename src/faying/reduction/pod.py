@@ -6,11 +6,9 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Matrix, SparseMatrix, Vector
+from faying.digits import ROUND_OFF
 from faying.exceptions import ModelError
 from faying.linalg.compressed import Compliance
-
-SVD_RANK = 1e-12
-"""Singular values below this fraction of the largest are round-off of the SVD."""
 
 GRAM_RANK = 1e-7
 """The same for the eigenproblem, whose eigenvalues are squares: √(round-off)."""
@@ -76,7 +74,7 @@ def pod(
         basis = la.solve_triangular(factor, basis.T, lower=True).T
         triangle = factor.T @ triangle
     left, values, _ = la.svd(triangle, full_matrices=False)
-    return _truncated(basis @ left, values, count, SVD_RANK)
+    return _truncated(basis @ left, values, count, ROUND_OFF)
 
 
 def pod_of_gram_matrix(

@@ -4,9 +4,9 @@ import numpy as np
 
 from faying.assessment.transient_error import (
     EXACT,
-    LARGE,
-    OBSERVED,
+    LARGE_ERROR,
     OBSERVED_ON,
+    OBSERVED_RATIOS,
     REMEDY,
     TRACTIONS_OBSERVED,
     remedy_hint,
@@ -31,7 +31,7 @@ def estimate_note(results: Results) -> str:
     ]
     if not estimates:
         return ""
-    low, high = (number(factor, 2) for factor in OBSERVED)
+    low, high = (number(factor, 2) for factor in OBSERVED_RATIOS)
     said = (
         "Estimated max error, of transients: how far the pressures move when the shapes that the "
         "transient's own contact forces excite are given their inertia. It takes no full solution "
@@ -68,7 +68,7 @@ def _worst(results: Results) -> dict[str, float]:
             estimates.append((REMEDY, None))
         for name, estimate in estimates:
             error = 0.0 if estimate is None else estimate.max_relative_error
-            error /= case.tolerance or LARGE
+            error /= case.tolerance or LARGE_ERROR
             worst[name] = max(error, worst.get(name, 0.0))
     return worst
 

@@ -10,7 +10,7 @@ from faying.assessment.joint_record import Assessment, BoltAssessment, Interface
 from faying.assessment.opening import areas_that_open, opening_factors
 from faying.assessment.requirements import ClosedRing, Requirements, Verdict
 from faying.assessment.sealing import Ring, ring_around
-from faying.assessment.slip_demand import NO_FRICTION, SlipDemand, slip_coefficients
+from faying.assessment.slip_demand import SMALLEST_FRICTION, SlipDemand, slip_coefficients
 from faying.assessment.verdicts import (
     no_opening,
     opening_verdicts,
@@ -267,7 +267,7 @@ def _slip_demands(
             continue
         if name in carried and coefficient is not None:
             case, needed = _extreme({"": static}, f"needed_friction.{name}")
-            safety = {case: coefficient / needed} if needed > NO_FRICTION else {}
+            safety = {case: coefficient / needed} if needed > SMALLEST_FRICTION else {}
             demands[name] = SlipDemand(
                 needed_friction={case: needed}, coefficient=coefficient, safety=safety
             )
@@ -302,7 +302,9 @@ def _slip(
             yield Verdict.unknown("min_slip_safety", limit, why, name)
             continue
         case, needed = _extreme({"": static}, f"needed_friction.{name}")
-        safeties.append((coefficient / needed if needed > NO_FRICTION else np.inf, name, case))
+        safeties.append(
+            (coefficient / needed if needed > SMALLEST_FRICTION else np.inf, name, case)
+        )
     if safeties:
         value, interface, case = min(safeties)
         yield Verdict.at_least("min_slip_safety", interface, case, value, limit)

@@ -29,7 +29,7 @@ def load():
 
 @pytest.fixture(autouse=True)
 def short_pieces(monkeypatch):
-    monkeypatch.setattr(transient_stream, "PIECE", 30)
+    monkeypatch.setattr(transient_stream, "STEPS_PER_WRITE", 30)
 
 
 def compare(path, solution, n_step):
@@ -111,7 +111,7 @@ def test_stopped_at_any_write(rom, load, tmp_path, monkeypatch, begun):
 @pytest.mark.parametrize("more", [-1_000_000, 10_000, 100_000, 150_000])
 def test_full_disk(rom, load, tmp_path, monkeypatch, capfd, more):
     """Met before anything is written: one message, a file that can be read, and resumed."""
-    monkeypatch.setattr(transient_stream, "CHUNK", 30)
+    monkeypatch.setattr(transient_stream, "INSTANTS_PER_CHUNK", 30)
     path, fields = tmp_path / "long.h5", ("states", "pressure")
     usual = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (SLACK + more, usual[1]))

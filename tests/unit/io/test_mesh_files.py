@@ -14,7 +14,7 @@ from faying.model.assembly import Material, Spring, Support
 from faying.model.elements import SOLIDS
 from faying.model.generate import brick_grid, shaped
 from faying.model.matrices import assemble_matrices, mass_properties
-from faying.model.separate import separated
+from faying.model.separate_bodies import separated
 from faying.model.specs import BoundarySpec, InterfaceSpec
 from faying.simulation.load import Load
 from faying.simulation.static_case import solve_static

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 import faying as fy
 from faying.assessment import choose_normal_modes
 from faying.assessment.choose_normal_modes import NormalModeChoice, excited_frequency
-from faying.assessment.transient_error import OBSERVED
+from faying.assessment.transient_error import OBSERVED_RATIOS
 from faying.cli import app
 from faying.exceptions import ModelError, StudyError
 from faying.files.flattening import flattened, restored
@@ -83,7 +83,7 @@ def test_the_fewest_that_are_estimated_to_do_are_taken_by_all_methods(chosen):
     assert summary["normal_mode_choice"]["count"] == told["count"] == told["counts"][-1]
     assert told["met"]
     assert len(told["counts"]) > 1
-    enough = OBSERVED[0] * 0.01  # the truth was seen to be up to 2.5 times the estimate
+    enough = OBSERVED_RATIOS[0] * 0.01  # the truth was seen to be up to 2.5 times the estimate
     assert told["error"] == told["estimates"][-1] <= enough
     assert told["tolerance"] == 0.01
     assert all(error > enough for error in told["estimates"][:-1])
@@ -224,7 +224,7 @@ def test_a_joint_with_friction_is_judged_from_where_it_was_tightened(tmp_path):
     assert found["estimated_max_relative_error"] == pytest.approx(told["error"], rel=1e-6)
     # As wide as it was seen on joints without friction.
     ratio = told["error"] / found["max_relative_error"]
-    assert OBSERVED[0] < ratio < OBSERVED[1]
+    assert OBSERVED_RATIOS[0] < ratio < OBSERVED_RATIOS[1]
 
 
 @pytest.fixture(scope="module")
@@ -266,7 +266,7 @@ def test_where_modes_cannot_be_counted_the_fewest_are_tried_first(shaken, monkey
     monkeypatch.setattr(choose_normal_modes, "count_modes_below", uncounted)
     found, counts = tried(shaken)
     assert counts == found.counts.tolist()
-    assert counts[0] == choose_normal_modes.FEWEST
+    assert counts[0] == choose_normal_modes.FEWEST_MODES
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ import numpy as np
 
 from faying._typing import Vector
 from faying.assessment.check import Check, PartKind
-from faying.assessment.slip_demand import NO_FRICTION, SlipDemand, slip_demands
+from faying.assessment.slip_demand import SMALLEST_FRICTION, SlipDemand, slip_demands
 from faying.assessment.strength.margins import (
     SHANK,
     THREAD,
@@ -319,7 +319,7 @@ def _slip_checks(
         for case in factored.names:
             left, needed = demand.clamp_force[case], demand.needed_friction[case]
             shear = needed * left if left > 0 else np.inf
-            shear = shear if needed > NO_FRICTION else 0.0
+            shear = shear if needed > SMALLEST_FRICTION else 0.0
             margins.append(slip_margin(friction, clamp, shear, max(clamp - left, 0.0)))
         equation = "(86)" if bolt else "(84)"
         check = _margin(

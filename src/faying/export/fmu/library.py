@@ -10,7 +10,7 @@ from pathlib import Path
 
 COMPILERS = ("cc", "gcc", "clang")
 OPTIONS = ("-std=c99", "-O3", "-shared", "-fvisibility=hidden", "-DFMI2_OVERRIDE_FUNCTION_PREFIX")
-LONGEST = 300
+TIMEOUT = 300
 """Seconds after which a compiler is taken to hang."""
 
 _log = logging.getLogger("faying")
@@ -56,7 +56,7 @@ def compile_library(source: Path, library: Path) -> bool:
     arguments = [command, *OPTIONS, *position, str(source), "-o", str(library), "-lm"]
     try:
         done = subprocess.run(
-            arguments, capture_output=True, text=True, check=False, timeout=LONGEST
+            arguments, capture_output=True, text=True, check=False, timeout=TIMEOUT
         )
     except (OSError, subprocess.TimeoutExpired) as error:
         _log.warning("%s failed (%s), so the FMU has sources but no binary", command, error)

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from faying._typing import Matrix
-from faying.interface.across import declared
+from faying.interface.gap_pairing import declared
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import real
 from faying.io.abaqus.friction import FRICTIONLESS, DeckFriction, read_friction, tied_slopes

@@ -7,7 +7,7 @@ import numpy as np
 
 from faying._typing import Vector
 from faying.exceptions import FormatError
-from faying.interface.across import declared
+from faying.interface.gap_pairing import declared
 from faying.io.nastran.cards import Card
 from faying.io.nastran.contact_parameters import Parameters, note_friction
 from faying.io.nastran.regions import Region

@@ -3,13 +3,10 @@
 import numpy as np
 
 from faying._typing import Indices, Matrix
+from faying.digits import ROUND_OFF
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, RigidCoupling
 from faying.model.couplings.rows import Rows, lever_arms, sparse_rows
-
-# Lever arms below this fraction of the model's size are rounding of coordinates; kept, they would
-# tie a rotation to the structure by a stiffness of 1e-32.
-_ROUNDING = 1e-12
 
 
 def rigid_rows(assembly: Assembly) -> Rows:
@@ -58,7 +55,7 @@ def _tied(assembly: Assembly, number: int, coupling: RigidCoupling) -> Indices:
 def _kinematics(nodes: Matrix, node: Indices, reference: Indices) -> Matrix:
     """Six displacements of each node per six of its reference (n_row, 6, 6)."""
     arms = nodes[node] - nodes[reference]
-    arms[np.abs(arms) <= _ROUNDING * np.abs(nodes).max(initial=0.0)] = 0.0
+    arms[np.abs(arms) <= ROUND_OFF * np.abs(nodes).max(initial=0.0)] = 0.0
     matrices = np.tile(np.eye(6), (len(node), 1, 1))
     matrices[:, :3, 3:] = lever_arms(arms)
     return matrices

@@ -5,14 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix
+from faying.digits import ROUND_OFF, SOLVED
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Support
 from faying.model.couplings.rows import Rows, dof_name, sparse_rows
-
-# Direction cosines below this are rounding of an axis along a basic one.
-_ROUNDING = 1e-12
-# A remainder this small says that a support repeats what others hold already.
-_REDUNDANT = 1e-9
 
 
 def fixed_components(assembly: Assembly) -> Mask:
@@ -45,7 +41,7 @@ def inclined_rows(assembly: Assembly, *, fixed: Mask, blocked: Mask) -> Rows:
     groups = _gathered(assembly)
     free = ~fixed[groups.dofs]
     rows, pivots = _reduced(groups.directions * free[:, None, :], ~blocked[groups.dofs])
-    left = (np.abs(rows) > _REDUNDANT).any(axis=2) & (pivots < 0)
+    left = (np.abs(rows) > SOLVED).any(axis=2) & (pivots < 0)
     if left.any():
         group = int(np.flatnonzero(left.any(axis=1))[0])
         dof = groups.dofs[group, np.argmax(np.abs(rows[group]).max(axis=0))]
@@ -115,7 +111,7 @@ def _gathered(assembly: Assembly) -> _Groups:
 def _directions(support: Support) -> list[tuple[int, Matrix]]:
     """First component (0 or 3) and held directions (n, 3), for translations and for rotations."""
     axes = np.eye(3) if support.axes is None else np.array(support.axes, dtype=float)
-    axes[np.abs(axes) <= _ROUNDING] = 0.0
+    axes[np.abs(axes) <= ROUND_OFF] = 0.0
     directions = []
     for first in (0, 3):
         supported = sorted({c - first for c in support.components if first <= c < first + 3})
@@ -147,7 +143,7 @@ def _reduced(rows: Matrix, allowed: Mask) -> tuple[Matrix, Indices]:
         size = np.abs(rows) * columns[:, None, :] * (pivots < 0)[:, :, None]
         flat = size.reshape(len(rows), -1)
         best = flat.argmax(axis=1)
-        active = np.flatnonzero(flat.max(axis=1, initial=0.0) > _REDUNDANT)
+        active = np.flatnonzero(flat.max(axis=1, initial=0.0) > SOLVED)
         row, column = np.divmod(best[active], 3)
         pivot_row = rows[active, row] / rows[active, row, column][:, None]
         factor = rows[active, :, column]

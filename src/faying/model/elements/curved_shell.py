@@ -28,10 +28,10 @@ Functions = Callable[[Matrix], tuple[Matrix, Matrix]]
 Samples = tuple[Matrix, Matrix, Matrix]
 """Places (n, 2), directions (n, 2), and how samples are averaged (n_field, n)."""
 
-HELD = 1e-3
+FULL_RULE_SHARE = 1e-3
 """Share of the full rule in an eight-node shell, transverse shear aside."""
 
-RIGID = 100.0
+RIGID_SHEAR = 100.0
 """Transverse shear stiffness that stands for infinity, over the membrane's in shear."""
 
 
@@ -167,7 +167,7 @@ def _quad8() -> CurvedShell:
     samples = (places, directions, np.asarray(np.kron(np.eye(2), integrand), float))
     return CurvedShell(
         rules=rules,
-        shares={"reduced": 1 - HELD, "full": HELD},
+        shares={"reduced": 1 - FULL_RULE_SHARE, "full": FULL_RULE_SHARE},
         sheared="full",
         sampling=_sampling(_serendipity, _quadrilateral_fields, samples, _product(3)[0]),
         at_nodes=_serendipity(nodes)[1],
@@ -287,7 +287,7 @@ def directors(kind: str, coordinates: Matrix) -> Matrix:
 def without_shear_strains(laws: ElementLaws) -> ElementLaws:
     """Return laws in which what is rigid in transverse shear is all but rigid."""
     bent = laws.stiffness[:, 3:, 3:].any(axis=(1, 2))
-    penalty = np.where(laws.rigid & bent, RIGID * laws.stiffness[:, 2, 2], 0.0)
+    penalty = np.where(laws.rigid & bent, RIGID_SHEAR * laws.stiffness[:, 2, 2], 0.0)
     return replace(laws, shear=laws.shear + penalty[:, None, None] * np.eye(2))
 
 

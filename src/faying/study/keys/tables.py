@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, model_validator
 
-from faying.assessment.transient_error import LARGE
+from faying.assessment.transient_error import LARGE_ERROR
 from faying.reduction.methods import METHODS
 from faying.simulation.integrators import INTEGRATORS
 from faying.study.keys.errors import StudySource, refusal, shown
@@ -156,7 +156,7 @@ class ReductionSection(Section):
     joint_modes: JointModes = (5, 10, 20, 40)
     tolerance: Positive = 0.05
     methods: Annotated[tuple[MethodName, ...], Field(min_length=1)] = COMPARED
-    transient_tolerance: Positive = LARGE
+    transient_tolerance: Positive = LARGE_ERROR
     inertia: Switch = True
     training: TrainingSection = TrainingSection()
 
@@ -263,7 +263,7 @@ class LoadCaseSection(Timed):
         if not motion or data.get("step") != "auto":
             return data
         values = {name: value for name, value in data.items() if name != "step"}
-        return {"tolerance": LARGE, "steps_per_period": DEFAULT_INSTANTS, **values}
+        return {"tolerance": LARGE_ERROR, "steps_per_period": DEFAULT_INSTANTS, **values}
 
     @property
     def transient(self) -> bool:

@@ -6,7 +6,7 @@ from typing import Literal
 
 from faying.interface.crown import Crown, crown_gap
 from faying.interface.gap_field import with_gap_offset
-from faying.interface.scan import read_scan
+from faying.interface.surface_scan import read_scan
 from faying.interface.topography import ScanPlacement, topography
 from faying.joint.model import Model
 from faying.study.keys.section import ExistingFile, Number, Point, Positive, Section

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from faying.assessment.choose_normal_modes import MOST, NormalModeChoice
-from faying.assessment.transient_error import OBSERVED, REMEDY
+from faying.assessment.choose_normal_modes import MOST_MODES, NormalModeChoice
+from faying.assessment.transient_error import OBSERVED_RATIOS, REMEDY
 from faying.units import Units
 
 
@@ -28,7 +28,9 @@ def _sentence(case: str, choice: NormalModeChoice, units: Units) -> str:
     errors = ", ".join(f"{_share(error)} with {count}" for count, error in pairs)
     tolerance = f"{100 * choice.tolerance:.3g}%"
     judged = f"within the tolerance of {tolerance}."
-    largest = f"{1 / OBSERVED[0]:g} times that, the most that the true error was seen to be, is "
+    largest = (
+        f"{1 / OBSERVED_RATIOS[0]:g} times that, the most that the true error was seen to be, is "
+    )
     if not choice.met:
         judged = (
             f"not within the tolerance of {tolerance}: {_limit(choice)}. Method "
@@ -62,6 +64,6 @@ def _share(error: float) -> str:
 def _limit(choice: NormalModeChoice) -> str:
     if choice.highest.max(initial=0.0) > choice.resolved:
         return "more modes have periods shorter than a step"
-    if choice.counts.max(initial=0) < MOST:
+    if choice.counts.max(initial=0) < MOST_MODES:
         return "more modes bring too little"
-    return f"{MOST} are the most that are tried"
+    return f"{MOST_MODES} are the most that are tried"

@@ -4,7 +4,7 @@ from faying.assessment.accuracy import Accuracy
 from faying.assessment.backbone import Backbone
 from faying.assessment.bolt_bending import BoltBending
 from faying.assessment.check import Check
-from faying.assessment.choose import JointModeChoice
+from faying.assessment.choose_joint_modes import JointModeChoice
 from faying.assessment.choose_normal_modes import NormalModeChoice
 from faying.assessment.clamp_range import ClampRange
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment

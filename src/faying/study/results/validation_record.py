@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from faying.assessment.choose import JointModeChoice
+from faying.assessment.choose_joint_modes import JointModeChoice
 from faying.assessment.penalty_sweep import PenaltySweep
 
 

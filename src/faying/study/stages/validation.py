@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from faying.assessment.choose import JointModeChoice
+from faying.assessment.choose_joint_modes import JointModeChoice
 from faying.assessment.penalty_advice import UnitNames, recommend_penalty
 from faying.assessment.penalty_sweep import penalty_sweep
 from faying.joint.model import Model

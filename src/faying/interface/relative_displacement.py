@@ -4,10 +4,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
-from faying.interface.curved_surface import FLATNESS
+from faying.digits import DECK_DIGITS
 from faying.model.dofs import DofMap
 
-AXIS = 1e-10
+SMALLEST_TILT = 1e-10
 """Part of a normal that is no axis of its own; coordinates of 16 digits leave 1e-13."""
 
 
@@ -48,7 +48,7 @@ def common_normal(
         return normals, pair_normals, False
     mean = unit(total)
     every = np.concatenate([normals, pair_normals])
-    if np.linalg.norm(every - mean, axis=1).max() > FLATNESS:
+    if np.linalg.norm(every - mean, axis=1).max() > DECK_DIGITS:
         return normals, pair_normals, False
     # Rounding in a component that should vanish would couple directions that are not.
     mean = unit(np.where(np.abs(mean) < 1e-14, 0.0, mean))
@@ -82,9 +82,11 @@ def axes_of(shape: SparseMatrix, normals: Matrix) -> SparseMatrix:
         lengths = np.linalg.norm(remainder, axis=1)
         longest = np.maximum.reduceat(lengths, first) if len(first) else lengths
         # The first of equals, so that the axes do not depend on round-off.
-        candidates_near = np.flatnonzero(lengths >= np.repeat(longest, counts) * (1 - AXIS))
+        candidates_near = np.flatnonzero(
+            lengths >= np.repeat(longest, counts) * (1 - SMALLEST_TILT)
+        )
         chosen = candidates_near[np.searchsorted(candidates_near, first)]
-        length = np.where(longest > AXIS, longest, np.inf)
+        length = np.where(longest > SMALLEST_TILT, longest, np.inf)
         axis = remainder[chosen] / length[:, None]
         # What round-off of a short rest leaves along the axes before is taken out once more.
         for axis_before in axes:

@@ -7,7 +7,7 @@ import pytest
 
 import faying as fy
 from faying.exceptions import FormatError, ModelError
-from faying.interface.across import declared
+from faying.interface.gap_pairing import declared
 from faying.interface.gap_rule import with_gap_rule
 from faying.interface.mortar import find_couplings
 from faying.interface.pairing import find_interfaces

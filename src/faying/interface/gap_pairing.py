@@ -7,8 +7,8 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector
 from faying.interface.candidate_facets import DEFAULT_TOLERANCE, candidates
 from faying.interface.coupling import whole_weights
+from faying.interface.hidden_facets import Reach, facet_depths
 from faying.interface.interface import FacePairs
-from faying.interface.reach import Reach, facet_depths
 from faying.interface.segments import Segments, find_segments
 from faying.interface.selection import select_facets
 from faying.model.assembly import Assembly
@@ -16,7 +16,7 @@ from faying.model.elements import FACES
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import Facets, facet_area_vectors, rows_by_kind
 
-_SHARE = 2.5 * DEFAULT_TOLERANCE
+_SMALLEST_SHARE = 2.5 * DEFAULT_TOLERANCE
 """Share of a facet that its neighbours' partners may cover where nodes miss by the tolerance."""
 
 
@@ -84,7 +84,7 @@ def _partners(nodes: Matrix, segments: Segments) -> tuple[Indices, Indices]:
         np.linalg.norm(facet_area_vectors(nodes, facets), axis=1)[of]
         for facets, of in ((segments.minus, minus_of), (segments.plus, plus_of))
     ]
-    covered = common > _SHARE * np.minimum(*sizes)
+    covered = common > _SMALLEST_SHARE * np.minimum(*sizes)
     return minus_of[covered], plus_of[covered]
 
 

@@ -10,7 +10,7 @@ from faying._typing import Indices, Mask, Matrix, Vector, frozen
 from faying.exceptions import ModelError
 from faying.interface.cells import Cells
 from faying.interface.clipping import areas
-from faying.interface.mismatch import FACING
+from faying.interface.mismatch import LARGEST_COSINE
 from faying.model.mesh import Mesh
 from faying.model.surface import Facets, facet_centres, facet_normals
 
@@ -84,7 +84,7 @@ def facing_cells(below: Cells, above: Cells, reach: Reach) -> tuple[Indices, Ind
     chunks = [np.empty((0, 2), dtype=np.int64)]
     for first, second in _along_rays(below, above, reach):
         normals = below.normals[first]
-        facing = np.einsum("nd,nd->n", normals, above.normals[second]) < FACING
+        facing = np.einsum("nd,nd->n", normals, above.normals[second]) < LARGEST_COSINE
         first, second, normals = first[facing], second[facing], normals[facing]
         away = above.centres[second] - below.centres[first]
         aside = away - np.einsum("nd,nd->n", away, normals)[:, None] * normals
