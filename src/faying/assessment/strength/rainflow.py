@@ -12,32 +12,9 @@ def rainflow(values: Vector) -> Matrix:
 
     Notes
     -----
-    One pass over the reversals.
+    One pass over the reversals, by the package ``rainflow``.
     """
-    cycles: list[tuple[float, float]] = []
-    stack: list[float] = []
-    for value in reversals(values).tolist():
-        stack.append(value)
-        while len(stack) >= 3:
-            last, before = abs(stack[-1] - stack[-2]), abs(stack[-2] - stack[-3])
-            if last < before:
-                break
-            if len(stack) == 3:  # the range before holds the start of the history
-                cycles.append((before, 0.5))
-                del stack[0]
-            else:
-                cycles.append((before, 1.0))
-                del stack[-3:-1]
-    cycles += [(float(size), 0.5) for size in np.abs(np.diff(stack))]
+    from rainflow import extract_cycles
+
+    cycles = [(size, count) for size, _, count, _, _ in extract_cycles(values.tolist()) if size > 0]
     return np.array(cycles).reshape(-1, 2)
-
-
-def reversals(values: Vector) -> Vector:
-    """Return where a history turns, with its ends."""
-    differing = np.append(True, np.diff(values) != 0)
-    unequal: Vector = np.asarray(values)[differing]
-    if len(unequal) < 3:
-        return unequal
-    turns = np.diff(np.sign(np.diff(unequal))) != 0
-    turning: Vector = unequal[np.concatenate([[True], turns, [True]])]
-    return turning
