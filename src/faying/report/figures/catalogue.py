@@ -11,7 +11,7 @@ from faying.report.figures.backbone_slip import backbone_slip_figure
 from faying.report.figures.convergence import convergence_figure
 from faying.report.figures.deformed import deformed_figure
 from faying.report.figures.entry import Drawn, FigureEntry
-from faying.report.figures.error import error_figure
+from faying.report.figures.error import error_figure, errs
 from faying.report.figures.frequency import PREFIX, frequency_figure
 from faying.report.figures.gap import gap_figure
 from faying.report.figures.load_space import load_space_figure
@@ -128,7 +128,7 @@ def _of_kind(case: CaseResult) -> tuple[Callable[[Results, CaseResult], Drawn | 
         fretting_figure,
         gap_figure,
         deformed_figure,
-        error_figure,
+        *((error_figure,) if errs(case) else ()),
     )
 
 

@@ -70,13 +70,20 @@ def shown_methods(case: CaseResult) -> Iterator[tuple[str, MethodResult]]:
             yield name, case.methods[name][count]
 
 
+def errs(case: CaseResult) -> bool:
+    """Say whether a method that is drawn errs by more than round-off."""
+    return any(
+        result.accuracy.max_relative_error > ROUND_OFF for _, result in shown_methods(case)
+    )
+
+
 def error_figure(results: Results, case: CaseResult) -> Drawn | None:
     """Draw the errors of a static case: one column per method, one row per interface.
 
     Returns
     -------
     Drawn or None
-        None where there is no method, no reference pressure, or no error beyond round-off.
+        None where there is no method or no reference pressure.
     """
     methods = list(shown_methods(case))
     reference = case.reference.pressure
@@ -86,8 +93,6 @@ def error_figure(results: Results, case: CaseResult) -> Drawn | None:
     units, records = units_of(results.units), results.interfaces
     errors = [(result.response.pressure - reference) / top for _, result in methods]
     worst = max(float(np.abs(error).max()) for error in errors)
-    if worst < ROUND_OFF:
-        return None
     largest = min(max(worst, VISIBLE), SATURATED)
     sizes = [panel_size(record, best_plane(record), 4.4) for record in records.values()]
     figure = new_figure(max(5.4 * len(methods), 7.0), max(sum(h + 0.3 for _, h in sizes), 2.4))
