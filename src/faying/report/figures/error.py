@@ -72,9 +72,7 @@ def shown_methods(case: CaseResult) -> Iterator[tuple[str, MethodResult]]:
 
 def errs(case: CaseResult) -> bool:
     """Say whether a method that is drawn errs by more than round-off."""
-    return any(
-        result.accuracy.max_relative_error > ROUND_OFF for _, result in shown_methods(case)
-    )
+    return any(result.accuracy.max_relative_error > ROUND_OFF for _, result in shown_methods(case))
 
 
 def error_figure(results: Results, case: CaseResult) -> Drawn | None:
