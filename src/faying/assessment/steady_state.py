@@ -72,8 +72,8 @@ def steady_state(
     long. The load rises over 20 periods.
     """
     period = 1 / frequency
-    times: Vector = np.arange(MOST * STEPS + 1) * (period / STEPS)
-    rising: Vector = level * np.minimum(times / (RISE * period), 1.0)
+    times: Vector = np.asarray(np.arange(MOST * STEPS + 1) * (period / STEPS), dtype=float)
+    rising: Vector = np.asarray(level * np.minimum(times / (RISE * period), 1.0), dtype=float)
     turn = 2 * np.pi * frequency * times
     forces = {
         name: History(times, np.asarray(rising * np.real(value * np.exp(1j * turn)), dtype=float))

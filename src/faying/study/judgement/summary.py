@@ -11,8 +11,7 @@ from faying import __version__
 from faying.assessment.backbone import Backbone
 from faying.assessment.joint_verdict import summarized
 from faying.reduction.methods import METHODS
-from faying.study.judgement.backbone_errors import backbone_errors
-from faying.study.judgement.comparison import increments, rubbed
+from faying.study.judgement.comparison import backbone_errors, increments, rubbed
 from faying.study.judgement.frequency_figures import frequency_figures
 from faying.study.judgement.model_warnings import barely_held, missing_contacts
 from faying.study.judgement.opening import opening

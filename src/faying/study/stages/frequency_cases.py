@@ -27,7 +27,7 @@ from faying.study.keys.frequency_rules import shown_place
 from faying.study.keys.frequency_table import FrequencySection
 from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.stages.checkpoint import Checkpoint
-from faying.study.stages.checkpointed_steps import SECONDS, Pieces
+from faying.study.stages.checkpointed_steps import SECONDS, CheckpointedSteps
 from faying.study.stages.offline import PreparedJoint
 from faying.study.stages.optional import Extras
 from faying.study.stages.path_cases import rest_state
@@ -51,7 +51,7 @@ class FrequencyRunner:
     rom: ReducedModel | None
     stages: Stages
     extras: Extras
-    pieces: Pieces
+    pieces: CheckpointedSteps
 
     def solve(self) -> FrequencyRecord:
         """Return the responses; what did not converge is in their remarks."""
@@ -199,7 +199,7 @@ def frequency_records(
             rom=rom,
             stages=stages,
             extras=extras,
-            pieces=Pieces(checkpoint, f"frequency {swept.name}"),
+            pieces=CheckpointedSteps(checkpoint, f"frequency {swept.name}"),
         ).solve()
         for swept in frequencies
     }
