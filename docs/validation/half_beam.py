@@ -1,7 +1,7 @@
 """The half Brake–Reuß beam: a joint whose frequency and damping over amplitude were measured.
 
 ``python docs/validation/half_beam.py FOLDER`` writes deck, study and measured curve into the folder
-and compares the study as it stands: the table of docs/measured_joint.md. ``faying fit
+and compares the study as it stands: table and figure of docs/measured_joint.md. ``faying fit
 FOLDER/half_beam.toml`` looks for the parameters again. With ForcedFrequencyResponses.mat of
 github.com/mattiacenedese/BRBtesting behind the folder it predicts the force-controlled curves.
 """
@@ -17,6 +17,7 @@ import faying as fy
 from faying._typing import Vector
 from faying.assessment.measured_curve import deviations
 from faying.assessment.stuck_modes import stuck_modes
+from faying.report.figures.measured import draw_fit
 from faying.study.keys.measurements import measured_curves
 from faying.study.keys.schema import read_study
 from faying.study.stages.varied import varied_joint
@@ -235,6 +236,7 @@ def compare(path: Path) -> None:
             f"| {100 * differences.damping_ratio[n]:.3f} "
             f"({100 * differences.damping_error[n]:+.0f} %) |"
         )
+    draw_fit(curve, test).savefig(path.with_suffix(".png"))
     small = peaks(system, state)
     rows.append(f"small vibrations {small.round(1).tolist()} Hz, measured {list(PEAKS)}")
     sys.stdout.write("\n".join([*rows, ""]))

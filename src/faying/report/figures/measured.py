@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
 
 from faying._typing import Vector
 from faying.assessment.backbone import Backbone, amplitude_unit
@@ -37,10 +38,17 @@ def _axes(measured_at: str, units: str) -> tuple[Axes, Axes]:
     figure = new_figure(6.5, 6.2)
     upper, lower = figure.subplots(2, 1, sharex=True)
     upper.set_xscale("log")
+    lower.xaxis.set_major_formatter(FuncFormatter(_label))
+    lower.xaxis.set_minor_formatter(FuncFormatter(_label))
     upper.set_ylabel(f"frequency [1/{units_of(units).time}]")
     lower.set_ylabel("damping ratio [%]")
     lower.set_xlabel(f"amplitude at {measured_at} [{amplitude_unit(measured_at, units)}]")
     return upper, lower
+
+
+def _label(amplitude: float, _: int | None) -> str:
+    """Return what stands below a tick; a decade has four of them."""
+    return f"{amplitude:g}" if f"{amplitude:e}"[0] in "1235" else ""
 
 
 def _with_tests(upper: Axes, lower: Axes, measured: Sequence[MeasuredCurve]) -> Figure:
