@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying.assessment.opening import area_name, areas_that_open, pressed_shares
+from faying.assessment.opening import (
+    area_name,
+    areas_that_open,
+    opening_factors,
+    opening_margins,
+    pressed_shares,
+)
 from faying.simulation.without_friction import released_state
 
 BEND = fy.Load({"tip.Fx": 6e3, "tip.Fz": -500.0}, name="bend")
@@ -57,6 +63,20 @@ def test_factors_are_those_of_the_path_from_kink_to_kink(pair):
     assert found == pytest.approx(expected, rel=2e-6)
     first = judged.interfaces["joint"].first_opening["bend"]
     assert first == pytest.approx(path.first_opening(), rel=2e-6)
+
+
+def test_one_solution_says_on_which_side_of_its_factor_a_load_is(pair):
+    areas = areas_that_open(pair.interfaces, pair.contact.slices, pair.bolts)
+    loads = [BEND, BEND.scaled(0.5), fy.Load({"tip.Fx": 6e3}, bolt_forces={"bolt-1": 4e3})]
+    inputs = np.array([load.inputs(pair, np.zeros(1))[0] for load in loads])
+    factors = np.array([min(opening_factors(pair, row, areas).opened.values()) for row in inputs])
+    for number, factor in enumerate(factors):
+        # Factors are found to a millionth.
+        below, above = (
+            opening_margins(pair, inputs, areas, factor * (1 + change)) for change in (-1e-5, 1e-5)
+        )
+        assert below[number] > 0 > above[number]
+        np.testing.assert_array_equal(above < 0, factor * (1 + 1e-5) >= factors)
 
 
 def test_hard_contact_without_unique_forces_is_followed():

@@ -6,7 +6,7 @@ from typing import TypeVar, final
 
 import numpy as np
 
-from faying._typing import Mask, Vector
+from faying._typing import Mask, Matrix, Vector
 from faying.assessment.growth import LARGEST_FACTOR, Event, first_events
 from faying.assessment.load_path import growing_displacements
 from faying.assessment.requirements import OPEN_BELOW
@@ -15,7 +15,7 @@ from faying.digits import SOLVED
 from faying.joint.bolt_surroundings import nearest_bolts, told_apart
 from faying.joint.system import Joint, Placed
 from faying.model.bolt import Bolt
-from faying.simulation.static import SolvedCase, solved_case
+from faying.simulation.static import SolvedCase, solved_case, solved_cases
 
 State = TypeVar("State")
 
@@ -151,6 +151,62 @@ def opening_factors(
 OPENED, FIRST, LAST = "opened", "first", "last"
 
 
+def opening_margins(
+    system: Joint,
+    inputs: Matrix,
+    areas: Mapping[str, Mask],
+    factor: float,
+    *,
+    open_below: float = OPEN_BELOW,
+) -> Vector:
+    """Return how deep the area nearest to opening is pressed at a factor of each load (n_case,).
+
+    Negative where an area is open [length]: one contact solution a load, where
+    :func:`opening_factors` takes a hundred.
+
+    Parameters
+    ----------
+    system, areas, open_below
+        As of :func:`opening_factors`.
+    inputs : (n_case, n_input)
+        Of the loads.
+    """
+    pieces = [inputs[first : first + PIECE] for first in range(0, len(inputs), PIECE)]
+    margins = [_margins(system, piece, areas, factor, enough(open_below)) for piece in pieces]
+    return np.concatenate([np.empty(0), *margins])
+
+
+PIECE = 500
+"""Cases whose gaps are held at a time."""
+
+
+def _margins(
+    system: Joint, inputs: Matrix, areas: Mapping[str, Mask], factor: float, least: float
+) -> Vector:
+    contact = system.contact
+    fixed, growing = np.moveaxis([growing_displacements(system, row) for row in inputs], 0, 1)
+    rests, which = np.unique(fixed, axis=0, return_inverse=True)
+    touching = SOLVED * np.abs(contact.free_gap(rests)).max(axis=1, initial=0.0)
+    before = solved_cases(system, rests)[1]
+    shares = [
+        pressed_shares(areas, pressed_depth(contact, gap, close) > 0, contact.weights)
+        for gap, close in zip(before, touching, strict=True)
+    ]
+    margins = np.full(len(inputs), np.inf)
+    for number, gap in enumerate(solved_cases(system, fixed + factor * growing)[1]):
+        depth = pressed_depth(contact, gap, touching[which[number]])
+        for share in shares[which[number]].values():
+            margins[number] = min(margins[number], _pressed_at(depth, share, least))
+    return margins
+
+
+def _pressed_at(depth: Vector, shares: Vector, least: float) -> float:
+    """Return how deep the share of an area that must not open is pressed at least."""
+    points = np.flatnonzero(shares)
+    order = points[np.argsort(-depth[points])]
+    return float(depth[order[np.searchsorted(np.cumsum(shares[order]), least)]])
+
+
 def pressed_depth(contact: Contact, gap: Vector, touching: float = 0.0) -> Vector:
     """Return how deep points (n_point,) are pressed, negative where they are apart [length].
 
@@ -186,11 +242,4 @@ def opening_event(
     open_below
         From :func:`enough`.
     """
-    points = np.flatnonzero(shares)
-
-    def left(state: State, _: State) -> float:
-        depth = pressed(state)
-        order = points[np.argsort(-depth[points])]
-        return float(depth[order[np.searchsorted(np.cumsum(shares[order]), open_below)]])
-
-    return left
+    return lambda state, _: _pressed_at(pressed(state), shares, open_below)

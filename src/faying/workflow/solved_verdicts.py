@@ -7,7 +7,7 @@ import numpy as np
 
 from faying.assessment.check import Check
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
-from faying.assessment.opening import areas_that_open, opening_factors
+from faying.assessment.opening import areas_that_open, opening_factors, opening_margins
 from faying.assessment.requirements import ClosedRing, Requirements, Verdict
 from faying.assessment.sealing import Ring, ring_around
 from faying.assessment.slip_demand import SMALLEST_FRICTION, SlipDemand, slip_coefficients
@@ -31,8 +31,11 @@ from faying.study.judgement.margins import NASA, demanded_checks
 from faying.workflow.solved_cases import SolvedCases
 from faying.workflow.solved_strength import BoltStrengths, deciding_loads, solved_strength
 
-MOST_PATHS = 200
-"""Static cases that are followed to their openings: up to seconds each."""
+FOLLOWED = 5
+"""Static cases that are followed to their openings, seconds each: those that open the first.
+
+All are solved at the factor that is demanded, which decides.
+"""
 
 
 def rings_of(requirements: Requirements, rom: ReducedModel) -> dict[str, Ring]:
@@ -355,17 +358,19 @@ def _factors(requirements: Requirements, rom: ReducedModel, loads: LoadSet) -> I
     reason = ""
     if len(rom.contact.rubbing):
         reason = "it is followed with friction by faying run alone"
-    elif not 0 < len(loads.names) <= MOST_PATHS:
-        reason = (
-            f"it follows each static case to its opening, and there are {len(loads.names)}; give "
-            f"up to {MOST_PATHS}"
-        )
+    elif not loads.names:
+        reason = "there is no static case"
     if reason:
         yield Verdict.unknown("min_opening_factor", limit, reason)
         return
     areas = areas_that_open(rom.interfaces, rom.contact.slices, rom.bolts)
+    margins = opening_margins(
+        rom.joint, loads.inputs, areas, limit, open_below=requirements.open_share
+    )
     paths = {
-        name: opening_factors(rom.joint, row, areas, open_below=requirements.open_share)
-        for name, row in zip(loads.names, loads.inputs, strict=True)
+        loads.names[case]: opening_factors(
+            rom.joint, loads.inputs[case], areas, open_below=requirements.open_share
+        )
+        for case in np.argsort(margins, kind="stable")[:FOLLOWED]
     }
     yield from opening_verdicts(limit, paths)
