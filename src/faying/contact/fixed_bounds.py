@@ -73,7 +73,7 @@ class FixedBounds:
             step += 1
             slope = self.laws.derivative(trial, self.about[0])
             try:
-                dx, _ = self.steps.step(wrong, slope, 1.0 / self._yield, self._yield)
+                dx = self.steps.step(wrong, slope, 1.0 / self._yield, self._yield)
             except LinAlgError:
                 break
             dy = self.steps.moved(dx)

@@ -26,7 +26,7 @@ from faying.contact.fixed_bounds import FixedBounds
 from faying.contact.increment import Increment
 from faying.contact.increment_solver import displaced
 from faying.contact.laws_at_points import LawsAtPoints
-from faying.contact.newton_steps import Factors, NewtonSteps
+from faying.contact.newton_steps import NewtonSteps
 from faying.exceptions import ConvergenceError
 
 ROUND_OFF = 1e-13
@@ -55,9 +55,6 @@ TANGENTIAL_SCALE = 10.0
 Steps of increments of a tenth of the load that make the default cantilever slip: 8.2 in the mean
 and 12 at most, with 1 9.5 and 15, with 100 more again.
 """
-
-EARLY, LOOSE, TIGHT = 0.1, 1e-2, 1e-7
-"""Relative residuals to which first and last linear systems of an increment are solved."""
 
 BOLD = 1e3
 """How often its first residual the next ones may be where residuals may rise."""
@@ -211,7 +208,6 @@ class FrictionalContact:
         x: Matrix,
         pressing: Vector | None,
         watched: int = 1,
-        factors: Factors | None = None,
         added: float = 0.0,
     ) -> tuple[Matrix, int, float]:
         """Return forces, Newton steps, and the residual that is left over the largest force.
@@ -226,8 +222,7 @@ class FrictionalContact:
         while step < MOST_STEPS:
             step += 1
             try:
-                tolerance = min(LOOSE, max(TIGHT, EARLY * _relative(wrong, x)))
-                dx, factors = self._step(x, z, wrong, pressing, factors, tolerance, added)
+                dx = self._step(x, z, wrong, pressing, added)
             except la.LinAlgError:
                 break
             fraction, found = 1.0, None
@@ -253,14 +248,12 @@ class FrictionalContact:
         z: Matrix,
         wrong: Matrix,
         pressing: Vector | None,
-        factors: Factors | None = None,
-        tolerance: float = 0.0,
         added: float = 0.0,
-    ) -> tuple[Matrix, Factors | None]:
-        """Return the Newton step dx (3, n_point), and the factors it was made with."""
+    ) -> Matrix:
+        """Return the Newton step dx (3, n_point)."""
         slope = self.laws.derivative(x - self.scale * z, pressing)
         compliance = self.laws.closure(x)[1] + added * self.steps.own
-        return self.steps.step(wrong, slope, self.scale, compliance, factors, tolerance)
+        return self.steps.step(wrong, slope, self.scale, compliance)
 
     def _by_proximal_points(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
         """Let points yield as much as the structure does, from where they are, then less and less.

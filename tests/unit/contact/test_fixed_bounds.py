@@ -106,7 +106,7 @@ class Stub:
         self.own, self.moved, self.wanted = plain.own, plain.moved, step
 
     def step(self, wrong, *_):
-        return self.wanted(wrong), None
+        return self.wanted(wrong)
 
 
 def test_it_ends_where_a_step_is_singular_or_leads_uphill():
