@@ -35,10 +35,6 @@ class Curve(Unilateral):
         """Pressure [force/length²] that the curve is given by."""
 
     @abstractmethod
-    def pressure_of(self, closure: Vector) -> tuple[Vector, Vector]:
-        """Return p [force/length²] and dp/dc [force/length³] at closures (n,) [length]."""
-
-    @abstractmethod
     def closure_of(self, pressure: Vector) -> tuple[Vector, Vector]:
         """Return c [length] and dc/dp [length³/force] at pressures (n,) of zero and more."""
 
@@ -79,16 +75,6 @@ class Curve(Unilateral):
     def springs(self, weights: Vector) -> Matrix:
         """Return w times the slope at the named pressure (1, n_point)."""
         return self.stiffness * weights[None]
-
-    def respond(
-        self,
-        moved: Matrix,
-        weights: Vector,
-        pressing: Vector | None = None,  # noqa: ARG002
-    ) -> tuple[Matrix, Matrix]:
-        """Return w p(−g) (1, n_point), and w dp/dc (n_point, 1, 1)."""
-        pressure, slope = self.pressure_of(-moved[0])
-        return (weights * pressure)[None], (weights * slope)[:, None, None]
 
 
 def check_positive(law: Any) -> None:

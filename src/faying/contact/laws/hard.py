@@ -43,12 +43,7 @@ class Hard(Unilateral):
         """Return zeros (1, n_point)."""
         return np.zeros_like(forces), np.zeros_like(forces)
 
-    def respond(
-        self,
-        moved: Matrix,  # noqa: ARG002
-        weights: Vector,  # noqa: ARG002
-        pressing: Vector | None = None,  # noqa: ARG002
-    ) -> NoReturn:
+    def pressure_of(self, closure: Vector) -> NoReturn:  # noqa: ARG002
         """Refuse: forces of hard contact are unknowns of their own.
 
         Raises

@@ -48,16 +48,11 @@ class Penalty(Unilateral):
         compliance = 1.0 / (self.stiffness * weights[None])
         return forces * compliance, compliance
 
+    def pressure_of(self, closure: Vector) -> tuple[Vector, Vector]:
+        """Return c_n ⟨c⟩ and c_n where closed, at closures (n,)."""
+        slope = np.where(closure >= 0, self.stiffness, 0.0)
+        return slope * closure, slope
+
     def springs(self, weights: Vector) -> Matrix:
         """Return w c_n (1, n_point)."""
         return self.stiffness * weights[None]
-
-    def respond(
-        self,
-        moved: Matrix,
-        weights: Vector,
-        pressing: Vector | None = None,  # noqa: ARG002
-    ) -> tuple[Matrix, Matrix]:
-        """Return w c_n ⟨−g⟩ (1, n_point), and w c_n where closed (n_point, 1, 1)."""
-        stiffness = np.where(moved <= 0, self.stiffness * weights, 0.0)
-        return -stiffness * moved, stiffness.T[:, :, None]

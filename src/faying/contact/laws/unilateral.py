@@ -50,6 +50,26 @@ class Unilateral:
     def closure(self, forces: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:
         """Return c(λ) and c′(λ), (1, n_point) each."""
 
+    @abstractmethod
+    def pressure_of(self, closure: Vector) -> tuple[Vector, Vector]:
+        """Return p [force/length²] and dp/dc [force/length³] at closures (n,) [length]."""
+
+    def respond(
+        self,
+        moved: Matrix,
+        weights: Vector,
+        pressing: Vector | None = None,  # noqa: ARG002
+    ) -> tuple[Matrix, Matrix]:
+        """Return w p(−g) (1, n_point), and w dp/dc (n_point, 1, 1).
+
+        Raises
+        ------
+        ModelError
+            Of hard contact, whose forces do not follow from displacements.
+        """
+        pressure, slope = self.pressure_of(-moved[0])
+        return (weights * pressure)[None], (weights * slope)[:, None, None]
+
     def energy(self, forces: Matrix, weights: Vector) -> Vector:
         """Return ½ λ c(λ) (n_point,)."""
         energy: Vector = 0.5 * forces[0] * self.closure(forces, weights)[0][0]
