@@ -234,7 +234,7 @@ class LocalDerivatives:
 def local_derivatives(
     local: LocalContact, path: LocalPath, shapes: Matrix, columns: Matrix
 ) -> LocalDerivatives:
-    """Return the derivatives of a path, exact along it.
+    """Return the derivatives of a path, exact along it but for single precision.
 
     Parameters
     ----------
@@ -263,14 +263,13 @@ def local_derivatives(
         chosen = np.flatnonzero(active)
         every = (m * np.arange(k)[:, None] + chosen).ravel()
         pulled = _blocks(K[chosen], s[:, chosen].reshape(k * len(chosen), count))
-        T = local.compliance[np.ix_(every, every)]
-        right = shapes[every] @ step + T @ pulled
-        inside = np.flatnonzero(np.isin(every, rows))
-        inner = _within(T[np.ix_(inside, inside)], change, right[inside])
-        pulled[inside] -= _blocks(change, inner)
+        along = first @ step.astype(np.float32)
+        along += single[every].T @ pulled.astype(np.float32)
+        inner = _within(local.compliance[np.ix_(rows, rows)], change, along[rows].astype(float))
+        resisted = _blocks(change, inner)
+        pulled[np.isin(every, rows)] -= resisted
         beside.append((every, pulled))
-        moved[number] = first @ step.astype(np.float32)
-        moved[number] += single[every].T @ pulled.astype(np.float32)
+        moved[number] = along - single[rows].T @ resisted.astype(np.float32)
         if k > 1 and len(points):
             yields = local.laws.closure(_whole(path.forces[number]))[1][1:, points, None]
             relative = inner.reshape(k, len(points), count)

@@ -18,7 +18,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import ConvergenceError
 from faying.simulation.periodic import Derivatives, Motion, PeriodicProblem
 
-ROUND_OFF, SOLVED = 1e-9, 1e-6
+ROUND_OFF, SOLVED = 1e-11, 1e-6
 """Next step of Newton's method over the unknowns at which a motion is solved, and at which it is
 accepted where round-off allows no less."""
 
@@ -27,6 +27,10 @@ MOST_STEPS = 25
 
 LEAST_PART = 1 / 64
 """Part of a step of Newton's method below which it is given up."""
+
+FAST = 0.03
+"""What a step may leave of the next one, over itself, for derivatives to serve once more: they take
+as long as two or three paths."""
 
 FARTHEST = 0.5
 """Step of Newton's method over the unknowns that is taken whole."""
@@ -61,6 +65,7 @@ class CurvePoint:
         With the points that had to be watched.
     motion
     derivatives
+        Of the last step of Newton's method.
     error
         Next step of Newton's method over the unknowns.
     """
@@ -133,38 +138,48 @@ def _watched(problem: PeriodicProblem, motion: Motion) -> tuple[PeriodicProblem,
 def _newton(problem: PeriodicProblem, motion: Motion, across: Vector | None) -> CurvePoint:
     x = np.append(problem.packed(motion.harmonics), motion.circular)
     border = np.append(np.zeros(problem.size), 1.0) if across is None else across
+    derivatives = problem.derivatives(motion)
+    factors = _factors(derivatives, border)
+
+    def step(at: Motion, factors: tuple[Matrix, Indices]) -> Vector:
+        return np.asarray(la.lu_solve(factors, -np.append(problem.residual(at), 0.0)))
+
     for _ in range(MOST_STEPS):
-        derivatives = problem.derivatives(motion)
-        factors = la.lu_factor(np.vstack([derivatives.residual, border]), check_finite=False)
-
-        def step(at: Motion, factors: tuple[Matrix, Indices] = factors) -> Vector:
-            return np.asarray(la.lu_solve(factors, -np.append(problem.residual(at), 0.0)))
-
-        change = step(motion)
-        size = float(np.linalg.norm(x[:-1]))
-        error = float(np.linalg.norm(change[:-1])) / max(size, np.finfo(float).tiny)
+        change = step(motion, factors)
+        far, size = float(np.linalg.norm(change[:-1])), float(np.linalg.norm(x[:-1]))
+        error = far / max(size, np.finfo(float).tiny)
         if not np.isfinite(error):
             break
         point = CurvePoint(problem=problem, motion=motion, derivatives=derivatives, error=error)
         if error <= ROUND_OFF:
             return point
-        part = min(1.0, FARTHEST / error)
+        part, left = min(1.0, FARTHEST / error), np.inf
         while part >= LEAST_PART:
             trial = x + part * change
             if trial[-1] > 0:
                 guess = problem.begun(motion, part * change, derivatives)
                 moved = problem.follow(trial[:-1], float(trial[-1]), guess)
-                left = np.linalg.norm(step(moved)[:-1])
-                if left <= (1 - part / 4) * np.linalg.norm(change[:-1]):
+                left = float(np.linalg.norm(step(moved, factors)[:-1]))
+                if left <= (1 - part / 4) * far:
                     break
-            part /= 2
-        if part < LEAST_PART:
             if error <= SOLVED:
                 return point
+            part /= 2
+        if part < LEAST_PART:
             break
         x, motion = trial, moved
+        if left > FAST * far:
+            derivatives = problem.derivatives(motion)
+            factors = _factors(derivatives, border)
     message = f"no periodic motion was found at {motion.circular / (2 * np.pi):.6g}"
     raise ConvergenceError(message)
+
+
+def _factors(derivatives: Derivatives, border: Vector) -> tuple[Matrix, Indices]:
+    factors: tuple[Matrix, Indices] = la.lu_factor(
+        np.vstack([derivatives.residual, border]), check_finite=False
+    )
+    return factors
 
 
 def trace(
