@@ -1,5 +1,7 @@
 """Responses by harmonics: linear limit, derivatives, folds, energy."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -7,10 +9,12 @@ from test_backbone import DAMPER, MASS, SLIDER, SPRING, mass_on_a_slider
 
 import faying as fy
 from faying.assessment.forced_joint import ForcedJoint
+from faying.assessment.steady_state import steady_state
 from faying.contact.contact import Contact
 from faying.contact.laws import Penalty
 from faying.exceptions import ModelError
 from faying.model.boundary import Boundary
+from faying.simulation import local_path
 from faying.simulation.periodic import ModalLoads, PeriodicProblem
 from small_system import SmallSystem
 
@@ -152,3 +156,57 @@ def test_what_is_refused(slider, change, text):
     arguments = {"frequencies": [1.0, 2.0], "levels": [1.0], **change}
     with pytest.raises(ModelError, match=text):
         fy.frequency_response(slider, {"mass.Fx": 1.0}, **arguments)
+
+
+@pytest.mark.long
+def test_points_off_their_springs_go_the_way_of_all_paths(lap, monkeypatch):
+    """Slip, opening and both periods, beside increments between the pairs by their own solver."""
+    rest = fy.solve_path(lap, [fy.Load()])
+    forced = ForcedJoint.of(lap, {"tip.Fz": 1.0}, rest, np.array([600.0]))
+    problem = PeriodicProblem(
+        stuck=forced.stuck,
+        local=forced.stuck.local(np.arange(lap.contact.n_points)),
+        loads=ModalLoads.of(lap, forced.stuck, forced.inputs, forced.modes(1).shapes),
+        level=30.0,
+        n_harmonic=1,
+        samples=12,
+    )
+    x = np.full(problem.size, 2e-6)
+    alone = problem.follow(x, 2 * np.pi * 600.0)
+    assert alone.path.dissipation.sum() > 0
+    assert (alone.path.forces[:, 0] == 0).any()
+    monkeypatch.setattr(local_path, "_increment", lambda *_: None)
+    others = problem.follow(x, 2 * np.pi * 600.0)
+    # Both solve increments to 1e-9 of the largest force and better.
+    size = alone.path.forces.max()
+    np.testing.assert_allclose(others.path.forces, alone.path.forces, atol=1e-8 * size)
+    np.testing.assert_allclose(
+        others.outputs, alone.outputs, atol=1e-8 * np.abs(alone.outputs).max()
+    )
+    np.testing.assert_allclose(
+        others.path.dissipation, alone.path.dissipation, rtol=1e-6, atol=1e-9
+    )
+
+
+def test_frequencies_that_an_arc_passes_are_landed_on(slider):
+    """Damped so little that arcs between the frequencies end beyond some of them."""
+    asked = np.linspace(3.0, 3.4, 6)
+    curve = fy.frequency_response(
+        slider, {"mass.Fx": 1.0}, asked, [1e-3], harmonics=1, samples=16
+    ).curves[0]
+    assert curve.missed == ()
+    assert set(asked.round(9)) <= set(curve.frequency.round(9))
+    assert curve.frequency[-1] == pytest.approx(3.4)
+
+
+@pytest.mark.slow
+def test_a_transient_settles_at_the_linear_response(slider):
+    """400 steps make periods 2e-5 too long, which is 1e-3 here at most, and 2e-3 may be to come."""
+    damper = 8.0
+    damped = replace(slider, C=np.diag([damper, 0, 0]))
+    settled = steady_state(damped, {"mass.Fx": 1.0}, 1e-3, 3.0)
+    circular = 6 * np.pi
+    expected = 1e-3 / (SPRING + SLIDER - MASS * circular**2 + 1j * damper * circular)
+    found = settled.fundamental[settled.components.index("mass.ux")]
+    assert abs(found - expected) < 3e-3 * abs(expected)
+    assert settled.to_come < 2e-3
