@@ -43,10 +43,10 @@ def _timing(case: LoadCaseSection) -> str:
     if case.kind == "backbone":
         modes = ", ".join(map(str, case.modes))
         half = cycle_increments(case) // 2
-        least = len(case.modes) * len(case.levels) * ((half + 1) // 2 + 2 * half)
+        solutions = len(case.modes) * len(case.levels) * ((half + 1) // 2 + 2 * half)
         return (
             f"modes {modes} at {len(case.levels)} amplitudes each, cycles until they repeat: "
-            f"{least} increments at least"
+            f"{solutions} increments at least"
         )
     if case.kind == "static":
         return ""

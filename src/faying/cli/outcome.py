@@ -110,19 +110,19 @@ def _row(method: str, cases: list[Mapping[str, Any]]) -> list[str]:
 
 def _peaks(summary: Mapping[str, Any]) -> Iterator[str]:
     """Say where responses to harmonic loads peak, and what transients say of it."""
-    for name, found in summary.get("frequencies", {}).items():
+    for name, figures in summary.get("frequencies", {}).items():
         units = units_of(summary["units"])
-        for one in found["levels"]:
-            size = amplitude_unit(found["component"], summary["units"])
-            ratio = f"damping ratio {one['damping_ratio']:.2%}"
-            missed = f", {one['missed']} frequencies without a motion" if one["missed"] else ""
+        for entry in figures["levels"]:
+            size = amplitude_unit(figures["component"], summary["units"])
+            ratio = f"damping ratio {entry['damping_ratio']:.2%}"
+            missed = f", {entry['missed']} frequencies without a motion" if entry["missed"] else ""
             yield (
-                f"{name}, level {one['level']:g}: {found['component']} peaks at "
-                f"{with_unit(one['frequency'], '1/' + units.time)} with "
-                f"{with_unit(one['amplitude'], size)}, {ratio}{missed}"
+                f"{name}, level {entry['level']:g}: {figures['component']} peaks at "
+                f"{with_unit(entry['frequency'], '1/' + units.time)} with "
+                f"{with_unit(entry['amplitude'], size)}, {ratio}{missed}"
             )
-        for one in found["checks"]:
-            yield f"{name}, {one['sentence']}"
+        for entry in figures["checks"]:
+            yield f"{name}, {entry['sentence']}"
 
 
 def _backbones(cases: Mapping[str, Any]) -> Iterator[str]:

@@ -84,14 +84,14 @@ def first_study(path: Path, target: Path, ignore: Sequence[str] = ()) -> FirstSt
     The model of the study is built to see that it can be, and to tell areas and gaps; once more,
     with weak springs, where the first says that they are wanted.
     """
-    found = _findings(read_model_file(path, ignore))
-    built, problem = _tried(study_text(found, target, {}), target)
+    findings = _findings(read_model_file(path, ignore))
+    built, problem = _tried(study_text(findings, target, {}), target)
     if REMEDY in problem:
-        supported = replace(found, weak_springs=True)
-        joints, other = _tried(study_text(supported, target, {}), target)
-        if not other:
-            found, built, problem = supported, joints, ""
-    text = study_text(found, target, built, problem)
+        supported = replace(findings, weak_springs=True)
+        joints, remaining = _tried(study_text(supported, target, {}), target)
+        if not remaining:
+            findings, built, problem = supported, joints, ""
+    text = study_text(findings, target, built, problem)
     return FirstStudy(text=text, undecided=text.count(MARK), problem=problem)
 
 
@@ -112,7 +112,7 @@ def _findings(file: ModelFile) -> Findings:
     active = 0 if described.has_joined_faces else touching or len(faces)
     contact = np.unique(np.concatenate([np.empty(0, np.int64), *(face.nodes for face in faces)]))
     bolts, holes, new_bolts, along = _bolts(file, [np.array(face.normal) for face in faces])
-    found = Findings(
+    findings = Findings(
         file=file,
         faces=tuple(faces),
         active=0 if described.interfaces else active,
@@ -122,11 +122,11 @@ def _findings(file: ModelFile) -> Findings:
     )
     if not assembly.supports:
         names = named(assembly.mesh, HELD)
-        found = replace(
-            found, held=tuple(names), pins=() if names else tuple(pins(assembly, contact))
+        findings = replace(
+            findings, held=tuple(names), pins=() if names else tuple(pins(assembly, contact))
         )
     across = faces[0].normal if faces else (0.0, 0.0, 1.0)
-    return found if assembly.loads else _loaded(found, contact, along or across)
+    return findings if assembly.loads else _loaded(findings, contact, along or across)
 
 
 def _bolts(

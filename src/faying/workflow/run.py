@@ -147,7 +147,7 @@ def _computed(
         extras,
         checkpoint,
     )
-    failures += [text for name, one in frequencies.items() for text in one.missed(name)]
+    failures += [text for name, swept in frequencies.items() for text in swept.missed(name)]
     assessment = assess_run(study, joint, cases, stages, extras, exact)
     with stages.stage("records"):
         results = record(

@@ -19,16 +19,16 @@ def frequency_figures(record: FrequencyRecord) -> dict[str, Any]:
         "expected_remarks": [] if expected is None else list(expected.remarks),
         "checks": [
             {
-                "level": one.level,
-                "frequency": one.frequency,
-                "amplitude_difference": one.difference,
-                "phase_difference": one.turn,
-                "periods": one.periods,
-                "to_come": one.to_come,
-                "agrees": one.agrees,
-                "sentence": one.sentence,
+                "level": check.level,
+                "frequency": check.frequency,
+                "amplitude_difference": check.difference,
+                "phase_difference": check.turn,
+                "periods": check.periods,
+                "to_come": check.to_come,
+                "agrees": check.agrees,
+                "sentence": check.sentence,
             }
-            for one in record.checks
+            for check in record.checks
         ],
     }
 
@@ -36,7 +36,7 @@ def frequency_figures(record: FrequencyRecord) -> dict[str, Any]:
 def _level(
     record: FrequencyRecord, curve: ResponseCurve, peak: Peak, expected: Peak | None
 ) -> dict[str, Any]:
-    at = int(np.argmax(np.abs(curve.response(record.at))))
+    index = int(np.argmax(np.abs(curve.response(record.at))))
     figures: dict[str, Any] = {
         "level": curve.level,
         "frequency": peak.frequency,
@@ -51,9 +51,9 @@ def _level(
     if curve.contact is not None:
         contact = curve.contact
         figures |= {
-            "damping_ratio": float(contact.damping_ratio[at]),
-            "friction_energy": float(contact.friction_energy[at]),
-            "load_work": float(contact.load_work[at]),
+            "damping_ratio": float(contact.damping_ratio[index]),
+            "friction_energy": float(contact.friction_energy[index]),
+            "load_work": float(contact.load_work[index]),
             "max_imbalance": float(np.abs(contact.imbalance).max()),
             "max_pressure": float(contact.peak_pressure.max()),
             "stick_fraction": float(contact.stick_share.min()),

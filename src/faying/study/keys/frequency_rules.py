@@ -43,7 +43,7 @@ def frequencies_of(study: Study, model: Model) -> Iterator[Problem]:
     """Find harmonic loads that a model cannot carry, and places that it cannot show."""
     for i, swept in enumerate(study.frequencies):
         wrong: dict[Location, str] = {}
-        hard = [name for name, one in model.interfaces.items() if not one.law.yields]
+        hard = [name for name, interface in model.interfaces.items() if not interface.law.yields]
         if hard:
             text = f"interface '{hard[0]}' is hard, and small vibrations about it have no stiffness"
             wrong["frequency", i] = f'{text}; give it a penalty, as penalty = "auto"'
@@ -55,8 +55,8 @@ def frequencies_of(study: Study, model: Model) -> Iterator[Problem]:
             components = boundary_components(model)
             if shown_place(swept, components) not in components:
                 text = "none of its boundaries moves alone" if swept.at is None else swept.at
-                known = nearest(swept.at or "", components) if components else "there is none"
-                wrong["frequency", i, "at"] = f"found {text}, expected a component; {known}"
+                advice = nearest(swept.at or "", components) if components else "there is none"
+                wrong["frequency", i, "at"] = f"found {text}, expected a component; {advice}"
         yield from _said(study, wrong)
 
 
@@ -70,11 +70,15 @@ def shown_place(swept: FrequencySection, components: tuple[str, ...]) -> str:
     moved = dict(zip(FORCE_NAMES, DISPLACEMENT_NAMES, strict=True))
     for force in swept.forces:
         if force.boundary is not None and force.component is not None:
-            place = f"{force.boundary}.{moved[force.component]}"
-            if place in components:
-                return place
-            ends = [one for one in components if one.startswith(f"{force.boundary}[")]
-            return next((one for one in ends if one.endswith(place[-3:])), place)
+            component = f"{force.boundary}.{moved[force.component]}"
+            if component in components:
+                return component
+            ends = [
+                candidate for candidate in components if candidate.startswith(f"{force.boundary}[")
+            ]
+            return next(
+                (candidate for candidate in ends if candidate.endswith(component[-3:])), component
+            )
     return components[0] if components else ""
 
 

@@ -61,8 +61,10 @@ class FrequencySection(Section):
     @property
     def load(self) -> dict[str, complex]:
         """Complex amplitudes at level one, by what they load."""
-        turned = {one.target: complex(np.exp(1j * np.radians(one.phase))) for one in self.forces}
-        return {one.target: one.value * turned[one.target] for one in self.forces}
+        turned = {
+            force.target: complex(np.exp(1j * np.radians(force.phase))) for force in self.forces
+        }
+        return {force.target: force.value * turned[force.target] for force in self.forces}
 
     @property
     def asked(self) -> Vector:

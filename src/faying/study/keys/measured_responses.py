@@ -64,10 +64,10 @@ def _uff(path: Path, kind: Kind) -> tuple[Vector, ComplexVector, Kind]:
         message = f"{path}: cannot be read as UFF ({error})"
         raise FormatError(message) from None
     sets = sets if isinstance(sets, list) else [sets]
-    responses = [each for each in sets if each.get("type") == 58]
+    responses = [entry for entry in sets if entry.get("type") == 58]
     if len(responses) != 1:
         message = f"{path}: found {len(responses)} functions (data set 58), expected one; split it"
         raise FormatError(message)
     (function,) = responses
-    known = UFF_KINDS.get(int(function.get("ordinate_spec_data_type", 0)), kind)
-    return np.asarray(function["x"]), np.asarray(function["data"], dtype=complex), known
+    kind_known = UFF_KINDS.get(int(function.get("ordinate_spec_data_type", 0)), kind)
+    return np.asarray(function["x"]), np.asarray(function["data"], dtype=complex), kind_known

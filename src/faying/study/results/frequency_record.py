@@ -43,12 +43,18 @@ class FrequencyRecord:
 
     def peaks(self) -> Iterator[tuple[ResponseCurve, Peak, Peak | None]]:
         """Yield curves that have points with their peaks, and those expected by the backbone."""
-        levels = {} if self.expected is None else {one.level: one for one in self.expected.curves}
+        levels = (
+            {} if self.expected is None else {level.level: level for level in self.expected.curves}
+        )
         for curve in self.response.curves:
             if len(curve.frequency):
-                other = levels.get(curve.level)
-                known = other is not None and len(other.frequency) > 0
-                yield curve, curve.peak(self.at), other.peak(self.at) if known and other else None
+                expected = levels.get(curve.level)
+                is_known = expected is not None and len(expected.frequency) > 0
+                yield (
+                    curve,
+                    curve.peak(self.at),
+                    expected.peak(self.at) if is_known and expected else None,
+                )
 
     def missed(self, name: str) -> Iterator[str]:
         """Yield the frequencies at which no motion was found, and why."""

@@ -55,9 +55,9 @@ def write_frequency_tables(records: Mapping[str, FrequencyRecord], folder: Path)
     """
     if not records:
         return
-    curves = ((name, curve) for name, one in records.items() for curve in one.response.curves)
+    curves = ((name, curve) for name, record in records.items() for curve in record.response.curves)
     _write(folder / "frf.csv", RESPONSES, (row for pair in curves for row in _responses(*pair)))
-    peaks = (row for name, one in records.items() for row in _peaks(name, one))
+    peaks = (row for name, record in records.items() for row in _peaks(name, record))
     _write(folder / "peaks.csv", PEAKS, peaks)
 
 
@@ -66,35 +66,35 @@ def _write(path: Path, header: tuple[str, ...], rows: Iterable[tuple[object, ...
         table = csv.writer(file, lineterminator="\n")
         table.writerow(header)
         for row in rows:
-            table.writerow(DIGITS % one if isinstance(one, float) else one for one in row)
+            table.writerow(DIGITS % value if isinstance(value, float) else value for value in row)
 
 
 def _responses(name: str, curve: ResponseCurve) -> Iterator[tuple[object, ...]]:
     up, down, contact = curve.swept_up, curve.swept_down, curve.contact
-    for at, frequency in enumerate(curve.frequency.tolist()):
+    for row, frequency in enumerate(curve.frequency.tolist()):
         energies = (
             ("", "", "")
             if contact is None
             else tuple(
-                float(values[at])
+                float(values[row])
                 for values in (contact.load_work, contact.damping_energy, contact.friction_energy)
             )
         )
         for number, component in enumerate(curve.components):
-            for order, value in enumerate(curve.harmonics[at, :, number].tolist()):
+            for order, value in enumerate(curve.harmonics[row, :, number].tolist()):
                 size, phase = float(abs(value)), float(np.angle(value, deg=True))
-                swept = (int(up[at]), int(down[at]))
+                swept = (int(up[row]), int(down[row]))
                 yield name, curve.level, frequency, component, order, size, phase, *energies, *swept
 
 
 def _peaks(name: str, record: FrequencyRecord) -> Iterator[tuple[object, ...]]:
     for curve, peak, expected in record.peaks():
-        at = int(np.argmax(np.abs(curve.response(record.at))))
+        index = int(np.argmax(np.abs(curve.response(record.at))))
         damping: tuple[object, object] = "", ""
         if curve.contact is not None:
-            lost = curve.contact.damping_energy[at] + curve.contact.friction_energy[at]
-            share = curve.contact.friction_energy[at] / lost if lost > 0 else 0.0
-            damping = float(curve.contact.damping_ratio[at]), float(share)
-        found = ("", "") if expected is None else (expected.frequency, expected.amplitude)
+            lost = curve.contact.damping_energy[index] + curve.contact.friction_energy[index]
+            share = curve.contact.friction_energy[index] / lost if lost > 0 else 0.0
+            damping = float(curve.contact.damping_ratio[index]), float(share)
+        expected_values = ("", "") if expected is None else (expected.frequency, expected.amplitude)
         motion = (peak.frequency, peak.amplitude, peak.phase)
-        yield name, curve.level, record.at, *motion, *damping, *found
+        yield name, curve.level, record.at, *motion, *damping, *expected_values

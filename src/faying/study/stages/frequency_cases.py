@@ -58,9 +58,9 @@ class FrequencyRunner:
         with naming(f"frequency '{self.swept.name}'"):
             seconds, backbone, expected = 0.0, None, None
             with self.extras.attempt(f"{self.swept.name}, curve from the backbone"):
-                kept = self.pieces.take("backbone", self._backbone)
-                if "mode" in kept:
-                    backbone = restored(Backbone, kept)
+                arrays = self.pieces.take("backbone", self._backbone)
+                if "mode" in arrays:
+                    backbone = restored(Backbone, arrays)
                     expected = backbone_response(
                         self.joint.model,
                         backbone,
@@ -69,12 +69,12 @@ class FrequencyRunner:
                         self.swept.levels,
                         initial=self.joint.rest,
                     )
-                seconds += float(kept[SECONDS])
+                seconds += float(arrays[SECONDS])
             curves, checks = [], []
             for level in self.swept.levels:
-                kept = self.pieces.take(f"level {level}", partial(self._level, level))
-                curves.append(restored(ResponseCurve, kept))
-                seconds += float(kept[SECONDS])
+                arrays = self.pieces.take(f"level {level}", partial(self._level, level))
+                curves.append(restored(ResponseCurve, arrays))
+                seconds += float(arrays[SECONDS])
                 if self.swept.check is not None and len(curves[-1].frequency):
                     with self.extras.attempt(f"{self.swept.name}, level {level:g}, transient"):
                         checks.append(self._checked(curves[-1]))
@@ -123,7 +123,7 @@ class FrequencyRunner:
     def _backbone(self) -> Arrays:
         """Return the backbone of the mode that is brought to resonance; nothing without one."""
         with self.stages.stage(f"{self.swept.name}: backbone") as advance:
-            found = resonance(
+            resonant = resonance(
                 self.joint.model,
                 self.swept.load,
                 (self.swept.lowest, self.swept.highest),
@@ -131,29 +131,29 @@ class FrequencyRunner:
                 self._at,
                 self.joint.rest,
             )
-            if found is None:
+            if resonant is None:
                 return {}
             cycles = list[ModalCycle]()
-            for number in range(len(found.analysis.levels)):
+            for number in range(len(resonant.analysis.levels)):
                 name = f"backbone, amplitude {number + 1}"
-                compute = partial(found.analysis.cycle, number)
+                compute = partial(resonant.analysis.cycle, number)
                 try:
-                    kept = self.pieces.take(name, lambda c=compute: flattened(c()))  # type: ignore[misc]
+                    arrays = self.pieces.take(name, lambda c=compute: flattened(c()))  # type: ignore[misc]
                 except ConvergenceError:
                     # The curve then ends below the peak, which its remarks say.
                     if not cycles:
                         raise
                     break
-                cycles.append(restored(ModalCycle, kept))
+                cycles.append(restored(ModalCycle, arrays))
                 advance(1)
-                if found.resists(cycles[-1]):
+                if resonant.resists(cycles[-1]):
                     break
-            return flattened(found.analysis.backbone(cycles))
+            return flattened(resonant.analysis.backbone(cycles))
 
     def _checked(self, curve: ResponseCurve) -> TransientCheck:
         """Return a transient at the peak of a curve."""
-        kept = self.pieces.take(f"transient {curve.level}", partial(self._transient, curve))
-        return restored(TransientCheck, kept)
+        arrays = self.pieces.take(f"transient {curve.level}", partial(self._transient, curve))
+        return restored(TransientCheck, arrays)
 
     def _transient(self, curve: ResponseCurve) -> Arrays:
         if self.rom is None:
