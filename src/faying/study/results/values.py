@@ -291,7 +291,7 @@ class Results:
     omissions : (n_omission,)
         Validation and other extras that failed, with the reasons.
     validation
-        Load space, worst loads and penalty.
+        Load space and penalty.
     reduced
         Method name to number of joint modes to reduced model; those without basis are not there,
         ``craig-bampton`` and ``compliance`` always. None are read back from the file where the
