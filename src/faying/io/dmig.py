@@ -36,7 +36,7 @@ class _Entries:
     column: Indices
     row: Indices
     value: Vector
-    place: Indices
+    position: Indices
 
 
 def read_dmig_matrices(path: str | PathLike[str]) -> dict[str, LabelledMatrix]:
@@ -153,7 +153,7 @@ def _entries(cards: Cards) -> _Entries:
     """Take the groups of four fields (grid, component, real, imaginary) behind the first."""
     if not len(cards):
         empty = np.empty(0, dtype=np.int64)
-        return _Entries(column=empty, row=empty, value=np.empty(0), place=empty)
+        return _Entries(column=empty, row=empty, value=np.empty(0), position=empty)
     column = _dof(cards, cards.integers(1), cards.integers(2, 0), 2)
     groups = np.maximum(cards.count // 4 - 1, 0)
     card = np.repeat(np.arange(len(cards)), groups)
@@ -175,7 +175,7 @@ def _entries(cards: Cards) -> _Entries:
             first = int(np.flatnonzero(mask)[0])
             text = fields[positions[first] + field].decode("latin-1")
             raise cards.malformed(int(card[first]), int(4 * group[first]) + field, text, what)
-    return _Entries(column=column[card], row=row, value=value, place=positions)
+    return _Entries(column=column[card], row=row, value=value, position=positions)
 
 
 def _numbers(
@@ -220,7 +220,7 @@ def _check_twice(cards: Cards, name: str, entries: _Entries, form: int) -> None:
     if again.any():
         first = int(order[1:][again].min())
         both = " (or its mirror image)" if form == SYMMETRIC else ""
-        where = cards.bulk.where(int(entries.place[first]))
+        where = cards.bulk.where(int(entries.position[first]))
         message = (
             f"{where}: DMIG: matrix {name}: row {row[first] // 10}-{row[first] % 10} of column "
             f"{column[first] // 10}-{column[first] % 10}{both} is given twice"

@@ -18,13 +18,13 @@ class LabelledMatrix:
     matrix : (n, n)
     dofs : (n, 2) or None
         Node id and component 1..6 of each row, where the file says so itself.
-    held : (n_held, 2) or None
+    fixed : (n_fixed, 2) or None
         The same of rows the file marks as held, which ``matrix`` does not have.
     """
 
     matrix: SparseMatrix
     dofs: Indices | None = None
-    held: Indices | None = None
+    fixed: Indices | None = None
 
 
 def aligned(
@@ -49,7 +49,7 @@ def aligned(
     ------
     ModelError
         If a matrix has rows that the leading order does not have; those it lacks are zero. Rows
-        that K holds (:attr:`LabelledMatrix.held`) leave all matrices.
+        that K holds (:attr:`LabelledMatrix.fixed`) leave all matrices.
 
     Notes
     -----
@@ -61,7 +61,7 @@ def aligned(
         table = next((labels for labels in labels_of if labels is not None), None)
     if table is None:
         return {name: labelled.matrix for name, labelled in matrices.items()}, None
-    lost = [labelled.held for labelled in matrices.values() if labelled.held is not None]
+    lost = [labelled.fixed for labelled in matrices.values() if labelled.fixed is not None]
     fixed = np.concatenate([np.empty((0, 2), dtype=np.int64), *lost])
     return {
         name: _placed(name, labelled, table, fixed) for name, labelled in matrices.items()

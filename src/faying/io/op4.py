@@ -93,7 +93,7 @@ def _only(names: list[str], name: str) -> int:
 
 
 def _check_readable(header: Header) -> None:
-    matrix_label = f"matrix '{header.name}' ({header.place})"
+    matrix_label = f"matrix '{header.name}' ({header.position})"
     if header.kind in COMPLEX:
         message = f"{matrix_label} is complex; faying needs real matrices: write its real part"
         raise DamageError(message)
@@ -118,7 +118,7 @@ def _check_strings(header: Header, strings: Strings) -> None:
     if wrong.any():
         first = int(np.flatnonzero(wrong)[0])
         message = (
-            f"matrix '{header.name}' ({header.place}): column {strings.column[first] + 1} has "
+            f"matrix '{header.name}' ({header.position}): column {strings.column[first] + 1} has "
             f"{strings.count[first]} values from row {strings.row[first] + 1} on; expected "
             f"ascending rows from 1 to {header.rows}"
         )
@@ -130,7 +130,7 @@ def _assembled(file: Op4File, header: Header, strings: Strings) -> SparseMatrix:
     _check_strings(header, strings)
     values = file.values(header, strings)
     if not np.isfinite(values).all():
-        message = f"matrix '{header.name}' ({header.place}) holds NaN or infinity"
+        message = f"matrix '{header.name}' ({header.position}) holds NaN or infinity"
         raise DamageError(message)
     starts = np.zeros(header.columns + 1, dtype=np.int64)
     np.add.at(starts, strings.column + 1, strings.count)

@@ -104,7 +104,7 @@ class BinaryFile:
             form=form,
             kind=kind,
             big=rows < 0 or rows >= _BIG_ROWS,
-            place=f"byte {start - 4}",
+            position=f"byte {start - 4}",
         )
         return checked_header(header, len(self._content))
 
@@ -146,7 +146,7 @@ class BinaryFile:
         width = self._words_per_value(header)
         dense = row != 0
         if dense.any() and not dense.all():
-            message = f"matrix '{header.name}' ({header.place}) has dense and sparse columns"
+            message = f"matrix '{header.name}' ({header.position}) has dense and sparse columns"
             raise DamageError(message)
         if dense.all():
             return Strings(
@@ -166,7 +166,7 @@ class BinaryFile:
         parts: list[tuple[Indices, Indices, Indices, Indices]] = []
         while len(column):
             if (first + heads > stop).any():
-                message = f"matrix '{header.name}' ({header.place}): a string is cut off"
+                message = f"matrix '{header.name}' ({header.position}): a string is cut off"
                 raise DamageError(message)
             length, row = self._string_heads(header, first)
             first = first + heads
@@ -204,6 +204,6 @@ class BinaryFile:
 
 def _whole(header: Header, words: Indices, width: int) -> Indices:
     if (words % width).any() or (words <= 0).any():
-        message = f"matrix '{header.name}' ({header.place}) has a string of half a value"
+        message = f"matrix '{header.name}' ({header.position}) has a string of half a value"
         raise DamageError(message)
     return words // width

@@ -103,7 +103,7 @@ class TextFile:
             form=form,
             kind=kind,
             big=rows < 0 or rows >= _BIG_ROWS,
-            place=f"line {line + 1}",
+            position=f"line {line + 1}",
             layout=_layout(tail[8:].strip().upper(), line),
         )
         return checked_header(header, len(self._content))

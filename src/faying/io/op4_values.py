@@ -27,7 +27,7 @@ class Header:
     ----------
     big
         Whether strings are written in the BIGMAT form.
-    place
+    position
         Line or byte where it stands, for messages.
     layout
         Values per line and columns per value of a text file.
@@ -39,7 +39,7 @@ class Header:
     form: int
     kind: int
     big: bool
-    place: str
+    position: str
     layout: tuple[int, int] = (0, 0)
 
 
@@ -80,9 +80,9 @@ def checked_header(header: Header, n_bytes: int) -> Header:
     ------
     DamageError
     """
-    matrix_label = f"matrix '{header.name}' ({header.place})"
+    matrix_label = f"matrix '{header.name}' ({header.position})"
     if not (header.name and header.name.isascii() and header.name.isprintable()):
-        message = f"no matrix name at {header.place}, where a header is expected"
+        message = f"no matrix name at {header.position}, where a header is expected"
         raise DamageError(message)
     if header.kind not in (*REAL, *COMPLEX):
         message = (

@@ -63,7 +63,7 @@ class Cut:
     ----------
     name
         Of the bolt.
-    kept, copies : (n,)
+    originals, copies : (n,)
         Nodes of the section, which the elements beyond it keep, and the new ones of the elements
         that own the surface, in the same order (as in CalculiX).
     normal : (3,)
@@ -84,7 +84,7 @@ class Cut:
     """
 
     name: str
-    kept: Indices
+    originals: Indices
     copies: Indices
     normal: Vector
     area: float
@@ -139,7 +139,7 @@ def cut_mesh(mesh: Mesh, section: Section) -> tuple[Mesh, Cut]:
     )
     return changed, Cut(
         name=section.name,
-        kept=originals,
+        originals=originals,
         copies=copy_of[originals],
         normal=normal,
         area=area,
@@ -156,8 +156,8 @@ def origins(mesh: Mesh, cuts: Sequence[Cut]) -> Indices:
     """Return which node of the deck each node of a cut mesh (n_node,) stands in the place of."""
     origin = np.arange(len(mesh.nodes))
     for cut in cuts:
-        origin[cut.copies] = origin[cut.kept]
-        origin[list(cut.ends)] = origin[cut.kept[0]]
+        origin[cut.copies] = origin[cut.originals]
+        origin[list(cut.ends)] = origin[cut.originals[0]]
     return origin
 
 
@@ -232,7 +232,7 @@ def on_their_sides(mesh: Mesh, cuts: Sequence[Cut], facets: Indices) -> Indices:
     """
     for cut in cuts:
         position = np.full(len(mesh.nodes) + 1, -1, dtype=np.int64)
-        position[cut.kept] = np.arange(len(cut.kept))
+        position[cut.originals] = np.arange(len(cut.originals))
         owned = np.zeros(len(mesh.nodes) + 1, dtype=bool)
         owned[mesh.element_nodes(cut.owners)] = True
         adjacent: Mask = np.asarray(owned[facets].any(axis=1))
@@ -250,7 +250,7 @@ def close_cuts(assembly: Assembly, cuts: Sequence[Cut]) -> Assembly:
     spring_id = assembly.largest_id
     for cut in cuts:
         fixed, moving = cut.ends
-        for original, copy in zip(cut.kept.tolist(), cut.copies.tolist(), strict=True):
+        for original, copy in zip(cut.originals.tolist(), cut.copies.tolist(), strict=True):
             for c in range(3):
                 number += 1
                 terms = (

@@ -16,7 +16,7 @@ import scipy.io
 import faying as fy
 from faying.exceptions import FormatError, StudyError
 from faying.files.numpy_archive import read_matrices
-from faying.io.abaqus.source import read_pieces
+from faying.io.abaqus.source import read_spans
 from faying.io.isolated import read_isolated
 from faying.io.matrix_files import read_matrix
 from faying.io.matrix_tables import read_node_table
@@ -108,7 +108,7 @@ def test_sizes_of_matrix_market(tmp_path):
 
 DECKS = {
     "deck.bdf": (read_source, "BEGIN BULK\nINCLUDE '{}'\n"),
-    "deck.inp": (read_pieces, "*INCLUDE, INPUT={}\n"),
+    "deck.inp": (read_spans, "*INCLUDE, INPUT={}\n"),
 }
 
 

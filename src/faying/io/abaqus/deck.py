@@ -9,7 +9,7 @@ import numpy as np
 from faying.exceptions import FormatError
 from faying.io.abaqus.instances import instantiated
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.source import read_pieces
+from faying.io.abaqus.source import read_spans
 from faying.io.abaqus.tokenizer import read_keywords
 
 
@@ -100,7 +100,7 @@ def read_keyword_deck(path: Path, ignore: frozenset[str] = frozenset()) -> Deck:
     FormatError
         As the tokenizer, or if parts, instances or steps are not closed.
     """
-    keywords = instantiated(read_keywords(read_pieces(path)))
+    keywords = instantiated(read_keywords(read_spans(path)))
     if not keywords:
         message = f"{path}: the deck is empty; it needs *NODE, *ELEMENT, …"
         raise FormatError(message)

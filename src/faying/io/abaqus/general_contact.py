@@ -189,7 +189,7 @@ def joined_bodies(
 ) -> set[frozenset[int]]:
     """Return the pairs of bodies on both sides of cuts, or of pairs of surfaces by their nodes."""
     labels = assembly.mesh.bodies
-    both = [*sides, *((cut.kept, cut.copies) for cut in cuts)]
+    both = [*sides, *((cut.originals, cut.copies) for cut in cuts)]
     return {pair for minus, plus in both for pair in _pairs(labels[minus], labels[plus])}
 
 

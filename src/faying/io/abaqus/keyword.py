@@ -7,8 +7,8 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.exceptions import FormatError
+from faying.io.abaqus.file_spans import Body, TextFile
 from faying.io.abaqus.keyword_names import without_blanks
-from faying.io.abaqus.pieces import Body, TextFile
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -53,7 +53,7 @@ def read_abaqus_matrix(path: Path, name: str) -> LabelledMatrix:
     fixed = matrix.diagonal() >= _HELD
     free = np.flatnonzero(~fixed)
     return LabelledMatrix(
-        matrix=sp.csr_array(matrix[free][:, free]), dofs=dofs[free], held=dofs[fixed]
+        matrix=sp.csr_array(matrix[free][:, free]), dofs=dofs[free], fixed=dofs[fixed]
     )
 
 

@@ -76,10 +76,10 @@ class NamedSets:
 
 @dataclass(eq=False, kw_only=True)
 class _Builder:
-    """Collects pieces of sets; names inside sets are looked up at the end, in any order."""
+    """Collects parts of sets; names inside sets are looked up at the end, in any order."""
 
     what: str
-    pieces: dict[str, list[tuple[Keyword, Indices]]] = field(default_factory=dict)
+    parts: dict[str, list[tuple[Keyword, Indices]]] = field(default_factory=dict)
     nested: dict[str, list[tuple[Keyword, int, str]]] = field(default_factory=dict)
     names: dict[str, str] = field(default_factory=dict)
 
@@ -88,13 +88,13 @@ class _Builder:
         name = f"{keyword.scope.name}.{plain}" if keyword.scope.name else plain
         key = name.upper()
         self.names.setdefault(key, name)
-        self.pieces.setdefault(key, [])
+        self.parts.setdefault(key, [])
         self.nested.setdefault(key, [])
         return key
 
     def closed(self, deck: Deck) -> NamedSets:
         done: dict[str, Indices] = {}
-        for key in self.pieces:
+        for key in self.parts:
             self._resolve(key, done, ())
         offsets = {k.scope.name.upper(): k.scope.offset for k in deck.keywords if k.scope.name}
         return NamedSets(what=self.what, ids=done, names=self.names, offsets=offsets)
@@ -102,11 +102,11 @@ class _Builder:
     def _resolve(self, key: str, done: dict[str, Indices], path: tuple[str, ...]) -> Indices:
         if key in done:
             return done[key]
-        parts = [ids for _, ids in self.pieces[key]]
+        parts = [ids for _, ids in self.parts[key]]
         for keyword, row, label in self.nested[key]:
             plain = label.strip("\"' ").upper()
             options = (f"{keyword.scope.name.upper()}.{plain}", plain)
-            inner = next((option for option in options if option in self.pieces), None)
+            inner = next((option for option in options if option in self.parts), None)
             if inner is None or inner in (*path, key) or len(path) > 50:
                 problem = "does not exist" if inner is None else "contains itself"
                 message = f"the {self.what} '{label}' {problem}; correct the name"
@@ -132,13 +132,13 @@ def read_element_sets(deck: Deck, elements: Elements) -> NamedSets:
         if keyword.name == "ELEMENT":
             if keyword.has("ELSET"):
                 key = builder.open(keyword, keyword.required("ELSET"))
-                builder.pieces[key].append((keyword, blocks[id(keyword)].ids))
+                builder.parts[key].append((keyword, blocks[id(keyword)].ids))
             continue
         keyword.allow("ELSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED")
         key = builder.open(keyword, keyword.required("ELSET"))
         ids, rows = _explicit(keyword, builder, key, deck, element_ids)
         _check_known(ids, rows, element_ids, keyword, "element")
-        builder.pieces[key].append((keyword, ids))
+        builder.parts[key].append((keyword, ids))
     return builder.closed(deck)
 
 
@@ -158,19 +158,19 @@ def read_node_sets(deck: Deck, nodes: Nodes, elements: Elements, by_name: NamedS
                 fields = table(keyword)
                 first = np.flatnonzero(np.diff(fields.row, prepend=-1))
                 ids = integers(fields.texts[first], keyword, fields.row[first], "a node id")
-                builder.pieces[key].append((keyword, ids + keyword.scope.offset))
+                builder.parts[key].append((keyword, ids + keyword.scope.offset))
             continue
         # FREQUENCY is one of output, which CalculiX passes over here.
         keyword.allow("NSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED", "ELSET", "FREQUENCY")
         key = builder.open(keyword, keyword.required("NSET"))
         ids, rows = _explicit(keyword, builder, key, deck, nodes.ids)
         _check_known(ids, rows, nodes.ids, keyword, "node")
-        builder.pieces[key].append((keyword, ids))
+        builder.parts[key].append((keyword, ids))
         if keyword.has("ELSET"):
             chosen = by_name.find(keyword, keyword.value("ELSET"))
             corners = [b.nodes[np.isin(b.ids, chosen)].ravel() for b in elements.blocks]
             of_elements = nodes.ids[np.unique(np.concatenate(corners))]
-            builder.pieces[key].append((keyword, of_elements))
+            builder.parts[key].append((keyword, of_elements))
     return builder.closed(deck)
 
 
@@ -190,7 +190,7 @@ def _explicit(
         if dot and is_integer(tail):
             scope = _scope_offset(keyword, deck, head, row)
             single = np.array([int(tail) + scope])
-            builder.pieces[key].append((keyword, single))
+            builder.parts[key].append((keyword, single))
         elif not label or label[0] in "+-.0123456789":
             message = f"found '{label}', expected ids or names of sets"
             raise keyword.error(message, row)

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 from faying.exceptions import FormatError
-from faying.io.abaqus.pieces import Piece, TextFile
+from faying.io.abaqus.file_spans import Span, TextFile
 from faying.io.deck_lines import DeckFiles
 from faying.io.line_texts import with_usual_ends
 
@@ -13,7 +13,7 @@ _INPUT = re.compile(rb"INPUT\s*=\s*(?:\"([^\"]*)\"|'([^']*)'|([^,]*))", re.IGNOR
 _DEEPEST = 20
 
 
-def read_pieces(path: Path) -> list[Piece]:
+def read_spans(path: Path) -> list[Span]:
     """Read a deck and what it includes, as pieces of files in their order.
 
     Included files are looked for beside the deck, where both programs run, then beside the file
@@ -29,7 +29,7 @@ def read_pieces(path: Path) -> list[Piece]:
 
 def _expand(
     path: Path, home: Path, files: DeckFiles, parents: tuple[Path, ...], included_from: str
-) -> list[Piece]:
+) -> list[Span]:
     text = with_usual_ends(files.read(path, included_from))
     resolved = path.resolve()
     if resolved in parents or len(parents) >= _DEEPEST:
@@ -37,11 +37,11 @@ def _expand(
         raise FormatError(message)
     file = TextFile(name=files.names[-1], text=text)
     parts, start = [], 0
-    for begin, end in Piece(file=file, start=0, end=len(text)).starred():
+    for begin, end in Span(file=file, start=0, end=len(text)).starred():
         line = text[begin:end]
         if not (b"*" in line[:8] and _INCLUDE.match(line)):
             continue
-        parts.append(Piece(file=file, start=start, end=begin))
+        parts.append(Span(file=file, start=start, end=begin))
         origin = f"{file.name}:{file.line(begin)}"
         name = _file_name(line, origin)
         places = (home / name, path.parent / name)
@@ -50,7 +50,7 @@ def _expand(
         )
         parts += _expand(included, home, files, (*parents, resolved), origin)
         start = min(end + 1, len(text))
-    parts.append(Piece(file=file, start=start, end=len(text)))
+    parts.append(Span(file=file, start=start, end=len(text)))
     return parts
 
 

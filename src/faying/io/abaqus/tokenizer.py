@@ -7,14 +7,14 @@ from functools import partial
 from itertools import zip_longest
 
 from faying.exceptions import FormatError
+from faying.io.abaqus.file_spans import Body, Span, TextFile, is_content
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.keyword_names import keyword_name, without_blanks
-from faying.io.abaqus.pieces import Body, Piece, TextFile, is_content
 
 _PARTS = re.compile(r"\"[^\"]*\"|'[^']*'|[^,]")
 
 
-def read_keywords(parts: Sequence[Piece]) -> list[Keyword]:
+def read_keywords(parts: Sequence[Span]) -> list[Keyword]:
     """Split a deck into its keywords, in order.
 
     A keyword line that ends in a comma continues on the next line.
@@ -46,10 +46,10 @@ def read_keywords(parts: Sequence[Piece]) -> list[Keyword]:
 
 
 _Head = tuple[int, int, int]
-"""Piece, and where the line of a keyword begins and ends."""
+"""Span, and where the line of a keyword begins and ends."""
 
 
-def _keyword(parts: Sequence[Piece], head: _Head, following: _Head | None) -> Keyword:
+def _keyword(parts: Sequence[Span], head: _Head, following: _Head | None) -> Keyword:
     number, begin, end = head
     file = parts[number].file
     text = _decoded(file.text[begin:end])
@@ -69,13 +69,13 @@ def _keyword(parts: Sequence[Piece], head: _Head, following: _Head | None) -> Ke
     return Keyword(
         name=keyword_name(name),
         parameters=dict(_parameters(arguments, place_of)),
-        body=Body(pieces=tuple(body)),
+        body=Body(spans=tuple(body)),
         file=file,
         begin=begin,
     )
 
 
-def _between(parts: Sequence[Piece], head: _Head, following: _Head | None) -> list[Piece]:
+def _between(parts: Sequence[Span], head: _Head, following: _Head | None) -> list[Span]:
     """Return the pieces of the deck from behind a keyword's line to the next keyword."""
     number, _, end = head
     last = len(parts) - 1 if following is None else following[0]

@@ -26,7 +26,7 @@ class Displacement(NamedTuple):
     """A component that moves, by which set and where that is said."""
 
     number: int
-    place: Place
+    dof: Place
     value: float
     where: str
 
@@ -159,24 +159,24 @@ def read_moved(
     """
     always: dict[Place, float] = {}
     for move in by_support:
-        if always.setdefault(move.place, move.value) != move.value:
+        if always.setdefault(move.dof, move.value) != move.value:
             text = (
-                f"{move.where}: GRID {grids.ids[move.place[0]]} is moved along component "
-                f"{move.place[1] + 1} by another SPC too; remove one"
+                f"{move.where}: GRID {grids.ids[move.dof[0]]} is moved along component "
+                f"{move.dof[1] + 1} by another SPC too; remove one"
             )
             raise FormatError(text)
     by_load: dict[int, dict[Place, float]] = {}
     unread: dict[int, str] = {}
     for move in displacements(cards["SPCD"], grids, control) if "SPCD" in cards else ():
-        node, component = move.place
+        node, component = move.dof
         location = f"GRID {grids.ids[node]} along component {component + 1}"
-        if not fixed[move.place]:
+        if not fixed[move.dof]:
             unread.setdefault(
                 move.number, f"{move.where} moves {location}, where no selected SPC holds it; that"
             )
-        elif move.place in always:
+        elif move.dof in always:
             unread.setdefault(move.number, f"{move.where} moves {location}, as SPC does; that")
-        by_load.setdefault(move.number, {})[move.place] = move.value
+        by_load.setdefault(move.number, {})[move.dof] = move.value
     return Moved(
         always=always,
         by_load={number: move for number, move in by_load.items() if number not in unread},

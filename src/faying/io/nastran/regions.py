@@ -122,7 +122,7 @@ def _sides(card: Card, solids: Solids) -> Indices:
     """Faces (n, 8) of rows with an element, the side of it, and ELEM."""
     rows = [[card.text(j + k) for k in range(8)] for j in range(8, len(card), 8)]
     named = [row for row in rows if any(row)]
-    bricks = [one for one in solids.blocks if one.kind in ("hex8", "hex20")]
+    bricks = [block for block in solids.blocks if block.kind in ("hex8", "hex20")]
     element_ids = [numbers.integer(row[0]) for row in named]
     for row, element in zip(named, element_ids, strict=True):
         odd = element is None or row[1] not in _SIDES or row[2:] != ["ELEM", *[""] * 5]
@@ -137,9 +137,11 @@ def _sides(card: Card, solids: Solids) -> Indices:
     nodes = np.full((len(elements), 3), -1, dtype=np.int64)
     for block in bricks:
         order = np.argsort(block.ids, kind="stable")
-        at = order[np.minimum(np.searchsorted(block.ids, elements, sorter=order), len(order) - 1)]
-        members = np.flatnonzero(block.ids[at] == elements)
-        nodes[members] = block.nodes[at[members][:, None], sides[members]]
+        position = order[
+            np.minimum(np.searchsorted(block.ids, elements, sorter=order), len(order) - 1)
+        ]
+        members = np.flatnonzero(block.ids[position] == elements)
+        nodes[members] = block.nodes[position[members][:, None], sides[members]]
     missing = np.flatnonzero(nodes[:, 0] < 0)
     if missing.size:
         text = f"element {elements[missing[0]]} is no CHEXA of the deck; name faces by BSURFS"

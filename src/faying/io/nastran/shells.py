@@ -26,23 +26,23 @@ _NONE = 1000
 
 @dataclass(frozen=True, kw_only=True)
 class _Layout:
-    """Where a card holds what; corner thicknesses start at ``own``."""
+    """Where a card holds what; corner thicknesses start at ``thickness``."""
 
     kind: str
     n_nodes: int
     theta: int = _NONE
     offset: int = _NONE
     flag: int = _NONE
-    own: int = _NONE
+    thickness: int = _NONE
 
 
 _LAYOUTS = {
-    "CTRIA3": _Layout(kind="tri3", n_nodes=3, theta=5, offset=6, flag=9, own=10),
-    "CQUAD4": _Layout(kind="quad4", n_nodes=4, theta=6, offset=7, flag=9, own=10),
-    "CTRIA6": _Layout(kind="tri6", n_nodes=6, theta=8, offset=9, flag=13, own=10),
-    "CQUAD8": _Layout(kind="quad8", n_nodes=8, theta=14, offset=15, flag=16, own=10),
-    "CTRIAR": _Layout(kind="tri3", n_nodes=3, theta=5, offset=6, flag=9, own=10),
-    "CQUADR": _Layout(kind="quad4", n_nodes=4, theta=6, offset=7, flag=9, own=10),
+    "CTRIA3": _Layout(kind="tri3", n_nodes=3, theta=5, offset=6, flag=9, thickness=10),
+    "CQUAD4": _Layout(kind="quad4", n_nodes=4, theta=6, offset=7, flag=9, thickness=10),
+    "CTRIA6": _Layout(kind="tri6", n_nodes=6, theta=8, offset=9, flag=13, thickness=10),
+    "CQUAD8": _Layout(kind="quad8", n_nodes=8, theta=14, offset=15, flag=16, thickness=10),
+    "CTRIAR": _Layout(kind="tri3", n_nodes=3, theta=5, offset=6, flag=9, thickness=10),
+    "CQUADR": _Layout(kind="quad4", n_nodes=4, theta=6, offset=7, flag=9, thickness=10),
     "CSHEAR": _Layout(kind="panel4", n_nodes=4),
 }
 SHELL_CARDS = tuple(_LAYOUTS)
@@ -150,7 +150,7 @@ def _thick(
 ) -> Indices:
     """Property numbers of shells; those with a thickness of their own get new ones."""
     n_corner = _N_CORNERS[layout.kind]
-    columns = range(layout.own, layout.own + n_corner)
+    columns = range(layout.thickness, layout.thickness + n_corner)
     thick = np.flatnonzero(np.any([cards.given(field) for field in columns], axis=0))
     result = numbers_of.copy()
     for card in cards.take(thick):
@@ -162,7 +162,7 @@ def _thick(
         thickness = float(np.mean(values)) * (usual if relative else 1.0)
         if min(values) < 0 or not thickness > 0:
             text = "thicknesses T1 to T4 must not be negative, and some positive"
-            raise card.error(text, layout.own)
+            raise card.error(text, layout.thickness)
         if abs(thickness - usual) <= _DIFFERENT * usual:
             continue
         key = (number, thickness)

@@ -120,7 +120,7 @@ def parted(mesh: Mesh, number: int, bolt: SplitBolt) -> tuple[Mesh, Cut]:
     flat = points - np.outer(points @ normal, normal)
     cut = Cut(
         name=f"bolt-{number}",
-        kept=bolt.top,
+        originals=bolt.top,
         copies=bolt.bottom,
         normal=normal,
         # Of a disc with the same spread; it sets how stiff the closing spring is, no more.

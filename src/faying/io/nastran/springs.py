@@ -51,10 +51,10 @@ def _turned(card: Card, stiffness: float, grids: Grids) -> Bush | None:
         return None
     nodes, components = zip(*ends, strict=True)
     axes = np.eye(3) if systems[0] is None else systems[0]
-    others = [np.eye(3) if one is None else one for one in systems]
+    others = [np.eye(3) if axes is None else axes for axes in systems]
     places = grids.nodes[list(nodes)]
     apart = np.abs(places - places[0]).max() > _SAME * np.abs(grids.nodes).max()
-    first, *second = (one[c % 3] for one, c in zip(others, components, strict=True))
+    first, *second = (axes[c % 3] for axes, c in zip(others, components, strict=True))
     across = any(np.abs(direction - first).max() > _SAME for direction in second)
     if apart or across or len(set(components)) > 1 or len(set(nodes)) < len(nodes):
         text = (

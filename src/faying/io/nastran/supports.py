@@ -40,23 +40,23 @@ def read_supports(
     FormatError
         If a set or grid is missing, or temperatures are prescribed.
     """
-    held: _Held = {}
+    constrained: _Held = {}
     members: set[int] = set()
     for name in ("SPC", "SPC1"):
         if name in cards:
             members |= set(cards[name].integers(0).tolist())
     sets = selected_sets(cards, "SPC", members, control, ignored)
     for digits, nodes in grids.permanent.items():
-        held.setdefault((0, components(digits, _permanent_error)), []).append(nodes)
+        constrained.setdefault((0, components(digits, _permanent_error)), []).append(nodes)
     single = cards.get("SPC")
     if single is not None:
         single = single.take(np.isin(single.integers(0), list(sets)))
         for first in (1, 4):
             these = single.take(single.given(first))
-            _collect(these, grids.of_column(these, first), first + 1, held, grids)
+            _collect(these, grids.of_column(these, first), first + 1, constrained, grids)
     if "SPC1" in cards:
-        _lists(cards["SPC1"], grids, sets, held)
-    joined = {key: np.unique(np.concatenate(parts)) for key, parts in held.items()}
+        _lists(cards["SPC1"], grids, sets, constrained)
+    joined = {key: np.unique(np.concatenate(parts)) for key, parts in constrained.items()}
     fixed = np.zeros((len(grids.ids), 6), dtype=bool)
     for (_, numbers), nodes in joined.items():
         fixed[nodes[:, None], list(numbers)] = True

@@ -39,7 +39,7 @@ class TextFile:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Piece:
+class Span:
     """Whole lines of a file, from one character up to another."""
 
     file: TextFile
@@ -76,16 +76,16 @@ class Piece:
 class Body:
     """The data lines of a keyword, as pieces of the deck."""
 
-    pieces: tuple[Piece, ...]
+    spans: tuple[Span, ...]
 
     @cached_property
     def lines(self) -> list[bytes]:
         """Return the lines as written, without comments and blank lines."""
-        return [line for part in self.pieces for line in _content_lines(part)]
+        return [line for part in self.spans for line in _content_lines(part)]
 
     def where(self, row: int) -> str:
         """Return file:line of a line."""
-        for part in self.pieces:
+        for part in self.spans:
             content = [k for k, line in enumerate(_lines(part)) if is_content(line)]
             if row < len(content):
                 return f"{part.file.name}:{part.file.line(part.start) + content[row]}"
@@ -94,11 +94,11 @@ class Body:
         raise IndexError(message)
 
 
-def _lines(part: Piece) -> list[bytes]:
+def _lines(part: Span) -> list[bytes]:
     return part.file.text[part.start : part.end].splitlines()
 
 
-def _content_lines(part: Piece) -> list[bytes]:
+def _content_lines(part: Span) -> list[bytes]:
     if part.file.text.find(b"*", part.start, part.end) < 0:
         return [line for line in _lines(part) if line and not line.isspace()]
     return [line for line in _lines(part) if is_content(line)]
