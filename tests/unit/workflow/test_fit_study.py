@@ -86,9 +86,21 @@ def test_values_reach_all_their_keys_and_nothing_else(study):
 
 @pytest.mark.long
 def test_one_reduced_model_serves_all_values(study):
+    keys = {
+        "stiffness": ("interface.joint.tangential_penalty", 5e4),
+        "preload": ("bolt.bolt.preload", 4e3),
+        "crown": ("interface.joint.crown.1.height", 0.004),
+        "shim": ("interface.joint.initial_gap", 0.001),
+    }
+    more = "".join(
+        f'[[parameter]]\nname = "{name}"\nkeys = ["{key}"]\nrange = [{value / 3}, {value * 2}]\n'
+        for name, (key, value) in keys.items()
+    )
     values = {"friction": 0.15, "linear damping": 8.0}
-    shared = varied_joint(study()).curves(values)["ring", 1]
-    read = with_values(study(), values)
+    values |= {name: value for name, (_, value) in keys.items()}
+    varied = study("[[measurement]]", f"{more}[[measurement]]")
+    shared = varied_joint(varied).curves(values)["ring", 1]
+    read = with_values(varied, values)
     joint = prepare_joint(read, Stages(None))
     rom = projected(joint.model, craig_bampton(joint.model, normal_modes=6), compliance=True)
     rest = rest_state(rom, joint.preload_path)
