@@ -111,3 +111,17 @@ def test_the_key_of_studies(deck):
     mesh = STUDY.replace('"abaqus"', '"mesh"')
     with pytest.raises(FayingError, match="source 'mesh' is no deck"):
         parse_study(mesh, path)
+
+
+def test_what_a_substructure_is_made_of_changes_no_structure(deck):
+    """Decks that write matrices of a joint for reduction (Brake-Reuß by Abaqus) have these."""
+    names = ("SELECT EIGENMODES", "DAMPING CONTROLS", "SUBSTRUCTURE LOAD CASE")
+    plain = read_joint(deck(DECK)).assembly
+    lines = "*SELECT EIGENMODES, GENERATE\n1, 20, 1\n*DAMPING CONTROLS\n"
+    lines += "*SUBSTRUCTURE LOAD CASE, NAME=A\n"
+    told = read_joint(deck(DECK.replace("*END STEP", lines + "*END STEP", 1))).assembly
+    assert all(any(f"1 *{name}" in note for note in told.ignored) for name in names)
+    assert set(told.loads) == set(plain.loads)
+    assert [block.nodes.tolist() for block in told.mesh.blocks] == [
+        block.nodes.tolist() for block in plain.mesh.blocks
+    ]

@@ -146,6 +146,16 @@ def test_includes_beside_the_deck_where_none_is_beside_the_file(tmp_path: Path) 
         ("CQUADX,9,1,1,2,3,4", r"8: CQUADX: the card is not supported"),
         ("GRID,5,,1.,0.,0.,,,,9,9", r"8: a free-field line with more than 8"),
         ("CONM2,3,99,0,1.", r"8: CONM2: GRID 99 is not"),
+        ("PBUSH,4,K,1.\nPBUSH,4,K,2.", r"9: PBUSH: property 4 is already defined at .*a\.bdf:8"),
+        ("PROD,4,9,1.\nPROD,4,9,2.", r"9: PROD: property 4 is already defined at .*a\.bdf:8"),
+        ("PSHELL,4,9,1.\nPSHELL,4,9,2.", r"9: PSHELL: property 4 is already defined at .*bdf:8"),
+        ("CBUSH,8,4,1,2,,,,0", r"8: CBUSH: property 4 is not a PBUSH of the deck"),
+        ("CROD,8,4,1,2", r"8: CROD: property 4 is not a PROD of the deck"),
+        ("CBAR,8,4,1,2,0.,0.,1.", r"8: CBAR: property 4 is not a PBAR or PBARL of the deck"),
+        ("CELAS1,8,4,1,1,2,1", r"8: CELAS1: property 4 is not a PELAS of the deck"),
+        ("CONM2,8,1,6,1.,,,,,\n,1.", r"8: CONM2: coordinate system 6 is not in the deck"),
+        ("PBUSH,4,K,1.\nCBUSH,8,4,1,2,,,,6", r"9: CBUSH: coordinate system 6 is not in the deck"),
+        ("GRAV,8,6,9.81,0.,0.,1.", r"8: GRAV: coordinate system 6 is not in the deck"),
     ],
 )
 def test_errors_name_file_line_and_text(tmp_path: Path, line: str, message: str) -> None:
