@@ -151,21 +151,21 @@ class Certifier:
             If shapes do not fit or a pressure is not finite.
         """
         contact = self.system.contact
-        given = self._checked(inputs, pressure)
+        checked = self._checked(inputs, pressure)
         displacement = static_displacements(self.system.port_compliance, inputs)
         n_relative = self.system.port_compliance.n_relative
         g_free = self.system.static_contact.free_gap(displacement[..., :n_relative])
-        candidate = np.maximum(given, 0.0)
+        candidate = np.maximum(checked, 0.0)
         forces = candidate * contact.weights
         where = enclose(self.flexibility, g_free, forces)
         force_error = _functional_bound(forces - where.centre, where, self.flexibility.point_norms)
         error, weights = force_error / contact.weights, contact.weights
         totals = _totals(where, self.totals, self.total_norms)
         low, high = self._pressures(where)
-        least = self._least_maximum(candidate, low, totals, where)
+        lowest = self._least_maximum(candidate, low, totals, where)
         return Certificate(
             pressure=candidate,
-            clipped_pressure=np.maximum(-given, 0.0).max(axis=-1, initial=0.0),
+            clipped_pressure=np.maximum(-checked, 0.0).max(axis=-1, initial=0.0),
             energy=where.energy,
             energy_error=self._energy_error(forces, where),
             pressure_low=low,
@@ -173,20 +173,20 @@ class Certifier:
             contact_force={name: totals[..., row, :] for row, name in enumerate(contact.slices)},
             contact_force_error=_total_error(forces @ self.totals.T, totals),
             rms_pressure_error=self._rms(forces, where) / np.sqrt(weights.sum()),
-            max_relative_error=_ratio(error.max(axis=-1), least),
+            max_relative_error=_ratio(error.max(axis=-1), lowest),
             area_force={} if not areas else self._areas(where, areas),
         )
 
     def _checked(self, inputs: Matrix, pressure: Matrix) -> Matrix:
-        given = np.asarray(pressure, dtype=float)
+        checked = np.asarray(pressure, dtype=float)
         expected = (*np.shape(inputs)[:-1], self.system.contact.n_points)
-        if given.shape != expected or not np.isfinite(given).all():
+        if checked.shape != expected or not np.isfinite(checked).all():
             message = (
-                f"the pressure to certify has shape {given.shape}, expected {expected} finite "
+                f"the pressure to certify has shape {checked.shape}, expected {expected} finite "
                 "values: one per contact point of the full model"
             )
             raise ModelError(message)
-        return given
+        return checked
 
     def _pressures(self, where: Enclosure) -> tuple[Matrix, Matrix]:
         """Intervals (..., n_point) of the exact pressures."""
@@ -213,15 +213,15 @@ class Certifier:
         """
         weights = self.system.contact.weights
         means = (totals[..., 0] / (self.totals @ weights)).max(axis=-1)
-        least: Vector = np.maximum(low.max(axis=-1), means)
+        lowest: Vector = np.maximum(low.max(axis=-1), means)
         for power in POWERS:
             scale = np.maximum(candidate.max(axis=-1, keepdims=True), np.finfo(float).tiny)
             pattern = (candidate / scale) ** power
             middle = (pattern * where.centre).sum(axis=-1)
             area = np.maximum(pattern @ weights, np.finfo(float).tiny)
             reach = _product(where.radius, self.flexibility.norms(pattern))
-            least = np.maximum(least, (middle - reach) / area)
-        return least
+            lowest = np.maximum(lowest, (middle - reach) / area)
+        return lowest
 
     def _energy_error(self, forces: Matrix, where: Enclosure) -> Vector:
         norm = np.sqrt(np.maximum(((forces @ self.flexibility.H) * forces).sum(axis=-1), 0.0))
@@ -304,9 +304,9 @@ def _product(radius: Matrix, norm: Matrix) -> Matrix:
     return np.where(bounded, product, np.inf)
 
 
-def _total_error(given: Matrix, totals: Matrix) -> Vector:
+def _total_error(pressure: Matrix, totals: Matrix) -> Vector:
     """Largest relative distance of the candidates' totals to the ends of the intervals."""
-    distance = np.abs(given[..., None] - totals).max(axis=-1)
+    distance = np.abs(pressure[..., None] - totals).max(axis=-1)
     largest: Vector = _ratio(distance, totals[..., 0]).max(axis=-1)
     return largest
 

@@ -227,9 +227,9 @@ def _at(amplitude: Vector, reached: Vector, values: Vector) -> Vector:
     x, y, there = np.log(reached[order]), values[order], np.log(amplitude)
     if len(x) == 1:
         return np.full(len(there), y[0])
-    piece = np.clip(np.searchsorted(x, there) - 1, 0, len(x) - 2)
-    share = (there - x[piece]) / (x[piece + 1] - x[piece])
-    return np.asarray(y[piece] + share * (y[piece + 1] - y[piece]))
+    segment = np.clip(np.searchsorted(x, there) - 1, 0, len(x) - 2)
+    share = (there - x[segment]) / (x[segment + 1] - x[segment])
+    return np.asarray(y[segment] + share * (y[segment + 1] - y[segment]))
 
 
 def _check(parameters: Sequence[Parameter], measured: Sequence[MeasuredCurve]) -> None:

@@ -55,15 +55,15 @@ class Measure:
     unit: float
 
 
-def measured(system: System, mode: StuckMode, at: str | None) -> tuple[StuckMode, Measure]:
+def measured(system: System, mode: StuckMode, measured_at: str | None) -> tuple[StuckMode, Measure]:
     """Return a mode with the sign that it has where it is measured, and the direction there.
 
     An eigensolver leaves the sign open. The mode moves that place towards its positive side, by
     the first component that moves at least half as far as the one that moves most; with a minus
     before the name, as in ``"-tip.uz"``, to the other.
     """
-    side, name, component = boundary_and_component(at or "")
-    if at is not None and name not in system.boundaries:
+    side, name, component = boundary_and_component(measured_at or "")
+    if measured_at is not None and name not in system.boundaries:
         message = (
             f"there is no boundary '{name}'; the boundaries are "
             f"{', '.join(system.boundaries) or 'none'}"
@@ -96,14 +96,14 @@ def measured(system: System, mode: StuckMode, at: str | None) -> tuple[StuckMode
     ports[boundary_slices(system.boundaries)[name]] = sign * direction / unit
     return (
         replace(mode, shape=sign * mode.shape),
-        Measure(name=at or name, rows=ports, unit=unit),
+        Measure(name=measured_at or name, rows=ports, unit=unit),
     )
 
 
-def boundary_and_component(at: str) -> tuple[float, str, str]:
+def boundary_and_component(measured_at: str) -> tuple[float, str, str]:
     """Return the side of a place where amplitudes are measured, its boundary and component."""
-    name, _, component = at.removeprefix("-").partition(".")
-    return -1.0 if at.startswith("-") else 1.0, name, component
+    name, _, component = measured_at.removeprefix("-").partition(".")
+    return -1.0 if measured_at.startswith("-") else 1.0, name, component
 
 
 def _direction(system: System, name: str, components: Sequence[int], shape: Vector) -> Vector:
@@ -253,7 +253,7 @@ class Swing:
         force = np.asarray(system.M @ mode.shape)
         answer = system.factorize_static().solve(force)
         ports = system.port_compliance
-        at = measure.rows @ ports.contact_columns[: ports.n_boundary]
+        rows = measure.rows @ ports.contact_columns[: ports.n_boundary]
         boundary = np.concatenate(
             [answer[boundary_of.dofs] for boundary_of in system.boundaries.values()]
         )
@@ -264,7 +264,7 @@ class Swing:
             moved=np.asarray(system.contact.relative_operator @ answer),
             own=float(force @ answer),
             own_at=float(measure.rows @ boundary),
-            at=at,
+            at=rows,
             neighbours=neighbours,
         )
 

@@ -184,7 +184,8 @@ def _margins(
     system: Joint, inputs: Matrix, areas: Mapping[str, Mask], factor: float, least: float
 ) -> Vector:
     contact = system.contact
-    fixed, growing = np.moveaxis([growing_displacements(system, row) for row in inputs], 0, 1)
+    rows = np.array([growing_displacements(system, row) for row in inputs])
+    fixed, growing = np.moveaxis(rows, 0, 1)
     rests, which = np.unique(fixed, axis=0, return_inverse=True)
     touching = SOLVED * np.abs(contact.free_gap(rests)).max(axis=1, initial=0.0)
     before = solved_cases(system, rests)[1]

@@ -153,21 +153,21 @@ class Verdict:
 
     @classmethod
     def at_least(
-        cls, requirement: str, place: str, case: str, value: float, limit: float
+        cls, requirement: str, location: str, case: str, value: float, limit: float
     ) -> "Verdict":
         """Return the verdict on a value that must not be below its limit."""
         met = value >= limit
         return cls(
-            requirement=requirement, met=met, place=place, case=case, value=value, limit=limit
+            requirement=requirement, met=met, place=location, case=case, value=value, limit=limit
         )
 
     @classmethod
-    def unknown(cls, requirement: str, limit: float, reason: str, place: str = "") -> "Verdict":
+    def unknown(cls, requirement: str, limit: float, reason: str, location: str = "") -> "Verdict":
         """Return the verdict on what cannot be judged."""
         return cls(
             requirement=requirement,
             met=None,
-            place=place,
+            place=location,
             case="",
             value=math.nan,
             limit=limit,

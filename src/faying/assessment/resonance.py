@@ -44,8 +44,8 @@ class Resonance:
 
     def resists(self, cycle: ModalCycle) -> bool:
         """Say whether the mode resists the largest level at an amplitude, so that it is enough."""
-        taken = cycle.energy if cycle.stationary else cycle.loop
-        damping = self.linear + taken / (2 * np.pi * cycle.load * cycle.modal)
+        energy = cycle.energy if cycle.stationary else cycle.loop
+        damping = self.linear + energy / (2 * np.pi * cycle.load * cycle.modal)
         return 2 * damping * cycle.load >= self.force
 
 
@@ -55,7 +55,7 @@ def resonance(
     frequencies: tuple[float, float],
     levels: Sequence[float] | Vector,
     at: str,
-    rest: Solution,
+    preloaded: Solution,
 ) -> Resonance | None:
     """Find the mode between two frequencies that moves a place most under a load.
 
@@ -63,7 +63,7 @@ def resonance(
     ----------
     at
         A component of a boundary, as ``"tip.uz"``.
-    rest
+    preloaded
         State to vibrate about.
 
     Returns
@@ -74,7 +74,7 @@ def resonance(
     if not len(system.contact.rubbing):
         return None
     low, high = frequencies
-    modes = stuck_modes(system, rest, high)
+    modes = stuck_modes(system, preloaded, high)
     linear = LinearResponse.of(system, modes, harmonic_inputs(system, load))
     moved = np.abs(linear.forced * linear.moved[linear.components.index(at)]) / linear.circular**2
     moved[(modes.frequencies < low) | (modes.frequencies > high)] = 0.0
@@ -85,7 +85,9 @@ def resonance(
     alpha = float(np.min(levels)) * force * 2.0 ** np.arange(MOST_AMPLITUDES)
     energies: Vector = np.asarray(alpha**2 / (2 * circular**2), dtype=float)
     try:
-        analysis = modal_analysis(system, number + 1, energies, over="energy", at=at, initial=rest)
+        analysis = modal_analysis(
+            system, number + 1, energies, over="energy", at=at, initial=preloaded
+        )
     except StillModeError:
         return None
     return Resonance(

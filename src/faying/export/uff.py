@@ -44,7 +44,9 @@ def write(rom: ReducedModel, path: Path, run: Results | None) -> tuple[Path, ...
             "study has a [[frequency]]"
         )
         raise StudyError(message)
-    sets = [one for name, record in run.frequencies.items() for one in _sets(name, record)]
+    sets = [
+        record_set for name, record in run.frequencies.items() for record_set in _sets(name, record)
+    ]
     pyuff.UFF(str(path)).write_sets(sets, "overwrite")
     return (path,)
 
