@@ -304,7 +304,7 @@ def test_a_newton_step_is_that_of_the_derivative(coarse):
     z = solver._slack(x, z_free)
     for pressing in (None, x[0].copy()):
         start = solver._residual(x, z, pressing)
-        step, _ = solver._step(x, z, start, pressing)
+        step = solver._step(x, z, start, pressing)
         ahead = x + 1e-9 * step
         change = (solver._residual(ahead, solver._slack(ahead, z_free), pressing) - start) / 1e-9
         # Round-off of the difference quotient; the step is a thousand times the forces.
