@@ -109,12 +109,12 @@ def solve_complementarity(
 def _pivot(space: ActiveSetSpace, g_free: Vector, active: Mask) -> ContactForces:
     """Block principal pivoting with Murty's rule as backup."""
     n = len(g_free)
-    own = np.maximum(space.diagonal, np.finfo(float).tiny)
+    diagonal = np.maximum(space.diagonal, np.finfo(float).tiny)
     fewest, attempts = n + 1, BLOCK_ATTEMPTS
     for iteration in range(1, 50 * n + 200):
         forces, slack = space.equilibrate(g_free, active)
         noise = _noise(space, g_free, forces)
-        wrong = np.where(active, own * forces < -noise, slack < -noise)
+        wrong = np.where(active, diagonal * forces < -noise, slack < -noise)
         count = int(np.count_nonzero(wrong))
         if count == 0:
             forces = np.maximum(forces, 0.0)

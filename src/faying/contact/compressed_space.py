@@ -98,8 +98,8 @@ class CompressedSpace:
         for number, points in enumerate(self.members):
             if len(points) and not (self.D[points] > 0).all():
                 block = self._at_points(number, self.S.block(number)) + np.diag(self.D[points])
-                least = float(la.eigvalsh(block, subset_by_index=[0, 0])[0])
-                result[points] = np.maximum(result[points], least)
+                smallest = float(la.eigvalsh(block, subset_by_index=[0, 0])[0])
+                result[points] = np.maximum(result[points], smallest)
         return result
 
     @cached_property
@@ -109,8 +109,8 @@ class CompressedSpace:
         loads = np.linalg.qr(loads)[0]
         answers = self.S @ loads
         values, vectors = la.eigh(loads.T @ answers)
-        kept = values > RANK * values[-1]
-        result: Matrix = answers @ (vectors[:, kept] / np.sqrt(values[kept]))
+        significant = values > RANK * values[-1]
+        result: Matrix = answers @ (vectors[:, significant] / np.sqrt(values[significant]))
         return result
 
     @cached_property
@@ -122,16 +122,16 @@ class CompressedSpace:
     @cached_property
     def rest(self) -> tuple[Matrix, ...]:
         """H between the points of each cluster without what is smooth."""
-        found = []
+        blocks = []
         for number, points in enumerate(self.members):
             smooth = self._smooth[self.S.clusters[number]]
             block = self.S.block(number)
             block -= smooth @ smooth.T
-            own = self._at_points(number, block)
+            local_block = self._at_points(number, block)
             # Hard contact: the local part of S alone is singular against linear loads.
-            least = REGULAR * np.trace(own) / max(len(points), 1)
-            found.append(own + np.diag(np.maximum(self.D[points], least)))
-        return tuple(found)
+            floor = REGULAR * np.trace(local_block) / max(len(points), 1)
+            blocks.append(local_block + np.diag(np.maximum(self.D[points], floor)))
+        return tuple(blocks)
 
     def _at_points(self, number: int, block: Matrix) -> Matrix:
         """Take a matrix between the pairs of a cluster to its points."""
@@ -188,12 +188,12 @@ class CompressedSpace:
 
     def certified(self, solution: ContactForces) -> ContactForces:
         """Return the solution with the bound on its error."""
-        own = np.sqrt(float((solution.forces**2) @ self.stiff))
-        if own == 0.0:
+        norm = np.sqrt(float((solution.forces**2) @ self.stiff))
+        if norm == 0.0:
             return solution
         slack = solution.slack
         violation = np.where(solution.forces > 0, slack, np.minimum(slack, 0.0))
-        left = np.sqrt(float((violation**2) @ (1 / self.stiff))) / own
+        left = np.sqrt(float((violation**2) @ (1 / self.stiff))) / norm
         return replace(solution, error=left + self.truncation)
 
 
@@ -288,8 +288,8 @@ class _Systems:
                     return x
                 rz = np.inf
             z = inverse(r)
-            before, rz = rz, float(r @ z)
-            p = z + (rz / before) * p
+            previous, rz = rz, float(r @ z)
+            p = z + (rz / previous) * p
         message = (
             f"the compressed contact problem left a gap of {np.abs(r).max():.1e} after {LIMIT} "
             "steps; raise the dense budget of the model, or lower the penalty"
@@ -307,7 +307,7 @@ class _Systems:
 
     def _factors(self, active: Mask) -> list[tuple[Indices, Matrix]]:
         """Cholesky factors of the active part of each block, kept until that part changes."""
-        found = []
+        factors = []
         for number, points in enumerate(self.space.members):
             chosen = active[points]
             if not chosen.any():
@@ -317,8 +317,8 @@ class _Systems:
             if last is None or last[0] != key:
                 part = self.space.rest[number][np.ix_(chosen, chosen)]
                 last = self.local[number] = (key, la.cholesky(part, lower=True))
-            found.append((points[chosen], last[1]))
-        return found
+            factors.append((points[chosen], last[1]))
+        return factors
 
 
 @final

@@ -82,12 +82,12 @@ class Contact:
     @cached_property
     def rubbing(self) -> Indices:
         """Contact points (n_rubbing,) of interfaces with friction."""
-        found = [
+        indices = [
             np.arange(points.start, points.stop)
             for name, points in self.slices.items()
             if self.laws[name].components > 1
         ]
-        return np.concatenate([np.empty(0, dtype=np.int64), *found])
+        return np.concatenate([np.empty(0, dtype=np.int64), *indices])
 
     @cached_property
     def rows(self) -> SparseMatrix:
@@ -289,10 +289,10 @@ class Contact:
         """Return what normal forces (..., n_point) close the laws by [length]."""
         result = np.empty_like(forces)
         for name, points in self.slices.items():
-            own = forces[..., points]
-            weights = np.broadcast_to(self.weights[points], own.shape).ravel()
-            closed = self.laws[name].normal.closure(own.reshape(1, -1), weights)[0]
-            result[..., points] = closed.reshape(own.shape)
+            law_forces = forces[..., points]
+            weights = np.broadcast_to(self.weights[points], law_forces.shape).ravel()
+            closed = self.laws[name].normal.closure(law_forces.reshape(1, -1), weights)[0]
+            result[..., points] = closed.reshape(law_forces.shape)
         return result
 
     @property

@@ -74,5 +74,5 @@ class DensePoints:
         block = self.H.take(points, axis=0)[:, points].T
         factor, failed = lapack.dpotrf(block, lower=1, overwrite_a=1, clean=0)
         pivots = np.diag(factor)
-        least, most = pivots.min(initial=np.inf), pivots.max(initial=0.0)
-        return factor, not failed and bool(least >= SINGULAR_PIVOT * most)
+        smallest, biggest = pivots.min(initial=np.inf), pivots.max(initial=0.0)
+        return factor, not failed and bool(smallest >= SINGULAR_PIVOT * biggest)

@@ -92,9 +92,9 @@ class FixedBounds:
     @cached_property
     def _yield(self) -> Matrix:
         """Y (3, n_point), one where nothing yields."""
-        least = LEAST_YIELD * self.steps.own
-        found = np.maximum(self.laws.closure(self.about)[1], least)
-        return np.where((found > 0) & np.isfinite(found), found, 1.0)
+        floor = LEAST_YIELD * self.steps.own
+        yields = np.maximum(self.laws.closure(self.about)[1], floor)
+        return np.where((yields > 0) & np.isfinite(yields), yields, 1.0)
 
     def _judged(self, x: Matrix, y: Matrix) -> tuple[Matrix, Matrix]:
         """Return forces that the right side of (F1a) makes admissible, and x less that side."""

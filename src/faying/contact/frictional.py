@@ -138,8 +138,8 @@ class FrictionalContact:
     def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
         """Solve one increment; see :meth:`.IncrementSolver.solve`."""
         z_free = self.contact.moved(free) + offset
-        found = self.solve_slack(z_free, None if start is None else start.forces)
-        return replace(found, moved=displaced(self, free, found.forces))
+        increment = self.solve_slack(z_free, None if start is None else start.forces)
+        return replace(increment, moved=displaced(self, free, increment.forces))
 
     def solve_slack(self, z_free: Matrix, start: Matrix | None = None) -> Increment:
         """Solve one increment whose points move by z_free without contact forces.
@@ -165,9 +165,9 @@ class FrictionalContact:
         """
         x = np.zeros_like(z_free) if start is None else start
         x, steps, left = self._newton(z_free, x, None)
-        for other in (self._with_fixed_bounds, self._by_proximal_points, self._by_stiffening):
+        for fallback in (self._with_fixed_bounds, self._by_proximal_points, self._by_stiffening):
             if left > SOLVED:
-                x, more, _ = other(z_free, x)
+                x, more, _ = fallback(z_free, x)
                 steps += more
                 left = _relative(self._residual(x, self._slack(x, z_free), None), x)
         if left > SOLVED:
@@ -225,18 +225,18 @@ class FrictionalContact:
                 dx = self._step(x, z, wrong, pressing, added)
             except la.LinAlgError:
                 break
-            fraction, found = 1.0, None
+            fraction, accepted = 1.0, None
             for _ in range(MOST_HALVINGS):
                 tried = x + fraction * dx
                 slack = self._slack(tried, z_free, added)
                 residual = self._residual(tried, slack, pressing)
                 if np.linalg.norm(residual) < (1 - 1e-4 * fraction) * max(norms[-watched:]):
-                    found = tried, slack, residual
+                    accepted = tried, slack, residual
                     break
                 fraction /= 2
-            if found is None:
+            if accepted is None:
                 break
-            x, z, wrong = found
+            x, z, wrong = accepted
             norms.append(float(np.linalg.norm(wrong)))
             if _relative(wrong, x) <= ROUND_OFF:
                 break
@@ -263,18 +263,18 @@ class FrictionalContact:
         """
         steps, added, left = 0, SOFTEST, np.inf
         for _ in range(MOST_PROXIMAL):
-            near = z_free - added * self.steps.own * x
-            found, more, left = self._newton(near, x, None, WATCHED, added=added)
+            shifted = z_free - added * self.steps.own * x
+            candidate, more, left = self._newton(shifted, x, None, WATCHED, added=added)
             steps += more
-            x = found if left <= SOLVED else x
+            x = candidate if left <= SOLVED else x
             added *= 0.1 if left <= SOLVED else 20.0
             if added > 1e3:
                 break
             if added < 1e-3 and left <= SOLVED:
-                found, more, left = self._newton(z_free, x, None)
+                candidate, more, left = self._newton(z_free, x, None)
                 steps += more
                 if left <= SOLVED:
-                    return found, steps, left
+                    return candidate, steps, left
         return x, steps, _relative(self._residual(x, self._slack(x, z_free), None), x)
 
     def _by_stiffening(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
@@ -286,10 +286,10 @@ class FrictionalContact:
         steps, x = 0, np.zeros_like(x)
         for added in SOFTEST * 10.0 ** -np.arange(MOST_STIFFENED):
             x, more, left = self._newton(z_free, x, None, WATCHED, added=added)
-            found, last, exact = self._newton(z_free, x, None)
+            candidate, last, exact = self._newton(z_free, x, None)
             steps += more + last
             if exact <= SOLVED:
-                return found, steps, exact
+                return candidate, steps, exact
             if left > SOLVED:
                 break
         return x, steps, np.inf
@@ -303,11 +303,11 @@ class FrictionalContact:
         for _ in range(MOST_BOUNDS):
             about = self.laws.admissible(x, None)
             bounded = FixedBounds(steps=self.steps, laws=self.laws, z_free=z_free, about=about)
-            x, taken = bounded.solve()
-            found, more, left = self._newton(z_free, x, None)
-            steps += taken + more
+            x, bounded_steps = bounded.solve()
+            candidate, more, left = self._newton(z_free, x, None)
+            steps += bounded_steps + more
             if left <= SOLVED:
-                return found, steps, left
+                return candidate, steps, left
         return x, steps, left
 
 

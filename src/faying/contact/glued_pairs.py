@@ -294,8 +294,8 @@ class GluedPairs:
         forces = right.copy()
         forces[pairs] -= shared
         d = self.compliance @ forces
-        rest = shared - block @ d[pairs]
-        exact = np.linalg.norm(rest) <= LOOSE * np.linalg.norm(right)
+        residual = shared - block @ d[pairs]
+        exact = np.linalg.norm(residual) <= LOOSE * np.linalg.norm(right)
         return (d, forces - self.glue @ d) if exact else None
 
     def _between(self, pairs: Indices) -> Matrix:
@@ -340,8 +340,8 @@ def _in_single(
     right = np.asarray(shared, dtype=np.float32)
     if not np.isfinite(right).all():
         return None
-    found = corrected(product, right, enough, MOST_CORRECTIONS)
-    return None if found is None else np.asarray(near(found), dtype=float)
+    reduced = corrected(product, right, enough, MOST_CORRECTIONS)
+    return None if reduced is None else np.asarray(near(reduced), dtype=float)
 
 
 def _pressed(points: PointSprings, springs: Matrix, stiffness: Matrix, pulled: Vector) -> Vector:
@@ -355,8 +355,8 @@ def _pressed(points: PointSprings, springs: Matrix, stiffness: Matrix, pulled: V
         _add(system, glue)
         factor = cho_factor(system, overwrite_a=True)
         moved = pulled - cho_solve(factor, (glue @ pulled).astype(np.float32))
-        before, pressed = pressed, 1.0 * (points.G[: len(every)] @ moved < 0)
-        if np.array_equal(before, pressed):
+        previous, pressed = pressed, 1.0 * (points.G[: len(every)] @ moved < 0)
+        if np.array_equal(previous, pressed):
             break
     return pressed if pressed.any() else every
 
@@ -370,7 +370,7 @@ def _add(matrix: npt.NDArray[Any], entries: SparseMatrix | Matrix) -> None:
     matrix[where.row, where.col] += where.data
 
 
-def _inverse(matrix: Matrix, least: float) -> Matrix:
+def _inverse(matrix: Matrix, smallest: float) -> Matrix:
     """Return the inverse of a positive definite matrix, by Cholesky.
 
     Raises
@@ -380,13 +380,13 @@ def _inverse(matrix: Matrix, least: float) -> Matrix:
     """
     lower, failed = lapack.dpotrf(matrix, lower=1, clean=0)
     pivots = np.diag(lower)
-    if failed or pivots.min(initial=1) ** 2 < least * pivots.max(initial=1) ** 2:
+    if failed or pivots.min(initial=1) ** 2 < smallest * pivots.max(initial=1) ** 2:
         message = "the matrix is not positive definite"
         raise LinAlgError(message)
     inverse: Matrix = np.ascontiguousarray(lapack.dpotri(lower, lower=1, overwrite_c=1)[0])
     for row in range(0, len(inverse), ROWS):
-        some = slice(row, row + ROWS)
-        inverse[some, row + ROWS :] = inverse[row + ROWS :, some].T
-        corner = inverse[some, some]
-        inverse[some, some] = np.tril(corner) + np.tril(corner, -1).T
+        strip = slice(row, row + ROWS)
+        inverse[strip, row + ROWS :] = inverse[row + ROWS :, strip].T
+        corner = inverse[strip, strip]
+        inverse[strip, strip] = np.tril(corner) + np.tril(corner, -1).T
     return inverse

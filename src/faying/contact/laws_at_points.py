@@ -48,8 +48,8 @@ class LawsAtPoints:
         """Stiffness of points that are closed and stick (components, n_point) [force/length]."""
         springs = np.zeros((self.components, self.contact.n_points))
         for law, points in self._members:
-            own = law.springs(self.contact.weights[points])
-            springs[: len(own), points] = own
+            law_springs = law.springs(self.contact.weights[points])
+            springs[: len(law_springs), points] = law_springs
         return springs
 
     def respond(self, moved: Matrix) -> tuple[Matrix, Matrix]:
@@ -87,25 +87,27 @@ class LawsAtPoints:
     def _asked(self, forces: Matrix) -> tuple[Matrix, Matrix]:
         closed, compliance = np.zeros_like(forces), np.zeros_like(forces)
         for law, points in self._members:
-            own = slice(law.components), points
-            closed[own], compliance[own] = law.closure(forces[own], self.contact.weights[points])
+            block = slice(law.components), points
+            closed[block], compliance[block] = law.closure(
+                forces[block], self.contact.weights[points]
+            )
         return closed, compliance
 
     def admissible(self, forces: Matrix, pressing: Vector | None) -> Matrix:
         """Return the admissible forces (3, n_point) nearest to given ones."""
         result = np.zeros_like(forces)
         for law, points in self._members:
-            own = slice(law.components), points
-            held = None if pressing is None else pressing[points]
-            result[own] = law.admissible(forces[own], held)
+            block = slice(law.components), points
+            bounds = None if pressing is None else pressing[points]
+            result[block] = law.admissible(forces[block], bounds)
         return result
 
     def derivative(self, forces: Matrix, pressing: Vector | None) -> Matrix:
         """Return the derivative of the admissible forces (n_point, 3, 3)."""
         result = np.zeros((forces.shape[1], 3, 3))
         for law, points in self._members:
-            n, held = law.components, None if pressing is None else pressing[points]
-            result[points, :n, :n] = law.derivative(forces[:n, points], held)
+            n, bounds = law.components, None if pressing is None else pressing[points]
+            result[points, :n, :n] = law.derivative(forces[:n, points], bounds)
         return result
 
     @cached_property

@@ -51,9 +51,9 @@ class NewtonSteps:
 
         Both tangents have one, the mean of theirs, which no turn of them changes.
         """
-        own = np.asarray(self.G.multiply(self.G @ self.S).sum(axis=1)).reshape(3, -1)
-        own[1:] = own[1:].mean(axis=0)
-        return own
+        diagonal = np.asarray(self.G.multiply(self.G @ self.S).sum(axis=1)).reshape(3, -1)
+        diagonal[1:] = diagonal[1:].mean(axis=0)
+        return diagonal
 
     @cached_property
     def springs(self) -> PointSprings:

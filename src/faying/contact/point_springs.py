@@ -87,9 +87,9 @@ class PointSprings:
             keys.append((columns[i][:, :, None] * n_pair + columns[j][:, None, :])[used])
             sources.append((used[0] * k + i) * k + j)
             shares.append(share[used])
-        entries, place = np.unique(np.concatenate(keys), return_inverse=True)
+        entries, position = np.unique(np.concatenate(keys), return_inverse=True)
         places = sp.csr_array(
-            (np.concatenate(shares), (place, np.concatenate(sources))),
+            (np.concatenate(shares), (position, np.concatenate(sources))),
             shape=(len(entries), k * k * n),
         )
         indptr = np.searchsorted(entries, n_pair * np.arange(n_pair + 1))

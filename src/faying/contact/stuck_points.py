@@ -178,8 +178,8 @@ class LocalContact:
         chosen = np.zeros(contact.n_points, dtype=bool)
         chosen[self.points] = True
         slices, start = {}, 0
-        for name, at in contact.slices.items():
-            count = int(chosen[at].sum())
+        for name, points_of_law in contact.slices.items():
+            count = int(chosen[points_of_law].sum())
             slices[name] = slice(start, start + count)
             start += count
         shear = contact.shear
@@ -228,8 +228,8 @@ class LocalContact:
     @cached_property
     def compliance(self) -> Matrix:
         """G_c T₀ G_cᵀ (components n_local, components n_local) [length/force]."""
-        held = self.whole.compliance[np.ix_(self.pairs, self.pairs)]
-        return np.asarray(self.rows @ (self.rows @ held).T)
+        compliance = self.whole.compliance[np.ix_(self.pairs, self.pairs)]
+        return np.asarray(self.rows @ (self.rows @ compliance).T)
 
     @cached_property
     def laws(self) -> LawsAtPoints:
@@ -240,8 +240,8 @@ class LocalContact:
     def released(self) -> CondensedContact:
         """The contact problem between the pairs without the springs of these points."""
         block = self.block
-        held = self.whole.compliance[np.ix_(self.pairs, self.pairs)]
-        free = np.linalg.solve(np.eye(len(self.pairs)) - held @ block, held)
+        compliance = self.whole.compliance[np.ix_(self.pairs, self.pairs)]
+        free = np.linalg.solve(np.eye(len(self.pairs)) - compliance @ block, compliance)
         return CondensedContact(contact=self.contact, compliance=(free + free.T) / 2)
 
     @cached_property
@@ -249,7 +249,7 @@ class LocalContact:
         """Springs of the points between the pairs (n_touched, n_touched) [force/length]."""
         return (self.rows.T @ sp.diags_array(self.springs.ravel()) @ self.rows).tocsr()
 
-    def moved(self, restrained: Vector, beside: Vector) -> Vector:
+    def moved(self, restrained: Vector, excess: Vector) -> Vector:
         """Return where pairs are (n_touched,) under loads and forces beside the springs.
 
         Parameters
@@ -259,8 +259,10 @@ class LocalContact:
         beside : (components n_local,) [force]
             μ.
         """
-        held = self.whole.compliance[np.ix_(self.pairs, self.pairs)]
-        return np.asarray(self.whole.moved[self.pairs] + restrained + held @ (self.rows.T @ beside))
+        compliance = self.whole.compliance[np.ix_(self.pairs, self.pairs)]
+        return np.asarray(
+            self.whole.moved[self.pairs] + restrained + compliance @ (self.rows.T @ excess)
+        )
 
 
 def _blocks(rows: SparseMatrix, points: Indices, n: int) -> SparseMatrix:

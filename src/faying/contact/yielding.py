@@ -150,12 +150,12 @@ class YieldingContact:
             message = "the gap without contact forces holds NaN or infinity; check loads and model"
             raise ModelError(message)
         try:
-            found = self._solved(free, offset, start)
+            increment = self._solved(free, offset, start)
         except ConvergenceError:
             if self.contact.remembers:
                 raise
             return FrictionalContact(contact=self.contact, S=self.S).solve(free, offset, start)
-        return replace(found, moved=displaced(self, free, found.forces))
+        return replace(increment, moved=displaced(self, free, increment.forces))
 
     def _solved(self, free: Vector, offset: Matrix, start: Increment | None) -> Increment:
         if self.shapes is None:
@@ -165,9 +165,9 @@ class YieldingContact:
         if start is not None:
             pressed = self.contact.at_pairs(start.forces[0], start.forces[1:])
             start = replace(start, moved=self.shapes.T @ pressed)
-        one = self.pairs.structure
-        nothing = np.zeros(len(one))
-        return solve_yielding(self.laws, self.pairs, nothing, moved, start, compliance=one)
+        identity = self.pairs.structure
+        nothing = np.zeros(len(identity))
+        return solve_yielding(self.laws, self.pairs, nothing, moved, start, compliance=identity)
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,31 +228,31 @@ def solve_yielding(
     """
     G, k = pairs.G, laws.components
     laws = laws.after(None if start is None else start.deepest)
-    shape, given = (k, offset.shape[1]), offset[:k]
+    shape, law_offset = (k, offset.shape[1]), offset[:k]
 
     pulled = np.zeros(len(free)) if pull is None else pull
-    state = _begun(laws, pairs, free, given, start, pulled)
+    state = _begun(laws, pairs, free, law_offset, start, pulled)
     steps, short, bounded = 0, 0, False
     factors: Factors | None = None
-    before = np.inf
+    previous = np.inf
     while steps < MOST_STEPS and short < MOST_SHORT and np.isfinite(state.left):
         if state.left <= SOLVED and compliance is not None:
             # What Newton's method summed up step by step is formed once more, by S.
             # Beside rigid motions on weak springs this alone balances forces to round-off.
-            state = _formed(laws, pairs, free, given, state, compliance)
-            compliance, before = None, np.inf
-        if state.left <= ROUND_OFF or (state.left <= SOLVED and state.left > 0.5 * before):
+            state = _formed(laws, pairs, free, law_offset, state, compliance)
+            compliance, previous = None, np.inf
+        if state.left <= ROUND_OFF or (state.left <= SOLVED and state.left > 0.5 * previous):
             break
-        before = state.left
+        previous = state.left
         K = state.K
         if bounded:
             K = K.copy()
             K[:, 1:, 0] = 0.0
         d, resisted, factors = pairs.step(K, -state.rest, state.left, factors)
-        found, length, descends = _along(laws, state, d, resisted, (G @ d).reshape(shape))
+        trial, length, descends = _along(laws, state, d, resisted, (G @ d).reshape(shape))
         bounded = k > 1 and not bounded and (not descends or length < SHORT)
         short += k > 1 and length < SHORT
-        state, steps = found, steps + 1
+        state, steps = trial, steps + 1
     if not state.left <= SOLVED:
         message = (
             f"contact was not solved in {steps} Newton steps (residual {state.left:.1e} of the "
@@ -313,8 +313,8 @@ def _begun(
         onward = z.copy()
         onward[1:] *= ONWARD
         K = laws.respond(onward)[1]
-    least = max(COUNTS * float(np.abs(p).max(initial=0.0)), np.finfo(float).tiny)
-    return _State(y, p, z, forces, K, pairs.transposed, least)
+    floor = max(COUNTS * float(np.abs(p).max(initial=0.0)), np.finfo(float).tiny)
+    return _State(y, p, z, forces, K, pairs.transposed, floor)
 
 
 def _shapes(S: Matrix) -> Matrix:
@@ -349,27 +349,27 @@ def _along(
         y, p = state.y + length * d, state.p + length * resisted
         return _State(y, p, z, *laws.respond(z), state.G_T, state.least)
 
-    def slope(found: _State, length: float) -> float:
-        return at_first + length * curvature + float((moved * (state.forces - found.forces)).sum())
+    def slope(trial: _State, length: float) -> float:
+        return at_first + length * curvature + float((moved * (state.forces - trial.forces)).sum())
 
-    length, found = 1.0, reached(1.0)
-    last, descends = slope(found, 1.0), at_first < 0
+    length, trial = 1.0, reached(1.0)
+    last, descends = slope(trial, 1.0), at_first < 0
     fits = abs(last) <= ENOUGH * abs(at_first)
-    if fits or np.linalg.norm(found.rest) <= ENOUGH * np.linalg.norm(state.rest):
-        return found, length, descends
+    if fits or np.linalg.norm(trial.rest) <= ENOUGH * np.linalg.norm(state.rest):
+        return trial, length, descends
     if not (descends and last > 0):
-        return found, length, descends
+        return trial, length, descends
     low, high, below, above = 0.0, 1.0, at_first, last
     for _ in range(MOST_TRIALS):
         # A chord that ends where the slope jumps would stay there: away from both ends.
         chord = low - below * (high - low) / (above - below)
         length = float(np.clip(chord, low + 0.1 * (high - low), high - 0.1 * (high - low)))
-        found = reached(length)
-        here = slope(found, length)
-        if abs(here) <= FLAT * abs(at_first):
+        trial = reached(length)
+        trial_slope = slope(trial, length)
+        if abs(trial_slope) <= FLAT * abs(at_first):
             break
-        if here > 0:
-            high, above = length, here
+        if trial_slope > 0:
+            high, above = length, trial_slope
         else:
-            low, below = length, here
-    return found, length, descends
+            low, below = length, trial_slope
+    return trial, length, descends

@@ -113,21 +113,22 @@ class CompressedCompliance:
         result: Matrix = smooth @ self.core @ smooth.T
         owner, local = self._homes
         places = [np.flatnonzero(owner[rows] == number) for number in range(len(self.clusters))]
-        used = [number for number, found in enumerate(places) if len(found)]
+        used = [number for number, members_there in enumerate(places) if len(members_there)]
         first = self.starts[:, :1]
         for this in used:
-            mine, own = places[this], local[rows[places[this]]]
-            result[np.ix_(mine, mine)] += self.diagonal[this][np.ix_(own, own)]
-            for other in used:
-                if other >= this or not self.ranks[this, other]:
+            mine, local_rows = places[this], local[rows[places[this]]]
+            result[np.ix_(mine, mine)] += self.diagonal[this][np.ix_(local_rows, local_rows)]
+            for cluster in used:
+                if cluster >= this or not self.ranks[this, cluster]:
                     continue
-                theirs = places[other]
+                theirs = places[cluster]
                 a, b = (
-                    int(self.starts[i, j] - first[i, 0]) for i, j in ((this, other), (other, this))
+                    int(self.starts[i, j] - first[i, 0])
+                    for i, j in ((this, cluster), (cluster, this))
                 )
-                rank = int(self.ranks[this, other])
-                left = self.factors[this][own, a : a + rank]
-                right = self.factors[other][local[rows[theirs]], b : b + rank]
+                rank = int(self.ranks[this, cluster])
+                left = self.factors[this][local_rows, a : a + rank]
+                right = self.factors[cluster][local[rows[theirs]], b : b + rank]
                 block = left @ right.T
                 result[np.ix_(mine, theirs)] += block
                 result[np.ix_(theirs, mine)] += block.T
@@ -230,27 +231,27 @@ def compress(
     clusters = geometric_clusters(places, largest)
     n, count = len(places), len(clusters)
     diagonal: list[Matrix] = []
-    pieces: list[list[Matrix]] = [[] for _ in clusters]
+    parts: list[list[Matrix]] = [[] for _ in clusters]
     ranks = np.zeros((count, count), dtype=np.int64)
     squared = 0.0
     sample = np.array([members[len(members) // 2] for members in clusters])
     allowed = tolerance * float(np.diag(columns(sample)[sample]).min()) / count
     for this, members in enumerate(clusters):
         dense = columns(members)
-        own = dense[members]
-        diagonal.append((own + own.T) / 2)
+        blocks_of_cluster = dense[members]
+        diagonal.append((blocks_of_cluster + blocks_of_cluster.T) / 2)
         for later in range(this + 1, count):
             left, right, missed = cross_approximation(dense[clusters[later]], allowed)
             squared += 2 * missed**2
-            pieces[later].append(left)
+            parts[later].append(left)
             ranks[this, later] = ranks[later, this] = left.shape[1]
-            pieces[this].append(right)
+            parts[this].append(right)
     return CompressedCompliance(
         clusters=clusters,
         diagonal=tuple(diagonal),
         factors=tuple(
-            np.hstack(own) if own else np.zeros((len(members), 0))
-            for own, members in zip(pieces, clusters, strict=True)
+            np.hstack(blocks_of_cluster) if blocks_of_cluster else np.zeros((len(members), 0))
+            for blocks_of_cluster, members in zip(parts, clusters, strict=True)
         ),
         ranks=ranks,
         smooth=np.zeros((n, 0)),
@@ -262,22 +263,22 @@ def compress(
 
 def cross_approximation(block: Matrix, allowed: float) -> tuple[Matrix, Matrix, float]:
     """Return X (m, k), Y (n, k) and ‖block − X Yᵀ‖_F, which is at most ``allowed``."""
-    rest = np.array(block, order="C")
+    remainder = np.array(block, order="C")
     left: list[Vector] = []
     right: list[Vector] = []
-    missed = float(np.linalg.norm(rest))
-    while missed > allowed and len(left) < min(rest.shape):
-        i, j = divmod(int(np.abs(rest).argmax()), rest.shape[1])
-        pivot = rest[i, j]
+    missed = float(np.linalg.norm(remainder))
+    while missed > allowed and len(left) < min(remainder.shape):
+        i, j = divmod(int(np.abs(remainder).argmax()), remainder.shape[1])
+        pivot = remainder[i, j]
         if pivot == 0.0:
             break
-        column, row = rest[:, j] / np.sqrt(abs(pivot)), rest[i] / np.sqrt(abs(pivot))
+        column, row = remainder[:, j] / np.sqrt(abs(pivot)), remainder[i] / np.sqrt(abs(pivot))
         column = column * np.sign(pivot)
-        rest -= np.outer(column, row)
+        remainder -= np.outer(column, row)
         left.append(column)
         right.append(row)
-        missed = float(np.linalg.norm(rest))
+        missed = float(np.linalg.norm(remainder))
     shape = (len(left), -1)
     if not left:
-        return np.zeros((len(rest), 0)), np.zeros((rest.shape[1], 0)), missed
+        return np.zeros((len(remainder), 0)), np.zeros((remainder.shape[1], 0)), missed
     return np.reshape(left, shape).T, np.reshape(right, shape).T, missed

@@ -11,7 +11,7 @@ Array = npt.NDArray[Any]
 
 
 def corrected(
-    product: Callable[[Array], Array], right: Array, enough: float, most: int
+    product: Callable[[Array], Array], right: Array, enough: float, limit: int
 ) -> Array | None:
     """Return v with |b − A v| ≤ enough for the product A v, None where that takes too many.
 
@@ -29,23 +29,23 @@ def corrected(
     size = float(np.linalg.norm(right))
     if size == 0.0:
         return np.zeros_like(right)
-    basis = np.empty((most + 1, len(right)), dtype=right.dtype)
+    basis = np.empty((limit + 1, len(right)), dtype=right.dtype)
     basis[0] = right / size
-    seen, shares = np.zeros((most, most)), np.zeros(most + 1)
+    seen, shares = np.zeros((limit, limit)), np.zeros(limit + 1)
     shares[0] = size
     turns: list[tuple[float, float]] = []
-    for k in range(most):
+    for k in range(limit):
         u = product(basis[k])
-        own = basis[: k + 1] @ u
-        u = u - own @ basis[: k + 1]
-        rest, column = float(np.linalg.norm(u)), own.tolist()
+        projections = basis[: k + 1] @ u
+        u = u - projections @ basis[: k + 1]
+        remainder, column = float(np.linalg.norm(u)), projections.tolist()
         for i, (cosine, sine) in enumerate(turns):
             column[i : i + 2] = (
                 cosine * column[i] + sine * column[i + 1],
                 cosine * column[i + 1] - sine * column[i],
             )
-        length = max(float(np.hypot(column[k], rest)), np.finfo(float).tiny)
-        cosine, sine = column[k] / length, rest / length
+        length = max(float(np.hypot(column[k], remainder)), np.finfo(float).tiny)
+        cosine, sine = column[k] / length, remainder / length
         column[k] = length
         seen[: k + 1, k] = column
         turns.append((cosine, sine))
@@ -55,5 +55,5 @@ def corrected(
         if abs(shares[k + 1]) <= enough:
             weights = solve_triangular(seen[: k + 1, : k + 1], shares[: k + 1])
             return np.asarray(weights.astype(right.dtype) @ basis[: k + 1])
-        basis[k + 1] = u / max(rest, np.finfo(right.dtype).tiny)
+        basis[k + 1] = u / max(remainder, np.finfo(right.dtype).tiny)
     return None

@@ -44,9 +44,9 @@ def free_memory() -> int | None:
     ModelError
         If the environment variable ``FAYING_MEMORY`` is no number of bytes.
     """
-    told = os.environ.get(VARIABLE)
-    if told:
-        return _told(told)
+    setting = os.environ.get(VARIABLE)
+    if setting:
+        return _told(setting)
     try:
         facts = (SYSTEM / "proc/meminfo").read_text(encoding="ascii").splitlines()
     except OSError:
@@ -71,31 +71,31 @@ def control_group_limits(system: Path | None = None) -> list[Limit]:
         lines = (root / "proc/self/cgroup").read_text(encoding="utf-8").splitlines()
     except OSError:
         return []
-    found: list[Limit] = []
+    limits: list[Limit] = []
     for line in lines:
         _, controllers, path = line.split(":", 2)
         if controllers == "":
             files = ("memory.max", "memory.current", "inactive_file")
-            found += _limits(root / "sys/fs/cgroup", path, *files)
+            limits += _limits(root / "sys/fs/cgroup", path, *files)
         elif "memory" in controllers.split(","):
             files = ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file")
-            found += _limits(root / "sys/fs/cgroup/memory", path, *files)
-    return found
+            limits += _limits(root / "sys/fs/cgroup/memory", path, *files)
+    return limits
 
 
-def _limits(base: Path, path: str, most: str, used: str, idle: str) -> Iterator[Limit]:
+def _limits(base: Path, path: str, ceiling: str, used: str, idle: str) -> Iterator[Limit]:
     """Yield the limits of a group and of those above it; files that are not there set none."""
-    own = base / path.lstrip("/")
+    folder_of_group = base / path.lstrip("/")
     # In a container the own group appears as the base itself, whatever its path is called.
-    for folder in dict.fromkeys([own, *own.parents]):
+    for folder in dict.fromkeys([folder_of_group, *folder_of_group.parents]):
         if not folder.is_relative_to(base):
             return
         try:
-            limit = int((folder / most).read_text(encoding="ascii"))
-            taken = int((folder / used).read_text(encoding="ascii"))
+            limit = int((folder / ceiling).read_text(encoding="ascii"))
+            in_use = int((folder / used).read_text(encoding="ascii"))
             facts = (folder / "memory.stat").read_text(encoding="ascii").splitlines()
         except (OSError, ValueError):  # "max" is no number
             continue
         cache = sum(int(line.split()[1]) for line in facts if line.split()[0] == idle)
         if limit < UNLIMITED:
-            yield Limit(limit, max(limit - taken + cache, 0))
+            yield Limit(limit, max(limit - in_use + cache, 0))

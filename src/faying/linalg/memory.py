@@ -55,8 +55,8 @@ class FactorMemory:
         """
         free = free_memory()
         fits = free is None or at_once == one_by_one or self.factor + at_once <= free
-        most = self.factor + (at_once if fits else one_by_one)
-        return replace(self, peak=max(self.peak, int(most)), one_by_one=not fits)
+        peak_bytes = self.factor + (at_once if fits else one_by_one)
+        return replace(self, peak=max(self.peak, int(peak_bytes)), one_by_one=not fits)
 
 
 def require_memory(expected: FactorMemory) -> None:

@@ -62,10 +62,10 @@ def _candidates() -> list[Path]:
         files = importlib.metadata.files("mkl") or []
     except importlib.metadata.PackageNotFoundError:
         files = []
-    found = [Path(str(file.locate())) for file in files if "mkl_rt" in file.name]
+    libraries = [Path(str(file.locate())) for file in files if "mkl_rt" in file.name]
     folder = ("Library", "bin") if sys.platform == "win32" else ("lib",)
-    found += sorted(Path(sys.prefix, *folder).glob("*mkl_rt*"))
-    return [path for path in found if path.suffix != ".lib" and path.is_file()]
+    libraries += sorted(Path(sys.prefix, *folder).glob("*mkl_rt*"))
+    return [path for path in libraries if path.suffix != ".lib" and path.is_file()]
 
 
 def _preload(folder: Path) -> None:
@@ -149,8 +149,8 @@ class PardisoHandle:
     @property
     def peak(self) -> int:
         """Most bytes held at once until factorized, as foreseen by the analysis."""
-        analysis, kept, factor = (int(value) for value in self._parameters[14:17])
-        return 1024 * max(analysis, kept + factor)
+        analysis, permanent, factor = (int(value) for value in self._parameters[14:17])
+        return 1024 * max(analysis, permanent + factor)
 
     @property
     def negative(self) -> int:

@@ -91,26 +91,26 @@ def factorize_relieved(
         return factorize(A)
     carried = np.asarray(M @ motions)
     if isinstance(A, np.ndarray):
-        held: SparseMatrix | Matrix = shifted(A, carried)
+        supported_matrix: SparseMatrix | Matrix = shifted(A, carried)
     else:
-        held = supported(A, supports(motions))
-    return Relieved(factor=factorize(held), motions=motions, carried=carried)
+        supported_matrix = supported(A, supports(motions))
+    return Relieved(factor=factorize(supported_matrix), motions=motions, carried=carried)
 
 
 def shifted(A: Matrix, carried: Matrix) -> Matrix:
     """Return K + M R c RᵀM, dense, c such that its trace is that of K."""
     if not carried.shape[1]:
         return A
-    held: Matrix = A + np.trace(A) / np.sum(carried**2) * (carried @ carried.T)
-    return held
+    supported_matrix: Matrix = A + np.trace(A) / np.sum(carried**2) * (carried @ carried.T)
+    return supported_matrix
 
 
-def supported(A: SparseMatrix, at: Indices) -> SparseMatrix:
+def supported(A: SparseMatrix, supports_at: Indices) -> SparseMatrix:
     """Return K̂ = K + E s Eᵀ, s the stiffness that is there."""
     stiffness = np.zeros(A.shape[0])
-    stiffness[at] = A.diagonal()[at]
-    held: SparseMatrix = (A + sp.diags_array(stiffness)).tocsr()
-    return held
+    stiffness[supports_at] = A.diagonal()[supports_at]
+    supported_matrix: SparseMatrix = (A + sp.diags_array(stiffness)).tocsr()
+    return supported_matrix
 
 
 def supports(motions: Matrix, preferred: Indices | tuple[()] = ()) -> Indices:

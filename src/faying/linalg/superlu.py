@@ -88,8 +88,8 @@ def factorize_superlu(A: SparseMatrix) -> SuperluFactorization:
 def estimate_superlu(A: SparseMatrix) -> FactorMemory:
     """Tell about what :func:`factorize_superlu` would take, from the order alone."""
     n = A.shape[0]
-    most = n * (n + 1)  # L and U, both with their diagonal
-    size = BYTES_PER_ENTRY * int(min(FILL * n**FILL_EXPONENT, most))
+    upper_bound = n * (n + 1)  # L and U, both with their diagonal
+    size = BYTES_PER_ENTRY * int(min(FILL * n**FILL_EXPONENT, upper_bound))
     return FactorMemory(backend="superlu", order=n, factor=size, peak=size, counted=False)
 
 

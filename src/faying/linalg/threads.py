@@ -28,7 +28,7 @@ def one_thread() -> Iterator[None]:
     Whatever the machine does meanwhile, so that digits do not depend on it.
     """
     libraries = _controller().info()
-    token = _FOUND.set({one["prefix"]: one["num_threads"] for one in libraries})
+    token = _FOUND.set({library["prefix"]: library["num_threads"] for library in libraries})
     try:
         with _controller().limit(limits=1, user_api="blas"):
             yield

@@ -69,16 +69,16 @@ class BoltedState:
             If bolts come loose and tight again without end.
         """
         begun = self.contact is not None and self.contact.begun
-        before, loose = self.contact if begun else None, self.loose.copy()
+        previous, loose = self.contact if begun else None, self.loose.copy()
         for _ in range(MOST_TRIALS):
             loose[bolts] = False
-            told = np.append(np.flatnonzero(loose), bolts)
-            goal = np.append(np.zeros(len(told) - len(bolts)), forces)
-            problem = BoltsByForce(joint=self.joint, bolts=told)
+            by_force = np.append(np.flatnonzero(loose), bolts)
+            goal = np.append(np.zeros(len(by_force) - len(bolts)), forces)
+            problem = BoltsByForce(joint=self.joint, bolts=by_force)
             contact, initial = (
-                problem.solve(goal, nuts, self.slip, before)
-                if len(told)
-                else (problem.at(nuts, self.slip, before), nuts)
+                problem.solve(goal, nuts, self.slip, previous)
+                if len(by_force)
+                else (problem.at(nuts, self.slip, previous), nuts)
             )
             nuts = np.where(np.isin(np.arange(len(nuts)), bolts), initial, nuts)
             reached = forces_of_bolts(self.joint, initial, contact)

@@ -84,10 +84,10 @@ class BoltsByForce:
         others = locked.copy()
         others[self.bolts] = 0.0
         try:
-            found = self._at_once(forces, others, slip, start)
+            increment = self._at_once(forces, others, slip, start)
         except (LinAlgError, ConvergenceError):
-            found = None
-        return self._by_trial(forces, locked, slip, start) if found is None else found
+            increment = None
+        return self._by_trial(forces, locked, slip, start) if increment is None else increment
 
     def _at_once(
         self, forces: Vector, others: Vector, slip: Matrix | None, start: Increment | None
@@ -98,14 +98,16 @@ class BoltsByForce:
             return None
         free = -others @ ports.contact_columns[ports.bolts]
         rows = ports.input_rows[ports.bolts, ports.bolts]
-        known = forces / self._stiffness + rows[self.bolts] @ others
+        elongations = forces / self._stiffness + rows[self.bolts] @ others
         pairs, shapes, yields = self._loosened(solver.pairs)
-        pull = shapes.T @ np.linalg.solve(yields, known)
+        pull = shapes.T @ np.linalg.solve(yields, elongations)
         offset = self.joint.contact.offset(slip)
-        found = solve_yielding(solver.laws, pairs, free, offset, start, pull=pull)
+        increment = solve_yielding(solver.laws, pairs, free, offset, start, pull=pull)
         initial = others.copy()
-        initial[self.bolts] = np.linalg.solve(yields, known - shapes @ (found.moved - free))
-        return found, initial
+        initial[self.bolts] = np.linalg.solve(
+            yields, elongations - shapes @ (increment.moved - free)
+        )
+        return increment, initial
 
     def _by_trial(
         self, forces: Vector, locked: Vector, slip: Matrix | None, start: Increment | None
@@ -122,21 +124,21 @@ class BoltsByForce:
         initial, slope = locked.copy(), np.eye(len(self.bolts))
         initial[self.bolts] = np.maximum(initial[self.bolts], forces)
         tolerance = FORCE_TOLERANCE * np.abs(forces).max()
-        found = self.at(initial, slip, start)
-        reached = forces_of_bolts(self.joint, initial, found)[self.bolts]
+        increment = self.at(initial, slip, start)
+        reached = forces_of_bolts(self.joint, initial, increment)[self.bolts]
         for trial in range(MOST_TRIALS):
             miss = forces - reached
             if np.abs(miss).max() <= max(tolerance, LAST_DIGITS * np.abs(initial).max()):
-                return found, initial
+                return increment, initial
             if trial == 0:
                 # Without gaps forces are in proportion to initial ones.
                 slope = np.diag(np.maximum(reached / initial[self.bolts], LEAST_SHARE))
             change = np.linalg.solve(slope, miss)
             initial = initial.copy()
             initial[self.bolts] += change
-            found, before = self.at(initial, slip, start), reached
-            reached = forces_of_bolts(self.joint, initial, found)[self.bolts]
-            unexpected = reached - before - slope @ change
+            increment, previous = self.at(initial, slip, start), reached
+            reached = forces_of_bolts(self.joint, initial, increment)[self.bolts]
+            unexpected = reached - previous - slope @ change
             slope = slope + np.outer(unexpected, change) / (change @ change)
         worst = int(np.abs(miss).argmax())
         message = (

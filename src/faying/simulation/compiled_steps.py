@@ -69,23 +69,23 @@ def meet(
     values: Matrix,
     point: int,
     slots: Indices,
-    known: Indices,
+    met: Indices,
     seen: Matrix,
     corner: Matrix,
 ) -> None:
     """Note N_c E and N_c E N_cᵀ of a point that changes sides for the first time since E was."""
-    place = len(known)
-    slots[point] = place
-    row = seen[place]
+    slot = len(met)
+    slots[point] = slot
+    row = seen[slot]
     row[:] = 0.0
     for j in range(columns.shape[1]):
         if values[point, j] != 0.0:
             row += values[point, j] * E[columns[point, j]]
-    for a in range(place + 1):
-        other, total = known[a] if a < place else point, 0.0
+    for a in range(slot + 1):
+        point_met, total = met[a] if a < slot else point, 0.0
         for j in range(columns.shape[1]):
-            total += values[other, j] * row[columns[other, j]]
-        corner[a, place] = corner[place, a] = total
+            total += values[point_met, j] * row[columns[point_met, j]]
+        corner[a, slot] = corner[slot, a] = total
 
 
 @numba.njit(cache=True)
@@ -197,7 +197,7 @@ def advance(
     active, ends, last = guess.copy(), np.empty((2, n)), np.empty(n_point)
     spent, renewal = 0, n_pair**3 + RENEWAL
     room, n_known = 2 * most_changed + 2, 0
-    slots, known = np.full(n_point, -1), np.empty(room, dtype=np.int64)
+    slots, met = np.full(n_point, -1), np.empty(room, dtype=np.int64)
     seen, corner = np.empty((room, n_pair)), np.empty((room, room))
     for step in range(n_step):
         free = start @ motion + applied_to_free @ applied[step]
@@ -221,8 +221,8 @@ def advance(
                 n_known = 0
             for p in changed:
                 if slots[p] < 0:
-                    meet(E, columns, values, p, slots, known[:n_known], seen, corner)
-                    known[n_known] = p
+                    meet(E, columns, values, p, slots, met[:n_known], seen, corner)
+                    met[n_known] = p
                     n_known += 1
             if not move(
                 E, inside, columns, values, springs, gap, changed, active, slots, seen, corner,
@@ -232,9 +232,9 @@ def advance(
             interpolate(columns, values, moved, at_points)
             settled = True
             for i in range(n_point):
-                here = gap[i] + at_points[i]
-                forces[i] = -here * springs[i] if active[i] else 0.0
-                if here > loose if active[i] else here < -loose:
+                gap_now = gap[i] + at_points[i]
+                forces[i] = -gap_now * springs[i] if active[i] else 0.0
+                if gap_now > loose if active[i] else gap_now < -loose:
                     active[i] = not active[i]
                     settled = False
             if not settled:
@@ -250,7 +250,7 @@ def advance(
                     if active[i]:
                         missing = max(missing, abs(slack[i]) * springs[i])
                     strongest = max(strongest, abs(forces[i]))
-                before = left
+                previous = left
                 left = missing / max(strongest, missing) if missing > 0.0 else 0.0
                 if left > CLOSED:
                     if not move(
@@ -263,7 +263,7 @@ def advance(
                         slack[i] += at_points[i]
                         if active[i]:
                             forces[i] -= slack[i] * springs[i]
-                if left <= CLOSED or left * left / before <= CLOSED:
+                if left <= CLOSED or left * left / previous <= CLOSED:
                     exact = True
                     break
             if not exact:

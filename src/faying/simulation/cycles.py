@@ -141,7 +141,7 @@ def _repeated(
 
     Displacements are computed of the last cycle alone, and where the others reverse.
     """
-    rise, cycle = (path_inputs(system, scaled_loads(load, one)) for one in factors)
+    rise, cycle = (path_inputs(system, scaled_loads(load, factor)) for factor in factors)
     here = path_start(system, rest)
     solver = system.static_contact.increments
     steps = list(follow(solver, moved_alone(system, rise), here))
@@ -162,9 +162,9 @@ def _repeated(
     return begun, last, np.array(energies), stationary
 
 
-def _deepened(before: PathStep, after: PathStep) -> bool:
+def _deepened(before: PathStep, later: PathStep) -> bool:
     """Say whether a cycle closed gaskets further than all before."""
-    earlier, now = before.increment.deepest, after.increment.deepest
+    earlier, now = before.increment.deepest, later.increment.deepest
     if earlier is None or now is None:
         return now is not None
     return bool((now - earlier).max() > STATIONARY * np.abs(now).max())

@@ -108,7 +108,7 @@ class DividedSteps:
         progress: Callable[[int], object] | None = None,
     ) -> Solution:
         """Integrate one response; with given ``substeps`` by these, without a look at errors."""
-        pieces = transient_pieces(
+        parts = transient_pieces(
             replace(self, given=substeps),
             [load],
             duration=duration,
@@ -116,14 +116,14 @@ class DividedSteps:
             initial=None if initial is None else [initial],
             progress=progress,
         )
-        return next(piece for (piece,), _ in pieces)
+        return next(part for (part,), _ in parts)
 
     def begun(self, loads: Sequence[Load], starts: Sequence[Solution]) -> list[Restart]:
         """Return where responses stand that start from static solutions."""
         finest = self.step / 2**FINEST
         return [
-            replace(here, peak=float(start.pressure.max(initial=0.0)))
-            for here, start in zip(
+            replace(restart, peak=float(start.pressure.max(initial=0.0)))
+            for restart, start in zip(
                 begun(self.system, self.scheme, finest, loads, starts), starts, strict=True
             )
         ]
@@ -139,78 +139,80 @@ class DividedSteps:
         progress: Callable[[int], object] | None,
     ) -> tuple[list[Solution], list[Restart]]:
         """Integrate up to instant ``end``, one response after the other, each by its own steps."""
-        before = [[_started(start)] for start in starts] or [[] for _ in loads]
+        histories = [[_started(start)] for start in starts] or [[] for _ in loads]
         walked = [
-            self._walked(one, load, found, end, last, progress)
-            for one, load, found in zip(here, loads, before, strict=True)
+            self._walked(one, load, history, end, last, progress)
+            for one, load, history in zip(here, loads, histories, strict=True)
         ]
         return [solution for solution, _ in walked], [after for _, after in walked]
 
     def _walked(
         self,
-        here: Restart,
+        restart: Restart,
         load: Load,
-        found: list[Solution],
+        solutions: list[Solution],
         end: int,
         last: int,
         progress: Callable[[int], object] | None,
     ) -> tuple[Solution, Restart]:
         """Return one response up to an instant, after what is found of it already."""
-        while here.done < end:
-            given = None if self.given is None else int(self.given[here.done + 1]).bit_length() - 1
-            one, here = self._interval(load, here, last, given)
-            found.append(one)
+        while restart.done < end:
+            level = (
+                None if self.given is None else int(self.given[restart.done + 1]).bit_length() - 1
+            )
+            interval, restart = self._interval(load, restart, last, level)
+            solutions.append(interval)
             if progress is not None:
                 progress(1)
-        return joined(found), here
+        return joined(solutions), restart
 
     def _interval(
-        self, load: Load, here: Restart, last: int, given: int | None
+        self, load: Load, restart: Restart, last: int, fixed_level: int | None
     ) -> tuple[Solution, Restart]:
         """Return the next instant, and where the motion stands there."""
-        if given is not None:
-            one, after = self._tried(load, here, given)
-            _warn(load, here, after)
-            return _ended(one, given, np.nan), replace(after, level=given)
+        if fixed_level is not None:
+            interval, end = self._tried(load, restart, fixed_level)
+            _warn(load, restart, end)
+            return _ended(interval, fixed_level, np.nan), replace(end, level=fixed_level)
         allowed = self.tolerance / last
-        level = max(here.level, 1)
-        tried = {n: self._offered(load, here, n) for n in (level - 1, level)}
-        while (error := self._error(tried, level, here.peak)) > allowed and level < FINEST:
+        level = max(restart.level, 1)
+        tried = {n: self._offered(load, restart, n) for n in (level - 1, level)}
+        while (error := self._error(tried, level, restart.peak)) > allowed and level < FINEST:
             level += 1
-            tried[level] = self._offered(load, here, level)
-        one, after = tried[level] or self._tried(load, here, level)
-        _warn(load, here, after)
+            tried[level] = self._offered(load, restart, level)
+        interval, end = tried[level] or self._tried(load, restart, level)
+        _warn(load, restart, end)
         eased = level > 1 and EASE * error <= allowed
         level_after = level - 1 if eased else level
-        ended = replace(after, level=level_after, peak=_peak(here.peak, one))
-        return _ended(one, level, error), ended
+        ended = replace(end, level=level_after, peak=_peak(restart.peak, interval))
+        return _ended(interval, level, error), ended
 
     def _error(self, tried: Mapping[int, Tried | None], level: int, peak: float) -> float:
         """Return the error of the finer solution at the end, over the largest pressure so far."""
         coarse, fine = tried[level - 1], tried[level]
         if coarse is None or fine is None:
             return np.inf
-        one, other = coarse[0].pressure[-1], fine[0].pressure[-1]
+        coarse_pressure, fine_pressure = coarse[0].pressure[-1], fine[0].pressure[-1]
         largest = _peak(peak, fine[0])
-        change = float(np.abs(one - other).max(initial=0.0))
+        change = float(np.abs(coarse_pressure - fine_pressure).max(initial=0.0))
         return SAFETY / self.scheme.order * change / largest if largest > 0 else 0.0
 
-    def _offered(self, load: Load, here: Restart, level: int) -> Tried | None:
+    def _offered(self, load: Load, restart: Restart, level: int) -> Tried | None:
         """Integrate over one interval; None where contact is not solved in so few steps."""
         try:
-            return self._tried(load, here, level)
+            return self._tried(load, restart, level)
         except ConvergenceError:
             return None
 
-    def _tried(self, load: Load, here: Restart, level: int) -> Tried:
+    def _tried(self, load: Load, restart: Restart, level: int) -> Tried:
         """Integrate over one interval in 2 to the power ``level`` steps."""
         count, solver = 2**level, self.lengths[level].solver
-        start = replace(here, done=here.done * count)
+        start = replace(restart, done=restart.done * count)
         first = start.done
-        (piece,), (end,) = solver.advanced(
+        (part,), (end,) = solver.advanced(
             [start], [load], [], end=first + count, last=first + count, progress=None
         )
-        return piece, replace(end, done=here.done + 1, peak=here.peak)
+        return part, replace(end, done=restart.done + 1, peak=restart.peak)
 
 
 def divided_steps(
@@ -242,23 +244,23 @@ def divided_steps(
     )
 
 
-def _peak(peak: float, piece: Solution) -> float:
-    return max(peak, float(piece.pressure[-1].max(initial=0.0)))
+def _peak(peak: float, solution: Solution) -> float:
+    return max(peak, float(solution.pressure[-1].max(initial=0.0)))
 
 
-def _warn(load: Load, before: Restart, after: Restart) -> None:
+def _warn(load: Load, earlier: Restart, later: Restart) -> None:
     """Log that energy appeared from nothing; in steps that were rejected it does not matter."""
-    if after.ledger is not None:
-        warn_of_gain(load.name, before.ledger, after.ledger)
+    if later.ledger is not None:
+        warn_of_gain(load.name, earlier.ledger, later.ledger)
 
 
-def _ended(piece: Solution, level: int, error: float) -> Solution:
+def _ended(solution: Solution, level: int, error: float) -> Solution:
     """Return the last instant of an interval, with what its steps took together."""
     return replace(
-        some_states(piece, np.array([-1])),
-        iterations=piece.iterations.sum(keepdims=True),
-        contact_error=np.max(piece.contact_error, keepdims=True),
-        dissipation=np.atleast_1d(np.sum(piece.dissipation)),
+        some_states(solution, np.array([-1])),
+        iterations=solution.iterations.sum(keepdims=True),
+        contact_error=np.max(solution.contact_error, keepdims=True),
+        dissipation=np.atleast_1d(np.sum(solution.dissipation)),
         substeps=np.array([2**level]),
         step_error=np.array([error]),
     )

@@ -30,8 +30,8 @@ def contact_energy(contact: Contact, forces: Matrix, shear: Matrix | None = None
     energy = np.zeros(times)
     for name, points in contact.slices.items():
         law, weights = contact.laws[name], np.tile(contact.weights[points], times)
-        own = every[:, : law.components, points].swapaxes(0, 1).reshape(law.components, -1)
-        energy += law.energy(own, weights).reshape(times, -1).sum(axis=1)
+        law_forces = every[:, : law.components, points].swapaxes(0, 1).reshape(law.components, -1)
+        energy += law.energy(law_forces, weights).reshape(times, -1).sum(axis=1)
     if contact.residual_compliance is None:
         return energy
     at_pairs = contact.at_pairs(forces, shear).T

@@ -98,17 +98,17 @@ def audited(
     u = start.u
     with np.errstate(over="ignore", invalid="ignore"):
         for first in range(0, len(inputs) - 1, AT_ONCE):
-            some = slice(first, first + AT_ONCE)
-            states, velocities = history.states[0, some], history.velocities[0, some]
+            chunk = slice(first, first + AT_ONCE)
+            states, velocities = history.states[0, chunk], history.velocities[0, chunk]
             moves = np.diff(np.vstack([u, states]), axis=0)
-            before, after = inputs[:-1][some], inputs[1:][some]
-            means = force_weight * after + (1 - force_weight) * before
+            earlier_inputs, later_inputs = inputs[:-1][chunk], inputs[1:][chunk]
+            means = force_weight * later_inputs + (1 - force_weight) * earlier_inputs
             done = (means * input_displacements(system, moves)).sum(axis=1)
             work = ledger.work + np.cumsum(done)
-            lost = 2 * half_form(system.C, moves) / step + history.dissipation[0, some]
+            lost = 2 * half_form(system.C, moves) / step + history.dissipation[0, chunk]
             spent = ledger.spent + np.cumsum(lost)
-            shear = None if system.contact.components == 1 else history.shear[0, some]
-            forces = history.forces[0, some]
+            shear = None if system.contact.components == 1 else history.shear[0, chunk]
+            forces = history.forces[0, chunk]
             kinetic, energy = _stored(system, states, velocities, forces, shear)
             moved = np.maximum(np.maximum.accumulate(np.abs(work) + kinetic), ledger.moved)
             gain = energy - ledger.stored - (work - spent)
@@ -162,11 +162,11 @@ class EnergyGuard:
     def audit(self) -> list[EnergyLedger]:
         """Return the ledgers at the end of the piece; log what is not sound any more."""
         n_time = self.inputs.shape[1] - 1
-        found = [self._audited(case, n_time) for case in range(len(self.loads))]
+        ledgers = [self._audited(case, n_time) for case in range(len(self.loads))]
         if self.warn:
-            for name, before, after in zip(self.loads, self.ledgers, found, strict=True):
-                warn_of_gain(name, before, after)
-        return found
+            for name, earlier, later in zip(self.loads, self.ledgers, ledgers, strict=True):
+                warn_of_gain(name, earlier, later)
+        return ledgers
 
     @contextmanager
     def watching(self) -> Iterator[None]:
@@ -193,9 +193,9 @@ class EnergyGuard:
             raise
 
     def _audited(self, case: int, n_time: int) -> EnergyLedger:
-        start, before = self.starts[case], self.ledgers[case]
+        start, ledger = self.starts[case], self.ledgers[case]
         return audited(
-            opened(self.system, start) if before is None else before,
+            opened(self.system, start) if ledger is None else ledger,
             self.system,
             start,
             self.inputs[case, : n_time + 1],
@@ -205,10 +205,10 @@ class EnergyGuard:
         )
 
 
-def warn_of_gain(name: str, before: EnergyLedger | None, after: EnergyLedger) -> None:
+def warn_of_gain(name: str, earlier: EnergyLedger | None, later: EnergyLedger) -> None:
     """Log that a ledger is not sound any more."""
-    if not after.sound and (before is None or before.sound):
-        _log.warning("%s: %s", name, gain_message(after.gain))
+    if not later.sound and (earlier is None or earlier.sound):
+        _log.warning("%s: %s", name, gain_message(later.gain))
 
 
 def gain_message(gain: float) -> str:

@@ -61,9 +61,9 @@ def affine_fields(nodes: Matrix) -> Matrix:
     fields[:, axes, axes] = 1.0
     for i in axes:
         fields[:, i, 3 + 3 * i + axes] = nodes
-        one, other = (i + 1) % 3, (i + 2) % 3
-        fields[:, 3 + i, 3 + 3 * other + one] = 0.5
-        fields[:, 3 + i, 3 + 3 * one + other] = -0.5
+        first_axis, second_axis = (i + 1) % 3, (i + 2) % 3
+        fields[:, 3 + i, 3 + 3 * second_axis + first_axis] = 0.5
+        fields[:, 3 + i, 3 + 3 * first_axis + second_axis] = -0.5
     return fields.reshape(-1, N_FIELD)
 
 
@@ -126,7 +126,7 @@ def _cross(vectors: Matrix) -> Matrix:
     """Return v× (n, 3, 3) of vectors (n, 3)."""
     matrix = np.zeros((len(vectors), 3, 3))
     for i in range(3):
-        one, other = (i + 1) % 3, (i + 2) % 3
-        matrix[:, other, one] = vectors[:, i]
-        matrix[:, one, other] = -vectors[:, i]
+        first_axis, second_axis = (i + 1) % 3, (i + 2) % 3
+        matrix[:, second_axis, first_axis] = vectors[:, i]
+        matrix[:, first_axis, second_axis] = -vectors[:, i]
     return matrix

@@ -87,13 +87,13 @@ def tighten_with_friction(
         )
     reached: list[tuple[str, Vector]] = []
     for stage, chosen, goal in _stages(names, forces, increments):
-        here = path[-1]
-        start = here.increment if here.increment.begun else None
+        step = path[-1]
+        start = step.increment if step.increment.begun else None
         problem = BoltsByForce(joint=system, bolts=chosen)
-        found, state = problem.solve(goal, state, here.slip, start)
+        increment, state = problem.solve(goal, state, step.slip, start)
         inputs.append(_inputs(system, state))
-        path.append(_step(system, inputs[-1], found, here.slip + found.slack[1:]))
-        reached.append((stage, forces_of_bolts(system, state, found)))
+        path.append(_step(system, inputs[-1], increment, step.slip + increment.slack[1:]))
+        reached.append((stage, forces_of_bolts(system, state, increment)))
     if losses:
         done = BoltedState(
             joint=system,
@@ -103,17 +103,17 @@ def tighten_with_friction(
             slip=path[-1].slip,
             contact=path[-1].increment,
         )
-        for stage, after in loses(done, losses):
-            state = after.initial
+        for stage, loss_state in loses(done, losses):
+            state = loss_state.initial
             inputs.append(_inputs(system, state))
-            if after.contact is None or after.slip is None:
+            if loss_state.contact is None or loss_state.slip is None:
                 message = "a joint without friction has no path"
                 raise ModelError(message)
-            path.append(_step(system, inputs[-1], after.contact, after.slip))
-            reached.append((stage, after.forces))
+            path.append(_step(system, inputs[-1], loss_state.contact, loss_state.slip))
+            reached.append((stage, loss_state.forces))
     loads = [
         Load(name="preload", bolt_forces=dict(zip(names, row.tolist(), strict=True)))
-        for row in (one[system.port_compliance.bolts] for one in inputs)
+        for row in (row_inputs[system.port_compliance.bolts] for row_inputs in inputs)
     ]
     return FrictionalTightening(
         tightening=Tightening.of(names, state, reached),

@@ -40,15 +40,15 @@ class IncrementEnd:
     ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
         """Solve one increment for each case."""
         solver, contact = self.condensed.increments, self.condensed.contact
-        acting, ends, after = [], [], []
+        acting, ends, states_after = [], [], []
         for relative, state in zip(free, states, strict=True):
             offset = contact.offset(state.slip)
-            found = solver.solve(relative, offset, _start(solver, relative, state))
-            slip = _slipped(contact, state, found.slack)
-            ends.append(_contact_forces(found, found.dissipation, slip))
-            acting.append(found.forces[: contact.components].ravel())
-            after.append(_state(ends[-1], found))
-        return np.array(acting), ends, after
+            increment = solver.solve(relative, offset, _start(solver, relative, state))
+            slip = _slipped(contact, state, increment.slack)
+            ends.append(_contact_forces(increment, increment.dissipation, slip))
+            acting.append(increment.forces[: contact.components].ravel())
+            states_after.append(_state(ends[-1], increment))
+        return np.array(acting), ends, states_after
 
 
 @final
@@ -83,20 +83,20 @@ class IncrementMean:
     ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
         """Solve one increment for each case, and the law at the end where that is not obeyed."""
         solver, contact = self.condensed.increments, self.condensed.contact
-        means, ends, after = [], [], []
+        means, ends, states_after = [], [], []
         k = contact.components
-        before = np.zeros((3, contact.n_points))
+        last_forces = np.zeros((3, contact.n_points))
         for relative, state, acted in zip(free, states, last, strict=True):
-            before[:k] = acted.reshape(k, -1)
-            offset = contact.offset(state.slip) - self._given_way(before)
+            last_forces[:k] = acted.reshape(k, -1)
+            offset = contact.offset(state.slip) - self._given_way(last_forces)
             mean = solver.solve(relative, offset, _start(solver, relative, state))
-            end = self._at_end(mean, mean.forces - before)
+            end = self._at_end(mean, mean.forces - last_forces)
             slip = _slipped(contact, state, mean.slack + end.slack)
-            taken = 0.5 * mean.dissipation + end.dissipation
+            dissipated = 0.5 * mean.dissipation + end.dissipation
             means.append(mean.forces[:k].ravel())
-            ends.append(_contact_forces(end, taken, slip))
-            after.append(_state(ends[-1], mean))
-        return np.array(means), ends, after
+            ends.append(_contact_forces(end, dissipated, slip))
+            states_after.append(_state(ends[-1], mean))
+        return np.array(means), ends, states_after
 
     def _at_end(self, mean: Increment, forces: Matrix) -> Increment:
         """Return forces at the end, with the slip that they add to that of the mean."""
@@ -149,18 +149,20 @@ def _slipped(contact: Contact, state: ContactState, slack: Matrix) -> Matrix | N
     return np.asarray(slack[1:] if state.slip is None else state.slip + slack[1:])
 
 
-def _state(end: ContactForces, found: Increment) -> ContactState:
+def _state(end: ContactForces, increment: Increment) -> ContactState:
     """Return where contact stands after a step."""
-    return ContactState(active=end.active, slip=end.slip, forces=found.forces, moved=found.moved)
+    return ContactState(
+        active=end.active, slip=end.slip, forces=increment.forces, moved=increment.moved
+    )
 
 
-def _contact_forces(found: Increment, dissipation: float, slip: Matrix | None) -> ContactForces:
+def _contact_forces(increment: Increment, dissipation: float, slip: Matrix | None) -> ContactForces:
     return ContactForces(
-        forces=found.forces[0],
-        slack=found.slack[0],
-        active=found.forces[0] > 0,
-        iterations=found.iterations,
-        shear_forces=None if slip is None else found.forces[1:],
+        forces=increment.forces[0],
+        slack=increment.slack[0],
+        active=increment.forces[0] > 0,
+        iterations=increment.iterations,
+        shear_forces=None if slip is None else increment.forces[1:],
         slip=slip,
         dissipation=dissipation,
     )

@@ -202,7 +202,7 @@ def path_start(system: System, initial: Solution | None) -> PathStep:
 def follow(
     solver: IncrementSolver,
     relative: Matrix,
-    here: PathStep,
+    step: PathStep,
     part: range | None = None,
 ) -> Iterator[PathStep]:
     """Yield where a path stands after each load (n_load, n_relative), from where it begins.
@@ -218,28 +218,28 @@ def follow(
     with threads_for(len(solver.S)):
         for number in numbers:
             try:
-                here = _to(solver, here, relative[number], MOST_DIVISIONS)
+                step = _to(solver, step, relative[number], MOST_DIVISIONS)
             except ConvergenceError as error:
                 message = f"load {number + 1} of {len(relative)} on the path: {error}"
                 raise ConvergenceError(message) from None
-            yield here
+            yield step
 
 
-def _in_proportion(contact: Contact, here: PathStep) -> bool:
+def _in_proportion(contact: Contact, step: PathStep) -> bool:
     """Say whether a part of a load is that part of the same problem, no easier to solve."""
-    unloaded = not (here.relative.any() or here.increment.forces.any() or here.slip.any())
+    unloaded = not (step.relative.any() or step.increment.forces.any() or step.slip.any())
     return unloaded and contact.proportional and not contact.initial_gap.any()
 
 
-def _to(solver: IncrementSolver, here: PathStep, target: Vector, divisions: int) -> PathStep:
+def _to(solver: IncrementSolver, step: PathStep, target: Vector, divisions: int) -> PathStep:
     """Go to a load in one increment, or by halves of it where that is too far."""
-    offset = solver.contact.offset(here.slip)
+    offset = solver.contact.offset(step.slip)
     try:
-        found = solver.solve(target, offset, here.increment if here.increment.begun else None)
+        increment = solver.solve(target, offset, step.increment if step.increment.begun else None)
     except ConvergenceError:
-        if divisions == 0 or _in_proportion(solver.contact, here):
+        if divisions == 0 or _in_proportion(solver.contact, step):
             raise
-        middle = _to(solver, here, (here.relative + target) / 2, divisions - 1)
+        middle = _to(solver, step, (step.relative + target) / 2, divisions - 1)
         end = _to(solver, middle, target, divisions - 1)
         return replace(
             end,
@@ -248,8 +248,8 @@ def _to(solver: IncrementSolver, here: PathStep, target: Vector, divisions: int)
         )
     return PathStep(
         relative=target,
-        increment=found,
-        slip=here.slip + found.slack[1:],
-        iterations=found.iterations,
-        dissipation=found.dissipation,
+        increment=increment,
+        slip=step.slip + increment.slack[1:],
+        iterations=increment.iterations,
+        dissipation=increment.dissipation,
     )

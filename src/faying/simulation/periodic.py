@@ -62,7 +62,7 @@ class ModalLoads:
         outputs = np.concatenate(
             [
                 forces.T @ still,
-                *(still[one.dofs] for one in system.boundaries.values()),
+                *(still[boundary.dofs] for boundary in system.boundaries.values()),
                 np.array([bolt.elongation for bolt in bolts]).reshape(len(bolts), -1) @ still
                 if bolts
                 else np.zeros((0, n)),

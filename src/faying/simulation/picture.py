@@ -32,8 +32,8 @@ def plot_map(
     units, (meaning, dimension) = units_of(system.units), QUANTITIES[quantity]
     axes = new_axes() if axes is None else axes
     places = plane.project(surface.points)
-    own = values[system.contact.slices[chosen]]
-    draw_areas(axes, places, surface.weights, own, f"{meaning} [{units.of(dimension)}]")
+    chosen_values = values[system.contact.slices[chosen]]
+    draw_areas(axes, places, surface.weights, chosen_values, f"{meaning} [{units.of(dimension)}]")
     axes.set_xlabel(f"{plane.labels[0]} [{units.length}]")
     axes.set_ylabel(f"{plane.labels[1]} [{units.length}]")
     return axes
@@ -80,7 +80,7 @@ def checked_quantity(quantity: str) -> str:
 def _checked_interface(system: System, interface: str | None) -> str:
     names = list(system.interfaces)
     if not names or (interface is not None and interface not in names):
-        wanted = "interface to draw" if interface is None else f"interface '{interface}'"
-        message = f"there is no {wanted}; the interfaces are {', '.join(names) or 'none'}"
+        subject = "interface to draw" if interface is None else f"interface '{interface}'"
+        message = f"there is no {subject}; the interfaces are {', '.join(names) or 'none'}"
         raise ModelError(message)
     return names[0] if interface is None else interface

@@ -126,12 +126,12 @@ def tighten(
     contact: Increment | None = None
     reached: list[tuple[str, Vector]] = []
     for stage, chosen, goal in tightening_stages(names, forces, increments):
-        found = BoltsByForce(joint=system, bolts=chosen).solve(goal, state, None, contact)
-        contact, state = found
+        solved = BoltsByForce(joint=system, bolts=chosen).solve(goal, state, None, contact)
+        contact, state = solved
         reached.append((stage, forces_of_bolts(system, state, contact)))
-    for stage, after in loses(bolted_state(system, state), losses) if losses else ():
-        state = after.initial
-        reached.append((stage, after.forces))
+    for stage, loss_state in loses(bolted_state(system, state), losses) if losses else ():
+        state = loss_state.initial
+        reached.append((stage, loss_state.forces))
     return Tightening.of(names, state, reached)
 
 

@@ -38,12 +38,12 @@ def solve_ramps(
     As many increments as :func:`faying.solve_path` with the same loads, and one back-substitution
     for each load.
     """
-    here = path_start(system, rest)
+    step = path_start(system, rest)
     solver = system.static_contact.increments
     begun = np.atleast_2d(rest.inputs)[-1]
     shares = np.arange(1, increments + 1)[:, None] / increments
     ends: list[PathStep] = []
     for row in inputs:
         relative = moved_alone(system, begun + shares * (row - begun))
-        ends += deque(follow(solver, relative, here), maxlen=1)
+        ends += deque(follow(solver, relative, step), maxlen=1)
     return assembled(system, inputs, ends, name)

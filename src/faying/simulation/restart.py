@@ -42,7 +42,7 @@ class Restart:
 
 def side_by_side(motions: Sequence[Motion]) -> Motion:
     """Return the motions of all cases as one, with one case a column."""
-    names = [one.name for one in fields(Motion)]
+    names = [entry.name for entry in fields(Motion)]
     return Motion(*(np.array([getattr(motion, name) for motion in motions]).T for name in names))
 
 
@@ -65,8 +65,8 @@ def kept_restart(restart: Restart) -> dict[str, Matrix]:
         "peak": restart.peak,
     }
     names = {"slip": "slip", "forces": "forces", "pairs_moved": "moved", "supported": "supported"}
-    held = {name: getattr(contact, attribute) for name, attribute in names.items()}
-    arrays |= {name: value for name, value in held.items() if value is not None}
+    arrays_of_contact = {name: getattr(contact, attribute) for name, attribute in names.items()}
+    arrays |= {name: value for name, value in arrays_of_contact.items() if value is not None}
     if contact.at_end is not None:
         arrays |= {"end_active": contact.at_end.active}
     if restart.ledger is not None:
@@ -78,7 +78,7 @@ def restart_from(arrays: Mapping[str, Any]) -> Restart:
     """Return the restart that :func:`kept_restart` kept, with an energy ledger."""
     return Restart(
         done=int(arrays["done"]),
-        motion=Motion(**{one.name: arrays[one.name] for one in fields(Motion)}),
+        motion=Motion(**{entry.name: arrays[entry.name] for entry in fields(Motion)}),
         contact=ContactState(
             active=arrays["active"],
             supported=arrays.get("supported"),
@@ -87,7 +87,9 @@ def restart_from(arrays: Mapping[str, Any]) -> Restart:
             moved=arrays.get("pairs_moved"),
             at_end=ContactState(active=arrays["end_active"]) if "end_active" in arrays else None,
         ),
-        ledger=EnergyLedger(**{one.name: float(arrays[one.name]) for one in fields(EnergyLedger)}),
+        ledger=EnergyLedger(
+            **{entry.name: float(arrays[entry.name]) for entry in fields(EnergyLedger)}
+        ),
         # Histories of earlier versions know of no divided steps.
         level=int(arrays.get("level", 0)),
         peak=float(arrays.get("peak", 0.0)),

@@ -31,11 +31,11 @@ class SimilarProblems(Generic[Found]):
         similarity = self._shapes[: len(self._found)] @ g_free
         return self._found[int(similarity.argmax())]
 
-    def remember(self, g_free: Vector, found: Found) -> None:
+    def remember(self, g_free: Vector, result: Found) -> None:
         """Keep a solved problem, in place of the oldest where there are too many."""
         self._shapes[self._next] = g_free / max(float(np.linalg.norm(g_free)), 1e-300)
         if len(self._found) < REMEMBERED:
-            self._found.append(found)
+            self._found.append(result)
         else:
-            self._found[self._next] = found
+            self._found[self._next] = result
         self._next = (self._next + 1) % REMEMBERED

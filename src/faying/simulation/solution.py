@@ -207,10 +207,10 @@ class Solution(ContactFields, Shown):
 
     def bolt_force(self, bolt: str) -> Matrix:
         """Return the axial force of a bolt (...) [force], tension positive."""
-        one = self._bolt(bolt)
+        bolt_of_name = self._bolt(bolt)
         unstretched = unstretched_bolt_forces(self.system, self.inputs)
         number = list(self.system.bolts).index(bolt)
-        return one.locked(0.0).force(self.states) + unstretched[..., number]
+        return bolt_of_name.locked(0.0).force(self.states) + unstretched[..., number]
 
     def bolt_bending(self, bolt: str) -> Matrix:
         """Return the bending moments of a bolt where its beams begin and end [force·length].
@@ -225,14 +225,14 @@ class Solution(ContactFields, Shown):
         ModelError
             If there is no such bolt, or it has no beams whose bending could be seen.
         """
-        one = self._bolt(bolt)
-        if one.bending is None:
+        bolt_of_name = self._bolt(bolt)
+        if bolt_of_name.bending is None:
             message = (
                 f"bending of bolt '{bolt}' is not seen: it is no beam, or came with a file that "
                 "does not tell; model its shank by beams with bending stiffness"
             )
             raise ModelError(message)
-        moments = self._told_by(one.bending, one.residual_bending)
+        moments = self._told_by(bolt_of_name.bending, bolt_of_name.residual_bending)
         return moments.reshape(*moments.shape[:-1], 2, 2)
 
     def weak_force(self, bodies: str) -> Matrix:
@@ -245,11 +245,11 @@ class Solution(ContactFields, Shown):
         """
         supports = self.system.weak_supports
         if bodies not in supports:
-            held = ", ".join(supports) or "none"
-            message = f"there are no weak springs '{bodies}'; those there are hold {held}"
+            names = ", ".join(supports) or "none"
+            message = f"there are no weak springs '{bodies}'; those there are hold {names}"
             raise ModelError(message)
-        one = supports[bodies]
-        forces = self._told_by(one.forces, one.residual_forces)
+        support = supports[bodies]
+        forces = self._told_by(support.forces, support.residual_forces)
         at_pairs = np.linalg.norm(forces.reshape(*forces.shape[:-1], -1, 3), axis=-1)
         carried: Matrix = at_pairs.sum(axis=-1)
         return carried
@@ -286,7 +286,7 @@ def _each(states: Matrix, rows: SparseMatrix | Matrix) -> Matrix:
         product: Matrix = states @ rows.T
         return product
     # Matrix products of libraries sum in an order that depends on the size of both.
-    each: Matrix = np.einsum(
+    moments: Matrix = np.einsum(
         "...k,mk->...m", np.ascontiguousarray(states), np.ascontiguousarray(rows)
     )
-    return each
+    return moments

@@ -37,8 +37,8 @@ OF_EACH_INSTANT = ("times", "velocities", "accelerations", "substeps", "step_err
 
 def some_states(solution: Solution, at: Indices) -> Solution:
     """Return a solution with some of its states, in arrays of their own: the rest may go."""
-    kept = _arrays(solution)
-    return replace(solution, **{name: getattr(solution, name)[at] for name in kept})
+    arrays = _arrays(solution)
+    return replace(solution, **{name: getattr(solution, name)[at] for name in arrays})
 
 
 def without_states(solution: Solution) -> Solution:
@@ -50,7 +50,7 @@ def without_states(solution: Solution) -> Solution:
 def joined(solutions: Sequence[Solution]) -> Solution:
     """Return the states of several solutions, one after the other, as one like the last."""
     arrays: dict[str, Any] = {
-        name: np.concatenate([getattr(one, name) for one in solutions])
+        name: np.concatenate([getattr(solution, name) for solution in solutions])
         for name in _arrays(solutions[-1])
     }
     return replace(solutions[-1], **arrays)

@@ -110,9 +110,9 @@ def begun(
     a = np.zeros_like(u)
     if scheme.needs_acceleration:
         a = factorize(system.M + step**2 * system.K).solve(applied + contact - system.K @ u)
-    kept = scheme.kept_force(applied, contact)
+    carried_force = scheme.kept_force(applied, contact)
     every = stacked_forces(forces, shear)
-    motion = Motion(u, np.zeros_like(u), a, kept, np.zeros_like(u), every.T)
+    motion = Motion(u, np.zeros_like(u), a, carried_force, np.zeros_like(u), every.T)
     whole = np.zeros((len(starts), 3, forces.shape[1]))
     whole[:, : system.contact.components] = every.reshape(len(starts), -1, forces.shape[1])
     states = [

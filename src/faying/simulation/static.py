@@ -100,16 +100,16 @@ def solved_case(
     condensed = system.static_contact
     if (solver := condensed.cases) is not None:
         begun = start if isinstance(start, Increment) else None
-        found = solver.solve(free, system.contact.offset(), begun)
+        increment = solver.solve(free, system.contact.offset(), begun)
         return SolvedCase(
-            forces=found.forces[0],
-            gap=found.gap(solver.laws),
-            iterations=found.iterations,
+            forces=increment.forces[0],
+            gap=increment.gap(solver.laws),
+            iterations=increment.iterations,
             error=0.0,
-            state=found,
+            state=increment,
         )
-    before = start if isinstance(start, ContactState) else None
-    solution, state = condensed.solve(condensed.free_gap(free), before)
+    begun_state = start if isinstance(start, ContactState) else None
+    solution, state = condensed.solve(condensed.free_gap(free), begun_state)
     return SolvedCase(
         forces=solution.forces,
         gap=condensed.gap(solution),
@@ -128,19 +128,19 @@ def solved_cases(system: Joint, free: Matrix) -> tuple[Matrix, Matrix, Indices, 
     shape = (len(free), system.contact.n_points)
     forces, gaps = np.empty(shape), np.empty(shape)
     iterations, errors = np.empty(len(free), dtype=np.int64), np.zeros(len(free))
-    similar = SimilarProblems[Increment | Mask](system.contact.n_points)
+    solved_before = SimilarProblems[Increment | Mask](system.contact.n_points)
     state: Increment | ContactState | None = None
     for case, gap in enumerate(system.static_contact.free_gap(free)):
-        nearest = similar.nearest(gap)
+        nearest = solved_before.nearest(gap)
         if isinstance(nearest, Increment):
             state = nearest
         elif nearest is not None and isinstance(state, ContactState):
             state = replace(state, active=nearest)
-        found = solved_case(system, free[case], state)
-        state = found.state
-        similar.remember(gap, state.active if isinstance(state, ContactState) else state)
-        forces[case], gaps[case] = found.forces, found.gap
-        iterations[case], errors[case] = found.iterations, found.error
+        case_solution = solved_case(system, free[case], state)
+        state = case_solution.state
+        solved_before.remember(gap, state.active if isinstance(state, ContactState) else state)
+        forces[case], gaps[case] = case_solution.forces, case_solution.gap
+        iterations[case], errors[case] = case_solution.iterations, case_solution.error
     return forces, gaps, iterations, errors
 
 

@@ -55,8 +55,8 @@ class EndContact:
     ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
         """Solve one contact problem for each case."""
         gaps = self.condensed.free_gap(free)
-        contacts, after = zip(*map(self.condensed.solve, gaps, states), strict=True)
-        return np.array([contact.forces for contact in contacts]), contacts, after
+        contacts, states_after = zip(*map(self.condensed.solve, gaps, states), strict=True)
+        return np.array([contact.forces for contact in contacts]), contacts, states_after
 
 
 @final
@@ -86,10 +86,12 @@ class MeanContact:
         """
         gaps = self.condensed.free_gap(free)
         solved = map(self.condensed.solve, gaps - self._given_way(last), states)
-        means, after = zip(*solved, strict=True)
+        means, states_after = zip(*solved, strict=True)
         begun = [state.at_end for state in states]
         ends, stands = zip(*map(self._at_end, means, last, begun), strict=True)
-        ahead = [replace(state, at_end=end) for state, end in zip(after, stands, strict=True)]
+        ahead = [
+            replace(state, at_end=end) for state, end in zip(states_after, stands, strict=True)
+        ]
         return np.array([mean.forces for mean in means]), ends, ahead
 
     def _at_end(
@@ -108,9 +110,9 @@ class MeanContact:
         gap = mean.slack - self._given_way(forces[None])[0]
         guess = ContactState(active=forces > 0)
         begin = guess if stands is None else replace(stands, active=guess.active)
-        end, after = self._law.solve(gap, begin)
+        end, state_after = self._law.solve(gap, begin)
         iterations, error = mean.iterations + end.iterations, max(mean.error, end.error)
-        return replace(end, iterations=iterations, error=error), after
+        return replace(end, iterations=iterations, error=error), state_after
 
     def _given_way(self, forces: Matrix) -> Matrix:
         """W λ of each case (n_case, n_point)."""

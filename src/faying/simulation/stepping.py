@@ -146,10 +146,10 @@ class TransientSolver:
         times = self.step * np.arange(1, round(duration / self.step) + 1, dtype=np.float64)
         solutions: list[Solution] = []
         for first in range(0, len(loads), SIDE_BY_SIDE):
-            some = slice(first, first + SIDE_BY_SIDE)
-            here = begun(self.system, self.scheme, self.step, loads[some], starts[some])
+            cases = slice(first, first + SIDE_BY_SIDE)
+            restarts = begun(self.system, self.scheme, self.step, loads[cases], starts[cases])
             solutions += self._advanced(
-                here, loads[some], times, starts[some], progress, len(loads) * len(times)
+                restarts, loads[cases], times, starts[cases], progress, len(loads) * len(times)
             )[0]
         return solutions
 
@@ -194,8 +194,8 @@ class TransientSolver:
             step=self.step,
             force_weight=self.scheme.force_weight,
             loads=[load.name for load in loads],
-            starts=[one.motion for one in here],
-            ledgers=[one.ledger for one in here],
+            starts=[restart.motion for restart in here],
+            ledgers=[restart.ledger for restart in here],
             inputs=inputs,
             history=history.instants(first, first + len(times)),
             warn=self.warn,
@@ -203,7 +203,7 @@ class TransientSolver:
         inputs = inputs[:, 1:]
         external = input_forces(system, inputs)
         if starts:
-            history.begin(side_by_side([one.motion for one in here]), starts)
+            history.begin(side_by_side([restart.motion for restart in here]), starts)
             inputs = np.concatenate([[[start.inputs] for start in starts], inputs], axis=1)
             times = np.concatenate([[0.0], times])
         with threads_for(self.condensed.order), guard.watching():
@@ -250,8 +250,8 @@ class TransientSolver:
                 walk(start, applied, history.of_case(case), first, progress)
                 for case, (start, applied) in enumerate(cases)
             ]
-        motion = side_by_side([one.motion for one in here])
-        states: Sequence[ContactState] = [one.contact for one in here]
+        motion = side_by_side([restart.motion for restart in here])
+        states: Sequence[ContactState] = [restart.contact for restart in here]
         for n in range(n_step):
             with _naming_step(here[0].done + n + 1, self.step):
                 motion, states, contacts = self._step(motion, states, external[:, n].T)
@@ -270,20 +270,20 @@ class TransientSolver:
         system, scheme = self.system, self.scheme
         right = scheme.right_hand_side(system, motion, self.step) + scheme.force_weight * applied
         free = system.contact.relative_operator @ self.effective.solve(right)
-        acting, contacts, after = self._step_contact.solve(free.T, states, motion.contact.T)
+        acting, contacts, states_after = self._step_contact.solve(free.T, states, motion.contact.T)
         forces = np.array([contact.forces for contact in contacts])
         from_contact = relative_forces(system, *system.contact.parts(acting)).T
         u = self.effective.solve(right + scheme.force_weight * from_contact)
-        kept = scheme.kept_force(applied, from_contact)
-        motion = scheme.advance(motion, u, kept, self.step)
+        carried_force = scheme.kept_force(applied, from_contact)
+        motion = scheme.advance(motion, u, carried_force, self.step)
         rubs = system.contact.components > 1
         shear = np.array([contact.shear_forces for contact in contacts]) if rubs else None
-        return replace(motion, contact=stacked_forces(forces, shear).T), after, contacts
+        return replace(motion, contact=stacked_forces(forces, shear).T), states_after, contacts
 
     def _loop(self, n_step: int) -> CompiledSteps | None:
         """Return the compiled loop for a run of so many steps, None where Python does them."""
-        wanted = worth_compiling(n_step) if self.compiled is None else self.compiled
-        return self._compiled if wanted else None
+        compiles = worth_compiling(n_step) if self.compiled is None else self.compiled
+        return self._compiled if compiles else None
 
     @cached_property
     def _step_contact(self) -> StepContact:
@@ -306,15 +306,15 @@ class TransientSolver:
         motion, state = stacked(here.motion), here.contact
         n, failures = 0, 0
         while n < len(external):
-            some, done = external[n : n + AT_ONCE], 0
+            chunk, done = external[n : n + AT_ONCE], 0
             if failures < MOST_FAILURES:
-                done, state = compiled.advance(motion, state, some, history, first + n)
+                done, state = compiled.advance(motion, state, chunk, history, first + n)
             failures = 0 if done else failures + 1
-            if done < len(some):
-                moved, (after,), contacts = self._step(
-                    unstacked(motion[:, None]), [state], some[done][:, None]
+            if done < len(chunk):
+                moved, (state_after,), contacts = self._step(
+                    unstacked(motion[:, None]), [state], chunk[done][:, None]
                 )
-                state = replace(after, supported=state.supported)
+                state = replace(state_after, supported=state.supported)
                 history.note(first + n + done, moved, contacts)
                 motion, done = stacked(moved), done + 1
             n += done

@@ -68,7 +68,7 @@ def dataset(
         coordinates[name] = ("point", places[name], {"units": _unit(name, units)})
     if along:
         coordinates[along] = (along, values, {"units": _unit(along, units)})
-    found: dict[str, Any] = {
+    columns_of_table: dict[str, Any] = {
         name: (
             (*leading, "point"),
             field,
@@ -80,13 +80,13 @@ def dataset(
         coordinates["bolt"] = list(bolts)
         forces = np.stack(list(bolts.values()), axis=-1)
         about = {"long_name": "axial bolt force, tension positive", "units": units.force}
-        found["bolt_force"] = ((*leading, "bolt"), forces, about)
+        columns_of_table["bolt_force"] = ((*leading, "bolt"), forces, about)
     for name, (components, motion) in motions.items():
         labels = [DISPLACEMENT_NAMES[component] for component in components]
         coordinates[f"component_{name}"] = labels
         about = {"long_name": f"displacement of {name}", "units": f"{units.length}, rad"}
-        found[f"displacement_{name}"] = ((*leading, f"component_{name}"), motion, about)
-    labelled: Dataset = xarray.Dataset(found, coordinates, {"model": system.name})
+        columns_of_table[f"displacement_{name}"] = ((*leading, f"component_{name}"), motion, about)
+    labelled: Dataset = xarray.Dataset(columns_of_table, coordinates, {"model": system.name})
     return labelled
 
 
@@ -110,14 +110,18 @@ def _along(solution: ContactFields, times: Vector | None) -> tuple[str, Vector |
 def _places(system: System) -> dict[str, Any]:
     """Return columns of all contact points: interface, number within it, place and area."""
     interfaces = system.interfaces
-    counts = [len(one.weights) for one in interfaces.values()]
-    points = np.concatenate([*(one.points for one in interfaces.values()), np.empty((0, 3))])
+    counts = [len(interface.weights) for interface in interfaces.values()]
+    points = np.concatenate(
+        [*(interface.points for interface in interfaces.values()), np.empty((0, 3))]
+    )
     names = np.array(list(interfaces), dtype=object)
     return {
         "interface": np.repeat(names, counts),
         "point": np.concatenate([*map(np.arange, counts), np.empty(0, dtype=int)]),
         **dict(zip("xyz", points.T, strict=True)),
-        "area": np.concatenate([*(one.weights for one in interfaces.values()), np.empty(0)]),
+        "area": np.concatenate(
+            [*(interface.weights for interface in interfaces.values()), np.empty(0)]
+        ),
     }
 
 
@@ -132,5 +136,5 @@ def _fields(solution: ContactFields) -> dict[str, Matrix]:
 def _unit(name: str, units: Units) -> str:
     if name in FIELDS:
         return units.of(FIELDS[name][1])
-    known = {"x": units.length, "y": units.length, "z": units.length, "time": units.time}
-    return {**known, "area": units.of("length²")}.get(name, "")
+    unit_of = {"x": units.length, "y": units.length, "z": units.length, "time": units.time}
+    return {**unit_of, "area": units.of("length²")}.get(name, "")

@@ -140,9 +140,11 @@ def tightening_plan(
     walk = _Walk(system=system, bolts=chosen, increments=increments)
     single = walk.solved(targets)
     one_pass = walk.followed(single, np.ones(1))
-    most = float((one_pass[np.arange(len(chosen)), chosen] / targets).max())
-    rest = max(1.0 - 1.0 / most, 0.0)
-    shares = np.array([(1.0 - rest**n) / (1.0 - rest**passes) for n in range(1, passes + 1)])
+    highest = float((one_pass[np.arange(len(chosen)), chosen] / targets).max())
+    shortfall = max(1.0 - 1.0 / highest, 0.0)
+    shares = np.array(
+        [(1.0 - shortfall**n) / (1.0 - shortfall**passes) for n in range(1, passes + 1)]
+    )
     initial, reached = walk.meeting(targets, single, shares)
     return TighteningPlan(
         targets=dict(forces),
@@ -207,8 +209,8 @@ class _Walk:
             change = slope @ miss
             initial = initial.copy()
             initial[self.bolts] += change
-            before, reached = reached[-1, self.bolts], self.followed(initial, shares)
-            moved = reached[-1, self.bolts] - before
+            previous, reached = reached[-1, self.bolts], self.followed(initial, shares)
+            moved = reached[-1, self.bolts] - previous
             # Broyden's change of the inverse (Math. Comp. 19 (1965) 577).
             along = change @ slope
             slope = slope + np.outer(change - slope @ moved, along) / (along @ moved)

@@ -91,11 +91,13 @@ def transient_pieces(
     if restarts is None:
         starts = starting_states(steps.system, loads, initial)
         restarts = steps.begun(loads, starts)
-    here = list(restarts)
-    size = max(last - here[0].done, 1) if length is None else min(length, last)
+    standing = list(restarts)
+    size = max(last - standing[0].done, 1) if length is None else min(length, last)
     require_history_room(len(loads), size + 1, steps.system)
-    while here[0].done < last:
-        end = min(here[0].done + size, last)
-        found, here = steps.advanced(here, loads, starts, end=end, last=last, progress=progress)
+    while standing[0].done < last:
+        end = min(standing[0].done + size, last)
+        solutions, standing = steps.advanced(
+            standing, loads, starts, end=end, last=last, progress=progress
+        )
         starts = []
-        yield found, here
+        yield solutions, standing

@@ -123,12 +123,12 @@ class Coulomb:
         slips = (size > limit) | (limit <= 0)
         over = 1.0 / np.where(size > 0, size, 1.0)
         first, second = forces[1] * over, forces[2] * over
-        held = np.where(slips, limit * over, 1.0)
-        turned = held * slips
+        cut = np.where(slips, limit * over, 1.0)
+        turned = cut * slips
         result = np.zeros((forces.shape[1], 3, 3))
         result[:, 0, 0] = closed
-        result[:, 1, 1] = held - turned * first * first
-        result[:, 2, 2] = held - turned * second * second
+        result[:, 1, 1] = cut - turned * first * first
+        result[:, 2, 2] = cut - turned * second * second
         result[:, 1, 2] = result[:, 2, 1] = -turned * first * second
         if pressing is None:
             pulled = self.friction * (closed & slips)

@@ -85,8 +85,8 @@ def check_positive(law: Any) -> None:
     ModelError
         Naming law and parameter.
     """
-    for one in fields(law):
-        value = getattr(law, one.name)
+    for parameter in fields(law):
+        value = getattr(law, parameter.name)
         if not 0 < value < float("inf"):
-            message = f"closure '{law.name}': {one.name} is {value:g}; give a positive number"
+            message = f"closure '{law.name}': {parameter.name} is {value:g}; give a positive number"
             raise ModelError(message)

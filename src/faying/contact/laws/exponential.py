@@ -71,8 +71,8 @@ class ExponentialClosure(Curve):
         for _ in range(MOST_STEPS):
             at, slope = _shape(s)
             step = np.divide(at - value, slope, out=np.zeros_like(s), where=slope > 0)
-            before, s = s, np.clip(s - step, 0.0, LAST)
-            if (np.abs(s - before) <= 1e-15 * s).all():
+            previous, s = s, np.clip(s - step, 0.0, LAST)
+            if (np.abs(s - previous) <= 1e-15 * s).all():
                 break
         beyond = np.maximum(value - last, 0.0) / steepest
         with np.errstate(divide="ignore"):

@@ -86,13 +86,15 @@ class TableClosure(Curve):
         closures, pressures = np.array(self.closures), np.array(self.pressures)
         pressure = np.maximum(forces[0], 0.0) / weights
         row = np.clip(np.searchsorted(pressures, pressure, side="right") - 1, 0, len(closures) - 2)
-        before = np.append(0.0, np.cumsum(np.diff(closures) * (pressures[1:] + pressures[:-1]) / 2))
+        energies = np.append(
+            0.0, np.cumsum(np.diff(closures) * (pressures[1:] + pressures[:-1]) / 2)
+        )
         way = self.closure_of(pressure)[0] - closures[row]
-        return np.asarray(weights * (before[row] + way * (pressures[row] + pressure) / 2))
+        return np.asarray(weights * (energies[row] + way * (pressures[row] + pressure) / 2))
 
 
-def _linear(x: Vector, at: Vector, values: Vector) -> tuple[Vector, Vector]:
+def _linear(x: Vector, positions: Vector, values: Vector) -> tuple[Vector, Vector]:
     """Return values and slopes at x of what is linear between rows, and goes on at both ends."""
-    row = np.clip(np.searchsorted(at, x, side="right") - 1, 0, len(at) - 2)
-    slope = (np.diff(values) / np.diff(at))[row]
-    return values[row] + slope * (x - at[row]), slope
+    row = np.clip(np.searchsorted(positions, x, side="right") - 1, 0, len(positions) - 2)
+    slope = (np.diff(values) / np.diff(positions))[row]
+    return values[row] + slope * (x - positions[row]), slope

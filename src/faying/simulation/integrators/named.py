@@ -12,10 +12,14 @@ from faying.simulation.integrators.integrator import Integrator
 
 _SCHEMES: tuple[Any, ...] = (ImplicitEuler, EnergyDecaying, GeneralizedAlpha)
 
-INTEGRATORS: Mapping[str, Callable[..., Integrator]] = {one().name: one for one in _SCHEMES}
+INTEGRATORS: Mapping[str, Callable[..., Integrator]] = {
+    scheme().name: scheme for scheme in _SCHEMES
+}
 """Name to integrator."""
 
-DAMPED = [one().name for one in _SCHEMES if "rho_infinity" in {f.name for f in fields(one)}]
+DAMPED = [
+    scheme().name for scheme in _SCHEMES if "rho_infinity" in {f.name for f in fields(scheme)}
+]
 """Names of those whose damping at infinite frequency is chosen."""
 
 
