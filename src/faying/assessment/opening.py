@@ -107,7 +107,7 @@ def opening_factors(
     -----
     In ten increments to the nominal load and of a tenth from there on. How deep points are
     pressed depends continuously on the load, which leads to the factor at which an area opens
-    within an increment. What opens and closes again between two increments is not seen.
+    within an increment. What opens and closes again between two increments is missed.
     """
     contact = system.contact
     fixed, growing = growing_displacements(system, inputs)
