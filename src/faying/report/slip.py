@@ -63,7 +63,7 @@ def shown_slip(case: CaseResult, units: Units) -> ShownSlip | None:
 
 def slip_sentence(results: Results) -> str:
     """Return what slips in a run, in one sentence; nothing without friction."""
-    if not any(record.friction > 0 for record in results.interfaces.values()):
+    if not results.rubbing:
         return ""
     shares: dict[str, float] = {}
     gross: list[str] = []

@@ -59,10 +59,8 @@ def _there(demand: SlipDemand, values: Mapping[str, float]) -> float | None:
 
 def friction_table(results: Results) -> Table:
     """Return what friction does in each load case."""
-    rubbing = any(face.friction > 0 for face in results.interfaces.values())
-    rows = {
-        name: case for name, case in results.cases.items() if rubbing and rubbed(case.reference)
-    }
+    cases = results.cases if results.rubbing else {}
+    rows = {name: case for name, case in cases.items() if rubbed(case.reference)}
     share = next((case.reserve.share for case in rows.values() if case.reserve), 0.5)
     columns = (
         Column(

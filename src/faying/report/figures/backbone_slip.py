@@ -28,7 +28,7 @@ def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
     Drawn or None
         One row for each mode and interface; None for cases without backbones, or without slip.
     """
-    records = {name: item for name, item in results.interfaces.items() if item.friction > 0}
+    records = results.rubbing
     amplitudes = _wanted(results, case)
     shown = {mode: _chosen(item, amplitudes) for mode, item in case.reference.backbones.items()}
     rows = [(mode, name) for mode in shown if shown[mode] for name in records]

@@ -83,9 +83,7 @@ def _described(cycle: CycleRecord, units: Units) -> str:
 
 def fretting_figure(results: Results, case: CaseResult) -> Drawn | None:
     """Draw slip range and its product with the traction at the largest amplitude, per point."""
-    records = {
-        name: record_of for name, record_of in results.interfaces.items() if record_of.friction > 0
-    }
+    records = results.rubbing
     cycles = list(case.reference.cycles.values())
     if not cycles or not records or not cycles[-1].fretting.any():
         return None

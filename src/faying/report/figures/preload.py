@@ -36,7 +36,7 @@ def preload_figure(results: Results) -> Drawn:
     """Draw preload pressure by interface, and the sticking area where nothing has friction."""
     units = units_of(results.units)
     records = results.interfaces
-    tied = not any(record.friction > 0 for record in records.values())
+    tied = not results.rubbing
     sizes = [panel_size(record, best_plane(record), 4.2) for record in records.values()]
     figure = new_figure(16.0 if tied else 11.0, max(sum(height for _, height in sizes), 2.0) + 0.5)
     rows = figure.subplots(

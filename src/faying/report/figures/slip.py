@@ -83,9 +83,7 @@ def slip_figure(results: Results, case: CaseResult) -> Drawn | None:
         Of the increment or instant in which most slips, of a static load at its full value; None
         without friction.
     """
-    records = {
-        name: record_of for name, record_of in results.interfaces.items() if record_of.friction > 0
-    }
+    records = results.rubbing
     units = units_of(results.units)
     shown = shown_slip(case, units)
     if shown is None or not records:

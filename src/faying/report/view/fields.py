@@ -97,7 +97,7 @@ def fields_of_response(
         pressed = path.pressure[frames.chosen]
         yield field(name="pressure", at=everywhere, values=lambda: averages(results, pressed))
         yield field(name="gap", at=last, values=lambda: averages(results, response.gap[None]))
-        if any(record.friction > 0 for record in results.interfaces.values()):
+        if results.rubbing:
             slip = np.linalg.norm(path.slip[frames.chosen], axis=-1)
             yield field(name="slip", at=everywhere, values=lambda: averages(results, slip))
     else:

@@ -19,11 +19,8 @@ def run_verdict(results: Results) -> JointVerdict:
         reasons = [text for text in results.omissions if text.startswith("joint assessment")]
         missing = "; ".join(reasons) or "see the warnings"
         return joint_verdict((), units, missing if required(results.study_text) else "")
-    rubbing = {name for name, record in results.interfaces.items() if record.friction > 0}
     reserves = {
-        name: case.reserve
-        for name, case in results.cases.items()
-        if rubbing and case.reserve is not None
+        name: case.reserve for name, case in results.cases.items() if case.reserve is not None
     }
     checks = joint_checks(assessment, units, reserves)
     return joint_verdict((_timed(check, results) for check in checks), units)

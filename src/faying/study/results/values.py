@@ -345,3 +345,8 @@ class Results:
     doubts: tuple[str, ...] = field(default=())
     measurements: tuple[MeasuredCurve, ...] = ()
     frequencies: Mapping[str, FrequencyRecord] = field(default_factory=dict)
+
+    @property
+    def rubbing(self) -> Mapping[str, InterfaceRecord]:
+        """The interfaces with friction."""
+        return {name: face for name, face in self.interfaces.items() if face.friction > 0}
