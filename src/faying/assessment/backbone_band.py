@@ -8,6 +8,7 @@ import numpy as np
 
 from faying._typing import Indices, Vector, frozen
 from faying.assessment.backbone import Backbone, amplitude_unit
+from faying.assessment.measured_curve import at_amplitudes
 from faying.display.facts import Shown, with_unit
 from faying.exceptions import ModelError
 from faying.units import units_of
@@ -111,12 +112,10 @@ def backbone_band(backbones: Sequence[Backbone]) -> BackboneBand:
     frequency: list[Vector] = []
     damping: list[Vector] = []
     for backbone in backbones:
-        order = np.argsort(backbone.amplitude)
-        x = np.log(backbone.amplitude[order])
         with np.errstate(divide="ignore"):
-            logarithm = np.log(backbone.damping_ratio[order])
-        for rows, values in ((frequency, backbone.frequency[order]), (damping, logarithm)):
-            rows.append(np.interp(np.log(amplitude), x, values, left=np.nan, right=np.nan))
+            logarithm = np.log(backbone.damping_ratio)
+        frequency.append(at_amplitudes(backbone, amplitude, backbone.frequency))
+        damping.append(at_amplitudes(backbone, amplitude, logarithm))
     ratio = np.exp(damping)
     return BackboneBand(
         amplitude=amplitude,

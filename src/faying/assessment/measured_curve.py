@@ -69,29 +69,36 @@ class Deviations:
     damping_error: Vector
 
 
+def at_amplitudes(computed: Backbone, amplitude: Vector, values: Vector) -> Vector:
+    """Interpolate what a backbone has at its amplitudes linearly over their logarithm, NaN beyond.
+
+    Parameters
+    ----------
+    amplitude : (n,) [length]
+    values : (n_computed,)
+    """
+    order = np.argsort(computed.amplitude)
+    reached, logarithm = np.log(computed.amplitude[order]), np.log(amplitude)
+    # The smallest and the largest amplitude count, whose last digits are round-off.
+    within = (logarithm >= reached[0] - 1e-9) & (logarithm <= reached[-1] + 1e-9)
+    return np.where(within, np.interp(logarithm, reached, values[order]), np.nan)
+
+
 def deviations(measured: MeasuredCurve, computed: Backbone) -> Deviations:
     """Compare a measured curve with a backbone, between whose amplitudes it is interpolated.
 
     Linear over the logarithm of the amplitude: frequencies, and logarithms of damping ratios.
     """
-    order = np.argsort(computed.amplitude)
-    computed_at = np.log(computed.amplitude[order])
-    measured_at = np.log(measured.amplitude)
-    # The least and the largest amplitude count, whose last digits are round-off.
-    within = (measured_at >= computed_at[0] - 1e-9) & (measured_at <= computed_at[-1] + 1e-9)
-
-    def interpolated(values: Vector) -> Vector:
-        return np.where(within, np.interp(measured_at, computed_at, values[order]), np.nan)
-
-    frequency = interpolated(computed.frequency)
+    amplitude = measured.amplitude
+    frequency = at_amplitudes(computed, amplitude, computed.frequency)
     with np.errstate(divide="ignore"):
-        damping = np.exp(interpolated(np.log(computed.damping_ratio)))
+        damping = np.exp(at_amplitudes(computed, amplitude, np.log(computed.damping_ratio)))
 
     def error(value: Vector, truth: Vector | None) -> Vector:
-        return np.full(len(measured_at), np.nan) if truth is None else value / truth - 1
+        return np.full(len(amplitude), np.nan) if truth is None else value / truth - 1
 
     return Deviations(
-        within=within,
+        within=np.isfinite(frequency),
         frequency=frequency,
         damping_ratio=damping,
         frequency_error=error(frequency, measured.frequency),
