@@ -13,7 +13,7 @@ from typing import Protocol, Self
 import numpy as np
 import scipy.linalg as la
 
-from faying._typing import Mask, Matrix, Vector
+from faying._typing import Mask, Vector
 from faying.contact.forces import ContactForces
 from faying.exceptions import ConvergenceError
 
@@ -51,10 +51,6 @@ class ActiveSetSpace(Protocol):
 
         Raises ``LinAlgError`` where the active block is singular to working precision.
         """
-        ...
-
-    def solve_active(self, right: Matrix, active: Mask) -> Matrix:
-        """Return H_AA⁻¹ B (n_active, k) for B (n_active, k), of least norm where not unique."""
         ...
 
     def product(self, forces: Vector) -> Vector:

@@ -161,16 +161,6 @@ class CompressedSpace:
         """Return the forces that close the active gaps, and the slack of all points."""
         return _Systems(space=self).equilibrate(g_free, active)
 
-    def solve_active(self, right: Matrix, active: Mask) -> Matrix:
-        """Return H_AA⁻¹ B (n_active, k) for B (n_active, k)."""
-        systems, columns = _Systems(space=self), []
-        for column in right.T:
-            full = np.zeros(len(self.D))
-            full[active] = column
-            allowed = CLOSED * NOISE * float(np.abs(column).max(initial=0.0))
-            columns.append(systems.solved(full, active, allowed)[active])
-        return np.array(columns).reshape(right.shape[1], -1).T
-
     def solve(
         self, g_free: Vector, state: ContactState | None = None
     ) -> tuple[ContactForces, ContactState]:
@@ -233,10 +223,6 @@ class _Systems:
             forces = self.solved(-g_free, active, allowed)
             slack = self.space.product(forces) + g_free
         return forces, slack
-
-    def solve_active(self, right: Matrix, active: Mask) -> Matrix:
-        """Return H_AA⁻¹ B (n_active, k) for B (n_active, k)."""
-        return self.space.solve_active(right, active)
 
     def product(self, forces: Vector) -> Vector:
         """Return H λ."""

@@ -10,7 +10,7 @@ from typing import Protocol, cast
 import numpy as np
 import scipy.linalg as la
 
-from faying._typing import Mask, Matrix, SparseMatrix, Vector
+from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.active_set import ActiveSetSpace, solve_complementarity
 from faying.contact.compressed_space import CompressedSpace
 from faying.contact.contact import Contact
@@ -61,10 +61,6 @@ class ContactSolver(Protocol):
         state
             Where a similar problem ended; without one the points with free_gap < 0 are tried.
         """
-        ...
-
-    def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:
-        """Return forces (n_active, k) that close gaps (n_active, k) at the active points."""
         ...
 
     @property
@@ -247,13 +243,6 @@ class CondensedContact:
             raise ModelError(message)
         with _naming_few_modes(self.contact):
             return self.solver.solve(free_gap, state)
-
-    def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:
-        """Return H_AA⁻¹ B (n_active, k): forces that close gaps B (n_active, k) at active points.
-
-        Where hard contact makes H_AA singular, the forces are those of least norm.
-        """
-        return self.space.solve_active(gaps, active)
 
     def gap(self, solution: ContactForces) -> Vector:
         """Gap (n_point,) of a solution; negative by the penetration where contact is elastic."""

@@ -46,17 +46,14 @@ class DensePoints:
         return forces, slack
 
     def solve_active(self, right: Matrix, active: Mask) -> Matrix:
-        """Return H_AA⁻¹ B (n_active, k) for B (n_active, k), of least norm where not unique."""
+        """Return H_AA⁻¹ B (n_active, k) for B (n_active, k); raises ``LinAlgError`` if singular."""
         if not active.any():
             return np.zeros((0, right.shape[1]))
         factor, regular = self._factorized(active)
         if not regular:
-            return np.asarray(la.lstsq(self.H[np.ix_(active, active)], right)[0])
+            message = "singular active block"
+            raise la.LinAlgError(message)
         return np.asarray(lapack.dpotrs(factor, right, lower=1)[0])
-
-    def regular(self, active: Mask) -> bool:
-        """Say whether an active block has an inverse."""
-        return not active.any() or self._factorized(active)[1]
 
     def product(self, forces: Vector) -> Vector:
         """Return H λ."""

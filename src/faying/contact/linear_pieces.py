@@ -13,6 +13,7 @@ from functools import cached_property
 from typing import Protocol, Self, final
 
 import numpy as np
+from scipy.linalg import LinAlgError
 
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.contact.condensed import ContactSolver
@@ -127,13 +128,14 @@ class UnknownForces:
         return np.asarray(across_points - across.T @ self._solved(across, active))
 
     def _solved(self, right: Matrix, active: Mask) -> Matrix:
-        if not self.points.regular(active):
+        try:
+            return self.points.solve_active(right, active)
+        except LinAlgError:
             message = (
                 "contact forces are not unique where contact is hard at more points than there are "
                 "relative displacements; take nodal quadrature or a penalty to follow a load"
             )
-            raise ModelError(message)
-        return self.points.solve_active(right, active)
+            raise ModelError(message) from None
 
 
 def closed_points(contact: Contact, condensed: ContactSolver) -> ClosedPoints:

@@ -6,7 +6,7 @@ from typing import NoReturn, TypeVar
 
 import numpy as np
 
-from faying._typing import Mask, Matrix, Vector
+from faying._typing import Matrix, Vector
 from faying.contact.condensed import ContactSolver
 from faying.contact.contact import Contact
 from faying.contact.forces import ContactForces
@@ -72,10 +72,6 @@ class ReducedContact:
     @property
     def cases(self) -> None:
         """None: forces are found among the reduced set alone."""
-
-    def solve_active(self, gaps: Matrix, active: Mask) -> Matrix:
-        """Return forces (n_active, k) that close gaps (n_active, k) in the full flexibility."""
-        return np.asarray(np.linalg.lstsq(self.flexibility[np.ix_(active, active)], gaps)[0])
 
     def gap(self, solution: ContactForces) -> Vector:
         """Gap (n_point,) of a solution, which need not fit the forces where the set is poor."""
