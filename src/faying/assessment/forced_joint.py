@@ -63,7 +63,7 @@ class ForcedJoint:
 
     @classmethod
     def of(
-        cls, system: System, load: Mapping[str, complex], rest: Solution, frequencies: Vector
+        cls, system: System, load: Mapping[str, complex], state: Solution, frequencies: Vector
     ) -> "ForcedJoint":
         """Return it for a load and the state to vibrate about.
 
@@ -73,11 +73,11 @@ class ForcedJoint:
             If contact is hard, or the load does not fit the system.
         """
         inputs = harmonic_inputs(system, load)
-        start = path_start(system, rest)
+        start = path_start(system, state)
         solver = system.static_contact.increments
         stuck = StuckPoints.of(solver, start.increment.forces, start.slip, start.increment.moved)
         highest = float(frequencies[-1])
-        modes = cache(lambda harmonics: stuck_modes(system, rest, SPAN * harmonics * highest))
+        modes = cache(lambda harmonics: stuck_modes(system, state, SPAN * harmonics * highest))
         return cls(system=system, stuck=stuck, inputs=inputs, frequencies=frequencies, modes=modes)
 
     def linear(self, level: float, frequencies: Vector) -> ResponseCurve:
@@ -172,7 +172,7 @@ class ForcedJoint:
         if not points:
             return None, 0.0
         worked = [_fundamental(point, slice(0, 2)) for point in points]
-        size = [float(np.linalg.norm(one)) for one in worked]
+        size = [float(np.linalg.norm(work)) for work in worked]
         top = int(np.argmax(size))
         point, coarse = points[top], points[top].motion.harmonics
         order = point.problem.n_harmonic + MORE

@@ -83,8 +83,8 @@ def frequency_response(
     asked = np.asarray(frequencies, dtype=float)
     factors = np.atleast_1d(np.asarray(levels, dtype=float))
     _check(asked, factors, harmonics, samples, tolerance)
-    rest = solve_path(system, [Load()]) if initial is None else initial
-    forced = ForcedJoint.of(system, load, rest, asked)
+    state = solve_path(system, [Load()]) if initial is None else initial
+    forced = ForcedJoint.of(system, load, state, asked)
     curves = []
     for level in factors.tolist():
         curve = forced.curve(level, harmonics=harmonics, samples=samples, tolerance=tolerance)

@@ -54,16 +54,16 @@ def resonance(
     load: Mapping[str, complex],
     frequencies: tuple[float, float],
     levels: Sequence[float] | Vector,
-    at: str,
-    preloaded: Solution,
+    component: str,
+    state: Solution,
 ) -> Resonance | None:
     """Find the mode between two frequencies that moves a place most under a load.
 
     Parameters
     ----------
-    at
+    component
         A component of a boundary, as ``"tip.uz"``.
-    preloaded
+    state
         State to vibrate about.
 
     Returns
@@ -74,9 +74,10 @@ def resonance(
     if not len(system.contact.rubbing):
         return None
     low, high = frequencies
-    modes = stuck_modes(system, preloaded, high)
+    modes = stuck_modes(system, state, high)
     linear = LinearResponse.of(system, modes, harmonic_inputs(system, load))
-    moved = np.abs(linear.forced * linear.moved[linear.components.index(at)]) / linear.circular**2
+    shapes = linear.moved[linear.components.index(component)]
+    moved = np.abs(linear.forced * shapes) / linear.circular**2
     moved[(modes.frequencies < low) | (modes.frequencies > high)] = 0.0
     number = int(np.argmax(moved))
     if not moved[number] > 0:
@@ -86,7 +87,7 @@ def resonance(
     energies: Vector = np.asarray(alpha**2 / (2 * circular**2), dtype=float)
     try:
         analysis = modal_analysis(
-            system, number + 1, energies, over="energy", at=at, initial=preloaded
+            system, number + 1, energies, over="energy", at=component, initial=state
         )
     except StillModeError:
         return None

@@ -140,8 +140,8 @@ class ResponseCurve:
     @property
     def swept_down(self) -> Mask:
         """Which points a slow sweep from high to low frequencies goes through (n,)."""
-        least = np.minimum.accumulate(self.frequency[::-1])[::-1]
-        return np.asarray(self.frequency <= least)
+        lowest = np.minimum.accumulate(self.frequency[::-1])[::-1]
+        return np.asarray(self.frequency <= lowest)
 
     def response(self, component: str, harmonic: int = 1) -> ComplexVector:
         """Return one harmonic of a component, as ``"tip.uz"``, along the curve (n,).
@@ -175,12 +175,12 @@ class ResponseCurve:
             message = f"the curve of level {self.level:g} has no points"
             raise ModelError(message)
         response = self.response(component)
-        at = int(np.argmax(np.abs(response)))
+        row = int(np.argmax(np.abs(response)))
         return Peak(
             level=self.level,
-            frequency=float(self.frequency[at]),
-            amplitude=float(np.abs(response[at])),
-            phase=float(np.angle(response[at], deg=True)),
+            frequency=float(self.frequency[row]),
+            amplitude=float(np.abs(response[row])),
+            phase=float(np.angle(response[row], deg=True)),
         )
 
 
@@ -284,10 +284,10 @@ def boundary_components(system: System) -> tuple[str, ...]:
     """Return the names of all boundary degrees of freedom, with the node where there are many."""
     names = []
     for name, boundary in system.boundaries.items():
-        many = len(np.unique(boundary.nodes)) > 1
+        multiple = len(np.unique(boundary.nodes)) > 1
         for node, component in zip(boundary.nodes, boundary.components, strict=True):
-            place = f"{name}[{node}]" if many else name
-            names.append(f"{place}.{DISPLACEMENT_NAMES[component]}")
+            label = f"{name}[{node}]" if multiple else name
+            names.append(f"{label}.{DISPLACEMENT_NAMES[component]}")
     return tuple(names)
 
 

@@ -81,30 +81,31 @@ def steady_state(
     }
     wave = 2 / STEPS * np.exp(-1j * turn[1 : STEPS + 1])
     solver = transient_solver(system, step=period / STEPS, integrator=GeneralizedAlpha())
-    pieces = transient_pieces(
+    parts = transient_pieces(
         solver,
         [Load(forces, name="harmonic load")],
         duration=float(times[-1]),
         length=PIECE * STEPS,
         initial=None if initial is None else [initial],
     )
-    found: list[ComplexVector] = []
+    fundamentals: list[ComplexVector] = []
     to_come, periods = np.inf, 0
-    for (piece,), _ in pieces:
+    for (part,), _ in parts:
         periods += PIECE
-        last = rows_of(piece.states[-STEPS:].T, system)
-        found.append(last @ wave)
+        last = rows_of(part.states[-STEPS:].T, system)
+        fundamentals.append(last @ wave)
         if periods > RISE + 2 * PIECE:
-            size = float(np.linalg.norm(found[-1]))
-            before, after = (float(np.linalg.norm(found[i] - found[i - 1])) for i in (-2, -1))
+            size = float(np.linalg.norm(fundamentals[-1]))
+            steps = np.diff(np.array(fundamentals[-3:]), axis=0)
+            early, late = np.linalg.norm(steps, axis=1).tolist()
             # Changes shrink like a geometric series; where they do not, nothing is known yet.
-            left = after * after / (before - after) if before > after else np.inf
-            to_come = max(left, after) / size
+            left = late * late / (early - late) if early > late else np.inf
+            to_come = max(left, late) / size
             if to_come <= SETTLED:
                 break
     return SteadyState(
         components=boundary_components(system),
-        fundamental=found[-1],
+        fundamental=fundamentals[-1],
         periods=periods,
         to_come=to_come,
     )

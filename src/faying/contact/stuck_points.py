@@ -228,8 +228,8 @@ class LocalContact:
     @cached_property
     def compliance(self) -> Matrix:
         """G_c T₀ G_cᵀ (components n_local, components n_local) [length/force]."""
-        compliance = self.whole.compliance[np.ix_(self.pairs, self.pairs)]
-        return np.asarray(self.rows @ (self.rows @ compliance).T)
+        T = self.whole.compliance[np.ix_(self.pairs, self.pairs)]
+        return np.asarray(self.rows @ (self.rows @ T).T)
 
     @cached_property
     def laws(self) -> LawsAtPoints:
@@ -240,8 +240,8 @@ class LocalContact:
     def released(self) -> CondensedContact:
         """The contact problem between the pairs without the springs of these points."""
         block = self.block
-        compliance = self.whole.compliance[np.ix_(self.pairs, self.pairs)]
-        free = np.linalg.solve(np.eye(len(self.pairs)) - compliance @ block, compliance)
+        T = self.whole.compliance[np.ix_(self.pairs, self.pairs)]
+        free = np.linalg.solve(np.eye(len(self.pairs)) - T @ block, T)
         return CondensedContact(contact=self.contact, compliance=(free + free.T) / 2)
 
     @cached_property
@@ -256,13 +256,11 @@ class LocalContact:
         ----------
         restrained : (n_touched,) [length]
             What the loads move them with all points stuck.
-        beside : (components n_local,) [force]
+        excess : (components n_local,) [force]
             μ.
         """
-        compliance = self.whole.compliance[np.ix_(self.pairs, self.pairs)]
-        return np.asarray(
-            self.whole.moved[self.pairs] + restrained + compliance @ (self.rows.T @ excess)
-        )
+        T = self.whole.compliance[np.ix_(self.pairs, self.pairs)]
+        return np.asarray(self.whole.moved[self.pairs] + restrained + T @ (self.rows.T @ excess))
 
 
 def _blocks(rows: SparseMatrix, points: Indices, n: int) -> SparseMatrix:

@@ -45,7 +45,7 @@ def write(rom: ReducedModel, path: Path, run: Results | None) -> tuple[Path, ...
         )
         raise StudyError(message)
     sets = [
-        record_set for name, record in run.frequencies.items() for record_set in _sets(name, record)
+        data_set for name, record in run.frequencies.items() for data_set in _sets(name, record)
     ]
     pyuff.UFF(str(path)).write_sets(sets, "overwrite")
     return (path,)

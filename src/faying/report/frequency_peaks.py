@@ -23,8 +23,8 @@ def peak_table(results: Results) -> Table:
         def at_peak(row: Any) -> float | None:
             record, curve, _, _ = row
             top = int(np.argmax(np.abs(curve.response(record.at))))
-            found = curve.contact
-            return None if found is None else float(getattr(found, field)[top])
+            contact_there = curve.contact
+            return None if contact_there is None else float(getattr(contact_there, field)[top])
 
         return at_peak
 

@@ -56,7 +56,7 @@ class LocalPath:
     slack: Matrix
     dissipation: Vector
 
-    def beside(self, local: LocalContact) -> Matrix:
+    def excess(self, local: LocalContact) -> Matrix:
         """Return μ (components n_point, n_increment)."""
         n = len(self.moved)
         change = (self.forces - local.forces).reshape(n, -1) + local.springs.ravel() * self.moved
@@ -89,25 +89,25 @@ def follow_local(
     moved, forces = np.zeros((n, k * m)), np.zeros((n, k, m))
     slipped, slack = np.zeros((n, 2, m)), np.zeros((n, 2, m))
     dissipation = np.zeros(n)
-    w, slip, beside = np.zeros(k * m), np.zeros((2, m)), np.zeros(k * m)
-    before = np.zeros(len(local.pairs))
+    w, slip, excess = np.zeros(k * m), np.zeros((2, m)), np.zeros(k * m)
+    previous = np.zeros(len(local.pairs))
     for number in range(n):
         begun = w if guess is None else guess[number]
-        found = _increment(local, linear[number], slip, begun)
-        if found is None:
-            step = _otherwise(local, before, restrained[number], beside, slip)
+        solution = _increment(local, linear[number], slip, begun)
+        if solution is None:
+            step = _otherwise(local, previous, restrained[number], excess, slip)
             slack[number] = step.slip - local.slip - slip
             dissipation[number] = step.dissipation
             forces[number] = step.increment.forces[:k]
             w = local.rows @ (step.increment.moved - local.whole.moved[local.pairs])
         else:
-            w, forces[number], slack[number] = found
+            w, forces[number], slack[number] = solution
             if k > 1:
                 dissipation[number] = -(forces[number][1:] * slack[number]).sum()
         slip = slip + slack[number]
         moved[number], slipped[number] = w, slip
-        beside = (forces[number] - local.forces).ravel() + local.springs.ravel() * w
-        before = restrained[number]
+        excess = (forces[number] - local.forces).ravel() + local.springs.ravel() * w
+        previous = restrained[number]
     return LocalPath(
         moved=moved, forces=forces, slipped=slipped, slack=slack, dissipation=dissipation
     )
@@ -125,16 +125,16 @@ def _increment(
     for _ in range(MOST_STEPS):
         z = anchor + w.reshape(k, m)
         forces, K = local.laws.respond(z)
-        beside = (forces - local.forces).ravel() + springs * w
-        rest = linear - w + T @ beside
-        left = float(np.abs(rest).max(initial=0.0))
+        excess = (forces - local.forces).ravel() + springs * w
+        residual = linear - w + T @ excess
+        left = float(np.abs(residual).max(initial=0.0))
         if not np.isfinite(left):
             return None
         if left <= SOLVED * size or (left <= 1e2 * SOLVED * size and left >= last / 2):
             slack = (z + local.laws.yielded(forces))[1:]
             return w, forces, slack if k > 1 else np.zeros((2, m))
         last = left
-        w = w + _solved(local, K, rest)[:, 0]
+        w = w + _solved(local, K, residual)[:, 0]
         size = max(size, float(np.abs(w).max(initial=0.0)))
     return None
 
@@ -190,22 +190,22 @@ def _within(T: Matrix, change: Matrix, right: Matrix) -> Matrix:
 
 
 def _otherwise(
-    local: LocalContact, before: Vector, ahead: Vector, beside: Vector, slip: Matrix
+    local: LocalContact, previous: Vector, ahead: Vector, excess: Vector, slip: Matrix
 ) -> PathStep:
     """Return where an increment leads by the solver of all paths, between the pairs."""
     solver, k = local.released.increments, local.components
     S, whole = np.asarray(local.released.compliance), local.whole
     forces = whole.forces[:, local.points].copy()
-    y = local.moved(before, beside)
+    y = local.moved(previous, excess)
     w = local.rows @ (y - whole.moved[local.pairs])
-    forces[:k] = local.forces + (beside - local.springs.ravel() * w).reshape(k, -1)
+    forces[:k] = local.forces + (excess - local.springs.ravel() * w).reshape(k, -1)
     unloaded = whole.moved[local.pairs] - S @ (local.rows.T @ local.forces.ravel())
 
     def target(restrained: Vector) -> Vector:
         return np.asarray(unloaded + restrained + S @ (local.block @ restrained))
 
     start = PathStep(
-        relative=target(before),
+        relative=target(previous),
         increment=Increment(
             forces=forces, slack=np.zeros_like(forces), moved=y, iterations=0, residual=0.0
         ),
@@ -223,12 +223,12 @@ class LocalDerivatives:
     ----------
     moved : (n_increment, components n_point, x)
         Of w, in single precision, which is enough to begin increments with.
-    beside : (n_increment,) of ((n_active,), (n_active, x))
+    excess : (n_increment,) of ((n_active,), (n_active, x))
         Rows of μ that change, and how.
     """
 
     moved: npt.NDArray[np.float32]
-    beside: list[tuple[Indices, Matrix]]
+    excess: list[tuple[Indices, Matrix]]
 
 
 def local_derivatives(
@@ -247,7 +247,7 @@ def local_derivatives(
     single = local.compliance.astype(np.float32)
     s = np.zeros((k, m, count))
     moved = np.zeros((len(path.moved), k * m, count), dtype=np.float32)
-    beside = list[tuple[Indices, Matrix]]()
+    excess = list[tuple[Indices, Matrix]]()
     slip, rubs = np.zeros((2, m)), local.contact.coefficients > 0
     slid = np.zeros(m, dtype=bool)
     first = shapes.astype(np.float32)
@@ -268,7 +268,7 @@ def local_derivatives(
         inner = _within(local.compliance[np.ix_(rows, rows)], change, along[rows].astype(float))
         resisted = _blocks(change, inner)
         pulled[np.isin(every, rows)] -= resisted
-        beside.append((every, pulled))
+        excess.append((every, pulled))
         moved[number] = along - single[rows].T @ resisted.astype(np.float32)
         if k > 1 and len(points):
             yields = local.laws.closure(_whole(path.forces[number]))[1][1:, points, None]
@@ -279,7 +279,7 @@ def local_derivatives(
             s[1:, ~rubs] = 0.0
             slid[points] = rubs[points]
         slip = path.slipped[number]
-    return LocalDerivatives(moved=moved, beside=beside)
+    return LocalDerivatives(moved=moved, excess=excess)
 
 
 def _whole(forces: Matrix) -> Matrix:

@@ -214,7 +214,7 @@ class PeriodicProblem:
             guess,
         )
         outputs = self.loads.answers @ columns[-self.samples :].T
-        outputs += self._at_points.T @ path.beside(local)[:, -self.samples :]
+        outputs += self._at_points.T @ path.excess(local)[:, -self.samples :]
         return Motion(harmonics=harmonics, circular=circular, path=path, outputs=outputs)
 
     def _modal(self, outputs: Matrix) -> Matrix:
@@ -248,20 +248,20 @@ class PeriodicProblem:
         modal = slice(2, 2 + m)
         change = np.einsum("mc,ncx->nmx", self.loads.answers[modal], columns)
         shapes = self._at_points[:, :n]
-        found = local_derivatives(self.local, motion.path, shapes, columns)
-        for number, (rows, beside) in enumerate(found.beside[-N:]):
-            change[number] += shapes[rows, modal].T @ beside
+        derivatives = local_derivatives(self.local, motion.path, shapes, columns)
+        for number, (rows, excess) in enumerate(derivatives.excess[-N:]):
+            change[number] += shapes[rows, modal].T @ excess
         wave = 2 / N * np.exp(-1j * self._angles)
         answer = np.einsum("nk,nmx->kmx", wave, change).reshape(H * m, size + 1)
         result = -np.concatenate([answer.real, answer.imag])
         result[:, :size] += np.eye(size)
-        return Derivatives(residual=result, moved=found.moved)
+        return Derivatives(residual=result, moved=derivatives.moved)
 
     def displaced(self, motion: Motion) -> Matrix:
         """Return δ of all pairs along all periods (n_relative, PERIODS N)."""
         columns = np.tile(self._columns(motion.harmonics, motion.circular), (PERIODS, 1))
         restrained = self.loads.restrained[:, : self.loads.n_column]
-        pairs = self.local.rows.T @ motion.path.beside(self.local)
+        pairs = self.local.rows.T @ motion.path.excess(self.local)
         shared = self.stuck.compliance[:, self.local.pairs] @ pairs
         return np.asarray(restrained @ columns.T + shared)
 

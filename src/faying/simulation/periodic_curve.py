@@ -141,8 +141,8 @@ def _newton(problem: PeriodicProblem, motion: Motion, across: Vector | None) -> 
     derivatives = problem.derivatives(motion)
     factors = _factors(derivatives, border)
 
-    def step(at: Motion, factors: tuple[Matrix, Indices]) -> Vector:
-        return np.asarray(la.lu_solve(factors, -np.append(problem.residual(at), 0.0)))
+    def step(reached: Motion, factors: tuple[Matrix, Indices]) -> Vector:
+        return np.asarray(la.lu_solve(factors, -np.append(problem.residual(reached), 0.0)))
 
     for _ in range(MOST_STEPS):
         change = step(motion, factors)
@@ -277,14 +277,14 @@ def _onward(point: CurvePoint, target: float) -> list[CurvePoint]:
             if not begin - far < guess[-1] < begin + far:
                 message = "the curve leads elsewhere"
                 raise ConvergenceError(message)
-            found = solve_motion(
+            solved = solve_motion(
                 point.problem,
                 guess[:-1],
                 target if lands else float(guess[-1]),
                 None if across is None else across / np.abs(across).max(),
                 point.problem.begun(point.motion, length * direction, point.derivatives),
             )
-            off = np.linalg.norm(found.unknowns - guess[:-1]) / size
+            off = np.linalg.norm(solved.unknowns - guess[:-1]) / size
             if off > BEND:
                 message = "the curve bends too much"
                 raise ConvergenceError(message)
@@ -293,25 +293,25 @@ def _onward(point: CurvePoint, target: float) -> list[CurvePoint]:
             if reach < SHORTEST:
                 raise
             continue
-        if (target - x[-1]) * (target - found.motion.circular) < 0:
-            return [*points, _between(point, found, target)]
-        points.append(found)
+        if (target - x[-1]) * (target - solved.motion.circular) < 0:
+            return [*points, _between(point, solved, target)]
+        points.append(solved)
         if lands:
             return points
         reach = min(1.0, 2 * reach if off < BEND / 4 else reach)
-        after = found.tangent()
+        onward = solved.tangent()
         # The curve goes on the way it came: past a turning point the frequency turns back.
-        same = float((scale**2 * direction) @ after)
-        direction, point = after if same > 0 else -after, found
+        same = float((scale**2 * direction) @ onward)
+        direction, point = onward if same > 0 else -onward, solved
     message = f"more than {MOST_POINTS} points before the next frequency"
     raise ConvergenceError(message)
 
 
-def _between(before: CurvePoint, after: CurvePoint, target: float) -> CurvePoint:
+def _between(start: CurvePoint, finish: CurvePoint, target: float) -> CurvePoint:
     """Return the point at a circular frequency between those of two others."""
-    begin, end = before.motion.circular, after.motion.circular
+    begin, end = start.motion.circular, finish.motion.circular
     share = (target - begin) / (end - begin)
-    guess = (1 - share) * before.unknowns + share * after.unknowns
-    change = np.append(guess - after.unknowns, target - end)
-    begun = after.problem.begun(after.motion, change, after.derivatives)
-    return solve_motion(after.problem, guess, target, None, begun)
+    guess = (1 - share) * start.unknowns + share * finish.unknowns
+    change = np.append(guess - finish.unknowns, target - end)
+    begun = finish.problem.begun(finish.motion, change, finish.derivatives)
+    return solve_motion(finish.problem, guess, target, None, begun)

@@ -47,8 +47,8 @@ def frequency_figure(results: Results, name: str) -> Drawn:
         if all(curve.harmonics.shape[1] > order for curve in record.response.curves)
     }
     if largest:
-        most = max(largest, key=largest.__getitem__)
-        said.append(f"Harmonic {most} reaches {largest[most]:.2g} of the first.")
+        strongest = max(largest, key=largest.__getitem__)
+        said.append(f"Harmonic {strongest} reaches {largest[strongest]:.2g} of the first.")
     return Drawn(
         figure=figure,
         stem="response",
