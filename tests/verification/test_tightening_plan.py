@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 import faying as fy
+from faying.assessment.strength.thread import tightening_stress
 from faying.exceptions import ModelError
 from faying.model.bolt import Bolt
 from faying.study.keys.schema import read_study
-from faying.workflow.tighten import plan_of_study, torques_per_force, write_plan
+from faying.workflow.tighten import overstressed, plan_of_study, torques_per_force, write_plan
 from small_system import small_system
 
 ROUND_OFF = 1e-9
@@ -161,3 +162,18 @@ def test_torques_are_told_where_size_and_friction_are(tmp_path):
     (arm,) = torques_per_force(read_study(tmp_path / "joint.toml")).values()
     # M8 of a hexagon head: P / 2 pi + 0.58 d2 mu + D_K mu / 2, D_K between hole and face.
     assert arm == pytest.approx(1.25 / (2 * np.pi) + 0.12 * (0.577 * 7.188 + 10.3 / 2), rel=0.02)
+
+
+def test_bolts_that_would_yield_meanwhile_are_told(tmp_path):
+    sized = 'size = "M6"\ngrade = "4.6"\nthread_friction = 0.12\n'
+    (tmp_path / "joint.toml").write_text(STUDY + sized)
+    study = read_study(tmp_path / "joint.toml")
+    plan = plan_of_study(study)
+    thread = fy.Thread.named("M6", "4.6", friction=0.12)
+    setting = dict(zip(plan.turned, plan.settings.tolist(), strict=True))["bolt-1"]
+    used = tightening_stress(thread, setting) / 240.0
+    assert used > 1
+    assert overstressed(study, plan) == {"bolt-1": pytest.approx(used, rel=1e-12)}
+    strong = STUDY + sized.replace("4.6", "12.9")
+    (tmp_path / "joint.toml").write_text(strong)
+    assert overstressed(read_study(tmp_path / "joint.toml"), plan) == {}

@@ -36,7 +36,7 @@ def tighten(
     from faying.study.keys.naming_tables import naming_tables
     from faying.study.keys.schema import read_study
     from faying.units import units_of
-    from faying.workflow.tighten import plan_of_study, torques_per_force, write_plan
+    from faying.workflow.tighten import overstressed, plan_of_study, torques_per_force, write_plan
 
     checked = read_study(study)
     target = out or Path(f"{study.stem}-plan.csv")
@@ -45,6 +45,14 @@ def tighten(
     torques = torques_per_force(checked)
     write_plan(plan, target, torques)
     _show(plan, units_of(checked.units), torques)
+    used = overstressed(checked, plan)
+    if used:
+        worst = max(used, key=used.__getitem__)
+        message = (
+            f"Warning: {', '.join(used)} would yield while tightened ({worst}: {used[worst]:.0%} "
+            "of its yield stress); take more --passes, which need smaller forces meanwhile"
+        )
+        typer.echo(message, err=True)
     typer.echo(f"Wrote {target}")
 
 

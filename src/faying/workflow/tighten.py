@@ -4,6 +4,7 @@ import csv
 from collections.abc import Mapping
 from pathlib import Path
 
+from faying.assessment.strength.thread import tightening_stress
 from faying.assessment.strength.tightening import force_of_torque
 from faying.exceptions import StudyError
 from faying.files.atomic import replacing
@@ -12,7 +13,7 @@ from faying.simulation.tightening_plan import TighteningPlan, tightening_plan
 from faying.simulation.without_friction import smooth_joint
 from faying.study.inputs.load_model import build_loaded, check_interfaces, load_model
 from faying.study.keys.tables import Study
-from faying.study.keys.threads import thread_of
+from faying.study.keys.threads import thread_of, threads_of
 from faying.study.stages.progress import ProgressBar, Stages
 
 
@@ -63,6 +64,27 @@ def torques_per_force(study: Study) -> dict[str, float]:
         if thread is not None
         and None not in (thread.friction, thread.head_friction, thread.head_diameter)
     }
+
+
+def overstressed(study: Study, plan: TighteningPlan) -> dict[str, float]:
+    """Return the bolts that yield while they are tightened, with how far their strength is used.
+
+    Raises
+    ------
+    ModelError
+        If a thread makes no sense.
+    """
+    largest: dict[str, float] = {}
+    for bolt, setting in zip(plan.turned, plan.settings.tolist(), strict=True):
+        largest[bolt] = max(setting, largest.get(bolt, 0.0))
+    threads = threads_of(study)
+    used = {
+        bolt: tightening_stress(threads[bolt], setting)
+        / threads[bolt].strengths(study.units).yields
+        for bolt, setting in largest.items()
+        if bolt in threads
+    }
+    return {bolt: share for bolt, share in used.items() if share > 1}
 
 
 def write_plan(plan: TighteningPlan, path: Path, torques: Mapping[str, float]) -> None:
