@@ -31,7 +31,7 @@ def runner(monkeypatch):
         "warnings": [],
         "reference": {"kind": "full", "reason": ""},
         "timings": {"stages": {}},
-        "verdict": {"holds": True, "sentence": "", "open_questions": [], "table": []},
+        "verdict": {"holds": True, "sentence": "", "advice": [], "open_questions": [], "table": []},
     }
     result = SimpleNamespace(converged=True, summary=summary)
 

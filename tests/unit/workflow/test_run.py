@@ -156,7 +156,6 @@ WORK = (
     (offline, "certifier"),
     (comparison, "measure"),
     (cases, "flattened"),
-    (record, "bodies"),
     (record, "contact_surfaces"),
     (runs, "write_results"),
     (vtu, "write_interface_vtu"),
