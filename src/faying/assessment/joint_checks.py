@@ -115,7 +115,7 @@ def _interface_checks(
     reserves: Mapping[str, SlipReserve],
     units: Units,
 ) -> Iterator[Check]:
-    clamps = [one for one in demands.get("min_clamp_force", ()) if one.place == name]
+    clamps = [demand for demand in demands.get("min_clamp_force", ()) if demand.place == name]
     if clamps:
         (clamp,) = clamps
         used = clamp.limit / clamp.value if clamp.value > 0 else np.inf

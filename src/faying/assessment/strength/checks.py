@@ -232,7 +232,7 @@ def _endurance_check(
     ]
     worst = int(np.argmax(amplitudes))
     amplitude, end = amplitudes[worst], ends[worst]
-    each = {case: largest_amplitude(_stresses(bolt, thread, end, case)) for case in cases}
+    amplitude_of = {case: largest_amplitude(_stresses(bolt, thread, end, case)) for case in cases}
     endures = amplitude <= limit
     borne = f"{ENDURANCE_CYCLES * (limit / max(amplitude, limit)) ** EXPONENT:.1g}"
     return Check(
@@ -244,7 +244,7 @@ def _endurance_check(
         value=amplitude,
         limit=limit,
         unit=units_of(units).pressure,
-        case=max(each, key=each.__getitem__),
+        case=max(amplitude_of, key=amplitude_of.__getitem__),
         scatter=end.name,
         reason="" if endures else f"borne {borne} times: {UNCOUNTED}",
         source=FATIGUE,
@@ -273,10 +273,10 @@ def _damage(
 
 def _stresses(bolt: str, thread: Thread, end: PreloadEnd, case: str) -> Matrix:
     """Return the stress of fibres from rest through a load case and back (n_instant + 2, n)."""
-    state, rested = end.cases[case], end.rest.bolt_moments.get(bolt)
-    moments = None if rested is None else state.bolt_moments.get(bolt)
-    rest = fibre_stresses(thread, end.rest.bolt_forces[bolt][:1], rested)
+    state, bent_before = end.cases[case], end.rest.bolt_moments.get(bolt)
+    moments = None if bent_before is None else state.bolt_moments.get(bolt)
+    tightened = fibre_stresses(thread, end.rest.bolt_forces[bolt][:1], bent_before)
     loaded = fibre_stresses(thread, state.bolt_forces[bolt], moments)
     # Without moments the bending at rest stays.
-    loaded = loaded + (rest - rest.mean() if moments is None else 0.0)
-    return np.concatenate([rest, loaded, rest])
+    loaded = loaded + (tightened - tightened.mean() if moments is None else 0.0)
+    return np.concatenate([tightened, loaded, tightened])

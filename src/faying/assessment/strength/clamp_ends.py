@@ -34,9 +34,9 @@ def clamp_checks(
         smallest = _smallest(ends, slice(*surface.slice), surface.weights)
         if smallest is None:
             continue
-        force, end, case, rest = smallest
+        force, end, case, tightened = smallest
         if name not in limits:
-            for check in clamp_loss(name, "interface", "clamp loss", rest, force, case):
+            for check in clamp_loss(name, "interface", "clamp loss", tightened, force, case):
                 yield replace(check, scatter=end)
             continue
         limit = limits[name]
@@ -53,14 +53,14 @@ def clamp_checks(
             scatter=end,
             required=True,
         )
-    several = len(bolts) > 1
-    for (interface, bolt), points in surroundings(surfaces, bolts).items() if several else ():
+    shared = len(bolts) > 1
+    for (interface, bolt), points in surroundings(surfaces, bolts).items() if shared else ():
         span = slice(*surfaces[interface].slice)
         smallest = _smallest(ends, span, surfaces[interface].weights * points[span])
         if smallest is not None:
-            force, end, case, rest = smallest
+            force, end, case, tightened = smallest
             quantity = f"clamp loss at {interface}"
-            for check in clamp_loss(bolt, "bolt", quantity, rest, force, case):
+            for check in clamp_loss(bolt, "bolt", quantity, tightened, force, case):
                 yield replace(check, scatter=end)
 
 
@@ -80,16 +80,16 @@ def _smallest(
 
 
 def clamp_loss(
-    part: str, kind: PartKind, quantity: str, preload: float, least: float, case: str
+    part: str, kind: PartKind, quantity: str, preload: float, smallest: float, case: str
 ) -> Iterator[Check]:
     """Judge how much of the clamp force of the preload is lost, where there is any."""
     if preload > 0:
-        lost = max(1.0 - least / preload, 0.0)
+        lost = max(1.0 - smallest / preload, 0.0)
         yield Check(
             part=part,
             kind=kind,
             quantity=quantity,
-            outcome="met" if least > 0 else "not met",
+            outcome="met" if smallest > 0 else "not met",
             utilisation=lost,
             value=100 * lost,
             limit=100.0,

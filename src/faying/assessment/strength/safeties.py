@@ -27,12 +27,12 @@ class Safeties:
     pressure: float = 1.0
 
 
-def with_safeties(checks: Iterable[Check], wanted: Safeties) -> Iterator[Check]:
+def with_safeties(checks: Iterable[Check], demanded: Safeties) -> Iterator[Check]:
     """Yield checks whose limits are what is borne over the safety that is demanded."""
     safeties = {
-        "yield": wanted.yields,
-        "fatigue": wanted.fatigue,
-        "pressure under the head": wanted.pressure,
+        "yield": demanded.yields,
+        "fatigue": demanded.fatigue,
+        "pressure under the head": demanded.pressure,
     }
     for check in checks:
         safety = safeties.get(check.quantity)

@@ -111,15 +111,15 @@ class Thread:
         ModelError
             If no size is called so, or it is not known what a length is in these units.
         """
-        unit, one = _metres(units), size_named(size, head)
-        if one.face is not None and one.hole is not None and one.bearing is not None:
-            others.setdefault("bearing", (one.bearing / unit, one.hole / unit))
-            others.setdefault("head_diameter", (one.face + one.hole) / 2 / unit)
+        unit, listed = _metres(units), size_named(size, head)
+        if listed.face is not None and listed.hole is not None and listed.bearing is not None:
+            others.setdefault("bearing", (listed.bearing / unit, listed.hole / unit))
+            others.setdefault("head_diameter", (listed.face + listed.hole) / 2 / unit)
         return cls(
-            diameter=one.diameter / unit,
-            pitch=one.pitch / unit,
+            diameter=listed.diameter / unit,
+            pitch=listed.pitch / unit,
             grade=grade,
-            unified=one.unified,
+            unified=listed.unified,
             **others,
         )
 
