@@ -199,6 +199,11 @@ def test_frequencies_that_an_arc_passes_are_landed_on(slider):
     assert curve.frequency[-1] == pytest.approx(3.4)
 
 
+def test_gross_slip_is_said(slider):
+    found = fy.frequency_response(slider, {"mass.Fx": 1.0}, [2.4], [12.0], harmonics=1, samples=16)
+    assert any("all that is closed slips at once" in text for text in found.remarks)
+
+
 @pytest.mark.slow
 def test_a_transient_settles_at_the_linear_response(slider):
     """400 steps make periods 2e-5 too long, which is 1e-3 here at most, and 2e-3 may be to come."""

@@ -126,6 +126,13 @@ class ForcedJoint:
                     f"damping and friction miss {imbalance[worst]:.1%} of the work of the load at "
                     f"{curve.frequency[worst]:.6g}; take more samples"
                 )
+            sliding = curve.frequency[curve.contact.stick_share == 0]
+            if len(sliding):
+                remarks.append(
+                    f"all that is closed slips at once between {sliding.min():.6g} and "
+                    f"{sliding.max():.6g}: modes of the stuck joint know little of the inertia of "
+                    "what then moves; compare with a transient"
+                )
         return replace(curve, remarks=tuple(remarks))
 
     def _traced(

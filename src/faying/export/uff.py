@@ -14,7 +14,7 @@ from faying.reduction.reduced_model import ReducedModel
 from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.results.values import Results
 
-RESPONSE, SPECTRUM = 4, 12
+RESPONSE, GENERAL = 4, 0
 """Function types of data set 58: of displacement over one force, and of displacement alone."""
 
 UNEVEN_COMPLEX = 6
@@ -84,7 +84,7 @@ def _set(
         "id1": f"{name}, level {curve.level:g}, sweep {way}",
         "id2": component,
         "id3": f"over {target}" if alone else f"under {', '.join(load)}",
-        "func_type": RESPONSE if alone else SPECTRUM,
+        "func_type": RESPONSE if alone else GENERAL,
         "rsp_ent_name": boundary[:10],
         "rsp_node": number + 1,
         "rsp_dir": DISPLACEMENT_NAMES.index(moved) + 1,
