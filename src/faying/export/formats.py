@@ -194,8 +194,8 @@ def _check_friction(rom: ReducedModel, to: str, chosen: Format) -> None:
     rubbing = [name for name, law in rom.contact.laws.items() if law.friction > 0]
     if rubbing and not chosen.friction:
         whole, linear = (
-            ", ".join(name for name, entry in FORMATS.items() if entry.friction == what)
-            for what in (RUBS, STICKS)
+            ", ".join(name for name, e in FORMATS.items() if (e.kind, e.friction) == hand_over)
+            for hand_over in ((CONTACT, RUBS), (LINEAR, STICKS))
         )
         message = (
             f"interface '{rubbing[0]}' has friction, which {to} does not carry; hand over the "

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -78,8 +79,10 @@ def run(
         for folder in (out, out / "figures"):
             remove_left_over(folder)
         checkpoint = open_checkpoint(out, study.text, resume=resume)
-        # Libraries are loaded for it, which a full disk makes talk: the folder is tried before.
-        with one_thread():
+        with ExitStack() as limits:
+            # Libraries are loaded for it, which a full disk makes talk: the folder is tried before.
+            with stages.timed("libraries"):
+                limits.enter_context(one_thread())
             results, converged = _computed(study, checkpoint, stages, executor)
             _write_files(study, results, out, stages)
         checkpoint.discard()
