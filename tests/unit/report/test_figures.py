@@ -29,7 +29,7 @@ from faying.report.figures import (
 )
 from faying.report.figures.convergence import convergence_figure
 from faying.report.figures.deformed import deformed_figure, exaggeration
-from faying.report.figures.error import error_figure, shown_methods
+from faying.report.figures.error import error_figure, errs, shown_methods
 from faying.report.figures.gap import STATES, gap_figure
 from faying.report.figures.model import model_figure
 from faying.report.figures.plane import best_plane
@@ -468,7 +468,11 @@ def off_by(share):
         case,
         methods={
             name: {
-                count: replace(result, response=replace(result.response, pressure=wrong))
+                count: replace(
+                    result,
+                    response=replace(result.response, pressure=wrong),
+                    accuracy=replace(result.accuracy, max_relative_error=share),
+                )
                 for count, result in sizes.items()
             }
             for name, sizes in case.methods.items()
@@ -477,7 +481,8 @@ def off_by(share):
 
 
 def test_round_off_is_not_drawn():
-    assert error_figure(RESULTS, off_by(1e-13)) is None
+    assert not errs(off_by(1e-13))
+    assert errs(off_by(1e-8))
 
 
 def test_small_errors_are_not_drawn_in_full_colours():
