@@ -1,6 +1,7 @@
 """``faying fit`` and ``faying band``: what a test says of a joint, what ranges leave open."""
 
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,6 +11,9 @@ from faying.cli.arguments import StudyPath, shared_executor, usable_folder
 
 if TYPE_CHECKING:
     from faying.assessment.identification import Identification
+    from faying.execution.executor import Executor
+    from faying.study.keys.tables import Study
+    from faying.study.stages.progress import ProgressBar
 
 Out = Annotated[
     Path | None, typer.Option(help="Folder for results.  [default: STUDY-fit]", show_default=False)
@@ -31,19 +35,10 @@ def fit(
 
     Run again it goes on from what an interrupted fit has computed.
     """
-    from rich.console import Console
-
-    from faying.cli.progress import progress_bar
-    from faying.study.keys.naming_tables import naming_tables
-    from faying.study.keys.schema import read_study
     from faying.workflow.fit import fit_study
 
-    checked = read_study(study)
     folder = usable_folder(out or Path(f"{study.stem}-fit"))
-    with ExitStack() as stack:
-        executor = shared_executor(workers, scheduler, stack)
-        bar = stack.enter_context(progress_bar(Console(stderr=True)))
-        stack.enter_context(naming_tables(checked))
+    with _checked(study, workers, scheduler) as (checked, bar, executor):
         fitted = fit_study(checked, folder, progress=bar, executor=executor)
     _show(fitted)
     typer.echo(f"Results are in {folder}")
@@ -56,24 +51,34 @@ def band(
 
     Run again it goes on from what an interrupted call has computed.
     """
-    from rich.console import Console
-
-    from faying.cli.progress import progress_bar
-    from faying.study.keys.naming_tables import naming_tables
-    from faying.study.keys.schema import read_study
     from faying.workflow.fit import band_of_study
 
-    checked = read_study(study)
     folder = usable_folder(out or Path(f"{study.stem}-band"))
-    with ExitStack() as stack:
-        executor = shared_executor(workers, scheduler, stack)
-        bar = stack.enter_context(progress_bar(Console(stderr=True)))
-        stack.enter_context(naming_tables(checked))
+    with _checked(study, workers, scheduler) as (checked, bar, executor):
         bands = band_of_study(checked, folder, progress=bar, executor=executor)
     for name, covered in bands.items():
         shown = ", ".join(f"{what} {text}" for what, text in covered.facts.items())
         typer.echo(f"{name}: {shown}")
     typer.echo(f"Results are in {folder}")
+
+
+@contextmanager
+def _checked(
+    study: Path, workers: int, scheduler: str | None
+) -> Iterator[tuple["Study", "ProgressBar", "Executor | None"]]:
+    """Read a study, show how far it is, and share its backbones among workers."""
+    from rich.console import Console
+
+    from faying.cli.progress import progress_bar
+    from faying.study.keys.naming_tables import naming_tables
+    from faying.study.keys.schema import read_study
+
+    checked = read_study(study)
+    with ExitStack() as stack:
+        executor = shared_executor(workers, scheduler, stack)
+        bar = stack.enter_context(progress_bar(Console(stderr=True)))
+        stack.enter_context(naming_tables(checked))
+        yield checked, bar, executor
 
 
 def _show(fitted: "Identification") -> None:
