@@ -109,8 +109,9 @@ class JointVerdict:
         if worst is None:
             return "Nothing of the joint could be judged."
         used = "" if worst.utilisation is None else f" {share_used(worst)} of what is allowed"
+        extent = " as far as it is judged" if self.open_questions else ""
         return (
-            f"The joint holds. The most used is {worst.part}, by "
+            f"The joint holds{extent}. The most used is {worst.part}, by "
             f"{shown_quantity(worst, self.interfaces)}:{used}"
             f"{_where(worst, self.units)}."
         )

@@ -115,7 +115,12 @@ def test_sliding_is_judged_by_the_load_that_was_followed(joint, changes, outcome
 @pytest.mark.parametrize(
     ("second", "holds", "said"),
     [
-        (replace(BOLT, outcome="unknown", reason="no table"), True, "The joint holds."),
+        (replace(BOLT, value=1.0), True, "The joint holds. The most used"),
+        (
+            replace(BOLT, outcome="unknown", reason="no table"),
+            True,
+            "The joint holds as far as it is judged.",
+        ),
         (
             replace(BOLT, outcome="unknown", reason="no", required=True),
             False,
