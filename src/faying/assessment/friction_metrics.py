@@ -16,6 +16,16 @@ def friction_metrics(interfaces: Iterable[str]) -> list[Metric]:
     return [metric for name in interfaces for metric in _of_interface(name)]
 
 
+def largest_slip(name: str) -> Metric:
+    """Return the metric of how far an interface slips."""
+    return Metric(
+        name=f"max_slip.{name}",
+        description="largest distance slipped, tightening included",
+        dimension="length",
+        worst="largest",
+    )
+
+
 def _of_interface(name: str) -> tuple[Metric, ...]:
     return (
         Metric(
@@ -30,12 +40,7 @@ def _of_interface(name: str) -> tuple[Metric, ...]:
             dimension="length²",
             worst="largest",
         ),
-        Metric(
-            name=f"max_slip.{name}",
-            description="largest distance slipped, tightening included",
-            dimension="length",
-            worst="largest",
-        ),
+        largest_slip(name),
     )
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.assessment.case_metrics import Metric, case_metrics
+from faying.assessment.friction_metrics import largest_slip
 from faying.assessment.slip import SLIP, slip_states
 from faying.contact.laws import Coulomb
 from faying.interface.surface import ContactSurface
@@ -32,12 +33,7 @@ def slip_metrics(interfaces: Iterable[str]) -> list[Metric]:
                 dimension="length²",
                 worst="largest",
             ),
-            Metric(
-                name=f"max_slip.{name}",
-                description="largest distance slipped, tightening included",
-                dimension="length",
-                worst="largest",
-            ),
+            largest_slip(name),
         )
     ]
 
