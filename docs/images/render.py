@@ -36,7 +36,7 @@ def pressure(results: Results) -> None:
     figure = new_figure(14.0, 2.9)
     first, *others = figure.subplots(1, 1 + len(SHOWN))
     plot_pressure(record, reference, first, units)
-    first.set_title(f"LC2: pressure, nodal averages (points: up to {reference.max():.0f} MPa)")
+    first.set_title(f"LC2: pressure, up to {reference.max():.0f} MPa")
     errors = {
         name: (case.methods[name][count].response.pressure - reference) / reference.max()
         for name, count in SHOWN.items()

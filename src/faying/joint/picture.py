@@ -43,8 +43,6 @@ def plot_bodies(
     blocks: Sequence[CellBlock],
     body: Indices,
     axes: Any,
-    *,
-    ghost: Matrix | None = None,
 ) -> Any:
     """Draw the exterior facets of the solids, one colour per body, on 3D axes.
 
@@ -53,8 +51,6 @@ def plot_bodies(
     nodes : (n_node, 3)
         Where the nodes are drawn.
     body : (n_node,)
-    ghost : (n_node, 3), optional
-        Other positions, whose silhouette box is kept in view.
     """
     axes.computed_zorder = False
     mesh = Mesh(nodes=nodes, node_ids=np.arange(len(nodes)), blocks=tuple(blocks))
@@ -74,8 +70,7 @@ def plot_bodies(
                 polygons, facecolors=np.concatenate(colours), edgecolors=edge, lw=0.3, zorder=1
             )
         )
-    used = nodes if ghost is None else np.concatenate([nodes, ghost])
-    frame(axes, used)
+    frame(axes, nodes)
     return axes
 
 

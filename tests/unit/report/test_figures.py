@@ -14,7 +14,6 @@ from fake_results import NX, NY, fake_results
 from faying.display.quantities import number, percent, place, seconds
 from faying.exceptions import FormatError
 from faying.files.names import file_names
-from faying.interface.facets import reference_nodes, shape_functions
 from faying.interface.interface import FacePairs
 from faying.joint.picture import frame, name_axes, plot_bodies, title_above
 from faying.report import style
@@ -28,14 +27,13 @@ from faying.report.figures import (
     write_figures,
 )
 from faying.report.figures.convergence import convergence_figure
-from faying.report.figures.deformed import deformed_figure, exaggeration
 from faying.report.figures.error import error_figure, errs, shown_methods
 from faying.report.figures.gap import STATES, gap_figure
 from faying.report.figures.model import model_figure
 from faying.report.figures.plane import best_plane
 from faying.report.figures.pressure import pressure_figure, summary
 from faying.report.figures.response import response_figure
-from faying.report.figures.surface_map import outline, subdivision
+from faying.report.figures.surface_map import outline
 from faying.report.figures.time_step import time_step_figure
 from faying.report.style import colour, house_style, new_figure
 from faying.study.judgement.step_check import step_check
@@ -71,11 +69,9 @@ def test_every_picture_of_the_paper_is_drawn(entries):
         "penalty",
         "case_LC1_pressure",
         "case_LC1_gap",
-        "case_LC1_deformed",
         "case_LC1_error",
         "case_LC2-torsion_pressure",
         "case_LC2-torsion_gap",
-        "case_LC2-torsion_deformed",
         "case_LC2-torsion_error",
         "case_LC2-step_response",
         "case_LC2-step_gap",
@@ -127,9 +123,8 @@ def test_drawing_needs_no_pyplot():
 
 def test_pressure_scale_starts_at_zero_and_error_scale_is_symmetric():
     axes = plot_pressure(JOINT, JOINT.preload_pressure, panel(), MM)
-    (mesh,) = axes.collections[1:2]
-    assert mesh.norm.vmin == 0.0
-    assert mesh.norm.vmax == pytest.approx((JOINT.averaging @ JOINT.preload_pressure).max())
+    (image,) = axes.images
+    assert (image.norm.vmin, image.norm.vmax) == (0.0, JOINT.preload_pressure.max())
     assert axes.get_xlabel() == "x [mm]"
     error = np.linspace(-0.3, 0.1, len(JOINT.points))
     axes = plot_error(JOINT, error, panel(), MM, largest=0.3)
@@ -147,11 +142,11 @@ def colour_at(axes, x, y):
     return pixels[row, column]
 
 
-def test_averages_leave_grey_what_lies_around_open_points():
+def test_what_lies_around_open_points_is_grey():
     pressure = np.where(JOINT.points[:, 0] < 12.0, 40.0, 0.0)
     axes = plot_pressure(JOINT, pressure, panel(), MM)
     grey = np.array(to_rgb(style.OPEN_COLOUR))
-    # Facets from x = 10 to 15: points at 10 press, those at 15 do not; the middle divides them.
+    # Points at 10 press, those at 15 do not; the middle divides them.
     assert np.abs(colour_at(axes, 14.0, 6.0) - grey).max() < 0.02  # eight bits a colour
     assert np.abs(colour_at(axes, 11.0, 6.0) - grey).max() > 0.2
 
@@ -204,12 +199,6 @@ def test_error_maps_take_twenty_modes_or_the_most():
     assert [(n, r.joint_modes) for n, r in shown_methods(fewer)] == [("jim-b", 5)]
 
 
-def test_exaggeration_is_round():
-    case = RESULTS.cases["LC1"]
-    # The end sags by 1 on a length of 30; 12 % of the length would be a factor of 3.6.
-    assert exaggeration(RESULTS, case) == 2.0
-
-
 def test_step_check_sees_a_difference_the_peak_hides():
     case = RESULTS.cases["LC2-step"]
     half = replace(case.half_step, pressure=case.half_step.pressure.copy())
@@ -234,21 +223,6 @@ def test_step_check_bears_half_a_step_more_or_less():
         )
         check = step_check(replace(case, half_step=half))
         assert len(check.times) == len(case.half_step.pressure[:ends:2])
-
-
-def test_smooth_maps_interpolate_like_the_facets():
-    for kind, nodes in (("tri3", 3), ("tri6", 6), ("quad4", 4), ("quad8", 8)):
-        places, triangles = subdivision(kind, 4)
-        corners = places[triangles]
-        edges = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        area = 0.5 * np.cross(*(np.pad(e, ((0, 0), (0, 1))) for e in edges))[:, 2]
-        # Rounding only; all triangles turn the same way and tile the reference facet.
-        assert area.min() > 0
-        assert area.sum() == pytest.approx(0.5 if nodes % 3 == 0 else 1.0, rel=1e-12)
-        shape = shape_functions(kind, places[np.unique(triangles)])
-        np.testing.assert_allclose(
-            shape @ reference_nodes(kind), places[np.unique(triangles)], atol=1e-12
-        )
 
 
 def test_outline_is_the_rim():
@@ -494,9 +468,9 @@ def test_small_errors_are_not_drawn_in_full_colours():
     assert "max |error| 1.0e-6 %" in drawn.caption
 
 
-def test_caption_of_the_preload_names_all_three_panels(entries):
+def test_caption_of_the_preload_names_both_panels(entries):
     caption = next(entry.caption for entry in entries if entry.path.stem == "preload")
-    assert all(side in caption for side in ("Left:", "Middle:", "Right: the node pairs"))
+    assert all(side in caption for side in ("Left:", "Right: the node pairs"))
 
 
 def test_titles_stand_above_bodies_and_names(coarse):
@@ -528,7 +502,7 @@ def test_titles_stand_above_bodies_and_names(coarse):
 def test_wide_pictures_are_told_apart(entries):
     wide = {entry.path.stem for entry in entries if entry.wide}
     assert "preload" in wide
-    assert not wide & {"model", "tightening", "case_LC1_deformed"}
+    assert not wide & {"model", "tightening"}
 
 
 @pytest.mark.long
@@ -538,7 +512,6 @@ def test_titles_with_long_names_stay_in_the_picture(coarse):
     step = replace(RESULTS.cases["LC2-step"], name=name)
     for drawn in (
         model_figure(replace(RESULTS, title=name)),
-        deformed_figure(RESULTS, static),
         pressure_figure(RESULTS, static),
         error_figure(RESULTS, static),
         response_figure(RESULTS, step),

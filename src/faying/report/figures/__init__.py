@@ -3,12 +3,11 @@
 from faying.joint.picture import plot_model
 from faying.report.figures.catalogue import write_figures
 from faying.report.figures.convergence import plot_convergence
-from faying.report.figures.deformed import plot_deformed
 from faying.report.figures.entry import FigureEntry
 from faying.report.figures.error import plot_error
 from faying.report.figures.gap import plot_gap, plot_states
 from faying.report.figures.preload import plot_sticking
-from faying.report.figures.pressure import plot_point_pressure, plot_pressure
+from faying.report.figures.pressure import plot_pressure
 from faying.report.figures.response import (
     plot_displacement,
     plot_error_over_time,
@@ -20,14 +19,12 @@ from faying.report.figures.time_step import plot_step_check
 __all__ = [
     "FigureEntry",
     "plot_convergence",
-    "plot_deformed",
     "plot_displacement",
     "plot_error",
     "plot_error_over_time",
     "plot_gap",
     "plot_model",
     "plot_peak_pressure",
-    "plot_point_pressure",
     "plot_pressure",
     "plot_states",
     "plot_step_check",

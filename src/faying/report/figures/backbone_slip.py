@@ -9,13 +9,11 @@ from faying.display.quantities import quantity
 from faying.display.style import heading, plain
 from faying.report.figures.backbone import abscissa, unit_of
 from faying.report.figures.entry import Drawn
-from faying.report.figures.plane import best_plane
-from faying.report.figures.surface_map import colour_bar, draw_points, panel_size, prepare, scale
-from faying.report.style import new_figure
+from faying.report.figures.surface_map import draw_map, map_panels
+from faying.report.style import SLIP_MAP
 from faying.study.results.values import CaseResult, Results
 from faying.units import units_of
 
-SLIP_MAP = "viridis"
 NEXT_TO_NONE = 1e-6
 """Slip below this share of the largest is the residual of an increment."""
 
@@ -35,27 +33,24 @@ def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
     if not rows:
         return None
     units = units_of(results.units)
-    heights = [panel_size(records[name], best_plane(records[name]), 3.8)[1] for _, name in rows]
-    figure = new_figure(13.0, max(sum(heights), 2.0) + 0.7)
     columns = max(3, *map(len, shown.values()))
-    panels = figure.subplots(len(rows), columns, squeeze=False, height_ratios=heights)
+    figure, panels = map_panels([records[name] for _, name in rows], columns, 13.0, 0.7)
     for line, (mode, name) in zip(panels, rows, strict=True):
         record, backbone = records[name], case.reference.backbones[mode]
         distance = np.asarray(backbone.slip_distance)[:, slice(*record.slice)]
         for axes in line[len(shown[mode]) :]:
             axes.set_axis_off()
         for axes, index in zip(line, shown[mode], strict=False):
-            plane, distances = best_plane(record), distance[index]
-            prepare(axes, record, plane, units)
-            colours = scale(SLIP_MAP, float(distances.max(initial=0.0)))
-            draw_points(
-                axes,
+            largest = float(distance[index].max(initial=0.0))
+            draw_map(
                 record,
-                plane,
-                np.where(distances > NEXT_TO_NONE * distances.max(), distances, np.nan),
-                colours,
+                np.where(distance[index] > NEXT_TO_NONE * largest, distance[index], np.nan),
+                axes,
+                units,
+                colours=SLIP_MAP,
+                limits=(0.0, largest),
+                label=f"slip in a cycle [{units.length}]",
             )
-            colour_bar(axes, colours, f"slip in a cycle [{units.length}]")
             size = quantity(float(abscissa(backbone)[index]), unit_of(backbone, units))
             reached = f"{backbone.over} {size}"
             axes.set_title(plain(f"mode {mode}, {name}: {reached}"), loc="left")

@@ -9,7 +9,6 @@ from faying.files.names import file_names
 from faying.report.figures.backbone import backbone_figure
 from faying.report.figures.backbone_slip import backbone_slip_figure
 from faying.report.figures.convergence import convergence_figure
-from faying.report.figures.deformed import deformed_figure
 from faying.report.figures.entry import Drawn, FigureEntry
 from faying.report.figures.error import error_figure, errs
 from faying.report.figures.frequency import PREFIX, frequency_figure
@@ -127,7 +126,6 @@ def _of_kind(case: CaseResult) -> tuple[Callable[[Results, CaseResult], Drawn | 
         loop_figure,
         fretting_figure,
         gap_figure,
-        deformed_figure,
         *((error_figure,) if errs(case) else ()),
     )
 

@@ -10,15 +10,8 @@ from faying._typing import Vector
 from faying.display.quantities import ROUND_OFF, percent, place
 from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
-from faying.report.figures.plane import best_plane
-from faying.report.figures.surface_map import (
-    colour_bar,
-    draw_points,
-    panel_size,
-    prepare,
-    scale,
-)
-from faying.report.style import ERROR_MAP, label, new_figure
+from faying.report.figures.surface_map import draw_map, map_panels
+from faying.report.style import ERROR_MAP, label
 from faying.study.results.values import CaseResult, InterfaceRecord, MethodResult, Results
 from faying.units import Units, units_of
 
@@ -44,14 +37,10 @@ def plot_error(
     largest
         End of the colour scale, symmetric about zero, as a fraction.
     """
-    plane = best_plane(record)
-    prepare(axes, record, plane, units)
-    colours = scale(ERROR_MAP, 100 * largest, signed=True)
-    draw_points(axes, record, plane, 100 * error, colours)
     axes.xaxis.set_major_locator(MaxNLocator(5))
-    beyond = bool(np.abs(error).max(initial=0.0) > largest)
-    colour_bar(axes, colours, "pressure error [%]", pointed=beyond)
-    return axes
+    limits = (-100 * largest, 100 * largest)
+    text = "pressure error [%]"
+    return draw_map(record, 100 * error, axes, units, colours=ERROR_MAP, limits=limits, label=text)
 
 
 def available(sizes: Mapping[int, MethodResult], count: int) -> int | None:
@@ -92,11 +81,8 @@ def error_figure(results: Results, case: CaseResult) -> Drawn | None:
     errors = [(result.response.pressure - reference) / top for _, result in methods]
     worst = max(float(np.abs(error).max()) for error in errors)
     largest = min(max(worst, VISIBLE), SATURATED)
-    sizes = [panel_size(record, best_plane(record), 4.4) for record in records.values()]
-    figure = new_figure(max(5.4 * len(methods), 7.0), max(sum(h + 0.3 for _, h in sizes), 2.4))
-    grid = figure.subplots(
-        len(records), len(methods), squeeze=False, height_ratios=[height for _, height in sizes]
-    )
+    width, room = max(5.4 * len(methods), 7.0), 0.3 * len(records)
+    figure, grid = map_panels(records.values(), len(methods), width, room)
     notes = []
     for column, ((name, result), error) in enumerate(zip(methods, errors, strict=True)):
         title = label(name, result.joint_modes)

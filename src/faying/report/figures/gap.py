@@ -2,23 +2,13 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap, Normalize
-from matplotlib.patches import Patch
 
 from faying._typing import Vector
 from faying.display.quantities import percent, place, quantity
 from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
-from faying.report.figures.plane import best_plane
-from faying.report.figures.surface_map import (
-    Scale,
-    colour_bar,
-    draw_points,
-    panel_size,
-    prepare,
-    scale,
-)
-from faying.report.style import GAP_MAP, OPEN_COLOUR, new_figure
+from faying.report.figures.surface_map import draw_map, draw_states, map_panels, name_states
+from faying.report.style import GAP_MAP, OPEN_COLOUR
 from faying.study.judgement.opening import Opening, opening
 from faying.study.results.values import CaseResult, InterfaceRecord, Results
 from faying.units import Units, units_of
@@ -40,14 +30,9 @@ def plot_states(record: InterfaceRecord, pressure: Vector, axes: Axes, units: Un
     pressure : (n_point,)
         At the contact points of this interface.
     """
-    plane = best_plane(record)
-    prepare(axes, record, plane, units)
     pressed, now = record.preload_pressure > 0, pressure > 0
-    states = np.select([pressed & now, pressed, now], [0.0, 1.0, 2.0], default=3.0)
-    colours = ListedColormap(list(STATES.values()))
-    limits = Normalize(vmin=-0.5, vmax=len(STATES) - 0.5)
-    draw_points(axes, record, plane, states, Scale(colours=colours, limits=limits))
-    return axes
+    states = np.select([pressed & now, pressed, now], [0, 1, 2], default=3)
+    return draw_states(record, states, axes, units, STATES)
 
 
 def plot_gap(
@@ -62,16 +47,16 @@ def plot_gap(
     largest
         Top of the colour scale.
     """
-    plane = best_plane(record)
-    prepare(axes, record, plane, units)
-    colours = scale(GAP_MAP, largest)
-    draw_points(axes, record, plane, np.maximum(gap, 0.0), colours)
-    if gap.max(initial=0.0) > 0:
-        x, y = plane.project(record.points[[gap.argmax()]])[0]
-        axes.plot(x, y, "x", color="white", ms=9, mew=3.5, zorder=3)
-        axes.plot(x, y, "x", color="black", ms=8, mew=1.5, zorder=3)
-    colour_bar(axes, colours, f"gap [{units.length}]")
-    return axes
+    return draw_map(
+        record,
+        np.maximum(gap, 0.0),
+        axes,
+        units,
+        colours=GAP_MAP,
+        limits=(0.0, largest),
+        label=f"gap [{units.length}]",
+        mark=True,
+    )
 
 
 def described_opening(record: InterfaceRecord, opened_area: Opening, units: Units) -> str:
@@ -103,11 +88,7 @@ def gap_figure(results: Results, case: CaseResult) -> Drawn | None:
         for field in (case.reference.pressure, case.reference.gap)
     )
     drawn = {name: records[name] for name in openings}
-    sizes = [panel_size(record, best_plane(record), 5.4) for record in drawn.values()]
-    figure = new_figure(13.0, max(sum(height for _, height in sizes), 2.0) + 0.9)
-    rows = figure.subplots(
-        len(drawn), 2, squeeze=False, height_ratios=[height for _, height in sizes]
-    )
+    figure, rows = map_panels(drawn.values(), 2, 13.0, 0.9)
     notes = []
     for (left, right), (name, record) in zip(rows, drawn.items(), strict=True):
         points = slice(*record.slice)
@@ -117,11 +98,7 @@ def gap_figure(results: Results, case: CaseResult) -> Drawn | None:
         left.set_title(plain(f"{name}: contact since the preload"), loc="left")
         right.set_title(plain(f"{name}: gap"), loc="left")
         notes.append(note)
-    figure.legend(
-        handles=[Patch(color=shade, label=state) for state, shade in STATES.items()],
-        loc="outside lower center",
-        ncols=len(STATES),
-    )
+    name_states(figure, STATES)
     when = _when(case, widest, units)
     figure.suptitle(heading(f"{case.name}: what the load opens, {case.reference_model}{when}"))
     over_time = "" if case.times is None else " Shares of area are the largest over time."

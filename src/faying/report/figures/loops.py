@@ -6,14 +6,11 @@ from matplotlib.axes import Axes
 from faying.display.quantities import number, percent, quantity
 from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
-from faying.report.figures.plane import best_plane
-from faying.report.figures.surface_map import colour_bar, draw_points, panel_size, prepare, scale
-from faying.report.style import new_figure
+from faying.report.figures.surface_map import draw_map, map_panels
+from faying.report.style import SLIP_MAP, new_figure
 from faying.study.results.path_record import CycleRecord
 from faying.study.results.values import CaseResult, Results
 from faying.units import Units, units_of
-
-FRETTING_MAP = "magma_r"
 
 
 def plot_loops(case: CaseResult, axes: Axes, units: Units) -> Axes:
@@ -92,20 +89,19 @@ def fretting_figure(results: Results, case: CaseResult) -> Drawn | None:
         (largest.slip_range, f"slip range [{units.length}]"),
         (largest.fretting, f"slip range × traction [{units.of('force/length')}]"),
     )
-    sizes = [panel_size(record, best_plane(record), 5.4) for record in records.values()]
-    figure = new_figure(13.0, max(sum(height for _, height in sizes), 2.0) + 0.7)
-    rows = figure.subplots(
-        len(records), 2, squeeze=False, height_ratios=[height for _, height in sizes]
-    )
+    figure, rows = map_panels(records.values(), 2, 13.0, 0.7)
     for panels, (name, record) in zip(rows, records.items(), strict=True):
         for axes, (values, text) in zip(panels, fields, strict=True):
-            plane, point_values = best_plane(record), values[slice(*record.slice)]
-            prepare(axes, record, plane, units)
-            colours = scale(FRETTING_MAP, float(values.max(initial=0.0)))
-            draw_points(
-                axes, record, plane, np.where(point_values > 0, point_values, np.nan), colours
+            point_values = values[slice(*record.slice)]
+            draw_map(
+                record,
+                np.where(point_values > 0, point_values, np.nan),
+                axes,
+                units,
+                colours=SLIP_MAP,
+                limits=(0.0, float(values.max(initial=0.0))),
+                label=text,
             )
-            colour_bar(axes, colours, text)
             axes.set_title(plain(name), loc="left")
     figure.suptitle(
         heading(f"{case.name}: fretting at amplitude {number(largest.amplitude)}, full model")

@@ -2,8 +2,6 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap, Normalize
-from matplotlib.patches import Patch
 
 from faying._typing import Indices, Matrix, Vector
 from faying.display.quantities import percent, quantity
@@ -11,9 +9,9 @@ from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
 from faying.report.figures.plane import best_plane
 from faying.report.figures.pressure import plot_pressure
-from faying.report.figures.surface_map import Scale, draw_points, panel_size, prepare
+from faying.report.figures.surface_map import draw_states, map_panels, name_states
 from faying.report.slip import shown_slip, slipping
-from faying.report.style import OPEN_COLOUR, new_figure
+from faying.report.style import OPEN_COLOUR
 from faying.study.results.values import CaseResult, InterfaceRecord, Results
 from faying.units import Units, units_of
 
@@ -67,11 +65,7 @@ def plot_traction(
 
 def plot_slip_states(record: InterfaceRecord, status: Indices, axes: Axes, units: Units) -> Axes:
     """Draw which contact points (n_point,) of an interface are open, stick or slip."""
-    prepare(axes, record, best_plane(record), units)
-    colours = ListedColormap(list(STATES.values()))
-    limits = Normalize(vmin=-0.5, vmax=len(STATES) - 0.5)
-    scale = Scale(colours=colours, limits=limits)
-    return draw_points(axes, record, best_plane(record), status.astype(float), scale)
+    return draw_states(record, status, axes, units, STATES)
 
 
 def slip_figure(results: Results, case: CaseResult) -> Drawn | None:
@@ -90,11 +84,7 @@ def slip_figure(results: Results, case: CaseResult) -> Drawn | None:
         return None
     tractions, status = shown.record.traction[shown.at], shown.record.status[shown.at]
     solved_by = case.reference_model
-    sizes = [panel_size(record, best_plane(record), 5.4) for record in records.values()]
-    figure = new_figure(13.0, max(sum(height for _, height in sizes), 2.0) + 1.0)
-    rows = figure.subplots(
-        len(records), 2, squeeze=False, height_ratios=[height for _, height in sizes]
-    )
+    figure, rows = map_panels(records.values(), 2, 13.0, 1.0)
     largest = float(shown.pressure.max(initial=0.0))
     notes = []
     for (left, right), (name, record) in zip(rows, records.items(), strict=True):
@@ -110,11 +100,7 @@ def slip_figure(results: Results, case: CaseResult) -> Drawn | None:
             f"{name}: traction up to {quantity(top, units.pressure)}, {slips} of the area in "
             "contact slip"
         )
-    figure.legend(
-        handles=[Patch(color=shade, label=state) for state, shade in STATES.items()],
-        loc="outside lower center",
-        ncols=len(STATES),
-    )
+    name_states(figure, STATES)
     figure.suptitle(heading(f"{case.name}: traction and slip, {solved_by}, {shown.when}"))
     return Drawn(
         figure=figure,
