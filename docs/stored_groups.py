@@ -15,7 +15,6 @@ from faying.assessment.clamp_range import ClampRange
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
 from faying.assessment.measured_curve import MeasuredCurve
 from faying.assessment.mesh_error import MeshError
-from faying.assessment.penalty_sweep import PenaltySweep
 from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import Verdict
 from faying.assessment.response_curve import ContactInMotion, FrequencyResponse, ResponseCurve
@@ -40,7 +39,6 @@ from faying.study.results.store_fields import MEANINGS
 from faying.study.results.validation_record import (
     LoadSpaceRecord,
     LoadSpaceResult,
-    PenaltyRecord,
     ValidationRecord,
 )
 from faying.study.results.values import (
@@ -86,8 +84,6 @@ GROUPS: dict[str, type] = {
     "/validation": ValidationRecord,
     "/validation/load_space": LoadSpaceRecord,
     "/validation/load_space/methods/METHOD/N": LoadSpaceResult,
-    "/validation/penalty": PenaltyRecord,
-    "/validation/penalty/sweep": PenaltySweep,
     "/validation/choices/METHOD": JointModeChoice,
     "/measurements/0": MeasuredCurve,
     "/frequencies/NAME": FrequencyRecord,

@@ -9,7 +9,6 @@ from faying.assessment.choose_normal_modes import NormalModeChoice
 from faying.assessment.clamp_range import ClampRange
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
 from faying.assessment.mesh_error import MeshError
-from faying.assessment.penalty_sweep import PenaltySweep
 from faying.interface.interface import FacePairs
 from faying.model.cells import CellBlock
 from faying.reduction.mode_count import ModeCount
@@ -17,7 +16,6 @@ from faying.study.results.nodal_motion import NodalMotion
 from faying.study.results.validation_record import (
     LoadSpaceRecord,
     LoadSpaceResult,
-    PenaltyRecord,
     ValidationRecord,
 )
 from faying.study.results.values import (
@@ -186,22 +184,6 @@ def _method(count, error, reference, points, nodes, times):
 
 
 def _validation():
-    loads, penalties = ("LC1", "LC2/torsion"), np.array([1e4, 1e5, 1e6])
-    fields = np.outer(1.0 / penalties, [1e3, 2e3])
-    sweep = PenaltySweep(
-        loads=loads,
-        penalties=penalties,
-        automatic=4e5,
-        max_pressure=100 - 50 * fields,
-        max_average=90 - 50 * fields,
-        penetration=fields,
-        deviation=fields,
-        rms_deviation=fields / 3,
-        hard_max_average=np.array([90.0, 80.0]),
-        element_size=5.0,
-        deflection=np.array([1.0, 1.1]),
-        errors={"jim-b": 0.01 / fields, "compliance": 0 * fields},
-    )
     return ValidationRecord(
         load_space=LoadSpaceRecord(
             n_loads=100,
@@ -214,9 +196,6 @@ def _validation():
                 }
                 for name, counts in JOINT_MODES.items()
             },
-        ),
-        penalty=PenaltyRecord(
-            sweep=sweep, recommended=4e5, reached=True, advice="Stiff enough <here>."
         ),
         choices={
             "jim-b": JointModeChoice(

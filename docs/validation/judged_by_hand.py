@@ -153,9 +153,6 @@ slip_friction = {MU_FACE}
 [reduction]
 methods = ["compliance"]
 normal_modes = 4
-
-[validation]
-penalty_sweep = false
 """
     for name, loads in cases.items():
         forces = ", ".join(

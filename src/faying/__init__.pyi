@@ -25,8 +25,6 @@ from faying.assessment.mesh_error import mesh_error as mesh_error
 from faying.assessment.modal_analysis import backbone as backbone
 from faying.assessment.parameter import Parameter as Parameter
 from faying.assessment.parameter import design as design
-from faying.assessment.penalty_advice import recommend_penalty as recommend_penalty
-from faying.assessment.penalty_sweep import penalty_sweep as penalty_sweep
 from faying.assessment.preload_scatter import PreloadScatter as PreloadScatter
 from faying.assessment.recovery import recover_pressure as recover_pressure
 from faying.assessment.requirements import ClosedRing as ClosedRing

@@ -66,7 +66,6 @@ steps_per_period = 20
 
 [validation]
 unseen_loads = 5
-penalty_sweep = false
 
 [[load_case]]
 name = "bend"

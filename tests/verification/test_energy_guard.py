@@ -208,7 +208,6 @@ normal_modes = 20
 methods = ["craig-bampton", "compliance"]
 [validation]
 half_step = false
-penalty_sweep = false
 [[load_case]]
 name = "bent"
 kind = "step"

@@ -376,9 +376,6 @@ def _rest(findings: Findings, built: Mapping[str, Interface]) -> Iterator[str]:
     else:
         yield 'methods = ["craig-bampton", "compliance"]'
     yield ""
-    yield "[validation]"
-    yield "penalty_sweep = false  # true: repeats static load cases over the penalty"
-    yield ""
     yield from _comment(
         f"{MARK} what the joint must hold in every load case; faying run then ends with status 3 "
         "where it does not"

@@ -5,7 +5,7 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.exceptions import ModelError
 from faying.interface.coupling import Coupling
-from faying.interface.interface import FacePairs, Interface
+from faying.interface.interface import FacePairs
 from faying.model.assembly import Assembly
 from faying.model.elements import SOLIDS
 from faying.model.mesh import Mesh
@@ -79,19 +79,6 @@ def coupling_penalty(assembly: Assembly, coupling: Coupling) -> float:
         As :func:`automatic_penalty`.
     """
     return facet_penalty(assembly, coupling.segments.minus.joined(coupling.segments.plus))
-
-
-def automatic_penalty_of(assembly: Assembly, interface: Interface) -> float:
-    """Return 10 E/h [force/length³] of the elements on both sides of an interface.
-
-    Raises
-    ------
-    ModelError
-        As :func:`automatic_penalty`.
-    """
-    if interface.coupling is not None:
-        return coupling_penalty(assembly, interface.coupling)
-    return automatic_penalty(assembly, interface.faces)
 
 
 def _owners(assembly: Assembly, faces: tuple[FacePairs, ...]) -> Facets:

@@ -115,6 +115,7 @@ def _law(results: Results, units: Units) -> Iterator[str]:
         points = slice(*record.slice)
         gaps = [case.reference.gap[..., points] for case in results.cases.values()]
         depth = max((float(-gap.min(initial=0.0)) for gap in gaps), default=0.0)
+        edge = float(np.sqrt(record.weights.sum() / len(record.pairs)))
         if record.penalty == np.inf:
             yield f"{name}: hard contact, nothing penetrates."
             continue
@@ -127,7 +128,6 @@ def _law(results: Results, units: Units) -> Iterator[str]:
             continue
         yield (
             f"{name}: pressure is {number(record.penalty)} {units.of('force/length³')} times "
-            f"penetration, which reaches {quantity(depth, units.length)} in these load cases."
+            f"penetration, which reaches {quantity(depth, units.length)} in these load cases, "
+            f"{percent(depth / edge)} of an element's edge."
         )
-    if results.validation.penalty is not None:
-        yield "The page on methods says what that stiffness does to the pressures."

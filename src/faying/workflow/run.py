@@ -140,7 +140,7 @@ def _computed(
         with stages.stage("recovery matrices"), extras.attempt("matrices for recovery and export"):
             more: Models = {**bare, REMEDY: {0: runner.inertia.built}}
             recoverable = kept_models(joint.model, more, trained.bases[CLASSIC], title)
-    validation = validate(study, joint, models, trained, choices, stages, extras)
+    validation = validate(study, joint, models, choices, stages, extras)
     exact = recoverable[EXACT][0] if EXACT in recoverable else joint.model
     frequencies = frequency_records(
         study.frequencies,

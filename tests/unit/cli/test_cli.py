@@ -90,10 +90,10 @@ def test_bad_study_is_one_message_and_no_traceback(tmp_path):
 def test_what_could_not_be_validated_is_said_and_changes_no_status(
     monkeypatch, capsys, runner, tmp_path
 ):
-    runner.result.summary["warnings"] = ["penalty sweep: it met what nobody foresaw"]
+    runner.result.summary["warnings"] = ["unseen loads: it met what nobody foresaw"]
     status, _, err = call(monkeypatch, capsys, "run", EXAMPLE, "--out", tmp_path / "results")
     assert status == 0
-    assert "Warning: penalty sweep: it met what nobody foresaw" in err
+    assert "Warning: unseen loads: it met what nobody foresaw" in err
 
 
 def test_run_passes_the_study_on(monkeypatch, capsys, runner, tmp_path):

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying.interface.pair_fit import PairFit
 from faying.joint.sticking import stuck_pairs
 
 RULES = [("gauss", None), ("gauss", 1), ("gauss", 2), ("gauss", 5), ("nodal", None)]
@@ -61,18 +60,3 @@ def test_eight_node_corners_do_not_average_the_middle_of_the_facet():
 def test_pairs_stick_wherever_the_pressure_is_the_same():
     interface, _ = joint("tet10")
     assert stuck_pairs(interface, np.ones(interface.n_points), 0.5).all()
-
-
-@pytest.mark.parametrize(("quadrature", "order"), RULES)
-@pytest.mark.parametrize("shape", SHAPES)
-def test_the_felt_part_of_a_pressure_gives_the_same_nodal_forces(shape, quadrature, order):
-    interface, _ = joint(shape, quadrature, order)
-    pressure = np.random.default_rng(2).random((3, interface.n_points))
-    felt = PairFit.of(interface).felt(pressure)
-    forces, expected = (
-        (p * interface.weights) @ interface.point_shape.toarray() for p in (felt, pressure)
-    )
-    # The shift of the normal equations, 1e-11, over their smallest entries, a hundredth.
-    np.testing.assert_allclose(forces, expected, atol=1e-8 * np.abs(expected).max())
-    again = PairFit.of(interface).felt(felt)
-    np.testing.assert_allclose(again, felt, atol=1e-8)

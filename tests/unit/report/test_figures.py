@@ -66,7 +66,6 @@ def test_every_picture_of_the_paper_is_drawn(entries):
         "tightening",
         "convergence",
         "unseen-loads",
-        "penalty",
         "case_LC1_pressure",
         "case_LC1_gap",
         "case_LC1_error",

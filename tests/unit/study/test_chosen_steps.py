@@ -24,7 +24,6 @@ normal_modes = 4
 methods = ["compliance"]
 
 [validation]
-penalty_sweep = false
 reference = "REFERENCE"
 
 [output]

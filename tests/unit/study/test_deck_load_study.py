@@ -60,7 +60,6 @@ dynamics = false
 
 [validation]
 unseen_loads = 3
-penalty_sweep = false
 
 [[load_case]]
 name = "one"

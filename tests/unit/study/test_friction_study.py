@@ -532,7 +532,11 @@ MISTAKES = [
     ("amplitudes = [1.5, 0.5]", "amplitudes = [1.5, 1.5]", "an amplitude is there twice"),
     ("amplitudes = [1.5, 0.5]", "amplitudes = [-1.0]", "found -1.0, expected greater than 0"),
     ("increments = 4\nforces", "increments = 4\nstep = 1e-5\nforces", 'kind = "static" has no'),
-    ("[output]", "[validation]\npenalty_sweep = true\n[output]", "the penalty sweep knows none"),
+    (
+        "[output]",
+        "[validation]\npenalty_sweep = true\n[output]",
+        "sweep over the contact .* is gone",
+    ),
     ("[output]", "[validation]\nbox = []\n[output]", "searches found milder loads .* are gone"),
     ("friction = 0.2\ntangential_penalty = 8e5\n", "", "so one solution is enough; remove it"),
 ]

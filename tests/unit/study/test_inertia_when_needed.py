@@ -23,7 +23,6 @@ methods = ["compliance"]
 INERTIA
 
 [validation]
-penalty_sweep = false
 half_step = false
 reference = "REFERENCE"
 

@@ -23,7 +23,6 @@ normal_modes = 4
 methods = ["compliance"]
 
 [validation]
-penalty_sweep = false
 reference = "none"
 half_step = false
 

@@ -36,7 +36,6 @@ transient_tolerance = 0.01
 methods = ["compliance", "craig-bampton"]
 
 [validation]
-penalty_sweep = false
 reference = "none"
 
 [output]

@@ -44,9 +44,6 @@ name = "bend"
 kind = "static"
 forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
 
-[validation]
-penalty_sweep = false
-
 [output]
 report = false
 """

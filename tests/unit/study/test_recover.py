@@ -49,8 +49,6 @@ kind = "static"
 forces = [{ boundary = "tip", component = "Fz", value = -100.0 }]
 [output]
 report = false
-[validation]
-penalty_sweep = false
 """
 LOAD = fy.Load({"tip.Fz": -500.0, "tip.Mx": 20e3}, name="step")
 
@@ -384,8 +382,6 @@ kind = "static"
 forces = [{ boundary = "tip", component = "Fz", value = -10.0 }]
 [output]
 report = false
-[validation]
-penalty_sweep = false
 """
 
 

@@ -22,7 +22,6 @@ normal_modes = 4
 methods = ["craig-bampton", "compliance"]
 
 [validation]
-penalty_sweep = false
 REFERENCE
 
 [[load_case]]

@@ -27,7 +27,6 @@ normal_modes = 4
 methods = ["compliance"]
 
 [validation]
-penalty_sweep = false
 half_step = false
 
 [requirement]

@@ -71,7 +71,6 @@ joint_modes = [2]
 methods = ["jim-a", "compliance"]
 
 [validation]
-penalty_sweep = false
 half_step = false
 
 [output]

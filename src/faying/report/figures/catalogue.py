@@ -17,7 +17,6 @@ from faying.report.figures.load_space import load_space_figure
 from faying.report.figures.loops import fretting_figure, loop_figure
 from faying.report.figures.model import model_figure
 from faying.report.figures.path import motion_slip_figure, path_figure
-from faying.report.figures.penalty import penalty_figure
 from faying.report.figures.preload import preload_figure
 from faying.report.figures.pressure import pressure_figure
 from faying.report.figures.response import response_figure
@@ -91,7 +90,7 @@ WIDE = 2.4
 """Width over height of pictures with several panels side by side."""
 
 
-SHARED = ("model", "preload", "tightening", "convergence", "unseen-loads", "penalty")
+SHARED = ("model", "preload", "tightening", "convergence", "unseen-loads")
 """Figures of the whole run; a load case may bear the name of their section."""
 
 
@@ -103,7 +102,6 @@ def _drawings(results: Results) -> Iterator[Draw]:
         tightening_figure,
         convergence_figure,
         load_space_figure,
-        penalty_figure,
     ):
         yield _of_run(draw, results)
     for case in results.cases.values():

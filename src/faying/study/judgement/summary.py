@@ -117,12 +117,6 @@ def _validation(record: ValidationRecord) -> dict[str, Any]:
             name: {str(count): asdict(errors) for count, errors in sizes.items()}
             for name, sizes in record.load_space.methods.items()
         }
-    if record.penalty is not None:
-        summary["penalty"] = {
-            "recommended": record.penalty.recommended,
-            "reached": record.penalty.reached,
-            "advice": record.penalty.advice,
-        }
     if record.choices:
         summary["joint_modes"] = {
             name: {"count": choice.count, "met": choice.met, "tolerance": choice.tolerance}

@@ -190,8 +190,6 @@ def _with_friction(study: Study, interface: str) -> Iterator[Problem]:
         places["reduction", "training", "box"] = "training loads are solved without it"
     if not study.reduction.joint_modes:
         places["reduction", "joint_modes"] = "'auto' goes by certificates, which know none"
-    if study.validation.penalty_sweep and "penalty_sweep" in study.validation.model_fields_set:
-        places["validation", "penalty_sweep"] = "the penalty sweep knows none"
     for location, what in places.items():
         yield _problem(study, location, f"{reason}, and {what}; remove it")
 

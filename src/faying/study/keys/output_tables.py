@@ -1,8 +1,11 @@
 """The tables of a study file that say what to find out beyond the load cases, and what to write."""
 
 from collections.abc import Mapping
-from typing import ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
+from pydantic import BeforeValidator
+
+from faying.study.keys.errors import refusal
 from faying.study.keys.section import CountOrNone, NotNegative, Section, Switch
 
 OutputField = Literal["pressure", "gap", "displacement"]
@@ -27,6 +30,16 @@ class OutputSection(Section):
     report: Switch = True
 
 
+def _no_sweep(value: Any) -> Any:
+    if value is not False:
+        message = (
+            "the sweep over the contact stiffness is gone, remove it; the report tells how far "
+            "surfaces penetrate, and 'penalty' in [[interface]] repeats a study with another"
+        )
+        raise refusal(message)
+    return value
+
+
 class ValidationSection(Section):
     """[validation]: what to find out beyond the load cases.
 
@@ -36,7 +49,7 @@ class ValidationSection(Section):
         Random loads of the training box at which every method is compared with the full model;
         twice as many more make the floor under all linear bases. 0 is none.
     penalty_sweep
-        Whether the static load cases are repeated over the contact stiffness.
+        False in studies of earlier versions, which swept the contact stiffness otherwise.
     half_step
         Whether the full model repeats transient load cases with half the time step.
     reference
@@ -49,6 +62,6 @@ class ValidationSection(Section):
         "remove it: searches found milder loads than random ones and are gone",
     )
     unseen_loads: CountOrNone = 100
-    penalty_sweep: Switch = True
+    penalty_sweep: Annotated[Literal[False], BeforeValidator(_no_sweep)] = False
     half_step: Switch = True
     reference: Literal["full", "worst", "none"] | None = None

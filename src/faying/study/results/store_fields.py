@@ -10,7 +10,6 @@ from faying.assessment.clamp_range import ClampRange
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
 from faying.assessment.measured_curve import MeasuredCurve
 from faying.assessment.mesh_error import MeshError
-from faying.assessment.penalty_sweep import PenaltySweep
 from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import Verdict
 from faying.assessment.response_curve import ContactInMotion, FrequencyResponse, ResponseCurve
@@ -31,7 +30,6 @@ from faying.study.results.slip_record import SlipRecord
 from faying.study.results.validation_record import (
     LoadSpaceRecord,
     LoadSpaceResult,
-    PenaltyRecord,
     ValidationRecord,
 )
 from faying.study.results.values import (
@@ -83,8 +81,6 @@ STORED = (
     ValidationRecord,
     LoadSpaceRecord,
     LoadSpaceResult,
-    PenaltyRecord,
-    PenaltySweep,
     JointModeChoice,
 )
 """Values that have a group of their own."""

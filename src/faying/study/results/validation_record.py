@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from faying.assessment.choose_joint_modes import JointModeChoice
-from faying.assessment.penalty_sweep import PenaltySweep
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,28 +39,6 @@ class LoadSpaceRecord:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PenaltyRecord:
-    """What the contact stiffness does to the study's static load cases.
-
-    Attributes
-    ----------
-    sweep
-        Static cases over the contact stiffness.
-    recommended : [force/length³]
-        Recommended contact stiffness.
-    reached
-        Whether its pressures are those of hard contact within the tolerance of the advice.
-    advice
-        The reasons, for people.
-    """
-
-    sweep: PenaltySweep
-    recommended: float
-    reached: bool
-    advice: str
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
 class ValidationRecord:
     """What a run found beyond its load cases.
 
@@ -69,12 +46,9 @@ class ValidationRecord:
     ----------
     load_space
         Methods at random loads of the training box; None without one.
-    penalty
-        What the contact stiffness does; None where that was switched off.
     choices
         Basis name to the number of joint modes chosen automatically.
     """
 
     load_space: LoadSpaceRecord | None = None
-    penalty: PenaltyRecord | None = None
     choices: Mapping[str, JointModeChoice] = field(default_factory=dict)
