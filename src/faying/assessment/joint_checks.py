@@ -39,6 +39,8 @@ def joint_checks(
     demands: dict[str, list[Verdict]] = {}
     for verdict in found.verdicts:
         demands.setdefault(verdict.requirement, []).append(verdict)
+    if reserves and not found.bolts:  # no bolts carry shear, and both are judged by the path
+        demands.setdefault("min_sliding_factor", []).extend(demands.pop("min_slip_safety", ()))
     checks: list[Check] = []
     for name, bolt in found.bolts.items():
         checks += _bolt_checks(name, bolt, found, demands, units)
@@ -223,7 +225,7 @@ def _least_factor(
     unit: str = TIMES_LOAD,
 ) -> Check:
     """Judge the least of the factors that load cases may be multiplied by."""
-    limit = demands[0].limit if demands else 1.0
+    limit = max((demand.limit for demand in demands), default=1.0)
     case = min(factors, key=factors.__getitem__)
     factor = factors[case]
     finite = bool(np.isfinite(factor))

@@ -8,6 +8,7 @@ import faying as fy
 from faying.assessment.check import Check
 from faying.assessment.joint_checks import joint_checks
 from faying.assessment.joint_verdict import joint_verdict, share_used, verdict_rows
+from faying.assessment.requirements import Verdict
 from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.strength.thread import Thread
 from faying.units import units_of
@@ -110,6 +111,18 @@ def test_sliding_is_judged_by_the_load_that_was_followed(joint, changes, outcome
     (sliding,) = (one for one in checks if one.quantity == "sliding")
     assert (sliding.outcome, sliding.value) == (outcome, value)
     assert sliding.reason.startswith("it holds up to 0.5 times bend") == (outcome == "unknown")
+
+
+@pytest.mark.parametrize(("limit", "outcome"), [(1.2, "met"), (2.0, "not met")])
+def test_slip_safety_of_a_joint_without_bolts_is_demanded_of_its_path(joint, limit, outcome):
+    """A press fit that was to reach 2 and reached 1.75 was said to hold."""
+    found, _ = judged(joint, paths=False)
+    verdict = Verdict.at_least("min_slip_safety", "joint", "bend", 1.75, limit)
+    fit = replace(found, bolts={}, verdicts=(verdict,))
+    checks = joint_checks(fit, UNITS, {"bend": reserve(gross_slip=1.75, slides="joint")})
+    (sliding,) = (one for one in checks if one.quantity == "sliding")
+    assert (sliding.outcome, sliding.limit, sliding.required) == (outcome, limit, True)
+    assert joint_verdict(checks, UNITS).holds is verdict.met
 
 
 @pytest.mark.parametrize(
