@@ -329,6 +329,8 @@ def test_constants_in_other_units_do():
         "'units'",
     ]
     assert len(list(doubts({1: STEEL}, "m-kg-s"))) == 1  # 7.85e-9 kg/m³
+    (soft,) = doubts({1: solid(210e3, 7.85e-6)}, "mm-kg-s")
+    assert "E is 0.21 GPa and rho 7.85e+03 kg/m³ in mm-kg-s, and no solid that dense" in soft
 
 
 def test_what_no_solid_and_no_bolt_bears_is_said(tmp_path):

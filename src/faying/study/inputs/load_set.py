@@ -72,7 +72,7 @@ class LoadSet:
         Load case to how often it comes in the life of the joint, where that is known.
     """
 
-    names: tuple[str, ...]
+    names: Sequence[str]
     inputs: Matrix
     transients: tuple[TimedLoad, ...]
     requirement: RequirementSection | None = None
@@ -130,10 +130,9 @@ def read_loads(
         table = read_load_table(path)
         if table.times is not None:
             return _of_histories(rom, [table], step, integrator)
-        names = tuple(table.row_name(row) for row in range(table.n_row))
         table, said = renamed_factors(table, rom)
         inputs, remarks = table_inputs(table, rom), (said,) if said else ()
-        return LoadSet(names=names, inputs=inputs, transients=(), remarks=remarks)
+        return LoadSet(names=table.names, inputs=inputs, transients=(), remarks=remarks)
     cases, requirement = read_load_cases(path)
     return replace(_of_cases(cases, rom), requirement=requirement)
 

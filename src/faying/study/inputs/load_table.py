@@ -4,12 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
+from typing import overload
 
 import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.exceptions import StudyError
-from faying.files.contents import file_text
+from faying.files.contents import check_room, file_text
 from faying.files.csv_rows import csv_rows
 from faying.joint.system import Joint, boundary_slices, initial_bolt_forces
 from faying.model.boundary import FORCE_NAMES
@@ -30,6 +31,24 @@ OLD_FACTOR = "preload"
 """What it was called, and still may be: the name of a force in studies."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class RowNumbers(Sequence[str]):
+    """Names '1', '2' and so on of rows that have none; texts of millions would outweigh a table."""
+
+    n_row: int
+
+    def __len__(self) -> int:
+        return self.n_row
+
+    @overload
+    def __getitem__(self, place: int) -> str: ...
+    @overload
+    def __getitem__(self, place: slice) -> list[str]: ...
+    def __getitem__(self, place: int | slice) -> str | list[str]:
+        numbers = range(1, self.n_row + 1)[place]
+        return str(numbers) if isinstance(numbers, int) else list(map(str, numbers))
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LoadTable:
     """A table as read.
@@ -38,14 +57,14 @@ class LoadTable:
     ----------
     path
     names
-        Of the rows; None where they have none.
+        Of the rows.
     columns
         Name to values (n_row,), names and times left out.
     times : (n_row,) or None
     """
 
     path: Path
-    names: tuple[str, ...] | None
+    names: Sequence[str]
     columns: Mapping[str, Vector]
     times: Vector | None
 
@@ -53,10 +72,6 @@ class LoadTable:
     def n_row(self) -> int:
         """Number of rows."""
         return len(next(iter(self.columns.values())))
-
-    def row_name(self, row: int) -> str:
-        """Return the name of a case."""
-        return str(row + 1) if self.names is None else self.names[row]
 
 
 def read_load_table(path: Path) -> LoadTable:
@@ -82,7 +97,8 @@ def read_load_table(path: Path) -> LoadTable:
     times = columns.pop(TIME, None)
     if times is not None:
         _check_times(path, times)
-    return LoadTable(path=path, names=names, columns=columns, times=times)
+    rows = names or RowNumbers(n_row=len(cells))
+    return LoadTable(path=path, names=rows, columns=columns, times=times)
 
 
 def renamed_factors(table: LoadTable, joint: Joint) -> tuple[LoadTable, str]:
@@ -125,18 +141,21 @@ def table_inputs(table: LoadTable, joint: Joint) -> Matrix:
     n_boundary = sum(len(boundary.dofs) for boundary in joint.boundaries.values())
     bolts, patterns = list(joint.bolts), list(joint.load_patterns)
     first = n_boundary + len(bolts)
+    check_room(table.n_row * 8 * (first + len(patterns)), table.path)
     inputs = np.zeros((table.n_row, first + len(patterns)))
     locked = initial_bolt_forces(joint)
     inputs[:, n_boundary:first] = locked
     if FACTOR in table.columns:
         _check_factors(table, FACTOR)
-        inputs[:, n_boundary:first] = np.outer(table.columns[FACTOR], locked)
+        inputs[:, n_boundary:first] *= table.columns[FACTOR][:, None]
     for name, values in table.columns.items():
         owner, _, part = name.rpartition(".")
         if name in patterns:
             inputs[:, first + patterns.index(name)] = values
         elif owner in places:
-            inputs[:, places[owner]] += np.outer(values, joint.boundaries[owner].pattern(part))
+            pattern = joint.boundaries[owner].pattern(part)
+            for column in np.flatnonzero(pattern):  # one at a time: tables have millions of rows
+                inputs[:, places[owner].start + column] += values * pattern[column]
         elif name != FACTOR:
             _check_factors(table, name)
             bolt = bolts.index(name.removeprefix(f"{FACTOR}."))

@@ -20,6 +20,9 @@ LIGHTEST = 1e6
 """Young's modulus over the density squared [Pa m⁶/kg²] above that of every solid: foams lose
 stiffness with the square of their density (Gibson and Ashby, Cellular Solids, 1997, ch. 5), balsa
 and honeycombs along their cells have the most, up to 6e5; diamond 1e5, steel 3e3."""
+SOFT_AND_DENSE = (1e9, 3e3)
+"""Young's modulus [Pa] below which and density [kg/m³] above which only rubber filled with metal is
+a solid: the softest metals as dense, thallium and indium, have 8 and 11 GPa (CRC Handbook)."""
 TIGHTENED = (1e6, 3e9)
 """Stress [Pa] of tightened bolts: a tenth of what nylon bears, and more than any steel does."""
 COHESION = 0.1
@@ -55,12 +58,17 @@ def doubts(materials: Mapping[int, Material], units: str) -> Iterator[str]:
                     f"in {units}, as of no solid; check it and 'units'"
                 )
         stiff, heavy = material.youngs_modulus * pascal, material.density * density
-        single = MODULI[0] <= stiff <= MODULI[1] and heavy >= DENSITIES[0]
-        if single and stiff > LIGHTEST * heavy**2:
-            reported.add(
-                f"material '{material.name}': E is {stiff / 1e9:.3g} GPa and rho {heavy:.3g} kg/m³ "
-                f"in {units}, and no solid that light is that stiff; check them and 'units'"
-            )
+        single = MODULI[0] <= stiff <= MODULI[1] and DENSITIES[0] <= heavy <= DENSITIES[1]
+        together = {
+            "light is that stiff": stiff > LIGHTEST * heavy**2,
+            "dense is that soft": stiff < SOFT_AND_DENSE[0] and heavy > SOFT_AND_DENSE[1],
+        }
+        reported.update(
+            f"material '{material.name}': E is {stiff / 1e9:.3g} GPa and rho {heavy:.3g} kg/m³ "
+            f"in {units}, and no solid that {what}; check them and 'units'"
+            for what, doubtful in together.items()
+            if single and doubtful
+        )
     yield from sorted(reported)
 
 
