@@ -47,8 +47,7 @@ class Amplitudes:
             names = (
                 ", ".join(amplitude.value("NAME") for amplitude in self.keywords.values()) or "none"
             )
-            message = f"there is no *AMPLITUDE '{name}'; known are {names}"
-            raise load.error(message)
+            load.refuse(f"there is no *AMPLITUDE '{name}'; known are {names}")
         keyword = self.keywords[name.upper()]
         total = keyword.choice("TIME", "STEP TIME") == "TOTAL TIME"
         time = sum(self.lengths[: step + 1]) if total else self.lengths[load.step]
@@ -78,8 +77,7 @@ def read_amplitudes(deck: Deck) -> Amplitudes:
     for keyword in deck.of("AMPLITUDE"):
         name = keyword.required("NAME")
         if name.upper() in amplitudes:
-            message = f"there are two amplitudes '{name}'; rename one of them"
-            raise keyword.error(message)
+            keyword.refuse(f"there are two amplitudes '{name}'; rename one of them")
         amplitudes[name.upper()] = keyword
     lengths = [0.0] + [1.0] * deck.n_step
     for keyword in deck.of(*_TIMED):
@@ -94,8 +92,7 @@ def _table(keyword: Keyword) -> tuple[Vector, Vector]:
     keyword.allow("NAME", "TIME", "VALUE", "DEFINITION", "SHIFTX", "SHIFTY", "SMOOTH")
     for parameter, usual in (("VALUE", "RELATIVE"), ("DEFINITION", "TABULAR")):
         if keyword.choice(parameter, usual) != usual:
-            message = f"{parameter}={keyword.value(parameter)} is not supported; give {usual}"
-            raise keyword.error(message)
+            keyword.refuse(f"{parameter}={keyword.value(parameter)} is not supported; give {usual}")
     numbers = [
         real(keyword, row, text, "a time or a value")
         for row, fields in enumerate(keyword.rows())
@@ -103,11 +100,9 @@ def _table(keyword: Keyword) -> tuple[Vector, Vector]:
         if text
     ]
     if len(numbers) < 2 or len(numbers) % 2:
-        message = f"found {len(numbers)} numbers, expected pairs of a time and a value"
-        raise keyword.error(message)
+        keyword.refuse(f"found {len(numbers)} numbers, expected pairs of a time and a value")
     table = np.array(numbers).reshape(-1, 2)
     if (np.diff(table[:, 0]) < 0).any():
-        message = "the times do not increase; sort them"
-        raise keyword.error(message)
+        keyword.refuse("the times do not increase; sort them")
     shift = [real(keyword, None, keyword.value(f"SHIFT{axis}", "0"), "a shift") for axis in "XY"]
     return table[:, 0] + shift[0], table[:, 1] + shift[1]

@@ -32,11 +32,10 @@ def read_law(keyword: Keyword, temperature: Callable[[], float]) -> Matrix:
     wished = keyword.choice("TYPE").replace(" ", "")
     kind = next((name for name in _COUNTS if len(wished) > 2 and name.startswith(wished)), "")
     if not kind:
-        message = (
+        keyword.refuse(
             f"TYPE={keyword.choice('TYPE')} is not supported; ISOTROPIC, ORTHO, ENGINEERING "
             "CONSTANTS and ANISOTROPIC are"
         )
-        raise keyword.error(message)
     count = _COUNTS[kind]
     values = [
         real(keyword, i, text, "an elastic constant")
@@ -45,16 +44,14 @@ def read_law(keyword: Keyword, temperature: Callable[[], float]) -> Matrix:
     ]
     # A temperature may stand behind the last constant, and must in a table.
     if len(values) < count or (len(values) > count and len(values) % (count + 1)):
-        message = (
+        keyword.refuse(
             f"found {len(values)} numbers, expected {count}, or as many and a temperature for each "
             "temperature of a table"
         )
-        raise keyword.error(message)
     if len(values) > count + 1:
         table = np.array(values).reshape(-1, count + 1)
         if (np.diff(table[:, -1]) <= 0).any():
-            message = "the temperatures do not increase; sort them"
-            raise keyword.error(message)
+            keyword.refuse("the temperatures do not increase; sort them")
         degrees = temperature()
         values = [float(np.interp(degrees, table[:, -1], column)) for column in table[:, :-1].T]
     if kind == "ENGINEERINGCONSTANTS":

@@ -57,8 +57,9 @@ def read_beams(
     for block in blocks:
         for i, element_id in enumerate(block.ids.tolist()):
             if element_id not in sections:
-                message = f"beam {element_id} has no *BEAM SECTION; give its set one"
-                raise block.keyword.error(message, int(block.rows[i]))
+                block.keyword.refuse(
+                    f"beam {element_id} has no *BEAM SECTION; give its set one", int(block.rows[i])
+                )
             ends = block.nodes[i].tolist()
             for start, end in pairwise(ends):
                 last = end == ends[-1]
@@ -91,8 +92,9 @@ def _sections(
     named = ("BEAM SECTION", "BEAM GENERAL SECTION", "TRANSVERSE SHEAR STIFFNESS")
     for number, keyword in enumerate(deck.of(*named), start=first):
         if keyword.name == "TRANSVERSE SHEAR STIFFNESS":
-            message = "it is not supported; leave it out, and take B33 for beams rigid in shear"
-            raise keyword.error(message)
+            keyword.refuse(
+                "it is not supported; leave it out, and take B33 for beams rigid in shear"
+            )
         rows = keyword.rows()
         if keyword.name == "BEAM SECTION":
             keyword.allow("ELSET", "MATERIAL", "SECTION", "POISSON", "TEMPERATURE")
@@ -104,8 +106,7 @@ def _sections(
         axis = _direction(keyword, rows)
         for element_id in sets.find(keyword, keyword.required("ELSET")).tolist():
             if element_id in sections:
-                message = f"beam {element_id} has two sections; give it one"
-                raise keyword.error(message)
+                keyword.refuse(f"beam {element_id} has two sections; give it one")
             sections[element_id] = _Section(
                 number=number, section=section, material=material, first_axis=axis, keyword=keyword
             )
@@ -115,12 +116,12 @@ def _sections(
 def _measures(keyword: Keyword, rows: list[list[str]], counts: tuple[int, ...]) -> list[float]:
     if not rows or len(rows[0]) not in counts:
         shown = " or ".join(map(str, counts))
-        message = f"expected {shown} measures of the section on the first data line"
-        raise keyword.error(message, 0 if rows else None)
+        keyword.refuse(
+            f"expected {shown} measures of the section on the first data line", 0 if rows else None
+        )
     values = [real(keyword, 0, text, "a length") for text in rows[0]]
     if min(values) <= 0:
-        message = f"a measure is {min(values):g}; it must be positive"
-        raise keyword.error(message, 0)
+        keyword.refuse(f"a measure is {min(values):g}; it must be positive", 0)
     return values
 
 
@@ -133,16 +134,14 @@ def _profile(keyword: Keyword, rows: list[list[str]], poisson: float) -> BeamSec
         values = _measures(keyword, rows, (1, 2))
         radius = values[0]
         if len(values) == 2 and values[1] != radius:
-            message = "an elliptic section is not supported; give one radius"
-            raise keyword.error(message, 0)
+            keyword.refuse("an elliptic section is not supported; give one radius", 0)
         inertia = np.pi * radius**4 / 4
         shear = 6 * (1 + poisson) / (7 + 6 * poisson)
         return _round(np.pi * radius**2, inertia, shear)
     if kind == "PIPE":
         radius, thickness = _measures(keyword, rows, (2,))
         if thickness >= radius:
-            message = f"the wall {thickness:g} is not thinner than the radius {radius:g}"
-            raise keyword.error(message, 0)
+            keyword.refuse(f"the wall {thickness:g} is not thinner than the radius {radius:g}", 0)
         inner = radius - thickness
         ratio = (inner / radius) ** 2
         shear = (
@@ -191,23 +190,19 @@ def _rectangle_torsion(width: float, height: float) -> float:
 def _general(keyword: Keyword, rows: list[list[str]]) -> tuple[BeamSection, Material]:
     """Area, I11, I12, I22, J; axis; Young's and shear modulus."""
     if keyword.choice("SECTION", "GENERAL") != "GENERAL":
-        message = f"SECTION={keyword.choice('SECTION')} is not supported; give GENERAL"
-        raise keyword.error(message)
+        keyword.refuse(f"SECTION={keyword.choice('SECTION')} is not supported; give GENERAL")
     if len(rows) != 3 or len(rows[0]) != 5 or not 2 <= len(rows[2]) <= 4:
-        message = (
+        keyword.refuse(
             "expected three data lines: area, I11, I12, I22, J; direction of the first axis; "
             "Young's modulus, shear modulus"
         )
-        raise keyword.error(message)
     area, i11, i12, i22, torsion = (real(keyword, 0, text, "a constant") for text in rows[0])
     modulus, shear = (real(keyword, 2, text, "a modulus") for text in rows[2][:2])
     density = real(keyword, None, keyword.value("DENSITY", "0."), "DENSITY")
     if i12 != 0.0:
-        message = "I12 is not zero; give the section in its principal axes"
-        raise keyword.error(message, 0)
+        keyword.refuse("I12 is not zero; give the section in its principal axes", 0)
     if not min(area, i11, i22, torsion) > 0 or not shear > 0:
-        message = "areas, inertias and moduli must be positive"
-        raise keyword.error(message, 0)
+        keyword.refuse("areas, inertias and moduli must be positive", 0)
     try:
         material = Material(
             youngs_modulus=modulus, poissons_ratio=modulus / (2 * shear) - 1, density=density
@@ -222,8 +217,7 @@ def _direction(keyword: Keyword, rows: list[list[str]]) -> Direction:
     if len(rows) < 2:
         return (0.0, 0.0, -1.0)
     if len(rows[1]) != 3:
-        message = "expected the direction of the first local axis: three numbers"
-        raise keyword.error(message, 1)
+        keyword.refuse("expected the direction of the first local axis: three numbers", 1)
     x, y, z = (optional_real(keyword, 1, rows[1], i, 0.0, "a direction") for i in range(3))
     turned = keyword.scope.rotation @ np.array([x, y, z])
     return (float(turned[0]), float(turned[1]), float(turned[2]))

@@ -151,8 +151,7 @@ def _pairs(
         "NO THICKNESS")  # fmt: skip
     name = keyword.required("INTERACTION")
     if name.upper() not in interactions:
-        message = f"there is no *SURFACE INTERACTION '{name}'; define it or correct the name"
-        raise keyword.error(message)
+        keyword.refuse(f"there is no *SURFACE INTERACTION '{name}'; define it or correct the name")
     interaction = interactions[name.upper()]
     note = f"formulation of *CONTACT PAIR: small sliding, {keyword.choice('TYPE', 'default')}"
     if note not in ignored:
@@ -215,11 +214,10 @@ def with_mixed_sides(mesh: Mesh, sides: Iterable[DeckSurface]) -> Mesh:
         if (namesake is not None and not np.array_equal(np.unique(namesake), side.nodes)) or (
             side.facets and count != sum(map(len, side.facets.values()))
         ):
-            message = (
+            side.keyword.refuse(
                 f"surface '{side.name}' cannot be told by its nodes; name no node set like it, "
                 "and give triangles and quadrilaterals a surface and a contact pair each"
             )
-            raise side.keyword.error(message)
         mesh = mesh.with_node_set(side.name, side.nodes)
     return mesh
 
@@ -291,11 +289,11 @@ def gap_rules(
             offsets[spec.name] = -height
         if np.isnan(height) or (height and pair.adjusted is not None):
             problem = "ADJUST" if pair.adjusted is not None else "thicknesses that differ"
-            message = (
+            pair.keyword.refuse(
                 f"{problem} is not supported with surfaces of shells in contact; give *CLEARANCE, "
-                "or each thickness a surface and a contact pair"
+                "or each thickness a surface and a contact pair",
+                pair.row,
             )
-            raise pair.keyword.error(message, pair.row)
     for keyword in deck.of("CLEARANCE"):
         pair, spec, value = _clearance(keyword, pairs, interfaces)
         offsets.pop(spec.name, None)
@@ -312,8 +310,7 @@ def _clearance(
     """Return the pair a *CLEARANCE is of, its interface, and the gap it starts with."""
     keyword.allow("MASTER", "SLAVE", "VALUE")
     if keyword.data:
-        message = "it must be one VALUE; give other gaps as initial_gap in the study"
-        raise keyword.error(message)
+        keyword.refuse("it must be one VALUE; give other gaps as initial_gap in the study")
     value = real(keyword, None, keyword.required("VALUE"), "VALUE")
     surfaces = [keyword.required(name).upper() for name in ("SLAVE", "MASTER")]
     for pair, spec in zip(pairs, interfaces, strict=True):

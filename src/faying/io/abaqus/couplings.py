@@ -63,8 +63,7 @@ def read_couplings(
     for number, (head, members) in enumerate(deck.groups("COUPLING", *MEMBERS), start=first_id):
         head.allow("CONSTRAINT NAME", "REF NODE", "SURFACE", "ORIENTATION")
         if len(members) != 1:
-            message = "expected one *KINEMATIC or *DISTRIBUTING below it"
-            raise head.error(message)
+            head.refuse("expected one *KINEMATIC or *DISTRIBUTING below it")
         (member,) = members
         reference = dofs.one(head, None, head.required("REF NODE"), "the reference node")
         coupled = find_surface(surfaces, head, head.required("SURFACE"), None)
@@ -150,8 +149,7 @@ def _along(points: Matrix, reference: int, nodes: Indices, axes: Matrix) -> list
 def _check_distributing(member: Keyword, elements: Elements, nodes: Indices) -> None:
     """Refuse other weights; moments that rotations of the nodes would take (STRUCTURAL) too."""
     if member.choice("WEIGHTING METHOD", "UNIFORM") != "UNIFORM":
-        message = "only WEIGHTING METHOD=UNIFORM is supported"
-        raise member.error(message)
+        member.refuse("only WEIGHTING METHOD=UNIFORM is supported")
     kind = member.choice("COUPLING", "CONTINUUM")
     blocks = elements.of(*SHELL_TYPES, *TYPES)
     turning = any(np.isin(nodes, block.nodes).any() for block in blocks)
@@ -165,13 +163,13 @@ def _components(member: Keyword) -> tuple[int, ...]:
     components: set[int] = set()
     for row, fields in enumerate(member.rows()):
         if not 1 <= len(fields) <= 2:
-            message = "expected the first and the last degree of freedom"
-            raise member.error(message, row)
+            member.refuse("expected the first and the last degree of freedom", row)
         first = component(member, row, fields[0])
         last = component(member, row, fields[1]) if len(fields) > 1 and fields[1] else first
         if last < first:
-            message = f"the last degree of freedom {last + 1} is below the first {first + 1}"
-            raise member.error(message, row)
+            member.refuse(
+                f"the last degree of freedom {last + 1} is below the first {first + 1}", row
+            )
         components.update(range(first, last + 1))
     return tuple(sorted(components)) or _ALL
 
@@ -221,17 +219,16 @@ def read_distributing(
         keyword.allow("ELSET")
         members = sets.find(keyword, keyword.required("ELSET")).tolist()
         if len(members) != 1 or members[0] not in reference_of:
-            message = f"the set '{keyword.value('ELSET')}' is not one DCOUP3D element"
-            raise keyword.error(message)
+            keyword.refuse(f"the set '{keyword.value('ELSET')}' is not one DCOUP3D element")
         weights: dict[int, float] = {}
         for row, fields in enumerate(keyword.rows()):
             if len(fields) != 2:
-                message = f"found {len(fields)} fields, expected node or node set and weight"
-                raise keyword.error(message, row)
+                keyword.refuse(
+                    f"found {len(fields)} fields, expected node or node set and weight", row
+                )
             weight = real(keyword, row, fields[1], "a weight")
             if not weight > 0:
-                message = f"the weight is {weight:g}; it must be positive"
-                raise keyword.error(message, row)
+                keyword.refuse(f"the weight is {weight:g}; it must be positive", row)
             weights.update(dict.fromkeys(dofs.find(keyword, row, fields[0]).tolist(), weight))
         reference = reference_of[members[0]]
         weights.pop(reference, None)

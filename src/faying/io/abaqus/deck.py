@@ -83,12 +83,10 @@ class Deck:
                 groups.append((keyword, []))
             elif keyword.name in members and groups:
                 if any(member.name == keyword.name for member in groups[-1][1]):
-                    message = f"the *{head} above has one already; remove one of them"
-                    raise keyword.error(message)
+                    keyword.refuse(f"the *{head} above has one already; remove one of them")
                 groups[-1][1].append(keyword)
             elif keyword.name in members:
-                message = f"it must follow *{head}"
-                raise keyword.error(message)
+                keyword.refuse(f"it must follow *{head}")
         return iter(groups)
 
 
@@ -108,14 +106,12 @@ def read_keyword_deck(path: Path, ignore: frozenset[str] = frozenset()) -> Deck:
     for keyword in keywords:
         if keyword.name == "STEP":
             if inside:
-                message = "a step before this one does not end; add *END STEP"
-                raise keyword.error(message)
+                keyword.refuse("a step before this one does not end; add *END STEP")
             step, inside = step + 1, True
         numbered.append(replace(keyword, step=step if inside else 0))
         if keyword.name == "END STEP":
             if not inside:
-                message = "there is no *STEP that it ends"
-                raise keyword.error(message)
+                keyword.refuse("there is no *STEP that it ends")
             inside = False
     _check_order(numbered)
     return Deck(keywords=numbered, n_step=step, path=path, ignore=ignore)
@@ -129,5 +125,4 @@ def _check_order(keywords: Sequence[Keyword]) -> None:
         return
     for keyword in keywords[int(inside[0]) :]:
         if keyword.step == 0:
-            message = "it stands between or behind steps; move it before the first *STEP"
-            raise keyword.error(message)
+            keyword.refuse("it stands between or behind steps; move it before the first *STEP")

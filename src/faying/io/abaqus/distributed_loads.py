@@ -68,18 +68,17 @@ def _lines(
 ) -> Iterator[tuple[Key, Matrix]]:
     for row, fields in enumerate(keyword.rows()):
         if len(fields) < 3:
-            message = f"found {len(fields)} fields, expected a set, a kind of load and its value"
-            raise keyword.error(message, row)
+            keyword.refuse(
+                f"found {len(fields)} fields, expected a set, a kind of load and its value", row
+            )
         kind = fields[1].upper()
         key = (f"{keyword.name} {fields[0].upper()}", kind)
         if keyword.name == "DSLOAD":
             if kind != "P" or len(fields) != 3:
-                message = f"load {kind} is not supported; P (pressure) is"
-                raise keyword.error(message, row)
+                keyword.refuse(f"load {kind} is not supported; P (pressure) is", row)
             surface = find_surface(surfaces, keyword, fields[0], row)
             if not surface.facets:
-                message = f"surface '{fields[0]}' has no facets for a pressure"
-                raise keyword.error(message, row)
+                keyword.refuse(f"surface '{fields[0]}' has no facets for a pressure", row)
             value = real(keyword, row, fields[2], "a pressure")
             yield key, _pressure(assembly, surface.facets, value)
         elif kind in _BODY_FORCES:
@@ -95,11 +94,11 @@ def _lines(
             )
             yield key, _pressure(assembly, facets, real(keyword, row, fields[2], "a pressure"))
         else:
-            message = (
+            keyword.refuse(
                 f"load {kind} is not supported; P1 … P6 (pressure), P on shells, GRAV and CENTRIF "
-                "are"
+                "are",
+                row,
             )
-            raise keyword.error(message, row)
 
 
 def _pressure(assembly: Assembly, facets: Mapping[str, Indices], value: float) -> Matrix:
@@ -121,8 +120,9 @@ def _on_shells(
     ids = sets.members(keyword, label, row)
     parts = [(block.kind, block.nodes[np.isin(block.ids, ids)]) for block in assembly.shells]
     if sum(len(nodes) for _, nodes in parts) != len(ids):
-        message = f"{label} is not of shells alone; P is a pressure on shells, P1 … P6 on solids"
-        raise keyword.error(message, row)
+        keyword.refuse(
+            f"{label} is not of shells alone; P is a pressure on shells, P1 … P6 on solids", row
+        )
     forces = np.zeros((len(assembly.mesh.nodes), 6))
     for kind, nodes in parts:
         forces += _pressure(assembly, {kind: nodes}, -value)
@@ -136,13 +136,11 @@ def _body_force(
     kind = fields[1].upper()
     width, expected, acceleration = _BODY_FORCES[kind]
     if len(fields) != width:
-        message = f"found {len(fields)} fields, expected {expected}"
-        raise keyword.error(message, row)
+        keyword.refuse(f"found {len(fields)} fields, expected {expected}", row)
     numbers = np.array([real(keyword, row, text, "a number") for text in fields[2:]])
     direction, length = numbers[-3:], float(np.linalg.norm(numbers[-3:]))
     if not length > 0:
-        message = f"the direction of {kind} is zero"
-        raise keyword.error(message, row)
+        keyword.refuse(f"the direction of {kind} is zero", row)
     chosen = assembly
     if fields[0]:
         ids = sets.members(keyword, fields[0], row)

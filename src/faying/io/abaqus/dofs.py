@@ -48,12 +48,10 @@ class Dofs:
         """Return the index of the single node a field stands for."""
         ids = self.sets.members(keyword, label, row)
         if len(ids) != 1:
-            message = f"'{label}' has {len(ids)} nodes; {what} is one node"
-            raise keyword.error(message, row)
+            keyword.refuse(f"'{label}' has {len(ids)} nodes; {what} is one node", row)
         rows = np.array([-1 if row is None else row])
         if not np.isin(ids, self.nodes.ids).all():
-            message = f"there is no node {label}; define it under *NODE"
-            raise keyword.error(message, row)
+            keyword.refuse(f"there is no node {label}; define it under *NODE", row)
         return int(self.nodes.index(ids, keyword, rows)[0])
 
     def axes(self, node: int) -> Matrix | None:
@@ -87,8 +85,7 @@ def read_dofs(deck: Deck, nodes: Nodes, sets: NamedSets, rotations: Mapping[int,
     for number, keyword in enumerate(transforms):
         keyword.allow("NSET", "TYPE")
         if keyword.choice("TYPE", "R") not in ("R", "C", "S"):
-            message = f"TYPE={keyword.choice('TYPE')} is not known; give R, C or S"
-            raise keyword.error(message)
+            keyword.refuse(f"TYPE={keyword.choice('TYPE')} is not known; give R, C or S")
         ids = sets.find(keyword, keyword.required("NSET"))
         system[nodes.index(ids, keyword, np.full(len(ids), -1))] = number
         first, second = _points(keyword)
@@ -101,8 +98,7 @@ def read_dofs(deck: Deck, nodes: Nodes, sets: NamedSets, rotations: Mapping[int,
 def _points(keyword: Keyword) -> tuple[Vector, Vector]:
     rows = keyword.rows()
     if len(rows) != 1 or len(rows[0]) > 6:
-        message = "expected one data line with the coordinates of two points a and b"
-        raise keyword.error(message)
+        keyword.refuse("expected one data line with the coordinates of two points a and b")
     values = np.array(
         [optional_real(keyword, 0, rows[0], i, 0.0, "a coordinate") for i in range(6)]
     )
@@ -129,8 +125,9 @@ def _axes(keyword: Keyword, point: Vector) -> Matrix:
 def _orthonormal(keyword: Keyword, x: Vector, z: Vector) -> Matrix:
     lengths = np.linalg.norm(x), np.linalg.norm(z)
     if not min(lengths) > 0:
-        message = "the axes are not defined: points coincide or lie on one line, or a node on it"
-        raise keyword.error(message, 0)
+        keyword.refuse(
+            "the axes are not defined: points coincide or lie on one line, or a node on it", 0
+        )
     x, z = x / lengths[0], z / lengths[1]
     return np.stack([x, np.cross(z, x), z])
 
@@ -145,6 +142,7 @@ def component(keyword: Keyword, row: int, text: str) -> int:
     """
     value = integer(keyword, row, text, "a degree of freedom")
     if not 1 <= value <= 6:
-        message = f"found degree of freedom {value}, expected 1 to 6 (displacements and rotations)"
-        raise keyword.error(message, row)
+        keyword.refuse(
+            f"found degree of freedom {value}, expected 1 to 6 (displacements and rotations)", row
+        )
     return value - 1

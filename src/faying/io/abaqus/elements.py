@@ -105,12 +105,10 @@ def _block(keyword: Keyword, nodes: Nodes, ignored: list[str]) -> ElementBlock:
         size = SHELL_TYPES[kind][1]
     else:
         supported = ", ".join([*SOLID_TYPES, *LINE_TYPES, *SHELL_TYPES])
-        message = f"elements of TYPE={kind} are not supported; supported are {supported}"
-        raise keyword.error(message)
+        keyword.refuse(f"elements of TYPE={kind} are not supported; supported are {supported}")
     width = size + 1
     if not keyword.data:
-        message = "it has no data lines; give element ids and nodes, or remove it"
-        raise keyword.error(message)
+        keyword.refuse("it has no data lines; give element ids and nodes, or remove it")
     fields = table(keyword)
     cropped = fields.cropped(width)
     if cropped is not fields:
@@ -119,8 +117,9 @@ def _block(keyword: Keyword, nodes: Nodes, ignored: list[str]) -> ElementBlock:
     flat = integers(texts.ravel(), keyword, np.repeat(rows, width), "an id or a node of an element")
     values = flat.reshape(-1, width)
     if values.size and values[:, 0].min() < 1:
-        message = f"element id {values[:, 0].min()}; ids are positive"
-        raise keyword.error(message, int(rows[values[:, 0].argmin()]))
+        keyword.refuse(
+            f"element id {values[:, 0].min()}; ids are positive", int(rows[values[:, 0].argmin()])
+        )
     offset = keyword.scope.offset
     ends = values[:, 1:]
     if kind in SOLID_TYPES:
@@ -143,11 +142,11 @@ def _check_own_nodes(block: ElementBlock) -> None:
     twice = np.flatnonzero((np.diff(ordered, axis=1) == 0).any(axis=1))
     if twice.size:
         first = int(twice[0])
-        message = (
+        block.keyword.refuse(
             f"element {block.ids[first]} names a node twice; collapsed elements are not "
-            "supported, use a wedge or a tetrahedron"
+            "supported, use a wedge or a tetrahedron",
+            int(block.rows[first]),
         )
-        raise block.keyword.error(message, int(block.rows[first]))
 
 
 def _check_distinct(blocks: list[ElementBlock]) -> None:
@@ -158,6 +157,8 @@ def _check_distinct(blocks: list[ElementBlock]) -> None:
         position = int(order[again[0] + 1])
         for block in blocks:
             if position < len(block.ids):
-                message = f"element {block.ids[position]} is defined twice; give it another id"
-                raise block.keyword.error(message, int(block.rows[position]))
+                block.keyword.refuse(
+                    f"element {block.ids[position]} is defined twice; give it another id",
+                    int(block.rows[position]),
+                )
             position -= len(block.ids)

@@ -28,18 +28,17 @@ def read_equations(deck: Deck, dofs: Dofs) -> Iterator[Equation]:
             count = integer(keyword, row, rows[row][0], "the number of terms")
             start, row = row, row + 1
             if count < 1 or len(rows[start]) != 1:
-                message = "expected the number of terms alone on this line"
-                raise keyword.error(message, start)
+                keyword.refuse("expected the number of terms alone on this line", start)
             fields: list[tuple[int, list[str]]] = []
             while row < len(rows) and len(fields) < count:
                 if len(rows[row]) % 3:
-                    message = "expected node, degree of freedom, coefficient for each term"
-                    raise keyword.error(message, row)
+                    keyword.refuse(
+                        "expected node, degree of freedom, coefficient for each term", row
+                    )
                 fields += [(row, rows[row][i : i + 3]) for i in range(0, len(rows[row]), 3)]
                 row += 1
             if len(fields) != count:
-                message = f"found {len(fields)} terms, expected {count}"
-                raise keyword.error(message, start)
+                keyword.refuse(f"found {len(fields)} terms, expected {count}", start)
             for terms in _per_node(keyword, fields, dofs):
                 number += 1
                 yield Equation(id=number, terms=terms)
@@ -53,8 +52,7 @@ def _per_node(
     count = len(nodes[0])
     for (row, _), members in zip(fields, nodes, strict=True):
         if len(members) not in (1, count) or (count > 1 and not deck_sorted(members)):
-            message = f"a set of {len(members)} nodes where the first term has {count}"
-            raise keyword.error(message, row)
+            keyword.refuse(f"a set of {len(members)} nodes where the first term has {count}", row)
     for i in range(count):
         terms: list[Term] = []
         for (row, (_, dof, text)), members in zip(fields, nodes, strict=True):

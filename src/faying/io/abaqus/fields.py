@@ -62,8 +62,9 @@ class Table:
         counts = self.counts
         wrong = np.flatnonzero((counts < fewest) | (counts > width))
         if wrong.size:
-            message = f"found {counts[wrong[0]]} fields, expected {expected}"
-            raise self.keyword.error(message, int(wrong[0]))
+            self.keyword.refuse(
+                f"found {counts[wrong[0]]} fields, expected {expected}", int(wrong[0])
+            )
         table = np.zeros((len(counts), width), dtype=self.texts.dtype)
         start = np.cumsum(counts) - counts
         table[self.row, np.arange(len(self.row)) - start[self.row]] = self.texts
@@ -94,8 +95,9 @@ class Table:
         incomplete = len(self.texts) % width != 0
         if misplaced.size or lone.size or incomplete:
             bad = int(rows[misplaced[0]]) if misplaced.size else int(rows[-1])
-            message = f"expected {expected}, each on lines of its own; a field is missing or extra"
-            raise self.keyword.error(message, bad)
+            self.keyword.refuse(
+                f"expected {expected}, each on lines of its own; a field is missing or extra", bad
+            )
         return self.texts.reshape(-1, width), rows
 
 
@@ -111,8 +113,9 @@ def table(keyword: Keyword) -> Table:
     row = np.concatenate([[0], np.cumsum(newline)]).astype(np.int64)
     if lengths.max() > _LONGEST:
         long = int(lengths.argmax())
-        message = f"a field of {lengths[long]} characters is no number or label"
-        raise keyword.error(message, int(row[long]))
+        keyword.refuse(
+            f"a field of {lengths[long]} characters is no number or label", int(row[long])
+        )
     texts = np.strings.strip(np.array(joined.replace(b"\n", b",").split(b",")))
     keep = ~(np.append(newline, True) & (texts == b""))
     return Table(keyword=keyword, texts=texts[keep], row=row[keep])
@@ -160,8 +163,9 @@ def reals(texts: Fields, keyword: Keyword, row: Indices, what: str) -> Vector:
         raise _unreadable_field(texts, _REAL, keyword, row, f"{what}, a number") from None
     if not np.isfinite(values).all():
         bad = int(np.flatnonzero(~np.isfinite(values))[0])
-        message = f"{what}: '{texts[bad].decode('latin-1')}' is too large for a number"
-        raise keyword.error(message, int(row[bad]))
+        keyword.refuse(
+            f"{what}: '{texts[bad].decode('latin-1')}' is too large for a number", int(row[bad])
+        )
     return values
 
 
@@ -171,8 +175,9 @@ def _check_letters(texts: Fields, allowed: Mask, keyword: Keyword, row: Indices,
     bad = ~(allowed[letters] | (letters == 0)).all(axis=1)
     if bad.any():
         first = int(bad.argmax())
-        message = f"{what}: '{texts[first].decode('latin-1')}' is not a number"
-        raise keyword.error(message, int(row[first]))
+        keyword.refuse(
+            f"{what}: '{texts[first].decode('latin-1')}' is not a number", int(row[first])
+        )
 
 
 def _unreadable_field(
@@ -192,8 +197,7 @@ def is_integer(text: str) -> bool:
 def integer(keyword: Keyword, row: int | None, text: str, what: str) -> int:
     """Return the value of one integer field."""
     if not is_integer(text):
-        message = f"found '{text}', expected {what}, a whole number"
-        raise keyword.error(message, row)
+        keyword.refuse(f"found '{text}', expected {what}, a whole number", row)
     return int(text)
 
 

@@ -72,8 +72,9 @@ def tied_slopes(
         row = next(iter(member.rows()), [])
         along = optional_real(member, 0, row, 1, stick, "the stick slope")
     if not (slope > 0 and along > 0):
-        message = f"its slopes are {slope:g} and {along:g} (*FRICTION); both must be positive"
-        raise keyword.error(message, 0)
+        keyword.refuse(
+            f"its slopes are {slope:g} and {along:g} (*FRICTION); both must be positive", 0
+        )
     missing = "" if friction else " (half of the largest E: CalculiX 2.20 asks for *FRICTION)"
     ignored.append(
         f"{name}, which is TIED: an elastic layer of slope {slope:g} and stick slope {along:g}"
@@ -88,18 +89,17 @@ def _read(keyword: Keyword, ignored: list[str]) -> DeckFriction:
     rows = keyword.rows()
     if laws or len(rows) > 1:
         what = laws[0] if laws else f"a table of {len(rows)} lines"
-        message = (
+        keyword.refuse(
             f"friction by {what} is not supported; give one line with one coefficient, or leave "
             'friction out by ignore = ["friction"]'
         )
-        raise keyword.error(message)
     coefficient = real(keyword, 0, rows[0][0], "a coefficient") if rows else 0.0
     if not 0 <= coefficient <= LARGEST_FRICTION and coefficient < _NO_SLIP:
-        message = (
+        keyword.refuse(
             f"the coefficient of friction is {coefficient:g}; give a number from 0 to "
-            f"{LARGEST_FRICTION:g}, or {_NO_SLIP:g} and more for surfaces that never slip"
+            f"{LARGEST_FRICTION:g}, or {_NO_SLIP:g} and more for surfaces that never slip",
+            0,
         )
-        raise keyword.error(message, 0)
     if coefficient > LARGEST_FRICTION:
         ignored.append(
             f"*FRICTION: a coefficient of {coefficient:g} forbids slip; it is {LARGEST_FRICTION:g} "
@@ -119,8 +119,7 @@ def _stiffness(keyword: Keyword, row: list[str], ignored: list[str]) -> float | 
     if keyword.has("SHEAR TRACTION SLOPE"):
         slope = real(keyword, None, keyword.required("SHEAR TRACTION SLOPE"), "the slope")
     if slope < 0:
-        message = f"the stick slope is {slope:g}; give a positive one, or none"
-        raise keyword.error(message)
+        keyword.refuse(f"the stick slope is {slope:g}; give a positive one, or none")
     if slope > 0:
         note = f"*FRICTION: the stick slope {slope:g} is the tangential penalty"
         ignored.append(note)

@@ -59,12 +59,10 @@ def read_general_contact(
     assigned = deck.of("CONTACT PROPERTY ASSIGNMENT")
     for keyword in everything:
         if keyword.rows():
-            message = "ALL EXTERIOR is of everything; list surfaces without it"
-            raise keyword.error(message)
+            keyword.refuse("ALL EXTERIOR is of everything; list surfaces without it")
     interaction = _interaction(assigned, interactions)
     if interaction is None:
-        message = "it needs *CONTACT PROPERTY ASSIGNMENT with one *SURFACE INTERACTION"
-        raise everything[0].error(message)
+        everything[0].refuse("it needs *CONTACT PROPERTY ASSIGNMENT with one *SURFACE INTERACTION")
     ignored.append(EVERYTHING)
     names = body_names(assembly.mesh)
     specs = (
@@ -118,16 +116,18 @@ def read_listed(
             sides = frozenset((slave.name, master.name))
             interaction = chosen.pop(sides, everywhere)
             if interaction is None:
-                message = "*CONTACT PROPERTY ASSIGNMENT gives this pair no *SURFACE INTERACTION"
-                raise keyword.error(message, row)
+                keyword.refuse(
+                    "*CONTACT PROPERTY ASSIGNMENT gives this pair no *SURFACE INTERACTION", row
+                )
             touching = GapRule(closed_up_to=0.0)
             pairs.append(interaction.between(keyword, row, (slave, master), touching))
     if pairs:
         ignored.append(LISTED)
     if pairs and chosen:
         names = " and ".join(sorted(next(iter(chosen))))
-        message = f"surfaces {names} have a property, but are no pair of *CONTACT INCLUSIONS"
-        raise deck.of("CONTACT PROPERTY ASSIGNMENT")[0].error(message)
+        deck.of("CONTACT PROPERTY ASSIGNMENT")[0].refuse(
+            f"surfaces {names} have a property, but are no pair of *CONTACT INCLUSIONS"
+        )
     return pairs
 
 
@@ -144,11 +144,11 @@ def _assigned(
         for row, fields in enumerate(keyword.rows()):
             name = fields[2].strip("\"' ").upper() if len(fields) == 3 else ""
             if name not in interactions or any(fields[:2]) != all(fields[:2]):
-                message = (
+                keyword.refuse(
                     f"found '{', '.join(fields)}', expected two surfaces, or none for all pairs, "
-                    "and the name of a *SURFACE INTERACTION"
+                    "and the name of a *SURFACE INTERACTION",
+                    row,
                 )
-                raise keyword.error(message, row)
             _check_opens(keyword, row, interactions[name])
             if any(fields[:2]):
                 sides = [find_surface(surfaces, keyword, text, row).name for text in fields[:2]]
@@ -160,8 +160,7 @@ def _assigned(
 
 def _check_opens(keyword: Keyword, row: int, interaction: Interaction) -> None:
     if interaction.tied:
-        message = "general contact that is TIED is not supported; give *TIE"
-        raise keyword.error(message, row)
+        keyword.refuse("general contact that is TIED is not supported; give *TIE", row)
 
 
 def _interaction(
@@ -174,11 +173,11 @@ def _interaction(
         for row, fields in enumerate(keyword.rows()):
             name = fields[2].strip("\"' ").upper() if len(fields) == 3 else ""
             if interaction is not None or any(fields[:2]) or name not in interactions:
-                message = (
+                keyword.refuse(
                     f"found '{', '.join(fields)}', expected one line ' , , name' of a *SURFACE "
-                    "INTERACTION; define *CONTACT PAIR where surfaces differ"
+                    "INTERACTION; define *CONTACT PAIR where surfaces differ",
+                    row,
                 )
-                raise keyword.error(message, row)
             interaction = interactions[name]
             _check_opens(keyword, row, interaction)
     return interaction

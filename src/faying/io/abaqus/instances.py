@@ -36,16 +36,14 @@ def instantiated(keywords: Sequence[Keyword]) -> list[Keyword]:
             end = _end(keywords, i)
             name = keyword.required("NAME").upper()
             if name in parts:
-                message = f"there are two parts '{name}'; rename one of them"
-                raise keyword.error(message)
+                keyword.refuse(f"there are two parts '{name}'; rename one of them")
             parts[name] = list(keywords[i + 1 : end])
             i = end
         elif keyword.name == "INSTANCE":
             end = _end(keywords, i)
             members, scope = _instance(keyword, keywords[i + 1 : end], parts)
             if scope.name.upper() in map(str.upper, names):
-                message = f"there are two instances '{scope.name}'; rename one of them"
-                raise keyword.error(message)
+                keyword.refuse(f"there are two instances '{scope.name}'; rename one of them")
             names.append(scope.name)
             result += [replace(member, scope=scope) for member in members]
             i = end
@@ -75,8 +73,7 @@ def _instance(
     name, part = keyword.required("NAME"), keyword.required("PART").upper()
     if part not in parts:
         names = ", ".join(parts) or "none"
-        message = f"there is no part '{part}'; known are {names}"
-        raise keyword.error(message)
+        keyword.refuse(f"there is no part '{part}'; known are {names}")
     rotation, translation = _position(keyword)
     scope = Scope(name=name, rotation=rotation, translation=translation)
     return [*parts[part], *keywords], scope
@@ -86,8 +83,7 @@ def _position(keyword: Keyword) -> tuple[Matrix, Vector]:
     """Rotation and translation of an instance: first moved, then turned about an axis."""
     rows = keyword.rows()
     if len(rows) > 2:
-        message = "found more than two data lines; expected a translation and a rotation"
-        raise keyword.error(message, 2)
+        keyword.refuse("found more than two data lines; expected a translation and a rotation", 2)
     rotation, shift = np.eye(3), np.zeros(3)
     if rows:
         shift = _numbers(keyword, 0, rows[0], 3, "a translation (3 numbers)")
@@ -96,8 +92,7 @@ def _position(keyword: Keyword) -> tuple[Matrix, Vector]:
         first, second, angle = values[:3], values[3:6], np.radians(values[6])
         length = float(np.linalg.norm(second - first))
         if not length > 0:
-            message = "the two points of the axis are the same"
-            raise keyword.error(message, 1)
+            keyword.refuse("the two points of the axis are the same", 1)
         rotation = _rotation((second - first) / length, float(angle))
         shift = rotation @ (shift - first) + first
     return rotation, shift
@@ -105,8 +100,7 @@ def _position(keyword: Keyword) -> tuple[Matrix, Vector]:
 
 def _numbers(keyword: Keyword, row: int, fields: list[str], count: int, what: str) -> Vector:
     if len(fields) != count:
-        message = f"found {len(fields)} fields, expected {what}"
-        raise keyword.error(message, row)
+        keyword.refuse(f"found {len(fields)} fields, expected {what}", row)
     return np.array([real(keyword, row, text, what) for text in fields])
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import NoReturn
 
 import numpy as np
 
@@ -73,6 +74,10 @@ class Keyword:
         """Return an error that names file, line and keyword; ``row`` is a data line."""
         return FormatError(f"{self.where(row)}: *{self.name}: {text}")
 
+    def refuse(self, text: str, row: int | None = None) -> NoReturn:
+        """Raise the error that names file, line and keyword."""
+        raise self.error(text, row)
+
     def has(self, name: str) -> bool:
         """Whether a parameter is given."""
         return without_blanks(name) in self.parameters
@@ -89,8 +94,7 @@ class Keyword:
         """Return the value of a parameter that must be there."""
         value = self.value(name)
         if not value:
-            message = f"the parameter {name} is missing; give {name}=…"
-            raise self.error(message)
+            self.refuse(f"the parameter {name} is missing; give {name}=…")
         return value
 
     def allow(self, *names: str) -> None:
@@ -99,10 +103,9 @@ class Keyword:
         for name in self.parameters:
             if name not in known_names:
                 allowed = f"known here are {', '.join(names)}" if names else "it takes none here"
-                message = (
+                self.refuse(
                     f"the parameter {name} is not supported and may change the structure; {allowed}"
                 )
-                raise self.error(message)
 
     def rows(self) -> list[list[str]]:
         """Return the data lines split into stripped fields; for small data."""

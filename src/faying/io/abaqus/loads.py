@@ -25,8 +25,7 @@ def operation(keyword: Keyword) -> bool:
     """
     wished = keyword.choice("OP", "MOD")
     if wished not in ("MOD", "NEW"):
-        message = f"OP={wished} is not known; give MOD or NEW"
-        raise keyword.error(message)
+        keyword.refuse(f"OP={wished} is not known; give MOD or NEW")
     return wished == "NEW"
 
 
@@ -91,10 +90,10 @@ def _is_imaginary(keyword: Keyword) -> bool:
 def _values(keyword: Keyword, dofs: Dofs) -> Iterator[tuple[tuple[int, int], float]]:
     for row, fields in enumerate(keyword.rows()):
         if len(fields) != 3:
-            message = (
-                f"found {len(fields)} fields, expected node or node set, degree of freedom, force"
+            keyword.refuse(
+                f"found {len(fields)} fields, expected node or node set, degree of freedom, force",
+                row,
             )
-            raise keyword.error(message, row)
         c = component(keyword, row, fields[1])
         value = real(keyword, row, fields[2], "a force")
         for node in dofs.find(keyword, row, fields[0]).tolist():

@@ -50,8 +50,9 @@ def with_lone_nodes(
             continue
         assembly, points = _points(assembly, pair)
         if not points:
-            message = f"no node of surface '{pair.slave.name}' lies above '{pair.master.name}'"
-            raise pair.keyword.error(message, pair.row)
+            pair.keyword.refuse(
+                f"no node of surface '{pair.slave.name}' lies above '{pair.master.name}'", pair.row
+            )
         replaced += points
         ignored.append(
             f"slave surface {pair.slave.name} has no whole facet: {len(points)} of its "

@@ -28,8 +28,7 @@ def read_masses(deck: Deck, elements: Elements, sets: NamedSets) -> Iterator[Poi
         ids = sets.find(keyword, keyword.required("ELSET")).tolist()
         again = [i for i in ids if i in (values if keyword.name == "MASS" else inertias)]
         if again:
-            message = f"element {again[0]} has a value already; remove one of them"
-            raise keyword.error(message)
+            keyword.refuse(f"element {again[0]} has a value already; remove one of them")
         if keyword.name == "MASS":
             values.update(dict.fromkeys(ids, _mass(keyword)))
         else:
@@ -37,8 +36,10 @@ def read_masses(deck: Deck, elements: Elements, sets: NamedSets) -> Iterator[Poi
     for block in elements.of("MASS", "ROTARYI"):
         for i, (number, node) in enumerate(zip(block.ids.tolist(), block.nodes[:, 0], strict=True)):
             if number not in (values if block.type == "MASS" else inertias):
-                message = f"element {number} has no *MASS or *ROTARY INERTIA; give its set one"
-                raise block.keyword.error(message, int(block.rows[i]))
+                block.keyword.refuse(
+                    f"element {number} has no *MASS or *ROTARY INERTIA; give its set one",
+                    int(block.rows[i]),
+                )
             if block.type == "MASS":
                 yield PointMass(id=number, node=int(node), mass=values[number])
             else:
@@ -49,12 +50,10 @@ def _mass(keyword: Keyword) -> float:
     keyword.allow("ELSET", "TYPE")
     rows = keyword.rows()
     if keyword.choice("TYPE", "ISOTROPIC") != "ISOTROPIC" or len(rows) != 1 or len(rows[0]) != 1:
-        message = "expected one data line with one mass; anisotropic masses are not supported"
-        raise keyword.error(message)
+        keyword.refuse("expected one data line with one mass; anisotropic masses are not supported")
     value = real(keyword, 0, rows[0][0], "a mass")
     if value < 0:
-        message = f"the mass is {value:g}; it must not be negative"
-        raise keyword.error(message, 0)
+        keyword.refuse(f"the mass is {value:g}; it must not be negative", 0)
     return value
 
 
@@ -62,16 +61,14 @@ def _inertia(keyword: Keyword) -> Tensor:
     keyword.allow("ELSET")
     rows = keyword.rows()
     if len(rows) != 1 or not 3 <= len(rows[0]) <= 6:
-        message = "expected one data line with I11, I22, I33, I12, I13, I23"
-        raise keyword.error(message)
+        keyword.refuse("expected one data line with I11, I22, I33, I12, I13, I23")
     xx, yy, zz, xy, xz, yz = (
         optional_real(keyword, 0, rows[0], i, 0.0, "an inertia") for i in range(6)
     )
     tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     turned = keyword.scope.rotation @ tensor @ keyword.scope.rotation.T
     if np.linalg.eigvalsh(tensor).min() < 0:
-        message = "the inertia has a negative principal value; check its signs"
-        raise keyword.error(message, 0)
+        keyword.refuse("the inertia has a negative principal value; check its signs", 0)
     first, second, third = ((float(a), float(b), float(c)) for a, b, c in turned)
     return (first, second, third)
 

@@ -68,8 +68,7 @@ def read_materials(
         head.allow("NAME")
         name = head.required("NAME")
         if name.upper() in materials:
-            message = f"there are two materials '{name}'; rename one of them"
-            raise head.error(message)
+            head.refuse(f"there are two materials '{name}'; rename one of them")
         elastic, law, density, expansion = None, None, 0.0, None
         for member in members:
             if _is_anisotropic(member):
@@ -87,8 +86,9 @@ def read_materials(
         if any(not _is_anisotropic(member) for member in tables):
             ignored.append(f"tables of material {name}: taken at the temperature {temperature:g}")
         if elastic is None and law is None:
-            message = f"material '{name}' has no *ELASTIC; add Young's modulus and Poisson's ratio"
-            raise head.error(message)
+            head.refuse(
+                f"material '{name}' has no *ELASTIC; add Young's modulus and Poisson's ratio"
+            )
         try:
             materials[name.upper()] = (
                 Material(
@@ -123,8 +123,7 @@ def read_expansions(deck: Deck, ignored: list[str]) -> dict[str, Expansion]:
         name = head.required("NAME")
         for member in (entry for entry in members if entry.name == "EXPANSION"):
             if deck.of("TEMPERATURE") and any(map(_is_anisotropic, members)):
-                message = f"material '{name}' is anisotropic; only isotropic ones expand here"
-                raise member.error(message)
+                member.refuse(f"material '{name}' is anisotropic; only isotropic ones expand here")
             if deck.of("TEMPERATURE"):
                 expansions[name.upper()] = read_expansion(member)
             else:
@@ -164,16 +163,13 @@ def _at(
         optional_real(keyword, i, row, column, 0.0, "a temperature") for i, row in enumerate(rows)
     ]
     if any(upper <= lower for lower, upper in pairwise(places)):
-        message = "the temperatures do not increase; sort them"
-        raise keyword.error(message, 1)
+        keyword.refuse("the temperatures do not increase; sort them", 1)
     return float(np.interp(degrees, places, values))
 
 
 def _check_rows(keyword: Keyword, rows: list[list[str]], width: int, expected: str) -> None:
     if not rows:
-        message = f"expected {expected} on a data line"
-        raise keyword.error(message)
+        keyword.refuse(f"expected {expected} on a data line")
     wide = next((i for i, row in enumerate(rows) if len(row) > width), None)
     if wide is not None:
-        message = f"found {len(rows[wide])} fields, expected {expected}"
-        raise keyword.error(message, wide)
+        keyword.refuse(f"found {len(rows[wide])} fields, expected {expected}", wide)

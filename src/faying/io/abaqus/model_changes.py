@@ -44,12 +44,10 @@ def without_removed(
             for label in (text for text in fields if text):
                 ids = sets.members(keyword, label, row)
                 if not np.isin(ids, all_ids).all():
-                    message = f"there is no element {label}; correct the id"
-                    raise keyword.error(message, row)
+                    keyword.refuse(f"there is no element {label}; correct the id", row)
                 parts.append(ids)
         if np.isin(all_ids, np.concatenate([np.empty(0, dtype=np.int64), *parts])).all():
-            message = "it removes all elements; nothing remains"
-            raise keyword.error(message)
+            keyword.refuse("it removes all elements; nothing remains")
     if not parts:
         return elements, sets
     gone = np.unique(np.concatenate(parts))
@@ -76,8 +74,7 @@ def without_removed_pairs(
         for row, fields in enumerate(keyword.rows()):
             named = [pair for pair in pairs if _sides(pair) == [text.upper() for text in fields]]
             if not named:
-                message = "no *CONTACT PAIR has these surfaces as slave and master"
-                raise keyword.error(message, row)
+                keyword.refuse("no *CONTACT PAIR has these surfaces as slave and master", row)
             if keyword.has("REMOVE"):
                 remaining = [pair for pair in remaining if pair not in named]
                 ignored.append(

@@ -69,8 +69,7 @@ def _definitions(keyword: Keyword) -> Iterator[tuple[int, str, list[str]]]:
             continue
         if kind not in _KNOWN:
             remedy = _REMEDIES.get(kind, "write *EQUATION")
-            message = f"type {kind} is not supported ({', '.join(_KNOWN)} are); {remedy}"
-            raise keyword.error(message, row)
+            keyword.refuse(f"type {kind} is not supported ({', '.join(_KNOWN)} are); {remedy}", row)
         definitions.append((row, kind, fields[1:]))
     return iter(definitions)
 
@@ -110,8 +109,9 @@ def _terms(keyword: Keyword, row: int, kind: str, fields: list[str], dofs: Dofs)
 
 def _check_two(keyword: Keyword, row: int, kind: str, fields: list[str]) -> None:
     if len(fields) != 2:
-        message = f"found {len(fields) + 1} fields, expected {kind}, dependent node or set, node"
-        raise keyword.error(message, row)
+        keyword.refuse(
+            f"found {len(fields) + 1} fields, expected {kind}, dependent node or set, node", row
+        )
 
 
 def _mean_rotation(keyword: Keyword, row: int, nodes: list[int], points: Matrix) -> Terms:
@@ -119,13 +119,13 @@ def _mean_rotation(keyword: Keyword, row: int, nodes: list[int], points: Matrix)
     turning, turned = nodes[-1:], nodes[:-1]
     distinct = np.array(turned[::3], dtype=np.int64)
     if len(turned) % 3 or not turned or not np.array_equal(np.repeat(distinct, 3), turned):
-        message = "expected MEANROT, each node three times, and the node of the rotation"
-        raise keyword.error(message, row)
+        keyword.refuse("expected MEANROT, each node three times, and the node of the rotation", row)
     axis = points[turning[0]]
     length = float(np.linalg.norm(axis))
     if not length > 0:
-        message = "the coordinates of the last node are the axis of rotation; they are zero"
-        raise keyword.error(message, row)
+        keyword.refuse(
+            "the coordinates of the last node are the axis of rotation; they are zero", row
+        )
     axis = axis / length
     arms = points[distinct] - points[distinct].mean(axis=0)
     spread = float(np.sqrt((arms**2).sum(axis=1).mean()))
@@ -133,8 +133,9 @@ def _mean_rotation(keyword: Keyword, row: int, nodes: list[int], points: Matrix)
     squared = (across**2).sum(axis=1)
     counted = squared > _ON_AXIS * spread
     if not counted.any():
-        message = "all nodes lie on the axis of rotation; they must span a rotation about it"
-        raise keyword.error(message, row)
+        keyword.refuse(
+            "all nodes lie on the axis of rotation; they must span a rotation about it", row
+        )
     gradients = np.zeros_like(arms)
     gradients[counted] = np.cross(axis, across[counted]) / squared[counted, None]
     gradients -= gradients.mean(axis=0)
@@ -146,16 +147,14 @@ def _plane(keyword: Keyword, row: int, nodes: list[int], points: Matrix) -> Iter
     """All nodes stay on one plane, which is said by the three of them that lie farthest apart."""
     nodes = list(dict.fromkeys(nodes))
     if len(nodes) < 4:
-        message = f"found {len(nodes)} nodes, expected four or more that stay on a plane"
-        raise keyword.error(message, row)
+        keyword.refuse(f"found {len(nodes)} nodes, expected four or more that stay on a plane", row)
     basis = _farthest(nodes, points)
     a, b, c = (points[node] for node in basis)
     first, second = a - c, b - c
     normal = np.cross(first, second)
     size = float(np.linalg.norm(normal))
     if not size > _OFF * float(np.linalg.norm(first) * np.linalg.norm(second)):
-        message = "all nodes lie on one line; they must span a plane"
-        raise keyword.error(message, row)
+        keyword.refuse("all nodes lie on one line; they must span a plane", row)
     for node in (candidate for candidate in nodes if candidate not in basis):
         arm = points[node] - c
         _check_on(keyword, row, abs(float(normal @ arm)) / size, arm, "plane of the others")
@@ -168,14 +167,12 @@ def _straight(keyword: Keyword, row: int, nodes: list[int], points: Matrix) -> I
     """All nodes stay on one line, which is said by the two of them that lie farthest apart."""
     nodes = list(dict.fromkeys(nodes))
     if len(nodes) < 3:
-        message = f"found {len(nodes)} nodes, expected three or more that stay on a line"
-        raise keyword.error(message, row)
+        keyword.refuse(f"found {len(nodes)} nodes, expected three or more that stay on a line", row)
     a, b = basis = _farthest(nodes, points)[:2]
     along = points[b] - points[a]
     along_axis = int(np.abs(along).argmax())
     if not np.abs(along).max() > 0:
-        message = "all nodes coincide; they must span a line"
-        raise keyword.error(message, row)
+        keyword.refuse("all nodes coincide; they must span a line", row)
     others = [c for c in range(3) if c != along_axis]
     for node in (candidate for candidate in nodes if candidate not in basis):
         arm = points[node] - points[a]
@@ -199,10 +196,10 @@ def _farthest(nodes: list[int], points: Matrix) -> list[int]:
 
 def _check_on(keyword: Keyword, row: int, distance: float, arm: Vector, where: str) -> None:
     if distance > _OFF * float(np.linalg.norm(arm)):
-        message = (
-            f"a node is {distance:.3g} off the {where}; place it there, for it is not moved to it"
+        keyword.refuse(
+            f"a node is {distance:.3g} off the {where}; place it there, for it is not moved to it",
+            row,
         )
-        raise keyword.error(message, row)
 
 
 def _of(nodes: list[int], vectors: Matrix) -> list[tuple[int, int, float]]:

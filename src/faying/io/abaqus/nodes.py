@@ -31,8 +31,10 @@ class Nodes:
         wrong = np.flatnonzero(self.ids[index] != ids)
         if wrong.size:
             shown = int(ids[wrong[0]]) - keyword.scope.offset
-            message = f"there is no node {shown}; define it under *NODE or correct the id"
-            raise keyword.error(message, int(rows[wrong[0]]))
+            keyword.refuse(
+                f"there is no node {shown}; define it under *NODE or correct the id",
+                int(rows[wrong[0]]),
+            )
         return index
 
 
@@ -65,8 +67,10 @@ def read_nodes(deck: Deck, ignored: list[str]) -> Nodes:
         position = int(order[again[0] + 1])
         block = int(np.searchsorted(np.cumsum([len(i) for i in ids]), position, side="right"))
         row = position - sum(len(i) for i in ids[:block])
-        message = f"node {all_ids[position]} is defined twice; remove one definition"
-        raise owners[block].error(message, int(rows[block][row]))
+        owners[block].refuse(
+            f"node {all_ids[position]} is defined twice; remove one definition",
+            int(rows[block][row]),
+        )
     return Nodes(ids=all_ids[order], coordinates=points[order])
 
 
@@ -75,8 +79,7 @@ def _node_block(
 ) -> tuple[Indices, Matrix, Indices]:
     keyword.allow("NSET", "SYSTEM", "INPUT")
     if keyword.has("INPUT"):
-        message = "INPUT= is not supported; use *INCLUDE, INPUT=… below *NODE"
-        raise keyword.error(message)
+        keyword.refuse("INPUT= is not supported; use *INCLUDE, INPUT=… below *NODE")
     expected = "id, x, y, z"
     columns, counts = table(keyword).columns(1, 7, f"{expected}, and a normal at most")
     if (counts > 4).any():
@@ -95,8 +98,7 @@ def _node_block(
     rows = np.arange(len(keyword.data), dtype=np.int64)
     ids = integers(columns[0], keyword, rows, "a node id")
     if ids.size and ids.min() < 1:
-        message = f"node id {ids.min()}; ids are positive"
-        raise keyword.error(message, int(ids.argmin()))
+        keyword.refuse(f"node id {ids.min()}; ids are positive", int(ids.argmin()))
     points = np.column_stack([reals(c, keyword, rows, "a coordinate") for c in columns[1:4]])
     points = _cartesian(keyword, points)
     if system is not None:
@@ -138,7 +140,8 @@ def _system(keyword: Keyword) -> tuple[Matrix, Vector] | None:
     z = np.cross(x, y)
     lengths = np.linalg.norm(x), np.linalg.norm(z)
     if len(rows) > 2 or not min(lengths) > 0:
-        message = "expected the origin and a point on the x axis, then a point in the x-y plane"
-        raise keyword.error(message, 0)
+        keyword.refuse(
+            "expected the origin and a point on the x axis, then a point in the x-y plane", 0
+        )
     x, z = x / lengths[0], z / lengths[1]
     return np.stack([x, np.cross(z, x), z]), origin

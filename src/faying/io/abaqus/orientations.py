@@ -32,8 +32,9 @@ def distributed_axes(
         return _axes(orientation), []
     default, *others = tables[-1].rows()
     if len(rows) > 1 or not default or default[0]:
-        message = "expected a first line without an element, and no turn behind the distribution"
-        raise tables[-1].error(message)
+        tables[-1].refuse(
+            "expected a first line without an element, and no turn behind the distribution"
+        )
     return _spanned(tables[-1], 0, default[1:]), [
         (sets.members(tables[-1], row[0], i), _spanned(tables[-1], i, row[1:]))
         for i, row in enumerate(others, start=1)
@@ -56,16 +57,14 @@ def orientation_at(deck: Deck, keyword: Keyword, points: Matrix, ignored: list[s
     orientation.allow("NAME", "SYSTEM", "DEFINITION")
     rows = orientation.rows()
     if not rows or not 5 <= len(rows[0]) <= 6:
-        message = "expected a line with the coordinates of two points of the axis"
-        raise orientation.error(message)
+        orientation.refuse("expected a line with the coordinates of two points of the axis")
     values = np.array(
         [optional_real(orientation, 0, rows[0], i, 0.0, "a coordinate") for i in range(6)]
     )
     axis = values[3:] - values[:3]
     length = float(np.linalg.norm(axis))
     if not length > 0:
-        message = "the two points of the axis coincide"
-        raise orientation.error(message, 0)
+        orientation.refuse("the two points of the axis coincide", 0)
     axis = axis / length
     arms = points - values[:3]
     radial = arms - np.outer(arms @ axis, axis)
@@ -98,8 +97,7 @@ def _find(deck: Deck, keyword: Keyword) -> Keyword:
     orientations = [k for k in deck.of("ORIENTATION") if k.value("NAME").upper() == name.upper()]
     if not orientations:
         names = ", ".join(k.value("NAME") for k in deck.of("ORIENTATION")) or "none"
-        message = f"there is no orientation '{name}'; known are {names}"
-        raise keyword.error(message)
+        keyword.refuse(f"there is no orientation '{name}'; known are {names}")
     return orientations[-1]
 
 
@@ -107,15 +105,16 @@ def _axes(keyword: Keyword) -> Matrix:
     keyword.allow("NAME", "SYSTEM", "DEFINITION")
     system = keyword.choice("SYSTEM", "RECTANGULAR")
     if system not in ("R", "RECTANGULAR"):
-        message = f"SYSTEM={system} is not supported; RECTANGULAR is"
-        raise keyword.error(message)
+        keyword.refuse(f"SYSTEM={system} is not supported; RECTANGULAR is")
     if keyword.choice("DEFINITION", "COORDINATES") != "COORDINATES":
-        message = f"DEFINITION={keyword.choice('DEFINITION')} is not supported; give coordinates"
-        raise keyword.error(message)
+        keyword.refuse(
+            f"DEFINITION={keyword.choice('DEFINITION')} is not supported; give coordinates"
+        )
     rows = keyword.rows()
     if not 1 <= len(rows) <= 2 or not 6 <= len(rows[0]) <= 9:
-        message = "expected a line with the coordinates of points a and b, and one with a turn"
-        raise keyword.error(message)
+        keyword.refuse(
+            "expected a line with the coordinates of points a and b, and one with a turn"
+        )
     axes = _spanned(keyword, 0, rows[0])
     return axes if len(rows) == 1 else _turned(keyword, rows[1], axes)
 
@@ -129,8 +128,7 @@ def _spanned(keyword: Keyword, row: int, fields: list[str]) -> Matrix:
     third = np.cross(first, second)
     lengths = np.linalg.norm(first) * np.linalg.norm(second)
     if not (np.isfinite(lengths) and np.linalg.norm(third) > _DEGENERATE * lengths):
-        message = "points a and b lie on one line with the origin; they must span a plane"
-        raise keyword.error(message)
+        keyword.refuse("points a and b lie on one line with the origin; they must span a plane")
     x, z = first / np.linalg.norm(first), third / np.linalg.norm(third)
     return np.stack([x, np.cross(z, x), z])
 
@@ -139,8 +137,7 @@ def _turned(keyword: Keyword, row: list[str], axes: Matrix) -> Matrix:
     """Turn two of the axes about the third."""
     about = integer(keyword, 1, row[0], "an axis 1, 2 or 3") - 1
     if len(row) != 2 or about not in (0, 1, 2):
-        message = "expected an axis, 1, 2 or 3, and an angle in degrees"
-        raise keyword.error(message, 1)
+        keyword.refuse("expected an axis, 1, 2 or 3, and an angle in degrees", 1)
     angle = np.radians(real(keyword, 1, row[1], "an angle"))
     j, k = (about + 1) % 3, (about + 2) % 3
     result = axes.copy()

@@ -52,8 +52,7 @@ def read_behaviour(
 def _surface_behavior(keyword: Keyword, abaqus: bool, ignored: list[str]) -> Normal:
     keyword.allow("PRESSURE-OVERCLOSURE", *_FLAGS)
     if keyword.has("NO SEPARATION"):
-        message = "NO SEPARATION is not supported; faying's contact opens"
-        raise keyword.error(message)
+        keyword.refuse("NO SEPARATION is not supported; faying's contact opens")
     ignored += [
         f"{flag} of *SURFACE BEHAVIOR: faying enforces contact in its own way"
         for flag in _FLAGS
@@ -66,18 +65,15 @@ def _surface_behavior(keyword: Keyword, abaqus: bool, ignored: list[str]) -> Nor
     if kind in ("EXPONENTIAL", "TABULAR"):
         return _curve(keyword, kind, abaqus)
     if kind != "LINEAR":
-        message = (
+        keyword.refuse(
             f"PRESSURE-OVERCLOSURE={kind} is not supported; give LINEAR (a slope), TABULAR, "
             "EXPONENTIAL or HARD"
         )
-        raise keyword.error(message)
     if len(rows) != 1 or not 1 <= len(rows[0]) <= 3:
-        message = "expected one data line with the slope (pressure per overclosure)"
-        raise keyword.error(message)
+        keyword.refuse("expected one data line with the slope (pressure per overclosure)")
     slope = real(keyword, 0, rows[0][0], "the slope")
     if not slope > 0:
-        message = f"the slope is {slope:g}; it must be positive"
-        raise keyword.error(message, 0)
+        keyword.refuse(f"the slope is {slope:g}; it must be positive", 0)
     for column in range(1, len(rows[0])):
         # CalculiX: tension at large clearance and its range, for node-to-surface contact only.
         optional_real(keyword, 0, rows[0], column, 0.0, "a number")
@@ -101,8 +97,9 @@ def _curve(keyword: Keyword, kind: str, abaqus: bool) -> Curve:
     ]
     pairs = 1 if kind == "EXPONENTIAL" else max(len(rows), 2)
     if len(rows) != pairs or any(len(row) != 2 for row in rows):
-        message = f"{kind} needs {'one line' if pairs == 1 else 'two lines or more'} of two numbers"
-        raise keyword.error(message)
+        keyword.refuse(
+            f"{kind} needs {'one line' if pairs == 1 else 'two lines or more'} of two numbers"
+        )
     try:
         if kind == "TABULAR":
             pressures, closures = zip(*rows, strict=True)

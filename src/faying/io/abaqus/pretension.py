@@ -54,8 +54,9 @@ class Section:
             If the surface has no facets.
         """
         if not surface.facets:
-            message = f"surface '{surface.name}' has no facets; give a TYPE=ELEMENT surface"
-            raise self.keyword.error(message)
+            self.keyword.refuse(
+                f"surface '{surface.name}' has no facets; give a TYPE=ELEMENT surface"
+            )
         return solid_cuts.Section(
             name=self.name,
             shown=f"surface '{surface.name}'",
@@ -79,14 +80,12 @@ def read_sections(deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets) -
         keyword.allow("SURFACE", "ELEMENT", "NODE")
         node = dofs.one(keyword, None, keyword.required("NODE"), "the pretension node")
         if keyword.has("SURFACE") == keyword.has("ELEMENT"):
-            message = "give either SURFACE= or ELEMENT="
-            raise keyword.error(message)
+            keyword.refuse("give either SURFACE= or ELEMENT=")
         if any(section.node == node for section in sections):
-            message = (
+            keyword.refuse(
                 f"the pretension node {keyword.value('NODE')} belongs to another section too, "
                 "which would share its force; give each section a node of its own"
             )
-            raise keyword.error(message)
         element = _beam(keyword, elements, sets) if keyword.has("ELEMENT") else None
         surface = keyword.value("SURFACE")
         label = keyword.value("NODE")
@@ -102,10 +101,9 @@ def read_sections(deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets) -
             )
         )
         if any(section.name == plain for section in sections[:-1]):
-            message = (
+            keyword.refuse(
                 f"there are two pretension sections '{plain}'; use different surfaces or nodes"
             )
-            raise keyword.error(message)
     return sections
 
 
@@ -114,8 +112,9 @@ def _direction(keyword: Keyword) -> tuple[float, ...] | None:
     if not rows:
         return None
     if len(rows) > 1 or len(rows[0]) != 3:
-        message = "expected at most one data line with the direction of the section: three numbers"
-        raise keyword.error(message, 0)
+        keyword.refuse(
+            "expected at most one data line with the direction of the section: three numbers", 0
+        )
     return tuple(real(keyword, 0, text, "a direction") for text in rows[0])
 
 
@@ -124,8 +123,7 @@ def _beam(keyword: Keyword, elements: Elements, sets: NamedSets) -> int:
     beams = elements.of(*TYPES)
     beam_ids = {i for block in beams for i in block.ids.tolist()}
     if len(members) != 1 or int(members[0]) not in beam_ids:
-        message = f"ELEMENT={keyword.value('ELEMENT')} is not one beam element"
-        raise keyword.error(message)
+        keyword.refuse(f"ELEMENT={keyword.value('ELEMENT')} is not one beam element")
     return int(members[0])
 
 
@@ -142,8 +140,9 @@ def beam_senses(
             for start, *_, end in block.nodes[block.ids == section.element].tolist():
                 cosine = float(np.dot(section.direction, coordinates[end] - coordinates[start]))
                 if cosine == 0.0:
-                    message = "the direction is zero or lies across the beam; give the beam's"
-                    raise section.keyword.error(message, 0)
+                    section.keyword.refuse(
+                        "the direction is zero or lies across the beam; give the beam's", 0
+                    )
                 senses[section.name] = float(np.sign(cosine))
     return senses
 
@@ -187,13 +186,12 @@ def preloads(
         if value is None or not value >= 0:
             problem = "has no force" if value is None else f"has the compressive force {value:g}"
             when = f"at the end of step {last}" if last > 0 else "in front of the first step"
-            message = (
+            section.keyword.refuse(
                 f"the section '{section.name}' {problem} {when}, where it is "
                 f"{'locked' if section.node in holds.since else 'read'}; give its pretension node "
                 "a *CLOAD in direction 1, positive for tension along the direction of the section, "
                 "or a displacement by *BOUNDARY; *BOUNDARY, FIXED in the next step locks it"
             )
-            raise section.keyword.error(message)
         bolt_forces[section.name] = value
     return bolt_forces
 
@@ -269,12 +267,11 @@ def initial_forces(
         if np.isnan(closed):
             continue
         if closed < 0:
-            message = (
+            section.keyword.refuse(
                 f"the section '{section.name}' is pressed apart by the displacement {closed:g} of "
                 "its pretension node; give one that is positive for tension along the direction of "
                 "the section, or a *CLOAD"
             )
-            raise section.keyword.error(message)
         element = bolt_axis_element(assembly, bolt)
         forces[bolt.name] = axial_stiffness(assembly, element) * closed + 0.0
     return forces

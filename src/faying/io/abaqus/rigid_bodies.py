@@ -54,8 +54,7 @@ def _turning(deck: Deck, nodes: Nodes, sets: NamedSets) -> list[tuple[int, int]]
             rotation = plain.one(keyword, None, keyword.required("ROT NODE"), what)
             reference = _reference(keyword, plain, _named_nodes(keyword, plain))
             if rotation == reference:
-                message = "the rotation node must be another one than the reference node"
-                raise keyword.error(message)
+                keyword.refuse("the rotation node must be another one than the reference node")
             pairs.append((reference, rotation))
     return pairs
 
@@ -74,12 +73,12 @@ def read_rigid_bodies(
     for keyword in deck.of("RIGID BODY"):
         keyword.allow("NSET", "ELSET", "REF NODE", "ROT NODE", "PIN NSET", "TIE NSET", "POSITION")
         if keyword.choice("POSITION", "INPUT") != "INPUT":
-            message = "POSITION=CENTER OF MASS is not supported; place the reference node yourself"
-            raise keyword.error(message)
+            keyword.refuse(
+                "POSITION=CENTER OF MASS is not supported; place the reference node yourself"
+            )
         groups = _groups(keyword, dofs, elements, by_element)
         if not sum(len(nodes) for nodes, _ in groups):
-            message = "it names no nodes; give NSET=, ELSET=, PIN NSET= or TIE NSET="
-            raise keyword.error(message)
+            keyword.refuse("it names no nodes; give NSET=, ELSET=, PIN NSET= or TIE NSET=")
         reference = _reference(keyword, dofs, groups)
         for nodes, components in groups:
             others = nodes[nodes != reference]

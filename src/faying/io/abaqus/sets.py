@@ -56,8 +56,7 @@ class NamedSets:
         key = self.key(keyword, label)
         if key is None:
             names = ", ".join(list(self.names.values())[:8]) or "none"
-            message = f"there is no {self.what} '{label}'; known are {names}"
-            raise keyword.error(message, row)
+            keyword.refuse(f"there is no {self.what} '{label}'; known are {names}", row)
         return self.ids[key]
 
     def indices(self, nodes: Nodes) -> dict[str, Indices]:
@@ -109,8 +108,7 @@ class _Builder:
             inner = next((option for option in options if option in self.parts), None)
             if inner is None or inner in (*path, key) or len(path) > 50:
                 problem = "does not exist" if inner is None else "contains itself"
-                message = f"the {self.what} '{label}' {problem}; correct the name"
-                raise keyword.error(message, row)
+                keyword.refuse(f"the {self.what} '{label}' {problem}; correct the name", row)
             parts.append(self._resolve(inner, done, (*path, key)))
         joined = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *parts]))
         done[key] = frozen(joined, np.int64)
@@ -192,8 +190,7 @@ def _explicit(
             single = np.array([int(tail) + scope])
             builder.parts[key].append((keyword, single))
         elif not label or label[0] in "+-.0123456789":
-            message = f"found '{label}', expected ids or names of sets"
-            raise keyword.error(message, row)
+            keyword.refuse(f"found '{label}', expected ids or names of sets", row)
         else:
             inside = f"{keyword.value('INSTANCE')}.{label}" if keyword.has("INSTANCE") else label
             builder.nested[key].append((keyword, row, inside))
@@ -229,11 +226,11 @@ def _generated(
         wrong = np.flatnonzero((last - first) % step != 0)
     if wrong.size:
         bad = int(wrong[0])
-        message = (
+        keyword.refuse(
             f"{first[bad]} to {last[bad]} in steps of {step[bad]} does not work out; the last id "
-            "must be reached from the first"
+            "must be reached from the first",
+            bad,
         )
-        raise keyword.error(message, bad)
     ids = []
     for row, (a, b, s) in enumerate(zip(first + offset, last + offset, step, strict=True)):
         part = known_ids[
@@ -242,8 +239,9 @@ def _generated(
         part = part[(part - a) % s == 0]
         if not len(part) or part[0] != a or part[-1] != b:
             missing = a if not len(part) or part[0] != a else b
-            message = f"the range starts or ends at {missing - offset}, which does not exist"
-            raise keyword.error(message, row)
+            keyword.refuse(
+                f"the range starts or ends at {missing - offset}, which does not exist", row
+            )
         ids.append(part)
     joined = np.concatenate([np.empty(0, dtype=np.int64), *ids])
     return joined, np.repeat(rows, [len(part) for part in ids])
@@ -255,5 +253,6 @@ def _check_known(
     missing = np.flatnonzero(~np.isin(ids, known_ids))
     if missing.size:
         bad = int(missing[0])
-        message = f"there is no {what} {ids[bad] - keyword.scope.offset}; correct the set"
-        raise keyword.error(message, int(rows[bad]))
+        keyword.refuse(
+            f"there is no {what} {ids[bad] - keyword.scope.offset}; correct the set", int(rows[bad])
+        )

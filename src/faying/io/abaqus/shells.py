@@ -96,8 +96,10 @@ def read_shells(
         start += len(block.ids)
         lost = missing[(missing >= rows.start) & (missing < rows.stop)]
         if lost.size:
-            message = f"shell {ids[lost[0]]} has no *SHELL SECTION; give its set one"
-            raise block.keyword.error(message, int(block.rows[lost[0] - rows.start]))
+            block.keyword.refuse(
+                f"shell {ids[lost[0]]} has no *SHELL SECTION; give its set one",
+                int(block.rows[lost[0] - rows.start]),
+            )
         blocks.append(
             ShellBlock(
                 kind=SHELL_TYPES[block.type][0],
@@ -119,12 +121,10 @@ def read_shells(
 def _thickness(keyword: Keyword) -> float:
     rows = keyword.rows()
     if len(rows) != 1:
-        message = f"found {len(rows)} data lines, expected one with the thickness"
-        raise keyword.error(message)
+        keyword.refuse(f"found {len(rows)} data lines, expected one with the thickness")
     thickness = real(keyword, 0, rows[0][0], "a thickness")
     if not thickness > 0:
-        message = f"the thickness is {thickness:g}; it must be positive"
-        raise keyword.error(message, 0)
+        keyword.refuse(f"the thickness is {thickness:g}; it must be positive", 0)
     return thickness
 
 

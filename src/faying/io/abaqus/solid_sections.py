@@ -28,11 +28,10 @@ def find_isotropic(materials: Mapping[str, Material], keyword: Keyword) -> Mater
     """
     material = find_material(materials, keyword)
     if material.law is not None:
-        message = (
+        keyword.refuse(
             f"material '{material.name}' is anisotropic; beams, trusses and shells are isotropic "
             "here"
         )
-        raise keyword.error(message)
     return material
 
 
@@ -47,8 +46,7 @@ def find_material(materials: Mapping[str, Material], keyword: Keyword) -> Materi
     name = keyword.required("MATERIAL")
     if name.upper() not in materials:
         names = ", ".join(material.name for material in materials.values()) or "none"
-        message = f"there is no material '{name}'; known are {names}"
-        raise keyword.error(message)
+        keyword.refuse(f"there is no material '{name}'; known are {names}")
     return materials[name.upper()]
 
 
@@ -95,16 +93,16 @@ def read_solid_sections(
                 section[chosen & np.isin(ids, members)] = new_number
                 used[new_number] = replace(material, law=turned(law, along))
         if used[number].law is not None and (chosen & reduced).any():
-            message = (
+            keyword.refuse(
                 f"material '{used[number].name}' is anisotropic; the hourglass stiffness of C3D8R "
                 "is isotropic, take C3D8I"
             )
-            raise keyword.error(message)
     missing = np.flatnonzero(section == 0)
     if missing.size:
         block, row = _place(elements.solids, int(missing[0]))
-        message = f"element {ids[missing[0]]} has no *SOLID SECTION; give its set one"
-        raise block.keyword.error(message, row)
+        block.keyword.refuse(
+            f"element {ids[missing[0]]} has no *SOLID SECTION; give its set one", row
+        )
     return tuple(cells(elements.solids, section, _reduced(deck))), used
 
 

@@ -29,16 +29,16 @@ def read_springs(
         keyword.allow("ELSET")
         for element_id in sets.find(keyword, keyword.required("ELSET")).tolist():
             if element_id in stiffness:
-                message = f"spring {element_id} has a stiffness already; remove one of them"
-                raise keyword.error(message)
+                keyword.refuse(f"spring {element_id} has a stiffness already; remove one of them")
             stiffness[element_id] = keyword
     springs: list[Spring] = []
     bushes: list[Bush] = []
     for block in elements.of("SPRING1", "SPRING2", "SPRINGA"):
         for i, element_id in enumerate(block.ids.tolist()):
             if element_id not in stiffness:
-                message = f"spring {element_id} has no *SPRING; give its set one"
-                raise block.keyword.error(message, int(block.rows[i]))
+                block.keyword.refuse(
+                    f"spring {element_id} has no *SPRING; give its set one", int(block.rows[i])
+                )
             spring = _spring(block, i, stiffness[element_id], coordinates)
             if isinstance(spring, Bush):
                 bushes.append(spring)
@@ -50,15 +50,15 @@ def read_springs(
 def _spring(block: ElementBlock, i: int, keyword: Keyword, coordinates: Matrix) -> Spring | Bush:
     rows = keyword.rows()
     if len(rows) != 2 and not (block.type == "SPRINGA" and len(rows) == 1):
-        message = (
+        keyword.refuse(
             f"found {len(rows)} data lines, expected the degrees of freedom (blank for SPRINGA) "
             "and one stiffness; nonlinear springs are not supported"
         )
-        raise keyword.error(message)
     value = real(keyword, len(rows) - 1, rows[-1][0], "a stiffness")
     if any(rows[-1][1:]):
-        message = "a stiffness that depends on frequency or temperature is not supported"
-        raise keyword.error(message, len(rows) - 1)
+        keyword.refuse(
+            "a stiffness that depends on frequency or temperature is not supported", len(rows) - 1
+        )
     nodes = block.nodes[i].tolist()
     if block.type == "SPRINGA":
         axis = _axis(block, i, coordinates)
@@ -68,8 +68,9 @@ def _spring(block: ElementBlock, i: int, keyword: Keyword, coordinates: Matrix) 
     else:
         expected = len(nodes)
         if len(rows[0]) != expected:
-            message = f"found {len(rows[0])} degrees of freedom, {block.type} needs {expected}"
-            raise keyword.error(message, 0)
+            keyword.refuse(
+                f"found {len(rows[0])} degrees of freedom, {block.type} needs {expected}", 0
+            )
         components = [_component(keyword, text) for text in rows[0]]
     ends = tuple(zip(nodes, components, strict=True))
     return Spring(id=int(block.ids[i]), ends=ends, stiffness=value)
@@ -78,8 +79,7 @@ def _spring(block: ElementBlock, i: int, keyword: Keyword, coordinates: Matrix) 
 def _component(keyword: Keyword, text: str) -> int:
     value = integer(keyword, 0, text, "a degree of freedom")
     if not 1 <= value <= 6:
-        message = f"found degree of freedom {value}, expected 1 to 6"
-        raise keyword.error(message, 0)
+        keyword.refuse(f"found degree of freedom {value}, expected 1 to 6", 0)
     return value - 1
 
 
@@ -87,8 +87,10 @@ def _axis(block: ElementBlock, i: int, coordinates: Matrix) -> int | None:
     """Component of an axial spring parallel to a coordinate axis; None for any other."""
     apart = coordinates[block.nodes[i, 1]] - coordinates[block.nodes[i, 0]]
     if not apart.any():
-        message = f"SPRINGA {block.ids[i]} has no direction, for its nodes coincide; use SPRING2"
-        raise block.keyword.error(message, int(block.rows[i]))
+        block.keyword.refuse(
+            f"SPRINGA {block.ids[i]} has no direction, for its nodes coincide; use SPRING2",
+            int(block.rows[i]),
+        )
     component = int(np.abs(apart).argmax())
     others = np.delete(np.abs(apart), component)
     return component if others.max() <= _ALIGNED * abs(apart[component]) else None

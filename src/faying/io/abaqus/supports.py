@@ -86,11 +86,11 @@ def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int], amplitudes: Amp
     for dof in [dof for dof in holds if any(courses[dof])]:
         _, keyword, row = holds.pop(dof)
         if dofs.axes(dof[0]) is not None:
-            message = (
+            keyword.refuse(
                 f"node {dofs.nodes.ids[dof[0]]} is moved along axes of a *TRANSFORM; only basic "
-                "directions are supported for other displacements than zero"
+                "directions are supported for other displacements than zero",
+                row,
             )
-            raise keyword.error(message, row)
         moved[dofs.place(*dof)] = tuple(courses[dof])
     supports = tuple(_supports(list(holds), dofs))
     return Held(
@@ -117,8 +117,7 @@ def _after(
     for keyword in (item for item in deck.of("BOUNDARY") if item.step == step):
         keyword.allow("OP", "TYPE", "AMPLITUDE", "TIME DELAY", "FIXED", "LOAD CASE", "NAME")
         if keyword.choice("TYPE", "DISPLACEMENT") != "DISPLACEMENT" or keyword.has("LOAD CASE"):
-            message = "only displacements are supported (no TYPE=VELOCITY, no LOAD CASE)"
-            raise keyword.error(message)
+            keyword.refuse("only displacements are supported (no TYPE=VELOCITY, no LOAD CASE)")
         if operation(keyword):
             holds = {dof: item for dof, item in holds.items() if item[1].step == step}
         new = {
@@ -132,11 +131,10 @@ def _after(
             }
         holds |= new
         if keyword.has("FIXED") and any(node not in apart for node, _ in new):
-            message = (
+            keyword.refuse(
                 "FIXED holds nodes where the step before left them, which is known for pretension "
                 "nodes only; give displacements, or take an earlier step (subcase in the study)"
             )
-            raise keyword.error(message)
     return holds
 
 
@@ -146,22 +144,21 @@ def _line(
     """Read a line; of temperatures (11, 0) nothing where they are left out."""
     expected = "node or node set, first and last degree of freedom, value"
     if not 2 <= len(fields) <= 4:
-        message = f"found {len(fields)} fields, expected {expected}"
-        raise keyword.error(message, row)
+        keyword.refuse(f"found {len(fields)} fields, expected {expected}", row)
     if cold and fields[1] in ("0", "11"):
         return
     nodes = dofs.find(keyword, row, fields[0])
     if fields[1].upper() in TYPES:
         if len(fields) > 2:
-            message = f"found fields behind {fields[1]}; expected none"
-            raise keyword.error(message, row)
+            keyword.refuse(f"found fields behind {fields[1]}; expected none", row)
         components, value = TYPES[fields[1].upper()], 0.0
     else:
         first = component(keyword, row, fields[1])
         last = component(keyword, row, fields[2]) if len(fields) > 2 and fields[2] else first
         if last < first:
-            message = f"the last degree of freedom {last + 1} is below the first {first + 1}"
-            raise keyword.error(message, row)
+            keyword.refuse(
+                f"the last degree of freedom {last + 1} is below the first {first + 1}", row
+            )
         components = tuple(range(first, last + 1))
         value = optional_real(keyword, row, fields, 3, 0.0, "a displacement")
     for c in components:

@@ -76,12 +76,12 @@ def slave_and_master(
         If there are not two, one is not there, or the master has no facets.
     """
     if len(fields) != 2 or not all(fields):
-        message = f"found {len(fields)} fields, expected the slave and the master surface"
-        raise keyword.error(message, row)
+        keyword.refuse(
+            f"found {len(fields)} fields, expected the slave and the master surface", row
+        )
     slave, master = (find_surface(surfaces, keyword, text, row) for text in fields)
     if not master.facets:
-        message = f"master surface '{master.name}' has no facets; give it TYPE=ELEMENT"
-        raise keyword.error(message, row)
+        keyword.refuse(f"master surface '{master.name}' has no facets; give it TYPE=ELEMENT", row)
     return slave, master
 
 
@@ -120,12 +120,10 @@ def read_surfaces(
         name = f"{keyword.scope.name}.{label}" if keyword.scope.name else label
         kind = keyword.choice("TYPE", "ELEMENT")
         if name.upper() in surfaces:
-            message = f"there are two surfaces '{name}'; rename one of them"
-            raise keyword.error(message)
+            keyword.refuse(f"there are two surfaces '{name}'; rename one of them")
         if keyword.has("COMBINE") or kind not in ("ELEMENT", "NODE"):
             problem = "COMBINE" if keyword.has("COMBINE") else f"TYPE={kind}"
-            message = f"{problem} is not supported; list element faces or nodes"
-            raise keyword.error(message)
+            keyword.refuse(f"{problem} is not supported; list element faces or nodes")
         if not keyword.data:
             continue  # meshers write surfaces of nothing; whoever names one is told
         if kind == "NODE":
@@ -141,8 +139,7 @@ def _of_nodes(keyword: Keyword, name: str, mesh: Mesh, by_node: NamedSets) -> De
         ids = by_node.members(keyword, fields[0], row)
         unknown = ids[~np.isin(ids, mesh.node_ids)]
         if unknown.size:
-            message = f"there is no node {unknown[0]}"
-            raise keyword.error(message, row)
+            keyword.refuse(f"there is no node {unknown[0]}", row)
         parts.append(mesh.node_index(ids))
     empty = np.empty(0, dtype=np.int64)
     nodes = np.unique(np.concatenate(parts))
@@ -209,8 +206,9 @@ def facets_of_faces(
         over = members[(faces[members] > len(table_of_faces)) | (faces[members] < 1)]
         if over.size:
             bad = int(over[0])
-            message = f"element {ids[bad]} ({block.kind}) has no face {faces[bad]}"
-            raise keyword.error(message, int(rows[bad]))
+            keyword.refuse(
+                f"element {ids[bad]} ({block.kind}) has no face {faces[bad]}", int(rows[bad])
+            )
         for number, (face, local) in enumerate(table_of_faces, start=1):
             of_face = members[faces[members] == number]
             if of_face.size:
@@ -234,8 +232,7 @@ def _faces(keyword: Keyword, by_element: NamedSets) -> tuple[Indices, Indices, I
     for row in np.flatnonzero(~single).tolist():
         label = columns[0][row].decode("latin-1")
         if not label or is_integer(label):
-            message = f"found '{label}', expected an element id or an element set"
-            raise keyword.error(message, row)
+            keyword.refuse(f"found '{label}', expected an element id or an element set", row)
         members = by_element.members(keyword, label, row)
         ids.append(members)
         parts.append((np.full(len(members), faces[row]), np.full(len(members), row)))
@@ -263,5 +260,4 @@ def _check_all_solid(keyword: Keyword, mesh: Mesh, ids: Indices, rows: Indices) 
     unknown = np.flatnonzero(~np.isin(ids, mesh.element_ids))
     if unknown.size:
         bad = int(unknown[0])
-        message = f"{ids[bad]} is no solid element; surfaces need solids"
-        raise keyword.error(message, int(rows[bad]))
+        keyword.refuse(f"{ids[bad]} is no solid element; surfaces need solids", int(rows[bad]))

@@ -86,16 +86,17 @@ def read_temperatures(deck: Deck, dofs: Dofs, amplitudes: Amplitudes) -> Tempera
 def _lines(keyword: Keyword, dofs: Dofs) -> Iterator[tuple[Indices, float]]:
     for row, fields in enumerate(keyword.rows()):
         if len(fields) < 2:
-            message = f"found {len(fields)} fields, expected node or node set and temperature"
-            raise keyword.error(message, row)
+            keyword.refuse(
+                f"found {len(fields)} fields, expected node or node set and temperature", row
+            )
         value = real(keyword, row, fields[1], "a temperature")
         for column in range(2, len(fields)):
             if optional_real(keyword, row, fields, column, 0.0, "a gradient") != 0.0:
-                message = (
+                keyword.refuse(
                     "gradients through a section are not supported; temperatures of solids are "
-                    "those of their nodes"
+                    "those of their nodes",
+                    row,
                 )
-                raise keyword.error(message, row)
         yield dofs.find(keyword, row, fields[0]), value
 
 
@@ -123,13 +124,13 @@ def read_expansion(keyword: Keyword) -> Expansion:
     """
     keyword.allow("TYPE", "ZERO")
     if keyword.choice("TYPE", "ISO") not in ("ISO", "ISOTROPIC"):
-        message = f"TYPE={keyword.value('TYPE')} is not supported; expansion is isotropic here"
-        raise keyword.error(message)
+        keyword.refuse(
+            f"TYPE={keyword.value('TYPE')} is not supported; expansion is isotropic here"
+        )
     rows = keyword.rows()
     wrong = next((row for row, fields in enumerate(rows) if len(fields) > 2), None)
     if not rows or wrong is not None:
-        message = "expected a coefficient of expansion and a temperature on each line"
-        raise keyword.error(message, wrong)
+        keyword.refuse("expected a coefficient of expansion and a temperature on each line", wrong)
     table = np.array(
         [
             [
@@ -140,8 +141,7 @@ def read_expansion(keyword: Keyword) -> Expansion:
         ]
     )
     if (np.diff(table[:, 0]) <= 0).any():
-        message = "the temperatures do not increase; sort them"
-        raise keyword.error(message)
+        keyword.refuse("the temperatures do not increase; sort them")
     zero = real(keyword, None, keyword.value("ZERO", "0"), "ZERO")
     return Expansion(temperatures=table[:, 0], coefficients=table[:, 1], zero=zero)
 
@@ -188,11 +188,10 @@ def thermal_forces(
     of_shells = {name for section in assembly.shell_sections.values() for name in section.materials}
     expanding = sorted(name for name in of_shells if name.upper() in expansions)
     if temperatures.first is not None and expanding:
-        message = (
+        temperatures.first.refuse(
             f"shells of material '{expanding[0]}' do not expand here; leave its *EXPANSION out, or "
             f"{request('temperature')}"
         )
-        raise temperatures.first.error(message)
     if temperatures.first is None or not used:
         return [np.zeros(shape)] * len(temperatures.steps)
     ignored.append(
@@ -206,8 +205,9 @@ def thermal_forces(
         for i, beam in enumerate(assembly.beams):
             if beam.property in used:
                 if beam.id in bolts and temperatures.first is not None:
-                    message = f"element {beam.id} is a bolt: {UNSEEN}, or {request('temperature')}"
-                    raise temperatures.first.error(message)
+                    temperatures.first.refuse(
+                        f"element {beam.id} is a bolt: {UNSEEN}, or {request('temperature')}"
+                    )
                 strain = used[beam.property]
                 change = strain(end[ends[i]].mean()) - strain(start[ends[i]].mean())
                 stretch[i] = float(change)
@@ -229,9 +229,9 @@ def check_constant(keyword: Keyword, temperature: float | None) -> float:
         If it differs between nodes.
     """
     if temperature is None:
-        message = (
+        keyword.refuse(
             "constants that depend on temperature are not supported where it differs between "
-            f"nodes; give one line, or {request('temperature')}"
+            f"nodes; give one line, or {request('temperature')}",
+            1,
         )
-        raise keyword.error(message, 1)
     return temperature

@@ -90,14 +90,14 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
             continue
         ignored.append(f"{tie.name}: ties of shells hold their nodes, half a thickness off")
         if tie.stiffness is None:
-            message = "ties of shells are not supported, whose rotations they tie; share nodes"
-            raise tie.keyword.error(message)
+            tie.keyword.refuse(
+                "ties of shells are not supported, whose rotations they tie; share nodes"
+            )
     for tie in of_nodes:
         if tie.stiffness is not None:
-            message = (
+            tie.keyword.refuse(
                 f"slave surface '{tie.slave.name}' is of nodes; a TIED pair needs element faces"
             )
-            raise tie.keyword.error(message)
     sides = [side for tie in of_facets for side in (tie.slave, tie.master)]
     sides += [tie.master for tie in of_nodes]
     named = replace(assembly, mesh=with_mixed_sides(assembly.mesh, sides))
@@ -140,11 +140,10 @@ def _following(
     tolerance = _tolerance(assembly, tie)
     equations, n_tied = following(assembly, tie.slave.nodes, tie.master.name, tolerance, first)
     if not n_tied:
-        message = (
+        tie.keyword.refuse(
             f"no node of slave surface '{tie.slave.name}' lies within {tolerance:g} of master "
             f"surface '{tie.master.name}'; give POSITION TOLERANCE, or correct the surfaces"
         )
-        raise tie.keyword.error(message)
     note = f"*TIE {tie.name}: each slave node follows the place of the master next to it"
     beyond = len(tie.slave.nodes) - n_tied
     if beyond:

@@ -45,13 +45,13 @@ def read_trusses(
         for i, element_id in enumerate(block.ids.tolist()):
             row = int(block.rows[i])
             if element_id not in sections:
-                message = f"truss {element_id} has no *SOLID SECTION; give its set one"
-                raise block.keyword.error(message, row)
+                block.keyword.refuse(
+                    f"truss {element_id} has no *SOLID SECTION; give its set one", row
+                )
             start, end = block.nodes[i].tolist()
             along = coordinates[end] - coordinates[start]
             if not along.any():
-                message = f"truss {element_id} has no length; its nodes coincide"
-                raise block.keyword.error(message, row)
+                block.keyword.refuse(f"truss {element_id} has no length; its nodes coincide", row)
             # Any direction that is not the truss's own.
             side = np.eye(3)[int(np.abs(along).argmin())]
             number, section, material = sections[element_id]
@@ -69,6 +69,5 @@ def _section(keyword: Keyword) -> BeamSection:
     rows = keyword.rows()
     area = optional_real(keyword, 0, rows[0], 0, 1.0, "an area") if rows else 1.0
     if not area > 0:
-        message = f"the area is {area:g}; it must be positive"
-        raise keyword.error(message, 0)
+        keyword.refuse(f"the area is {area:g}; it must be positive", 0)
     return BeamSection(area=area, inertia_y=0.0, inertia_z=0.0, torsion=0.0)

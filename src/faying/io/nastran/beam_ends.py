@@ -67,8 +67,7 @@ class BeamEnds:
         axes = along if of_element else grids.systems.axes(node)
         position = position + (vector if axes is None else vector @ axes)
         if not np.isfinite(position).all():
-            text = "the offset is too large for a number"
-            raise card.error(text, OFFSETS[end])
+            card.refuse("the offset is too large for a number", OFFSETS[end])
         new = self._added(position, node)
         coupling = RigidCoupling(
             id=card.integer(0), reference=node, nodes=np.array([new]), components=tuple(range(6))

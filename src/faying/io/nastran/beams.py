@@ -49,8 +49,7 @@ def _default(cards: Mapping[str, Cards], name: str) -> Card | None:
     """Return the card that fills blank fields of beams."""
     defaults = list(cards.get(name, ()))
     if len(defaults) > 1:
-        text = f"a second {name}; the first is at {defaults[0].where()}, keep one"
-        raise defaults[1].error(text)
+        defaults[1].refuse(f"a second {name}; the first is at {defaults[0].where()}, keep one")
     for card in defaults:
         card.refuse_given([0, 2, 3])
     return defaults[0] if defaults else None
@@ -64,8 +63,7 @@ def _filled(card: Card, default: Card | None) -> Card:
     orientation = [text for text in texts[4:7] if text]
     is_grid = len(orientation) == 1 and bool(texts[4]) and numbers.integer(texts[4]) is not None
     if orientation and not is_grid and len(orientation) < 3 and any(default.texts[4:7]):
-        text = f"give all of X1, X2, X3: {default.where()} fills the blank ones"
-        raise card.error(text, 4)
+        card.refuse(f"give all of X1, X2, X3: {default.where()} fills the blank ones", 4)
     for field in (1, *(() if orientation else (4, 5, 6)), 7):
         texts[field] = texts[field] or default.text(field)
     return replace(card, texts=texts)
@@ -98,8 +96,7 @@ def _orientation(card: Card, grids: Grids, start: int) -> Vector:
     # OFFT, in old decks 1 for a vector and 2 for a grid; a real number here would be BIT of CBEAM,
     # a p-version element.
     if flag and flag not in {"1", "2", *(a + b + c for a in "GB" for b in "GO" for c in "GO")}:
-        text = f"OFFT = '{flag}' is not supported; leave it blank or give GGG or BGG"
-        raise card.error(text, 7)
+        card.refuse(f"OFFT = '{flag}' is not supported; leave it blank or give GGG or BGG", 7)
     if card.text(5) or card.text(6) or numbers.integer(card.text(4)) is None:
         vector = np.array([card.real(4 + j, 0.0) for j in range(3)])
         axes = None if flag.startswith("B") else grids.systems.axes(start)
@@ -124,8 +121,6 @@ def _check(card: Card, axis: Vector, vector: Vector) -> None:
         length, size = np.linalg.norm(axis), np.linalg.norm(vector)
         across = np.linalg.norm(np.cross(axis, vector))
     if not 0 < length < np.inf:
-        text = "the beam has no length; its two nodes coincide"
-        raise card.error(text)
+        card.refuse("the beam has no length; its two nodes coincide")
     if not across > _PARALLEL * length * size or not np.isfinite(across):
-        text = "the orientation vector is zero or parallel to the beam; give another one"
-        raise card.error(text, 4)
+        card.refuse("the orientation vector is zero or parallel to the beam; give another one", 4)

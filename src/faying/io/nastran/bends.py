@@ -96,11 +96,11 @@ def _section(
     card: Card, materials: Mapping[int, Material], factors: Mapping[int, float], mass_factor: float
 ) -> _Section:
     if numbers.integer(card.text(2)) is not None:
-        text = (
+        card.refuse(
             f"FSI = {card.text(2)}, a pipe whose flexibility depends on codes of piping, is not "
-            "supported; give A, I1, I2 and J"
+            "supported; give A, I1, I2 and J",
+            2,
         )
-        raise card.error(text, 2)
     card.refuse_non_zero([19, 20], "an offset", "move the grid points to the centroid")
     material = material_of(card, 1, materials)
     shear_modulus = material.youngs_modulus / (2 * (1 + material.poissons_ratio))
@@ -108,15 +108,15 @@ def _section(
     area, inertia, inertia_across, torsion = (card.real(field, 0.0) for field in (2, 3, 4, 5))
     values = (area, inertia, inertia_across, torsion, shear_modulus)
     if not (min(values) > 0 and all(map(math.isfinite, values))):
-        text = (
+        card.refuse(
             f"A = {area:g}, I1 = {inertia:g}, I2 = {inertia_across:g}, J = {torsion:g}, G = "
             f"{shear_modulus:g}; all must be positive"
         )
-        raise card.error(text)
     extra, shares = card.real(18, 0.0), [card.real(field, 0.0) for field in (16, 17)]
     if min(extra, *shares) < 0:
-        text = f"K1 = {shares[0]:g}, K2 = {shares[1]:g}, NSM = {extra:g}; none may be negative"
-        raise card.error(text, 16)
+        card.refuse(
+            f"K1 = {shares[0]:g}, K2 = {shares[1]:g}, NSM = {extra:g}; none may be negative", 16
+        )
     rigid = [0.0 if share == 0.0 else 1 / (share * shear_modulus * area) for share in shares]
     return _Section(
         axial=material.youngs_modulus * area,
@@ -138,15 +138,15 @@ def _arc(card: Card, section: Card, grids: Grids) -> _Arc:
     vector = orientation(card, grids, grids.one(card, 2))
     size = 0.0 if vector is None else float(np.linalg.norm(vector))
     if vector is None or not (0 < length < np.inf and 0 < size < np.inf):
-        text = "its nodes coincide, or G0 or X1 to X3 give no direction"
-        raise card.error(text, 4)
+        card.refuse("its nodes coincide, or G0 or X1 to X3 give no direction", 4)
     chord, vector = line / length, vector / size
     along = float(vector @ chord)
     side = vector - along * chord
     width = float(np.linalg.norm(side))
     if not width > _PARALLEL:
-        text = "G0 or X1 to X3 lie on the line of the nodes; they must span the plane of the arc"
-        raise card.error(text, 4)
+        card.refuse(
+            "G0 or X1 to X3 lie on the line of the nodes; they must span the plane of the arc", 4
+        )
     side = side / width
     half, outward = _half_angle(card, section, along, width, length)
     radius = length / (2 * math.sin(half))
@@ -210,8 +210,9 @@ def _bushes(card: Card, ends: tuple[int, int], arc: _Arc, section: _Section) -> 
     across = (sideways - twisted**2 / twist, twist, nod)
 
     if not min(*plane, *across) > 0:
-        text = f"the neutral axis at DELTAN = {neutral:g} of radius {radius:g} is no curved bar's"
-        raise card.error(text)
+        card.refuse(
+            f"the neutral axis at DELTAN = {neutral:g} of radius {radius:g} is no curved bar's"
+        )
     axes = np.array([arc.chord, arc.outward, np.cross(arc.chord, arc.outward)])
     stiff = [1 / flexibility for flexibility in (*plane, *across)]
     return [

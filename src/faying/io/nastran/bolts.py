@@ -138,8 +138,7 @@ def read_bolts(
             if control.present and card.integer(0) != control.bolts:
                 ignored.append(f"{name} {card.integer(0)} (case control does not select it)")
                 continue
-            text = "it is not supported; give the final force of the bolts by BOLTFOR"
-            raise card.error(text)
+            card.refuse("it is not supported; give the final force of the bolts by BOLTFOR")
     names = {number: f"bolt-{number}" for number in bolts}
     forces = _forces(cards, names, control, ignored)
     specs = tuple(BoltSpec(name=names[number], elements=ids) for number, ids in bolts.items())
@@ -149,15 +148,13 @@ def read_bolts(
 def _elements(card: Card, beams: tuple[Beam, ...]) -> tuple[int, ...]:
     kind = card.integer(1)
     if kind != 1:
-        text = f"ETYPE = {kind}; it is 1 (beams), 2 or 3 (solids)"
-        raise card.error(text, 1)
+        card.refuse(f"ETYPE = {kind}; it is 1 (beams), 2 or 3 (solids)", 1)
     beam_ids = np.array(sorted(beam.id for beam in beams), dtype=np.int64)
     ids = id_list(card, [text for text in card.texts[2:] if text], beam_ids)
     missing = sorted(set(ids) - set(beam_ids.tolist()))
     if missing or not ids:
         what = f"element {missing[0]} is no CBAR or CBEAM of the deck" if missing else "no elements"
-        text = f"{what}; list the beams of the shank"
-        raise card.error(text, 2)
+        card.refuse(f"{what}; list the beams of the shank", 2)
     return tuple(dict.fromkeys(ids))
 
 
@@ -170,15 +167,12 @@ def _forces(
         of_set = sets.setdefault(card.integer(0), {})
         force = card.real(1)
         if not force >= 0:
-            text = f"the force is {force:g}; a bolt is tightened by a positive one"
-            raise card.error(text, 1)
+            card.refuse(f"the force is {force:g}; a bolt is tightened by a positive one", 1)
         for bolt in id_list(card, [text for text in card.texts[2:] if text], np.array(list(names))):
             if bolt not in names:
-                text = f"bolt {bolt} is not a BOLT of the deck; define it"
-                raise card.error(text, 2)
+                card.refuse(f"bolt {bolt} is not a BOLT of the deck; define it", 2)
             if bolt in of_set:
-                text = f"bolt {bolt} has two forces in set {card.integer(0)}; remove one"
-                raise card.error(text, 2)
+                card.refuse(f"bolt {bolt} has two forces in set {card.integer(0)}; remove one", 2)
             of_set[bolt] = force
     combined = {number: _combination(card, sets) for number, card in by_id(cards, "BOLTLD").items()}
     both = set(sets) & set(combined)
@@ -211,8 +205,7 @@ def _combination(card: Card, sets: dict[int, dict[int, float]]) -> dict[int, flo
             continue
         factor, member = overall * card.real(field), card.integer(field + 1)
         if member not in sets:
-            text = f"set {member} is not a BOLTFOR of the deck; define it"
-            raise card.error(text, field + 1)
+            card.refuse(f"set {member} is not a BOLTFOR of the deck; define it", field + 1)
         for bolt, force in sets[member].items():
             total[bolt] = total.get(bolt, 0.0) + factor * force
     return total

@@ -65,8 +65,7 @@ def _general(card: Card) -> _Property:
         word = card.text(row + 1)
         values = range(row + 2, row + 8)
         if word not in _ROWS or (row and card.text(row)):
-            text = f"'{word}' in field 3 is not supported; K, B, GE, RCV and M are"
-            raise card.error(text, row + 1)
+            card.refuse(f"'{word}' in field 3 is not supported; K, B, GE, RCV and M are", row + 1)
         if word == "K":
             stiffness = [card.real(field, 0.0) for field in values]
         elif word == "M":
@@ -74,24 +73,23 @@ def _general(card: Card) -> _Property:
         elif word in ("B", "GE"):
             damped |= any(card.real(field, 0.0) for field in values)
         elif word in ("T", "D") and any(card.text(field) for field in values):
-            text = f"{word} (thermal or initial deformation) is not supported; remove the row"
-            raise card.error(text, row + 1)
+            card.refuse(
+                f"{word} (thermal or initial deformation) is not supported; remove the row", row + 1
+            )
     return _checked(card, stiffness, mass, damped)
 
 
 def _axial(card: Card) -> _Property:
     """K, C, M; nonlinear springs and dampers follow by name."""
     if any(card.text(field) for field in range(8, len(card))):
-        text = "a nonlinear spring or damper is not supported; leave K, C and M only"
-        raise card.error(text, 8)
+        card.refuse("a nonlinear spring or damper is not supported; leave K, C and M only", 8)
     stiffness = [card.real(1, 0.0), *[0.0] * 5]
     return _checked(card, stiffness, card.real(3, 0.0), bool(card.real(2, 0.0)))
 
 
 def _checked(card: Card, stiffness: list[float], mass: float, damped: bool) -> _Property:
     if mass < 0 or min(stiffness) < 0:
-        text = f"stiffness {min(stiffness):g}, mass {mass:g}; neither may be negative"
-        raise card.error(text)
+        card.refuse(f"stiffness {min(stiffness):g}, mass {mass:g}; neither may be negative")
     return _Property(stiffness=tuple(stiffness), mass=mass, damped=damped, card=card)
 
 
@@ -119,26 +117,26 @@ def _axes(card: Card, bush_property: _Property, grids: Grids, start: int, line: 
         if card.cards.name == "CBUSH1D" and np.abs(np.cross(axes[0], line)).max() > _OFF * max(
             float(np.abs(line).max()), 1e-300
         ):
-            text = "its nodes lie apart across the axis of CID; use CBUSH, or leave CID blank"
-            raise card.error(text, field)
+            card.refuse(
+                "its nodes lie apart across the axis of CID; use CBUSH, or leave CID blank", field
+            )
         return axes
     with np.errstate(over="ignore"):
         length = float(np.linalg.norm(line))
     if not 0 < length < np.inf:
-        text = "its nodes coincide or GB is blank; give the axes of the springs by CID"
-        raise card.error(text, field)
+        card.refuse("its nodes coincide or GB is blank; give the axes of the springs by CID", field)
     x = line / length
     vector = orientation(card, grids, start) if field == 7 else None
     if vector is None:
         if any(bush_property.stiffness[component] for component in (1, 2, 4, 5)):
-            text = "springs across the line of its nodes need an orientation (GO, X1 to X3 or CID)"
-            raise card.error(text, 4)
+            card.refuse(
+                "springs across the line of its nodes need an orientation (GO, X1 to X3 or CID)", 4
+            )
         vector = np.eye(3)[int(np.abs(x).argmin())]
     across = np.cross(x, vector)
     size = float(np.linalg.norm(across))
     if not size > _PARALLEL * float(np.linalg.norm(vector)):
-        text = "the orientation vector is zero or parallel to the line of the nodes"
-        raise card.error(text, 4)
+        card.refuse("the orientation vector is zero or parallel to the line of the nodes", 4)
     z = across / size
     return np.array([x, np.cross(z, x), z])
 

@@ -5,7 +5,7 @@ Field j of a card is where the reference guide puts it: row j // 8, field j % 8 
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import NoReturn, TypeVar
 
 import numpy as np
 
@@ -94,6 +94,10 @@ class Cards:
     def error(self, card: int, text: str, field: int = 0) -> FormatError:
         """Return the error that names file, line and card."""
         return FormatError(f"{self.where(card, field)}: {text}")
+
+    def refuse(self, card: int, text: str, field: int = 0) -> NoReturn:
+        """Raise the error that names file, line and card."""
+        raise self.error(card, text, field)
 
     def column(self, field: int) -> Fields:
         """Field j (n,) of every card as text; empty beyond the end of a card."""
@@ -193,6 +197,10 @@ class Card:
         """Return the error that names file, line and card."""
         return self.cards.error(self.number, text, field)
 
+    def refuse(self, text: str, field: int = 0) -> NoReturn:
+        """Raise the error that names file, line and card."""
+        raise self.error(text, field)
+
     def where(self) -> str:
         """Return file:line and the name."""
         return self.cards.where(self.number)
@@ -201,19 +209,20 @@ class Card:
         """Raise if one of the fields, which must be blank, is not."""
         for field in fields:
             if self.text(field):
-                text = (
+                self.refuse(
                     f"field {field % 8 + 2} holds '{self.text(field)}' but must be blank; are "
-                    "fields shifted?"
+                    "fields shifted?",
+                    field,
                 )
-                raise self.error(text, field)
 
     def refuse_non_zero(self, fields: Sequence[int], what: str, remedy: str) -> None:
         """Raise if one of the fields holds anything but zero."""
         for field in fields:
             text = self.text(field)
             if text and numbers.real(text) != 0.0:
-                message = f"{what} '{text}' (field {field % 8 + 2}) is not supported; {remedy}"
-                raise self.error(message, field)
+                self.refuse(
+                    f"{what} '{text}' (field {field % 8 + 2}) is not supported; {remedy}", field
+                )
 
 
 def by_id(cards: Mapping[str, Cards], *names: str, what: str = "") -> dict[int, Card]:
@@ -234,8 +243,7 @@ def by_id(cards: Mapping[str, Cards], *names: str, what: str = "") -> dict[int, 
         earlier = by_number.setdefault(card.integer(0), card)
         if earlier is not card:
             called = f"{what or card.cards.name} {card.integer(0)}"
-            text = f"{called} is already defined at {earlier.where()}; renumber one"
-            raise card.error(text)
+            card.refuse(f"{called} is already defined at {earlier.where()}; renumber one")
     return by_number
 
 
@@ -254,6 +262,5 @@ def property_of(card: Card, properties: Mapping[int, Read], kinds: str) -> Read:
     """
     number = card.integer(1, card.integer(0))
     if number not in properties:
-        text = f"property {number} is not a {kinds} of the deck; define it"
-        raise card.error(text, 1)
+        card.refuse(f"property {number} is not a {kinds} of the deck; define it", 1)
     return properties[number]

@@ -74,11 +74,10 @@ def read_msc_pairs(
                     ignored[f"contact of bodies {minus} and {plus} listed in both orders"] = None
                     continue
                 if (minus, plus) in pairs:
-                    text = (
+                    group.card.refuse(
                         f"contact of bodies {minus} and {plus} is already defined at "
                         f"{pairs[minus, plus].where} and would count twice; remove one"
                     )
-                    raise group.card.error(text)
                 kind = "glue" if group.parameters.glued else "contact"
                 pairs[minus, plus] = Pair(
                     name=f"{kind}-{minus}-{plus}",
@@ -180,8 +179,7 @@ def _selected_groups(
             card = lists[int(number)]
             for member in id_list(card, [text for text in card.texts[1:] if text]):
                 if member not in pairs:
-                    text = f"BCONECT {member} is not in the deck; define it"
-                    raise card.error(text)
+                    card.refuse(f"BCONECT {member} is not in the deck; define it")
                 groups.append(_connection(cards, pairs[member], ignored))
         elif not lists and number in pairs:
             groups.append(_connection(cards, pairs[int(number)], ignored))
@@ -205,8 +203,10 @@ def _table_groups(card: Card, ignored: dict[str, None]) -> list[_Group]:
                 friction = friction_coefficient(card, first + 4)
                 groups[-1].parameters = replace(groups[-1].parameters, friction=friction)
             if card.real(first + 5, 0.0):
-                text = "CINTERF (interference) is not supported; give 'initial_gap' in the study"
-                raise card.error(text, first + 5)
+                card.refuse(
+                    "CINTERF (interference) is not supported; give 'initial_gap' in the study",
+                    first + 5,
+                )
             groups[-1].parameters = replace(groups[-1].parameters, glued=is_glued(card, first + 6))
         elif word in _PRIMARY and groups:
             section = "primary"
@@ -222,18 +222,17 @@ def _table_groups(card: Card, ignored: dict[str, None]) -> list[_Group]:
             chosen = card.integer(first + 2, 0)
             closes = ICOORD.get(str(chosen))
             if closes is None:
-                text = f"ICOORD = {chosen} is not supported; give 0, 1, 2 or 3"
-                raise card.error(text, first + 2)
+                card.refuse(f"ICOORD = {chosen} is not supported; give 0, 1, 2 or 3", first + 2)
             groups[-1].parameters = replace(groups[-1].parameters, within_error=closes)
         elif not word and section == "parameters" and not texts[1]:
             pass
         elif any(texts):
-            text = f"'{word}' stands where SECNDRY or PRIMARY is expected"
-            raise card.error(text, first)
+            card.refuse(f"'{word}' stands where SECNDRY or PRIMARY is expected", first)
     count = card.integer(3, 0)
     if (count and count != len(groups)) or any(not group.primary for group in groups):
-        text = f"NGROUP = {count}, but it has {len(groups)} complete groups SECNDRY, PRIMARY"
-        raise card.error(text, 3)
+        card.refuse(
+            f"NGROUP = {count}, but it has {len(groups)} complete groups SECNDRY, PRIMARY", 3
+        )
     return groups
 
 
@@ -246,8 +245,7 @@ def _connection(cards: Mapping[str, Cards], card: Card, ignored: dict[str, None]
             continue
         parameter_cards = by_id(cards, name)
         if number not in parameter_cards:
-            text = f"{name} {number} is not in the deck; define it"
-            raise card.error(text, parameter_field)
+            card.refuse(f"{name} {number} is not in the deck; define it", parameter_field)
         read = read_parameters(parameter_cards[number], 1, ignored)
         group.parameters = Parameters(
             within_error=read.within_error or group.parameters.within_error,
@@ -264,15 +262,13 @@ def _connection(cards: Mapping[str, Cards], card: Card, ignored: dict[str, None]
     for first, texts in list(rows(card))[1:]:
         word = texts[0]
         if word and word not in _SECONDARY | _PRIMARY:
-            text = f"'{word}' stands where SECNDRY or PRIMARY is expected"
-            raise card.error(text, first)
+            card.refuse(f"'{word}' stands where SECNDRY or PRIMARY is expected", first)
         current = {True: "secondary", False: "primary"}[word in _SECONDARY] if word else current
         ids = [text for text in texts[1:] if text]
         if current and not listed[current]:
             members[current] += id_list(card, ids)
     if not group.secondary or not group.primary:
-        text = "it names no touching (SECNDRY) or no touched (PRIMARY) body"
-        raise card.error(text)
+        card.refuse("it names no touching (SECNDRY) or no touched (PRIMARY) body")
     return group
 
 
@@ -288,11 +284,10 @@ def _friction(
     if group.parameters.friction is not None:
         return group.parameters.friction
     if first != second:
-        text = (
+        group.card.refuse(
             f"bodies {pair[0]} and {pair[1]} have coefficients of friction {first:g} and "
             f"{second:g}; give the pair its own (FRIC of BCONPRP or BCTABLE)"
         )
-        raise group.card.error(text)
     return first
 
 
@@ -312,8 +307,9 @@ def _bodies(cards: Mapping[str, Cards]) -> dict[int, Card]:
     for name in ("BCBODY", "BCBODY1", "BCSURF"):
         for number, card in by_id(cards, name).items():
             if number in bodies:
-                text = f"body {number} is already defined at {bodies[number].where()}; renumber one"
-                raise card.error(text)
+                card.refuse(
+                    f"body {number} is already defined at {bodies[number].where()}; renumber one"
+                )
             bodies[number] = card
     return bodies
 
@@ -328,26 +324,25 @@ def _region(
 ) -> Region:
     """Region of a contact body, which must be deformable."""
     if number not in bodies:
-        text = f"contact body {number} is not a BCBODY or BCBODY1 of the deck; define it"
-        raise user.error(text)
+        user.refuse(f"contact body {number} is not a BCBODY or BCBODY1 of the deck; define it")
     card = bodies[number]
     if card.cards.name == "BCSURF":
         return regions[-number]
     new = card.cards.name == "BCBODY1"
     dimension, behaviour, region = (2, 3, 4) if new else (1, 2, 3)
     if card.text(dimension) not in ("", "3D"):
-        text = f"DIM = {card.text(dimension)} is not supported; contact bodies must be 3D"
-        raise card.error(text, dimension)
-    if card.text(behaviour) not in ("", "DEFORM"):
-        text = (
-            f"BEHAV = {card.text(behaviour)} is not supported; contact bodies must be deformable "
-            "(DEFORM): mesh the rigid one with solids"
+        card.refuse(
+            f"DIM = {card.text(dimension)} is not supported; contact bodies must be 3D", dimension
         )
-        raise card.error(text, behaviour)
+    if card.text(behaviour) not in ("", "DEFORM"):
+        card.refuse(
+            f"BEHAV = {card.text(behaviour)} is not supported; contact bodies must be deformable "
+            "(DEFORM): mesh the rigid one with solids",
+            behaviour,
+        )
     if new and card.integer(1, 0):
         body_properties = by_id(cards, "BCBDPRP").get(card.integer(1))
         if body_properties is None:
-            text = f"BCBDPRP {card.integer(1)} is not in the deck; define it"
-            raise card.error(text, 1)
+            card.refuse(f"BCBDPRP {card.integer(1)} is not in the deck; define it", 1)
         read_parameters(body_properties, 1, ignored)
     return region_of(regions, card, region)

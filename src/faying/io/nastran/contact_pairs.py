@@ -65,8 +65,9 @@ def region_of(regions: dict[int, Region], card: Card, field: int) -> Region:
     """
     number = card.integer(field)
     if number not in regions:
-        text = f"contact region {number} is not in the deck; define it (BSURFS, BSURF, BCPROP)"
-        raise card.error(text, field)
+        card.refuse(
+            f"contact region {number} is not in the deck; define it (BSURFS, BSURF, BCPROP)", field
+        )
     return regions[number]
 
 

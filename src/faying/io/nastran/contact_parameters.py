@@ -91,8 +91,9 @@ def friction_coefficient(card: Card, field: int, name: str = "FRIC") -> float:
     table = text.isdigit() and value != 0.0
     if value is None or table or not 0 <= value <= LARGEST_FRICTION:
         what = f"no coefficient from 0 to {LARGEST_FRICTION:g}"
-        message = f"{name} = {text} is {'the id of a table' if table else what}; {FRICTION_REMEDY}"
-        raise card.error(message, field)
+        card.refuse(
+            f"{name} = {text} is {'the id of a table' if table else what}; {FRICTION_REMEDY}", field
+        )
     return value
 
 
@@ -119,8 +120,7 @@ def read_parameters(card: Card, first: int, ignored: dict[str, None]) -> Paramet
     for name, value, field in _pairs(card, first):
         zero = numbers.real(value) == 0.0 if value else True
         if name in _OTHER_FRICTION and not zero:
-            text = f"{name} = {value}: {FRICTION_REMEDY}"
-            raise card.error(text, field)
+            card.refuse(f"{name} = {value}: {FRICTION_REMEDY}", field)
         if name == "INIPENE":
             parameters = replace(parameters, closed_up_to=_chosen(card, field, INIPENE))
         elif name == "ICOORD":
@@ -139,11 +139,13 @@ def read_parameters(card: Card, first: int, ignored: dict[str, None]) -> Paramet
             pass
         elif name in _OFFSETS:
             if not zero:
-                text = f"{name} = {value} is not supported; give 'initial_gap' in the study"
-                raise card.error(text, field)
+                card.refuse(
+                    f"{name} = {value} is not supported; give 'initial_gap' in the study", field
+                )
         elif name not in HARMLESS:
-            text = f"{name} = {value} may change the contact and is not supported; remove it"
-            raise card.error(text, field)
+            card.refuse(
+                f"{name} = {value} may change the contact and is not supported; remove it", field
+            )
         else:
             ignored[f"{card.cards.name} {name}"] = None
     return parameters
@@ -153,24 +155,21 @@ def is_glued(card: Card, field: int) -> bool:
     """Return whether a field asks for glue, of whichever of the four kinds."""
     value = card.integer(field, 0)
     if not 0 <= value <= _KINDS_OF_GLUE:
-        text = f"glue of kind {value} is not known; give one of 0 to {_KINDS_OF_GLUE}"
-        raise card.error(text, field)
+        card.refuse(f"glue of kind {value} is not known; give one of 0 to {_KINDS_OF_GLUE}", field)
     return value > 0
 
 
 def refuse_letting_go(card: Card, field: int) -> None:
     """Raise if glue lets go at a force."""
     if card.integer(field, 0):
-        text = "JGLUE: glue that lets go at a force is not supported; leave it blank"
-        raise card.error(text, field)
+        card.refuse("JGLUE: glue that lets go at a force is not supported; leave it blank", field)
 
 
 def _slides(card: Card, field: int) -> bool:
     """Return whether FTYPE switches friction off."""
     value = card.text(field + 1)
     if value not in ("", "0", *COULOMB):
-        text = f"FTYPE = {value}: {FRICTION_REMEDY}"
-        raise card.error(text, field)
+        card.refuse(f"FTYPE = {value}: {FRICTION_REMEDY}", field)
     return value == "0"
 
 
@@ -182,8 +181,7 @@ def _chosen(card: Card, field: int, choices: Mapping[str, _Choice]) -> _Choice:
     value = card.text(field + 1)
     if value not in choices:
         names = ", ".join(filter(None, choices))
-        text = f"{card.text(field)} = {value} is not supported; give one of {names}"
-        raise card.error(text, field)
+        card.refuse(f"{card.text(field)} = {value} is not supported; give one of {names}", field)
     return choices[value]
 
 
@@ -199,11 +197,11 @@ def _pairs(card: Card, first: int) -> list[tuple[str, str, int]]:
         value = card.text(field + 1)
         word = value and numbers.real(value) is None and name not in _WORDS
         if not name[:1].isalpha() or word:
-            text = (
+            card.refuse(
                 f"'{name}' with '{value}' is no parameter with its value; expected pairs such as "
-                "'PENN', '10.0'"
+                "'PENN', '10.0'",
+                field,
             )
-            raise card.error(text, field)
         pairs.append((name, value, field))
         field += 2
     return pairs

@@ -87,8 +87,7 @@ def _chosen(
         combined[number] = id_list(card, [text for text in card.texts[1:] if text])
         for part in combined[number]:
             if part not in sets:
-                text = f"{kind.what} set {part} is not a {kind.card} of the deck; define it"
-                raise card.error(text)
+                card.refuse(f"{kind.what} set {part} is not a {kind.card} of the deck; define it")
     chosen = control.contact if kind is _CONTACT else control.glue
     if chosen is None and not control.present:
         return sets
@@ -122,8 +121,9 @@ def _source_rows(card: Card) -> Iterator[tuple[int, list[str]]]:
         if not any(texts[1:]):
             continue
         if first and texts[0]:
-            text = f"'{texts[0]}' stands in front of a source region; leave that field blank"
-            raise card.error(text, first)
+            card.refuse(
+                f"'{texts[0]}' stands in front of a source region; leave that field blank", first
+            )
         yield first, texts
 
 
@@ -132,14 +132,15 @@ def _pairs(card: Card, regions: dict[int, Region], parameters: Parameters) -> li
     for first, texts in _source_rows(card):
         friction = friction_coefficient(card, first + 3)
         if card.real(first + 4, 0.0) > 0:
-            text = (
+            card.refuse(
                 f"MIND = {texts[4]}: contact that spares the closest faces is not supported; "
-                "leave it blank"
+                "leave it blank",
+                first + 4,
             )
-            raise card.error(text, first + 4)
         if any(texts[6:]):
-            text = f"'{texts[6] or texts[7]}' stands behind MAXD, where nothing is expected"
-            raise card.error(text, first + 6)
+            card.refuse(
+                f"'{texts[6] or texts[7]}' stands behind MAXD, where nothing is expected", first + 6
+            )
         sides = [region_of(regions, card, first + j) for j in (1, 2)]
         pairs.append(
             Pair(
@@ -179,8 +180,8 @@ def _check_offsets(cards: Mapping[str, Cards], pairs: list[Pair]) -> None:
         if card.integer(0) not in used:
             continue
         if card.real(2, 0.0):
-            text = "OFFSET of a contact region is not supported; give 'initial_gap' in the study"
-            raise card.error(text, 2)
+            card.refuse(
+                "OFFSET of a contact region is not supported; give 'initial_gap' in the study", 2
+            )
         if card.text(3) not in ("", "FLEX"):
-            text = f"TYPE = {card.text(3)} is not supported; contact regions must be FLEX"
-            raise card.error(text, 3)
+            card.refuse(f"TYPE = {card.text(3)} is not supported; contact regions must be FLEX", 3)

@@ -134,12 +134,11 @@ def read_frames(
                 ready[number] = _frame(definition, points)
         if not ready:
             number, definition = next(iter(waiting.items()))
-            text = (
+            definition.card.refuse(
                 f"coordinate system {number} rests on coordinate system "
                 f"{_missing(definition, frames, locate)}, which is missing or rests on it in turn; "
                 "define it"
             )
-            raise definition.card.error(text)
         frames |= ready
         waiting = {number: d for number, d in waiting.items() if number not in ready}
     return frames
@@ -170,12 +169,11 @@ def _add(
 ) -> None:
     if number in definitions or number <= 0:
         where = definitions[number].card.where() if number in definitions else ""
-        text = (
+        card.refuse(
             f"coordinate system {number} is already defined at {where}; give it another id"
             if where
             else f"coordinate system id {number} must be positive"
         )
-        raise card.error(text)
     definitions[number] = _Definition(
         card=card, kind=kind, points=points, reference=reference, grids=grids
     )
@@ -210,8 +208,9 @@ def _frame(definition: _Definition, points: Matrix) -> Frame:
     across = np.cross(up, aside)
     size = np.linalg.norm(up) * np.linalg.norm(aside)
     if not np.linalg.norm(across) > 1e-10 * size or not np.isfinite(size):
-        text = "its three points lie on one line, so they define no axes; move one of them"
-        raise definition.card.error(text)
+        definition.card.refuse(
+            "its three points lie on one line, so they define no axes; move one of them"
+        )
     z = up / np.linalg.norm(up)
     y = across / np.linalg.norm(across)
     return Frame(kind=definition.kind, origin=a, axes=np.stack([np.cross(y, z), y, z]))
@@ -241,8 +240,9 @@ class Systems:
         """
         number = card.integer(field, 0) if number is None else number
         if number not in self.frames:
-            text = f"coordinate system {number} is not in the deck; define it (CORD2R, ...)"
-            raise card.error(text, field)
+            card.refuse(
+                f"coordinate system {number} is not in the deck; define it (CORD2R, ...)", field
+            )
         return self.frames[number]
 
     @property

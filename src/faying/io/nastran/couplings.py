@@ -18,11 +18,10 @@ def _check_frames(card: Card, grids: Grids, nodes: Indices, tied: tuple[int, ...
         return
     for node in np.asarray(nodes)[grids.systems.displacement[nodes] != 0].tolist():
         if grids.systems.axes(node) is not None:
-            text = (
+            card.refuse(
                 f"single components of GRID {grids.ids[node]} are coupled in its displacement "
                 "coordinate system; couple 123, 456 or 123456, or use MPCs"
             )
-            raise card.error(text)
 
 
 def read_average_couplings(cards: Mapping[str, Cards], grids: Grids) -> list[AverageCoupling]:
@@ -43,18 +42,16 @@ def _average(card: Card, grids: Grids) -> AverageCoupling:
     tied = components(card.text(3), card.error)
     texts = [text for text in card.texts[4:] if text]
     if "UM" in texts:
-        text = (
+        card.refuse(
             "a UM set (other dependent components than those of the reference node) is not "
             "supported; remove it and make the reference node the dependent one"
         )
-        raise card.error(text)
     if "ALPHA" in texts:
         texts = texts[: texts.index("ALPHA")]
     chosen, ids, weights = _groups(card, texts)
     nodes = grids.several(card, ids)
     if reference in nodes or len(np.unique(nodes)) < len(nodes):
-        text = "a node is averaged twice or is the reference node itself; remove it"
-        raise card.error(text)
+        card.refuse("a node is averaged twice or is the reference node itself; remove it")
     union = tuple(sorted({c for tied_here in chosen for c in tied_here}))
     apart = len(set(chosen)) > 1
     for tied_here in set(chosen):
@@ -84,8 +81,7 @@ def _groups(card: Card, texts: list[str]) -> tuple[list[tuple[int, ...]], list[i
     while i < len(texts):
         weight = numbers.real(texts[i])
         if weight is None or numbers.integer(texts[i]) is not None or not weight > 0:
-            text = f"'{texts[i]}' stands where a positive real weight is expected"
-            raise card.error(text)
+            card.refuse(f"'{texts[i]}' stands where a positive real weight is expected")
         tied = components(texts[i + 1] if i + 1 < len(texts) else "", card.error)
         last = i + 2
         while last < len(texts) and (
@@ -98,6 +94,5 @@ def _groups(card: Card, texts: list[str]) -> tuple[list[tuple[int, ...]], list[i
         weights += [weight] * len(group)
         i = last
     if not ids:
-        text = "it averages no nodes"
-        raise card.error(text)
+        card.refuse("it averages no nodes")
     return averaged, ids, weights

@@ -66,8 +66,11 @@ def _along_grids(cards: Cards, grids: Grids) -> Matrix:
     length = np.linalg.norm(vectors, axis=1)
     wrong = np.flatnonzero(~(length > 0))
     if wrong.size:
-        text = "its grids give no direction: they coincide, or their lines are parallel"
-        raise cards.error(int(wrong[0]), text, 3)
+        cards.refuse(
+            int(wrong[0]),
+            "its grids give no direction: they coincide, or their lines are parallel",
+            3,
+        )
     directed: Matrix = cards.reals(2)[:, None] * vectors / length[:, None]
     return directed
 
@@ -94,8 +97,7 @@ def _on_shells(cards: Cards, nodes: Matrix, shells: Sequence[ShellBlock]) -> lis
         listed = id_list(card, texts, shell_ids if "THRU" in texts else None)
         missing = sorted(set(listed) - set(shell_ids.tolist()))
         if missing or not listed:
-            text = f"element {missing[0] if missing else texts} is no shell of the deck"
-            raise card.error(text, 2)
+            card.refuse(f"element {missing[0] if missing else texts} is no shell of the deck", 2)
         pairs += [(card.number, number) for number in listed]
     which, ids = np.array(pairs, dtype=np.int64).T
     sets, pressures = cards.integers(0)[which], cards.reals(1)[which]
@@ -107,8 +109,11 @@ def _on_shells(cards: Cards, nodes: Matrix, shells: Sequence[ShellBlock]) -> lis
         if not len(members):
             continue
         if block.kind not in FACES:
-            text = f"element {ids[members[0]]} takes no pressure; correct the id"
-            raise cards.error(int(which[members[0]]), text, 2)
+            cards.refuse(
+                int(which[members[0]]),
+                f"element {ids[members[0]]} takes no pressure; correct the id",
+                2,
+            )
         table = block.nodes[order[positions[members]]]
         parts.append(_pressed(cards, sets[members], block.kind, table, nodes, pressures[members]))
     return parts
@@ -128,6 +133,5 @@ def _pressed(
 
 def _checked(cards: Cards, vectors: Matrix) -> Matrix:
     if not np.isfinite(vectors).all():
-        text = "the load is too large for a number"
-        raise cards.error(0, text)
+        cards.refuse(0, "the load is too large for a number")
     return vectors

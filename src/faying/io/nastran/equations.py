@@ -43,8 +43,7 @@ def _equation(card: Card, grids: Grids, dependent: set[tuple[int, int]]) -> Equa
     places = [row + j for row in rows for j in (1, 4)]
     groups = [_term(card, grids, field) for field in places if any(card.texts[field : field + 3])]
     if not groups:
-        text = "it has no terms"
-        raise card.error(text)
+        card.refuse("it has no terms")
     total: dict[tuple[int, int], float] = {}
     for group in groups:
         for dof, coefficient in group.items():
@@ -52,11 +51,10 @@ def _equation(card: Card, grids: Grids, dependent: set[tuple[int, int]]) -> Equa
     candidates = sorted(groups[0], key=lambda dof: -abs(groups[0][dof]))
     first = next((p for p in candidates if p not in dependent and total[p] != 0.0), None)
     if first is None:
-        text = (
+        card.refuse(
             "its first (dependent) component has coefficient zero or is already the dependent "
             "one of another MPC; put another component first"
         )
-        raise card.error(text)
     dependent.add(first)
     order = [first, *(dof for dof in total if dof != first)]
     return Equation(
@@ -69,8 +67,7 @@ def _term(card: Card, grids: Grids, field: int) -> dict[tuple[int, int], float]:
     node = grids.one(card, field)
     chosen = grids.components(np.array([node]), card.text(field + 1), card.error)
     if len(chosen) != 1:
-        text = f"a term has one component; found '{card.text(field + 1)}'"
-        raise card.error(text, field + 1)
+        card.refuse(f"a term has one component; found '{card.text(field + 1)}'", field + 1)
     coefficient = card.real(field + 2, 0.0)
     axes = grids.systems.axes(node)
     if axes is None:

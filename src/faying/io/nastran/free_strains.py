@@ -144,8 +144,9 @@ def _deformed(deck: Deck, tightened: Collection[int]) -> Matrix:
             if not card.text(field):
                 continue
             if card.integer(field) not in index_of:
-                text = f"element {card.integer(field)} is no CBAR, CBEAM, CROD, CONROD or CTUBE"
-                raise card.error(text, field)
+                card.refuse(
+                    f"element {card.integer(field)} is no CBAR, CBEAM, CROD, CONROD or CTUBE", field
+                )
             i = index_of[card.integer(field)]
             first, second = assembly.beams[i].nodes
             strains[i] += card.real(field + 1) / np.linalg.norm(nodes[second] - nodes[first])

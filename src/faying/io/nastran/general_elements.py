@@ -74,8 +74,9 @@ def _following(
         values = _reals(card, parts["S"], len(free) * len(dependent), "S")
         return values.reshape(len(free), len(dependent))
     if len(dependent) != 6:
-        text = f"{len(dependent)} components in UD and no S; six make a rigid body, else give S"
-        raise card.error(text)
+        card.refuse(
+            f"{len(dependent)} components in UD and no S; six make a rigid body, else give S"
+        )
     origin = grids.nodes[dependent[0][0]]
 
     def motions(places: Sequence[Place]) -> Matrix:
@@ -106,11 +107,10 @@ def _places(card: Card, texts: list[str], grids: Grids) -> list[Place]:
         (node,) = grids.several(card, [-1 if number is None else number]).tolist()
         chosen = (0,) if digit == "0" else components(digit, card.error)
         if grids.systems.axes(node) is not None or len(chosen) != 1:
-            text = (
+            card.refuse(
                 f"GRID {grid} with components '{digit}': one component each, of grids without a "
                 "displacement system, is supported"
             )
-            raise card.error(text)
         places.append((node, chosen[0]))
     return places
 
@@ -119,6 +119,5 @@ def _reals(card: Card, texts: list[str], count: int, name: str) -> Matrix:
     filled = [text for text in texts if text]
     values = [numbers.real(text) for text in filled]
     if len(values) != count or None in values:
-        text = f"{name} has {len(values)} numbers; {count} are expected for its components"
-        raise card.error(text)
+        card.refuse(f"{name} has {len(values)} numbers; {count} are expected for its components")
     return np.array(values, dtype=float)

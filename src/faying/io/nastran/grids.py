@@ -71,8 +71,7 @@ class Grids:
         index = self.index(ids)
         missing = np.flatnonzero(index < 0)
         if missing.size:
-            card = int(missing[0])
-            raise cards.error(card, _missing(int(ids[card])), field)
+            cards.refuse(int(missing[0]), _missing(int(ids[missing[0]])), field)
         return index
 
     def one(self, card: Card, field: int) -> int:
@@ -127,8 +126,11 @@ def read_grids(cards: Mapping[str, Cards]) -> Grids:
         unknown = np.flatnonzero(~np.isin(systems, list(frames)))
         if unknown.size:
             card = int(unknown[0])
-            text = f"coordinate system {systems[card]} is not in the deck; define it (CORD2R, ...)"
-            raise grid.error(card, text, field)
+            grid.refuse(
+                card,
+                f"coordinate system {systems[card]} is not in the deck; define it (CORD2R, ...)",
+                field,
+            )
     nodes = coordinates.copy()
     for number in np.unique(system_in[system_in != 0]).tolist():
         rows = system_in == number
@@ -160,8 +162,7 @@ def _scalar_points(cards: Mapping[str, Cards], grids: Indices) -> Indices:
         numbers = np.array(id_list(card, [text for text in card.texts if text]), dtype=np.int64)
         wrong = numbers[(numbers <= 0) | np.isin(numbers, grids)]
         if wrong.size:
-            text = f"scalar point {wrong[0]} is a GRID as well, or not positive; renumber it"
-            raise card.error(text)
+            card.refuse(f"scalar point {wrong[0]} is a GRID as well, or not positive; renumber it")
         parts.append(numbers)
     return np.unique(np.concatenate(parts))
 
@@ -169,8 +170,7 @@ def _scalar_points(cards: Mapping[str, Cards], grids: Indices) -> Indices:
 def _defaults(cards: Mapping[str, Cards]) -> tuple[int, int, str]:
     defaults = list(cards.get("GRDSET", ()))
     if len(defaults) > 1:
-        text = f"a second GRDSET; the first is at {defaults[0].where()}, keep one"
-        raise defaults[1].error(text)
+        defaults[1].refuse(f"a second GRDSET; the first is at {defaults[0].where()}, keep one")
     if not defaults:
         return 0, 0, ""
     return defaults[0].integer(1, 0), defaults[0].integer(5, 0), defaults[0].text(6)
@@ -178,13 +178,15 @@ def _defaults(cards: Mapping[str, Cards]) -> tuple[int, int, str]:
 
 def _check_ids(grid: Cards, ids: Indices, order: Indices) -> None:
     if (ids <= 0).any():
-        card = int(np.flatnonzero(ids <= 0)[0])
-        raise grid.error(card, f"id {ids[card]} must be positive")
+        worst = int(ids.argmin())
+        grid.refuse(worst, f"id {ids[worst]} must be positive")
     twice = np.flatnonzero(np.diff(ids[order]) == 0)
     if twice.size:
         first, second = order[twice[0]], order[twice[0] + 1]
-        text = f"id {ids[second]} is already used at {grid.where(int(first))}; renumber one"
-        raise grid.error(int(second), text)
+        grid.refuse(
+            int(second),
+            f"id {ids[second]} is already used at {grid.where(int(first))}; renumber one",
+        )
 
 
 def _permanent(grid: Cards, default: str) -> dict[str, Indices]:

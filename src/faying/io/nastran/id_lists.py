@@ -31,8 +31,7 @@ def id_list(card: Card, texts: list[str], known_ids: Indices | None = None) -> l
             ids += inside
             continue
         if value is None:
-            text = f"'{texts[i]}' stands where an id is expected"
-            raise card.error(text)
+            card.refuse(f"'{texts[i]}' stands where an id is expected")
         ids.append(value)
         i += 1
     return ids
@@ -46,12 +45,10 @@ def _exceptions(card: Card, texts: list[str], low: int, high: int) -> list[int]:
         if value is None or not low <= value <= high:
             break
         if following == "THRU":
-            message = f"EXCEPT {value} THRU is not supported; list the ids"
-            raise card.error(message)
+            card.refuse(f"EXCEPT {value} THRU is not supported; list the ids")
         out.append(value)
     if not out:
-        message = f"EXCEPT names no id of the range {low} THRU {high} before it"
-        raise card.error(message)
+        card.refuse(f"EXCEPT names no id of the range {low} THRU {high} before it")
     return out
 
 
@@ -61,12 +58,10 @@ def _range(card: Card, first: int, texts: list[str], known_ids: Indices | None) 
     if texts[2:3] == ["BY"]:
         step = numbers.integer(texts[3]) or 0 if len(texts) > 3 else 0
         if step < 1:
-            text = f"'BY {' '.join(texts[3:4])}' is no positive step between ids"
-            raise card.error(text)
+            card.refuse(f"'BY {' '.join(texts[3:4])}' is no positive step between ids")
     longest = _LONGEST if known_ids is None else 10**18
     if last is None or not first <= last <= first + longest:
-        text = f"'{first} THRU {texts[1]}' is not an ascending range of ids"
-        raise card.error(text)
+        card.refuse(f"'{first} THRU {texts[1]}' is not an ascending range of ids")
     if known_ids is None:
         return list(range(first + step, last + 1, step))
     inside = (known_ids > first) & (known_ids <= last) & ((known_ids - first) % step == 0)

@@ -214,8 +214,9 @@ def _with_regions(deck: Deck, regions: Mapping[int, Region], pairs: list[Pair]) 
         if region.elements is not None:
             element_sets[region.name] = region.elements
             if region.name in used and not len(region.elements):
-                text = "no solid of the deck belongs to this contact region; correct its ids"
-                raise region.card.error(text)
+                region.card.refuse(
+                    "no solid of the deck belongs to this contact region; correct its ids"
+                )
         elif region.name in used and region.shells is None:
             _check_exterior(region, exterior)
         if region.name in mixed and region.facets is not None:
@@ -223,11 +224,10 @@ def _with_regions(deck: Deck, regions: Mapping[int, Region], pairs: list[Pair]) 
             if len(nodes) and _spanned(nodes, exterior) == len(region.facets):
                 node_sets[region.name] = nodes
             elif region.name in used:
-                text = (
+                region.card.refuse(
                     "a contact region of triangles and quadrilaterals whose grids span other "
                     "faces too cannot be named; divide it into one region per kind of face"
                 )
-                raise region.card.error(text)
             else:
                 deck.ignored.append(f"{region.name} (faces of several kinds)")
     mesh = replace(assembly.mesh, element_sets=element_sets, node_sets=node_sets)
@@ -241,8 +241,7 @@ def _check_exterior(region: Region, exterior: Indices) -> None:
     keys = np.sort(np.concatenate([exterior, facets]), axis=1)
     first, group, _ = unique_rows(keys)
     if (first[group[len(exterior) :]] >= len(exterior)).any() or not len(facets):
-        text = "a face of this contact region lies inside a body; name exterior faces"
-        raise region.card.error(text)
+        region.card.refuse("a face of this contact region lies inside a body; name exterior faces")
 
 
 def _spanned(nodes: Indices, exterior: Indices) -> int:

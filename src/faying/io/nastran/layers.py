@@ -45,12 +45,12 @@ def layers(card: Card) -> list[Layer]:
             angle=card.real(first + 2, 0.0),
         )
         if not layer.thickness > 0:
-            text = f"a layer has thickness {layer.thickness:g}; it must be positive"
-            raise card.error(text, first + 1)
+            card.refuse(
+                f"a layer has thickness {layer.thickness:g}; it must be positive", first + 1
+            )
         stack.append(layer)
     if not stack:
-        text = "it has no layers"
-        raise card.error(text)
+        card.refuse("it has no layers")
     return stack + stack[::-1] if card.text(7) == "SYM" else stack
 
 

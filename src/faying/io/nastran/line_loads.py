@@ -72,8 +72,10 @@ def read_line_loads(
         vectors[these, :, first : first + 3] = amounts[these, :, None] * directions[these, None]
     forces = nodal_forces_of_beams(loaded, nodes, stations, vectors)
     if not np.isfinite(forces).all():
-        text = "the load is too large for a number"
-        raise readable.error(int(np.flatnonzero(~np.isfinite(forces).all(axis=(1, 2)))[0]), text)
+        readable.refuse(
+            int(np.flatnonzero(~np.isfinite(forces).all(axis=(1, 2)))[0]),
+            "the load is too large for a number",
+        )
     places = np.array([beam.nodes for beam in loaded])
     return [(np.repeat(readable.integers(0), 2), places.ravel(), forces.reshape(-1, 6))]
 
@@ -87,8 +89,11 @@ def _readable(
     for field, words, allowed in ((2, kinds, _TYPES), (3, scales, _SCALES)):
         for i, word in enumerate(words):
             if word not in allowed:
-                text = f"{('TYPE', 'SCALE')[field - 2]} = '{word}'; it is {', '.join(allowed)}"
-                raise line_loads.error(i, text, field)
+                line_loads.refuse(
+                    i,
+                    f"{('TYPE', 'SCALE')[field - 2]} = '{word}'; it is {', '.join(allowed)}",
+                    field,
+                )
     turned = turned_properties(cards)
     loaded = []
     for i, (beam, kind, scale) in enumerate(zip(beams, kinds, scales, strict=True)):
@@ -121,8 +126,9 @@ def _beams(
     ids = line_loads.integers(1).tolist()
     for i, number in enumerate(ids):
         if number not in by_id and number not in bends:
-            text = f"element {number} is no CBAR or CBEAM of the deck; correct the id"
-            raise line_loads.error(i, text, 1)
+            line_loads.refuse(
+                i, f"element {number} is no CBAR or CBEAM of the deck; correct the id", 1
+            )
     return [by_id.get(number) for number in ids]
 
 
@@ -136,11 +142,12 @@ def _stations(line_loads: Cards, unit: Vector, length: Vector) -> tuple[Matrix, 
     outside = np.flatnonzero(~((places >= 0) & (places <= 1 + _BEYOND)).all(axis=1))
     if outside.size:
         i = int(outside[0])
-        text = (
+        line_loads.refuse(
+            i,
             f"X1 = {first[i]:g}, X2 = {last[i]:g} lie beyond the ends of the beam, which is "
-            f"{length[i]:g} long; correct them, or SCALE"
+            f"{length[i]:g} long; correct them, or SCALE",
+            4,
         )
-        raise line_loads.error(i, text, 4)
     places = np.minimum(places, 1.0)
     part = (1 + _POINTS) / 2
     stations = places[:, :1] + part * (places[:, 1:] - places[:, :1])

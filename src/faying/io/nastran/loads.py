@@ -83,12 +83,12 @@ def read_loads(
             if member in spoiled:
                 spoiled.setdefault(number, spoiled[member])
             elif member not in parts or member == number:
-                text = f"load set {member} is not in the deck; define it (FORCE, MOMENT)"
-                raise card.error(text, field)
+                card.refuse(
+                    f"load set {member} is not in the deck; define it (FORCE, MOMENT)", field
+                )
             combined += [(nodes, factor * forces) for nodes, forces in parts.get(member, [])]
         if number in parts:
-            text = f"load set {number} also has cards of its own; give the LOAD another id"
-            raise card.error(text)
+            card.refuse(f"load set {number} also has cards of its own; give the LOAD another id")
         parts[number] = combined
     for number, reason in spoiled.items():
         ignored.append(f"load set {number} ({reason} is not supported)")
@@ -120,16 +120,18 @@ def _add(cards: Cards, grids: Grids, first: int, parts: dict[int, list[_Part]]) 
     for number in np.unique(system[system != 0]).tolist():
         rows = np.flatnonzero(system == number)
         if number not in grids.systems.frames:
-            text = f"coordinate system {number} is not in the deck; define it (CORD2R, ...)"
-            raise cards.error(int(rows[0]), text, 2)
+            cards.refuse(
+                int(rows[0]),
+                f"coordinate system {number} is not in the deck; define it (CORD2R, ...)",
+                2,
+            )
         axes = grids.systems.frames[number].directions(grids.nodes[nodes[rows]])
         vectors[rows] = np.einsum("ni,nij->nj", vectors[rows], axes)
     forces = np.zeros((len(cards), 6))
     forces[:, first : first + 3] = vectors
     if not np.isfinite(forces).all():
         card = int(np.flatnonzero(~np.isfinite(forces).all(axis=1))[0])
-        text = "the load is too large for a number"
-        raise cards.error(card, text)
+        cards.refuse(card, "the load is too large for a number")
     for number in np.unique(sets).tolist():
         parts.setdefault(number, []).append((nodes[sets == number], forces[sets == number]))
 
@@ -161,8 +163,7 @@ def _add_pressures(
     sets, nodes, vectors = read_pressures(cards, grids, mesh.nodes, mesh.blocks, shells)
     forces = np.hstack([vectors, np.zeros_like(vectors)])
     if not np.isfinite(forces).all():
-        text = "a pressure load is too large for a number"
-        raise cards.error(0, text)
+        cards.refuse(0, "a pressure load is too large for a number")
     for number in np.unique(sets).tolist():
         parts.setdefault(number, []).append((nodes[sets == number], forces[sets == number]))
 

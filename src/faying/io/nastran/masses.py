@@ -33,11 +33,11 @@ def _matrix(card: Card, grids: Grids, factor: float) -> PointMass:
     matrix[np.tril_indices(6)] = values
     mass = matrix[0, 0]
     if not mass >= 0 or (matrix[3:, :3] != 0).any() or (matrix[:3, :3] != mass * np.eye(3)).any():
-        text = (
+        card.refuse(
             "masses that differ between directions, or that couple translations and rotations, are "
-            "not supported; use CONM2, or CMASS2 for single components"
+            "not supported; use CONM2, or CMASS2 for single components",
+            3,
         )
-        raise card.error(text, 3)
     inertia = matrix[3:, 3:] + np.tril(matrix[3:, 3:], -1).T
     axes = _axes(card, grids, grids.one(card, 1))
     a, b, c = (tuple(row) for row in (factor * axes.T @ inertia @ axes + 0.0).tolist())

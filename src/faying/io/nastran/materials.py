@@ -51,8 +51,7 @@ def read_materials(
         if number not in named:
             continue
         if number in materials:
-            text = f"material {number} is already defined at {origin[number]}; renumber one"
-            raise card.error(text)
+            card.refuse(f"material {number} is already defined at {origin[number]}; renumber one")
         lines = _line_constants(card) if number in only_lines else None
         youngs, poisson = _constants(card, number, shells) if lines is None else (lines[0], 0.0)
         if lines is None and _contradict(card):
@@ -60,8 +59,9 @@ def read_materials(
         if not (card.text(2) or card.text(3)):
             single.append(number)
         if not math.isfinite(youngs + poisson):
-            text = f"material {number}: E, G and NU are too large for a number; check the units"
-            raise card.error(text)
+            card.refuse(
+                f"material {number}: E, G and NU are too large for a number; check the units"
+            )
         try:
             materials[number] = Material(
                 youngs_modulus=youngs,
@@ -169,13 +169,11 @@ def _constants(card: Card, number: int, shells: frozenset[int]) -> tuple[float, 
     if filled == [True, False, False] and number not in shells:
         return youngs, 0.0
     if sum(filled) < 2:
-        text = f"material {number} gives {sum(filled)} of E, G, NU; two are needed"
-        raise card.error(text)
+        card.refuse(f"material {number} gives {sum(filled)} of E, G, NU; two are needed")
     if not filled[0]:
         return 2 * shear * (1 + poisson), poisson
     if not filled[2]:
         if not shear > 0:
-            text = f"material {number} has G = {shear:g}; it must be positive"
-            raise card.error(text)
+            card.refuse(f"material {number} has G = {shear:g}; it must be positive")
         return youngs, youngs / (2 * shear) - 1
     return youngs, poisson

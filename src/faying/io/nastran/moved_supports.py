@@ -113,11 +113,12 @@ def displacements(cards: Cards, grids: Grids, control: CaseControl) -> list[Disp
         if cards.name == "SPC":
             these, values = these.take(values != 0), values[values != 0]
         if len(these) and control.heat:
-            text = (
+            these.refuse(
+                0,
                 "a temperature, for the analysis is one of heat transfer; no temperatures are "
-                "computed here"
+                "computed here",
+                first + 2,
             )
-            raise these.error(0, text, first + 2)
         nodes, sets, digits = (
             grids.of_column(these, first),
             these.integers(0),

@@ -39,12 +39,10 @@ def mass_factor(cards: Mapping[str, Cards], control: Bulk, ignored: list[str]) -
         if name == "WTMASS":
             factor = card.real(1)
             if not factor > 0:
-                text = f"WTMASS = {factor:g} must be positive"
-                raise card.error(text, 1)
+                card.refuse(f"WTMASS = {factor:g} must be positive", 1)
         elif name in _SCALES:
             if card.real(1) != 1.0:
-                text = f"{name} scales input matrices, which is not supported; remove it"
-                raise card.error(text, 1)
+                card.refuse(f"{name} scales input matrices, which is not supported; remove it", 1)
         elif name:
             others.add(name)
     if others:

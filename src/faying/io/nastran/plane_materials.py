@@ -66,8 +66,7 @@ def read_plane_materials(
                 unnamed += 1
                 continue
             if number in by_number:
-                text = f"material {number} is defined twice; renumber one"
-                raise card.error(text)
+                card.refuse(f"material {number} is defined twice; renumber one")
             by_number[number] = read(card, mass_factor)
         if unnamed:
             ignored.append(f"{unnamed} {name} that no property names")
@@ -92,11 +91,10 @@ def _orthotropic(card: Card, mass_factor: float) -> PlaneMaterial:
         not (first > 0 and second > 0 and abs(ratio * minor_ratio) < 1)
         or min(in_plane, *sideways) < 0
     ):
-        text = (
+        card.refuse(
             f"E1 = {first:g}, E2 = {second:g}, NU12 = {ratio:g}, G12 = {in_plane:g}, "
             f"G1Z = {sideways[0]:g}, G2Z = {sideways[1]:g} is no stable material; correct it"
         )
-        raise card.error(text)
     scale = 1 / (1 - ratio * minor_ratio)
     law = np.diag([scale * first, scale * second, in_plane])
     law[0, 1] = law[1, 0] = scale * ratio * second
@@ -109,6 +107,5 @@ def _orthotropic(card: Card, mass_factor: float) -> PlaneMaterial:
 
 def _density(value: float, card: Card) -> float:
     if not 0 <= value < np.inf:
-        text = f"density {value:g} must not be negative"
-        raise card.error(text)
+        card.refuse(f"density {value:g} must not be negative")
     return value

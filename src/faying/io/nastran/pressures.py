@@ -92,8 +92,11 @@ def _on_shells(
             parts.append((cards.integers(0)[card_of], table, forces))
     if not reached.all():
         card = int(np.flatnonzero(~reached)[0])
-        text = f"no shell that takes a pressure is among elements {first[card]} to {last[card]}"
-        raise cards.error(card, text, 1)
+        cards.refuse(
+            card,
+            f"no shell that takes a pressure is among elements {first[card]} to {last[card]}",
+            1,
+        )
     return parts
 
 
@@ -125,17 +128,19 @@ def _faces(cards: Cards, grids: Grids, blocks: Sequence[CellBlock]) -> tuple[Ind
     faces, fitting = find_faces(blocks, elements, fits)
     if not fitting.all():
         card = int(np.flatnonzero(~fitting)[0])
-        text = f"element {elements[card]} is no solid or shell of the deck; correct the id"
-        raise cards.error(card, text, 1)
+        cards.refuse(
+            card, f"element {elements[card]} is no solid or shell of the deck; correct the id", 1
+        )
     missing = np.flatnonzero(faces[:, 0] < 0)
     if missing.size:
         card = int(missing[0])
-        text = (
+        cards.refuse(
+            card,
             f"G1 and G3 (or G4) name no face of element {elements[card]}; give two opposite "
             "corners of a quadrilateral, one corner of a CPENTA's triangle, or a corner of the "
-            "CTETRA's face and the grid off the face"
+            "CTETRA's face and the grid off the face",
+            6,
         )
-        raise cards.error(card, text, 6)
     return faces, first_corner
 
 
@@ -161,8 +166,11 @@ def _directions(cards: Cards) -> Matrix:
     length = np.linalg.norm(vectors, axis=1)
     wrong = np.flatnonzero(directed & ~((length > 0) & np.isfinite(length)))
     if wrong.size:
-        text = "the direction N1, N2, N3 has no length; give a vector, or leave CID and N blank"
-        raise cards.error(int(wrong[0]), text, 9)
+        cards.refuse(
+            int(wrong[0]),
+            "the direction N1, N2, N3 has no length; give a vector, or leave CID and N blank",
+            9,
+        )
     unit: Matrix = vectors / np.where(length > 0, length, 1.0)[:, None]
     return unit
 
@@ -209,8 +217,11 @@ def _basic(cards: Cards, grids: Grids, rows: Indices, vectors: Matrix, places: M
     for number in np.unique(system[system != 0]).tolist():
         these = np.flatnonzero(system == number)
         if number not in grids.systems.frames:
-            text = f"coordinate system {number} is not in the deck; define it (CORD2R, ...)"
-            raise cards.error(int(rows[these[0]]), text, 8)
+            cards.refuse(
+                int(rows[these[0]]),
+                f"coordinate system {number} is not in the deck; define it (CORD2R, ...)",
+                8,
+            )
         axes = grids.systems.frames[number].directions(places[these].reshape(-1, 3))
         axes = axes.reshape(len(these), -1, 3, 3)
         result[these] = np.einsum("fi,fqij->fqj", vectors[these], axes)

@@ -33,14 +33,16 @@ def principal(card: Card, section: BeamSection) -> tuple[BeamSection, float]:
     first, second = section.inertia_z, section.inertia_y
     field = _FIELD[card.cards.name]
     if not product**2 < first * second:
-        text = f"I12 = {product:g} with I1 = {first:g}, I2 = {second:g}; I12² must be below I1 I2"
-        raise card.error(text, field)
-    if section.shear_factor_y != section.shear_factor_z:
-        text = (
-            f"I12 = {product:g} and shear factors that differ, which have no principal axes in "
-            "common; give K1 = K2, or turn the orientation vector to the principal axes"
+        card.refuse(
+            f"I12 = {product:g} with I1 = {first:g}, I2 = {second:g}; I12² must be below I1 I2",
+            field,
         )
-        raise card.error(text, field)
+    if section.shear_factor_y != section.shear_factor_z:
+        card.refuse(
+            f"I12 = {product:g} and shear factors that differ, which have no principal axes in "
+            "common; give K1 = K2, or turn the orientation vector to the principal axes",
+            field,
+        )
     mean, half = (first + second) / 2, math.hypot((first - second) / 2, product)
     large = mean + half
     small = (first * second - product**2) / large

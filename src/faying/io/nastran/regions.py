@@ -96,8 +96,7 @@ def read_regions(
         solid, thin = (listed[np.isin(listed, ids_of_kind)] for ids_of_kind in (ids, shells))
         region = replace(region, shells=thin) if len(thin) else replace(region, elements=solid)
         if len(thin) and len(solid):
-            text = "a contact region of shells and solids; give each its own region"
-            raise card.error(text)
+            card.refuse("a contact region of shells and solids; give each its own region")
         _add(regions, card, region)
     for name in ("BCPROP", "BCPROPS"):
         for card in cards.get(name, ()):
@@ -127,11 +126,11 @@ def _sides(card: Card, solids: Solids) -> Indices:
     for row, element in zip(named, element_ids, strict=True):
         odd = element is None or row[1] not in _SIDES or row[2:] != ["ELEM", *[""] * 5]
         if odd or card.text(4) != "FACE":
-            text = (
+            card.refuse(
                 f"'{', '.join(filter(None, row))}'; supported are rows of a CHEXA, its side S1 to "
-                "S6 and ELEM, behind FACE; name faces by BSURFS"
+                "S6 and ELEM, behind FACE; name faces by BSURFS",
+                8,
             )
-            raise card.error(text, 8)
     sides = np.array([list(_SIDES[row[1]]) for row in named], dtype=np.int64).reshape(-1, 3)
     elements = np.array(element_ids, dtype=np.int64)
     nodes = np.full((len(elements), 3), -1, dtype=np.int64)
@@ -144,8 +143,9 @@ def _sides(card: Card, solids: Solids) -> Indices:
         nodes[members] = block.nodes[position[members][:, None], sides[members]]
     missing = np.flatnonzero(nodes[:, 0] < 0)
     if missing.size:
-        text = f"element {elements[missing[0]]} is no CHEXA of the deck; name faces by BSURFS"
-        raise card.error(text, 8)
+        card.refuse(
+            f"element {elements[missing[0]]} is no CHEXA of the deck; name faces by BSURFS", 8
+        )
 
     def fits(members: Indices, _: str, kind: str, corners: Indices) -> Mask:
         del kind
@@ -159,11 +159,10 @@ def _sides(card: Card, solids: Solids) -> Indices:
 def _add(regions: dict[int, Region], card: Card, region: Region) -> None:
     number = card.integer(0)
     if number in regions:
-        text = (
+        card.refuse(
             f"contact region {number} is already defined at {regions[number].card.where()}; give "
             "each BSURF, BSURFS and BCPROP its own id"
         )
-        raise card.error(text)
     regions[number] = region
 
 
@@ -175,11 +174,9 @@ def _facets(card: Card, grids: Grids, solids: Solids) -> Indices:
     for i, group in enumerate(values):
         if None in group:
             shown = ", ".join(groups[i])
-            text = f"'{shown}' is no element id with three grid ids of its face"
-            raise card.error(text)
+            card.refuse(f"'{shown}' is no element id with three grid ids of its face")
     if any(card.texts[1:4]):
-        text = "fields 3 to 5 must be blank; the first element id belongs in field 6"
-        raise card.error(text, 1)
+        card.refuse("fields 3 to 5 must be blank; the first element id belongs in field 6", 1)
     table = np.array(values, dtype=np.int64).reshape(-1, 4)
     nodes = grids.several(card, table[:, 1:].ravel().tolist()).reshape(-1, 3)
 
@@ -194,14 +191,12 @@ def _facets(card: Card, grids: Grids, solids: Solids) -> Indices:
     faces, fitting = find_faces(solids.blocks, table[:, 0], fits)
     if not fitting.all():
         solids_are = ", ".join(SOLID_CARDS)
-        text = f"element {table[~fitting, 0][0]} is no solid of the deck; name {solids_are}"
-        raise card.error(text)
+        card.refuse(f"element {table[~fitting, 0][0]} is no solid of the deck; name {solids_are}")
     wrong = np.flatnonzero(faces[:, 0] < 0)
     if wrong.size:
         element, *corners = table[wrong[0]].tolist()
-        text = (
+        card.refuse(
             f"grids {', '.join(map(str, corners))} are no three corners of one face of element "
             f"{element}; correct them"
         )
-        raise card.error(text)
     return np.unique(faces, axis=0)

@@ -87,8 +87,7 @@ def _rbe2(card: Card, grids: Grids) -> tuple[int, Indices, tuple[int, ...]]:
         texts.pop()  # ALPHA: thermal expansion, no load for it is read
     nodes = np.unique(grids.several(card, id_list(card, texts)))
     if not len(nodes) or reference in nodes:
-        text = "it needs dependent nodes other than its independent one"
-        raise card.error(text)
+        card.refuse("it needs dependent nodes other than its independent one")
     return reference, nodes, chosen
 
 
@@ -136,8 +135,9 @@ def _rrod(card: Card, grids: Grids) -> Equation:
     tied = [(node, components(text, card.error)) for node, text in fields if text not in ("", "0")]
     line = grids.nodes[nodes[1]] - grids.nodes[nodes[0]]
     if len(tied) != 1 or len(tied[0][1]) != 1 or tied[0][1][0] > 2 or not line.any():
-        text = "one translation at one of its two ends, which lie apart, must be the dependent one"
-        raise card.error(text)
+        card.refuse(
+            "one translation at one of its two ends, which lie apart, must be the dependent one"
+        )
     columns = [(node, c) for node in nodes for c in range(3)]
     candidates = [columns.index(dof) for dof in _supports([(tied[0][0], tied[0][1][0])], grids)]
     # Each equation is solved for the largest of the basic components that make up its dependent.
@@ -163,11 +163,10 @@ def rigid_equations(
     """
     nodes = np.array([node for node, _ in free], dtype=np.int64)
     if not 0 < len(free) <= _RIGID or not tied:
-        text = (
+        card.refuse(
             f"{len(free)} independent and {len(tied)} dependent components; expected up to six, "
             "and some"
         )
-        raise card.error(text)
     origin = grids.nodes[nodes].mean(axis=0)
     size = float(np.abs(grids.nodes[nodes] - origin).max()) or 1.0
     motion = _motions(free, grids, origin, size)
@@ -175,11 +174,10 @@ def rigid_equations(
     weights = np.linalg.lstsq(motion.T, following.T, rcond=None)[0].T
     unique = np.linalg.svd(motion, compute_uv=False)[-1] > _SINGULAR
     if not unique or np.abs(weights @ motion - following).max() > _SINGULAR:
-        text = (
+        card.refuse(
             "the independent components do not determine the motion of a rigid body, as far as the "
             "dependent ones need it; choose others"
         )
-        raise card.error(text)
     weights *= _scale(free, size) / _scale(tied, size)[:, None]
     columns = sorted({(node, c) for node, c in _supports([*free, *tied], grids)})
     column_of = {basic: k for k, basic in enumerate(columns)}
@@ -217,8 +215,7 @@ def solved(
     _, R, order = scipy.linalg.qr(rows[:, candidates], mode="economic", pivoting=True)
     pivots = np.abs(np.diag(R))
     if len(pivots) < len(rows) or not pivots[-1] > _SINGULAR * pivots[0]:
-        text = "a dependent component is also an independent one; correct the components"
-        raise card.error(text)
+        card.refuse("a dependent component is also an independent one; correct the components")
     chosen = candidates[order[: len(rows)]]
     solved = np.linalg.solve(rows[:, chosen], rows)
     solved[np.abs(solved) <= _ROUNDING * np.abs(solved).max()] = 0.0

@@ -68,11 +68,11 @@ def _tube(card: Card, material: Material, mass_factor: float) -> Member:
     wall = card.real(3, 0.0) or outer / 2
     end = card.real(5, outer)
     if not 0 < wall <= outer / 2:
-        text = f"OD = {outer:g} with T = {wall:g} is no tube; T is at most half of OD"
-        raise card.error(text, 3)
+        card.refuse(f"OD = {outer:g} with T = {wall:g} is no tube; T is at most half of OD", 3)
     if not math.isclose(end, outer, rel_tol=1e-3):
-        text = f"OD2 = {end:g} differs from OD = {outer:g}; divide the tube into constant pieces"
-        raise card.error(text, 5)
+        card.refuse(
+            f"OD2 = {end:g} differs from OD = {outer:g}; divide the tube into constant pieces", 5
+        )
     inner = outer - 2 * wall
     area = math.pi / 4 * (outer**2 - inner**2)
     polar = math.pi / 32 * (outer**4 - inner**4)
@@ -83,11 +83,10 @@ def _checked(
     card: Card, area: float, torsion: float, line_mass: float, material: Material
 ) -> Member:
     if not 0 < area < math.inf or not 0 <= torsion < math.inf or not 0 <= line_mass < math.inf:
-        text = (
+        card.refuse(
             f"A = {area:g}, J = {torsion:g}, mass per length {line_mass:g}; the area must be "
             "positive, the others not negative"
         )
-        raise card.error(text)
     heavy = Material(
         youngs_modulus=material.youngs_modulus,
         poissons_ratio=material.poissons_ratio,
@@ -104,8 +103,7 @@ def _rod(card: Card, grids: Grids, ends: tuple[int, int], member: Member, number
         axis = np.abs(grids.nodes[end] - grids.nodes[start])
         length = float(np.linalg.norm(axis))
     if not 0 < length < math.inf:
-        text = "the rod has no length; its two nodes coincide"
-        raise card.error(text)
+        card.refuse("the rod has no length; its two nodes coincide")
     # A rod has no sides: any direction across it will do.
     x, y, z = np.eye(3)[int(axis.argmin())].tolist()
     return Beam(

@@ -72,8 +72,7 @@ def read_sections(
             number = card.integer(0)
             if number in result[element]:
                 earlier = origin[element, number].where()
-                text = f"property {number} is already defined at {earlier}; renumber one"
-                raise card.error(text)
+                card.refuse(f"property {number} is already defined at {earlier}; renumber one")
             origin[element, number] = card
             if number not in used and card.integer(1) not in materials:
                 ignored.append(f"{name} {number}, without a MAT1, that no element names")
@@ -83,8 +82,9 @@ def read_sections(
             factor = factors.get(card.integer(1), 1.0)
             line_mass = card.real(_mass_field(card), 0.0) * mass_factor
             if not 0 <= line_mass < math.inf:
-                text = f"non-structural mass {line_mass:g} must not be negative"
-                raise card.error(text, _mass_field(card))
+                card.refuse(
+                    f"non-structural mass {line_mass:g} must not be negative", _mass_field(card)
+                )
             heavy += line_mass > 0
             heavier = replace(material, density=material.density + line_mass / section.area)
             warping = _warping(card) if name == "PBEAM" else 0.0
@@ -123,19 +123,17 @@ def with_shear(section: BeamSection, factor: float) -> BeamSection:
 def _checked(card: Card, section: BeamSection) -> BeamSection:
     values = (section.area, section.inertia_y, section.inertia_z, section.torsion)
     if not section.area > 0 or min(values) < 0 or not all(map(math.isfinite, values)):
-        text = (
+        card.refuse(
             f"A = {values[0]:g}, I2 = {values[1]:g}, I1 = {values[2]:g}, J = {values[3]:g}; "
             "the area must be positive and no inertia negative"
         )
-        raise card.error(text)
     return section
 
 
 def _factor(card: Card, field: int, default: float) -> float:
     value = card.real(field, default)
     if value < 0:
-        text = f"shear factor {value:g} must not be negative"
-        raise card.error(text, field)
+        card.refuse(f"shear factor {value:g} must not be negative", field)
     return value or math.inf
 
 
@@ -171,8 +169,7 @@ def _warping(card: Card) -> float:
     field = _behind_stations(card) + 6
     first = card.real(field, 0.0)
     if _differ(first, card.real(field + 1, first)):
-        text = "CW changes along the beam, which is not supported; split the beam"
-        raise card.error(text, field + 1)
+        card.refuse("CW changes along the beam, which is not supported; split the beam", field + 1)
     return first
 
 
@@ -192,11 +189,11 @@ def _check_station(card: Card, row: int) -> None:
     blank = [j for j in (2, 3, 4) if card.text(row + j) and card.real(row + j) == 0.0]
     for j in range(2, 8):
         if j not in blank and card.text(row + j) and _differ(card.real(row + j), card.real(j, 0.0)):
-            text = (
+            card.refuse(
                 f"the section changes along the beam (field {j + 2}); tapered beams are not "
-                "supported, split the beam into constant pieces"
+                "supported, split the beam into constant pieces",
+                row + j,
             )
-            raise card.error(text, row + j)
 
 
 def _differ(first: float, second: float) -> bool:
@@ -215,13 +212,17 @@ def _pbeaml(card: Card, material: Material) -> BeamSection:
     field = mass_field + 1
     while field < len(card):
         if card.text(field) not in ("", *_STATIONS):
-            text = f"expected YES or NO, found '{card.text(field)}'; check the number of dimensions"
-            raise card.error(text, field)
+            card.refuse(
+                f"expected YES or NO, found '{card.text(field)}'; check the number of dimensions",
+                field,
+            )
         for j, size in enumerate((*sizes, card.real(mass_field, 0.0))):
             size_field = field + 2 + j
             if card.text(size_field) and _differ(card.real(size_field), size):
-                text = "a section that changes along the beam is not supported, split the beam"
-                raise card.error(text, size_field)
+                card.refuse(
+                    "a section that changes along the beam is not supported, split the beam",
+                    size_field,
+                )
         field += 3 + len(sizes)
     return _dimensioned(card, kind, sizes, material)
 
@@ -229,15 +230,13 @@ def _pbeaml(card: Card, material: Material) -> BeamSection:
 def _sizes(card: Card) -> tuple[str, list[float]]:
     kind = card.text(3)
     if kind not in _DIMENSIONS or card.text(2) not in ("", "MSCBML0", "MSCBMLO"):
-        text = (
+        card.refuse(
             f"section '{kind}' of group '{card.text(2)}' is not supported; supported are "
             f"{', '.join(_DIMENSIONS)} of MSCBML0, or give A, I1, I2, J on PBAR or PBEAM"
         )
-        raise card.error(text)
     sizes = [card.real(8 + j) for j in range(_DIMENSIONS[kind])]
     if not min(sizes) > 0 and not (kind == "TUBE" and sizes[0] > 0 == sizes[1]):
-        text = "dimensions of the section must be positive"
-        raise card.error(text, 8)
+        card.refuse("dimensions of the section must be positive", 8)
     return kind, sizes
 
 
@@ -245,17 +244,15 @@ def _dimensioned(card: Card, kind: str, sizes: Sequence[float], material: Materi
     if (kind == "TUBE" and sizes[1] >= sizes[0]) or (
         kind == "BOX" and (2 * sizes[3] >= sizes[0] or 2 * sizes[2] >= sizes[1])
     ):
-        text = f"the walls of the {kind} fill its inside; correct the dimensions"
-        raise card.error(text, 8)
+        card.refuse(f"the walls of the {kind} fill its inside; correct the dimensions", 8)
     try:
         if kind in SHAPES:
             section, symmetric = walled_section(kind, sizes)
             if card.cards.name == "PBEAML" and not symmetric:
-                text = (
+                card.refuse(
                     f"the centres of area and shear of {kind} are apart, which is not supported; "
                     "give A, I1, I2, J on PBEAM, or use CBAR"
                 )
-                raise card.error(text)
             return section
         return dimensioned_section(kind, sizes, material.poissons_ratio)
     except ValueError as error:

@@ -54,22 +54,20 @@ def _plate(card: Card, materials: Mapping[int, PlaneMaterial], mass_factor: floa
     """PSHELL: membrane MID1, bending MID2, transverse shear MID3, coupling MID4."""
     membrane = _material(card, 1, materials)
     if membrane is None or card.text(3) == "-1":
-        text = (
+        card.refuse(
             "a shell without membrane (MID1 blank) or in plane strain (MID2 = -1) is not "
             "supported; give MID1, and MID2 or a blank"
         )
-        raise card.error(text)
     bending, coupling = _material(card, 3, materials), _material(card, 10, materials)
     sideways = _material(card, 5, materials) if bending is not None else None
     ratio, shear_ratio = card.real(4, 1.0), card.real(6, 5 / 6)
     line_mass = card.real(7, 0.0) * mass_factor
     thickness = card.real(2)
     if not (thickness > 0 and ratio > 0 and shear_ratio > 0 and line_mass >= 0):
-        text = (
+        card.refuse(
             f"T = {thickness:g}, 12I/T**3 = {ratio:g}, TS/T = {shear_ratio:g}, NSM = "
             f"{line_mass:g}; the first three must be positive, the last not negative"
         )
-        raise card.error(text)
     if sideways is not None and sideways.shear is None:
         sideways = None
 
@@ -97,8 +95,9 @@ def _panel(card: Card, materials: Mapping[int, PlaneMaterial], mass_factor: floa
     material, thickness = _material(card, 1, materials), card.real(2)
     extra = card.real(3, 0.0) * mass_factor
     if material is None or not thickness > 0 or not extra >= 0:
-        text = f"T = {thickness:g}, NSM = {extra:g}; it needs a material and a positive thickness"
-        raise card.error(text)
+        card.refuse(
+            f"T = {thickness:g}, NSM = {extra:g}; it needs a material and a positive thickness"
+        )
     law = np.zeros((6, 6))
     law[:3, :3] = thickness * material.law
     mass = material.density * thickness + extra
@@ -114,21 +113,20 @@ def _material(
     if number <= 0:
         return None
     if number not in materials:
-        text = f"material {number} is not a MAT1, MAT2 or MAT8 of the deck; define it"
-        raise card.error(text, field)
+        card.refuse(f"material {number} is not a MAT1, MAT2 or MAT8 of the deck; define it", field)
     return materials[number]
 
 
 def _check(card: Card, section: ShellSection) -> None:
     law = section.stiffness
     if not np.isfinite(law).all() or np.linalg.eigvalsh(law[:3, :3])[0] <= 0:
-        text = "its membrane is not stiff in every direction; correct its materials"
-        raise card.error(text)
+        card.refuse("its membrane is not stiff in every direction; correct its materials")
     # Bending may be left out; rounding aside nothing is negative.
     size = np.sqrt(np.where(np.diag(law) > 0, np.diag(law), 1.0))
     if np.linalg.eigvalsh(law / np.outer(size, size))[0] < -1e-9:
-        text = "its stiffness is not positive: membrane, bending and coupling contradict each other"
-        raise card.error(text)
+        card.refuse(
+            "its stiffness is not positive: membrane, bending and coupling contradict each other"
+        )
 
 
 def _laminate(
@@ -136,8 +134,7 @@ def _laminate(
 ) -> ShellProperty:
     kind = card.text(7)
     if kind not in ("", "SYM", "SMEAR", "MEM"):
-        text = f"LAM = '{kind}' is not supported; blank, SYM, MEM and SMEAR are"
-        raise card.error(text, 7)
+        card.refuse(f"LAM = '{kind}' is not supported; blank, SYM, MEM and SMEAR are", 7)
     plies = layers(card)
     thickness = math.fsum(ply.thickness for ply in plies)
     bottom = card.real(1, -thickness / 2)
@@ -146,8 +143,9 @@ def _laminate(
 
     def fixed(t: float) -> ShellSection:
         if not math.isclose(t, thickness, rel_tol=1e-3):
-            text = "a laminate has the thickness of its layers; leave T1 to T4 of shells blank"
-            raise card.error(text)
+            card.refuse(
+                "a laminate has the thickness of its layers; leave T1 to T4 of shells blank"
+            )
         return section
 
     return ShellProperty(thickness=thickness, section=fixed, card=card)
@@ -165,8 +163,9 @@ def _stacked(
     ply_materials = []
     for ply in plies:
         if ply.material not in materials:
-            text = f"material {ply.material} is not a MAT1, MAT2 or MAT8 of the deck; define it"
-            raise card.error(text)
+            card.refuse(
+                f"material {ply.material} is not a MAT1, MAT2 or MAT8 of the deck; define it"
+            )
         ply_materials.append(materials[ply.material])
     angle = np.radians([ply.angle for ply in plies])
     laws = turned_law(np.array([material.law for material in ply_materials]), angle)

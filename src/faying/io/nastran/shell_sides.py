@@ -49,11 +49,10 @@ def with_shell_sides(
             continue
         region, opposite = thin[0], pair.plus if thin[0] is pair.minus else pair.minus
         if len(thin) > 1 or pair.glued:
-            text = (
+            region.card.refuse(
                 "a contact region of shells may touch solids; contact with shells, and glue, is "
                 "not supported"
             )
-            raise region.card.error(text)
         sides, height = _sides(region, _faces(opposite, assembly), assembly, thicknesses)
         gaps[pair.name] = -height
         ignored[
@@ -101,8 +100,9 @@ def _sides(
         heights.append(along * block.offsets[chosen] + np.array(thick) / 2)
     height = np.concatenate(heights)
     if not np.ptp(height) <= _SAME * abs(height).max():
-        text = "shells of a contact region have thicknesses or offsets that differ; part the region"
-        raise region.card.error(text)
+        region.card.refuse(
+            "shells of a contact region have thicknesses or offsets that differ; part the region"
+        )
     return np.concatenate(rows), float(height[0])
 
 

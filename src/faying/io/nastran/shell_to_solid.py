@@ -60,8 +60,7 @@ def _of_elements(
     """Edge of shell ES1 on a face of solid EA1."""
     edges = _edges(card, shells, card.integer(2))
     if card.text(4) or card.text(5):
-        text = "one shell with one solid is supported; give another RSSCON for others"
-        raise card.error(text, 4)
+        card.refuse("one shell with one solid is supported; give another RSSCON for others", 4)
     faces = _faces(card, solids, card.integer(3))
     connections = [
         connection
@@ -81,11 +80,11 @@ def _of_elements(
             return float(abs(h @ normal) / np.linalg.norm(h))
 
         return max(connections, key=across)
-    text = (
+    message = (
         f"no edge of shell {card.integer(2)} lies on a face of solid {card.integer(3)} with four "
         "corners; use TYPE = GRID"
     )
-    raise card.error(text)
+    raise card.error(message)
 
 
 def _edges(card: Card, shells: Sequence[ShellBlock], number: int) -> list[list[int]]:
@@ -96,8 +95,8 @@ def _edges(card: Card, shells: Sequence[ShellBlock], number: int) -> list[list[i
             between = nodes[count:]
             pairs = [[nodes[i], nodes[(i + 1) % count]] for i in range(count)]
             return [[*pair, *between[i : i + 1]] for i, pair in enumerate(pairs)]
-    text = f"element {number} is no shell of the deck"
-    raise card.error(text, 2)
+    message = f"element {number} is no shell of the deck"
+    raise card.error(message, 2)
 
 
 def _faces(card: Card, solids: Solids, number: int) -> list[Indices]:
@@ -106,8 +105,8 @@ def _faces(card: Card, solids: Solids, number: int) -> list[Indices]:
         for nodes in block.nodes[block.ids == number]:
             faces = SOLIDS[block.kind].faces
             return [nodes[list(local)] for face, local in faces if face.n_corners == 4]
-    text = f"element {number} is no solid of the deck"
-    raise card.error(text, 3)
+    message = f"element {number} is no solid of the deck"
+    raise card.error(message, 3)
 
 
 def _on_face(nodes: Matrix, edge: list[int], face: Indices) -> list[tuple[int, Mean, Mean]]:
@@ -167,8 +166,7 @@ def _clamped(card: Card, nodes: Matrix, node: int, below: Mean, above: Mean) -> 
     h = high - low
     square = float(h @ h)
     if not square > 0:
-        text = "the places of the solid below and above a node of the shell are one"
-        raise card.error(text)
+        card.refuse("the places of the solid below and above a node of the shell are one")
     t = float((nodes[node] - low) @ h) / square
     columns = [(node, c) for c in range(6)]
     columns += [(k, c) for k in sorted({*below, *above} - {node}) for c in range(3)]

@@ -101,8 +101,11 @@ def read_shells(
         )
         for number, card in first.items():
             if number not in properties:
-                text = f"property {number} is not a PSHELL, PCOMP, PCOMPG or PSHEAR of the deck"
-                raise cards_of_name.error(card, text, 1)
+                cards_of_name.refuse(
+                    card,
+                    f"property {number} is not a PSHELL, PCOMP, PCOMPG or PSHEAR of the deck",
+                    1,
+                )
             sections[number] = properties[number].section(properties[number].thickness)
         numbers_of = _thick(cards_of_name, layout, numbers_of, properties, sections, by_thickness)
         blocks.append(
@@ -161,8 +164,9 @@ def _thick(
         values = [card.real(field, 1.0 if relative else usual) for field in columns]
         thickness = float(np.mean(values)) * (usual if relative else 1.0)
         if min(values) < 0 or not thickness > 0:
-            text = "thicknesses T1 to T4 must not be negative, and some positive"
-            raise card.error(text, layout.thickness)
+            card.refuse(
+                "thicknesses T1 to T4 must not be negative, and some positive", layout.thickness
+            )
         if abs(thickness - usual) <= _DIFFERENT * usual:
             continue
         key = (number, thickness)
@@ -183,8 +187,11 @@ def _directions(cards: Cards, layout: _Layout, nodes: Indices, grids: Grids) -> 
     for number in np.unique(system[~not_integer]).tolist():
         rows = np.flatnonzero(~not_integer & (system == number))
         if number not in grids.systems.frames:
-            text = f"coordinate system {number} is not in the deck; define it (CORD2R, ...)"
-            raise cards.error(int(rows[0]), text, layout.theta)
+            cards.refuse(
+                int(rows[0]),
+                f"coordinate system {number} is not in the deck; define it (CORD2R, ...)",
+                layout.theta,
+            )
         frame = grids.systems.frames[number]
         result[rows] = frame.directions(places[rows].mean(axis=1))[:, 0]
     return result

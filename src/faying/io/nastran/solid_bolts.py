@@ -78,13 +78,11 @@ def _of_elements(number: int, card: Card, grids: Grids, mesh: Mesh) -> Section:
     missing = ids[~np.isin(ids, element_ids)]
     if missing.size or not ids.size:
         what = f"element {missing[0]} is no solid of the deck" if missing.size else "no elements"
-        text = f"{what}; list the solids of the shank"
-        raise card.error(text, 5)
+        card.refuse(f"{what}; list the solids of the shank", 5)
     nodes = mesh.nodes[mesh.element_nodes(ids)]
     axis = _axis(card, grids, nodes.mean(axis=0))
     if axis is None:
-        text = "the axis is blank; give CSID and IDIR"
-        raise card.error(text, 2)
+        card.refuse("the axis is blank; give CSID and IDIR", 2)
     grid_text = card.text(4)
     heights = nodes @ axis
     level = float(heights.min() + heights.max()) / 2
@@ -105,8 +103,7 @@ def _axis(card: Card, grids: Grids, point: Vector) -> Vector | None:
         return None
     direction = card.integer(3)
     if direction not in (1, 2, 3):
-        text = f"IDIR = {direction}; it is 1, 2 or 3"
-        raise card.error(text, 3)
+        card.refuse(f"IDIR = {direction}; it is 1, 2 or 3", 3)
     axes: Matrix = grids.systems.frame_of(card, 2).directions(point[None])[0]
     return np.array(axes[direction - 1])
 
@@ -156,11 +153,10 @@ def _neighbours(mesh: Mesh, chosen: list[Mask], axis: Vector) -> tuple[_Faces, _
 
 def _section(number: int, card: Card, below: _Faces, across: Mask, axis: Vector | None) -> Section:
     if not across.any():
-        text = (
+        card.refuse(
             "no faces between solids of the shank lie in this cross-section; give all grids of a "
             "layer of faces (ETYPE = 2), or elements on both sides of the grid (ETYPE = 3)"
         )
-        raise card.error(text)
     owned = below.taken(across)
     return Section(
         name=f"bolt-{number}",

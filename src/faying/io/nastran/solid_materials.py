@@ -39,8 +39,7 @@ def read_anisotropic(
             if number not in named:
                 continue
             if number in anisotropic or number in materials:
-                text = f"material {number} is already defined; renumber one"
-                raise card.error(text)
+                card.refuse(f"material {number} is already defined; renumber one")
             kinds.append(name)
             try:
                 anisotropic[number] = Material.anisotropic(
@@ -66,12 +65,14 @@ def along(card: Card, material: Material, systems: Systems) -> Material:
     if material.law is None or number == 0:
         return material
     if number < 0:
-        text = "CORDM = -1, axes of each element, is not supported; give a rectangular system"
-        raise card.error(text, 2)
+        card.refuse(
+            "CORDM = -1, axes of each element, is not supported; give a rectangular system", 2
+        )
     frame = systems.frame_of(card, 2)
     if frame.kind != "R":
-        text = f"CORDM = {number} is not rectangular; only directions that stay are supported"
-        raise card.error(text, 2)
+        card.refuse(
+            f"CORDM = {number} is not rectangular; only directions that stay are supported", 2
+        )
     return replace(material, law=turned(material.law, np.asarray(frame.axes)))
 
 

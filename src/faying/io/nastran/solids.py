@@ -75,8 +75,9 @@ def read_solids(
     used: dict[int, Material] = {}
     for number, (users_cards, card) in users.items():
         if number not in properties:
-            text = f"property {number} is not a PSOLID (or PCOMPS) of the deck; define it"
-            raise users_cards.error(card, text, 1)
+            users_cards.refuse(
+                card, f"property {number} is not a PSOLID (or PCOMPS) of the deck; define it", 1
+            )
         used[number] = _material(properties[number], materials, grids)
     bricks = {n for block in blocks if block.kind == "hex8" for n in np.unique(block.properties)}
     _note_schemes(blocks, properties, ignored)
@@ -111,11 +112,11 @@ def _blocks(
     wrong = np.flatnonzero(~filled[:, : linear.n_nodes].all(axis=1))
     if wrong.size:
         card = int(wrong[0])
-        text = (
+        cards.refuse(
+            card,
             f"{filled[card].sum()} nodes; supported are {linear.n_nodes} or {quadratic.n_nodes}, "
-            f"of which the first {linear.n_nodes} must be given"
+            f"of which the first {linear.n_nodes} must be given",
         )
-        raise cards.error(card, text)
     curved: Mask = np.asarray(filled[:, linear.n_nodes :].any(axis=1))
     result = []
     for element, chosen in ((linear, ~curved), (quadratic, curved)):
@@ -170,11 +171,11 @@ def check_distinct(cards: Cards, nodes: Indices) -> None:
     twice = np.flatnonzero((np.diff(np.sort(nodes, axis=1), axis=1) == 0).any(axis=1))
     if twice.size:
         card = int(twice[0])
-        text = (
+        cards.refuse(
+            card,
             f"element {cards.words(0)[card]} has the same node twice; collapsed elements are not "
-            "supported, use one of fewer nodes (CPENTA, CTETRA, CTRIA3)"
+            "supported, use one of fewer nodes (CPENTA, CTETRA, CTRIA3)",
         )
-        raise cards.error(card, text)
 
 
 def property_ids(cards: Cards) -> Indices:
@@ -192,8 +193,7 @@ def _material(card: Card, materials: Mapping[int, Material], grids: Grids) -> Ma
     if card.cards.name == LAYERED:
         return _of_layers(card, materials)
     if card.text(6) not in ("", "SMECH"):
-        text = f"FCTN = {card.text(6)} is not supported; only structural solids (SMECH) are"
-        raise card.error(text)
+        card.refuse(f"FCTN = {card.text(6)} is not supported; only structural solids (SMECH) are")
     return along(card, material_of(card, 1, materials), grids.systems)
 
 
@@ -204,11 +204,11 @@ def _of_layers(card: Card, materials: Mapping[int, Material]) -> Material:
     named = {layer.material for layer in layers(card)}
     (number, *others) = sorted(named)
     if others or number not in materials or materials[number].law is not None:
-        text = (
+        card.refuse(
             f"layers of materials {', '.join(map(str, sorted(named)))}; solids of layers are "
-            "supported where all have one MAT1; mesh each layer with PSOLID of its own"
+            "supported where all have one MAT1; mesh each layer with PSOLID of its own",
+            9,
         )
-        raise card.error(text, 9)
     return materials[number]
 
 
@@ -217,8 +217,7 @@ def material_of(card: Card, field: int, materials: Mapping[int, Material]) -> Ma
     number = card.integer(field)
     if number not in materials:
         more = " (or MAT9, MAT11)" if card.cards.name == "PSOLID" else ""
-        text = f"material {number} is not a MAT1 of the deck{more}; define it"
-        raise card.error(text, field)
+        card.refuse(f"material {number} is not a MAT1 of the deck{more}; define it", field)
     return materials[number]
 
 
@@ -236,17 +235,15 @@ def _formulation(properties: list[Card], ignored: list[str]) -> str:
             if network in ("THREE", "3"):
                 ignored.append("PSOLID IN = THREE (CHEXA with 8 nodes use 2 x 2 x 2 points)")
         else:
-            text = (
+            card.refuse(
                 f"IN = '{network}' with ISOP = '{scheme}' is not supported for CHEXA; leave both "
                 "blank (bubble functions) or give IN = TWO and ISOP = FULL (standard)"
             )
-            raise card.error(text)
     if len(choices) == 2:
-        text = (
+        choices["standard"].refuse(
             f"CHEXA of this PSOLID are standard, those of {choices['incompatible'].where()} have "
             "bubble functions; faying uses one formulation in a model, choose one"
         )
-        raise choices["standard"].error(text)
     return next(iter(choices), "incompatible")
 
 
@@ -277,8 +274,9 @@ def check_element_ids(groups: list[Cards]) -> None:
     if twice.size:
         first, second = int(order[twice[0]]), int(order[twice[0] + 1])
         earlier = groups[group[first]].where(int(within[first]))
-        message = f"element {ids[second]} is already used at {earlier}; renumber one"
-        raise groups[group[second]].error(int(within[second]), message)
+        groups[group[second]].refuse(
+            int(within[second]), f"element {ids[second]} is already used at {earlier}; renumber one"
+        )
     if (ids <= 0).any():
         worst = int(np.flatnonzero(ids <= 0)[0])
         error: FormatError = groups[group[worst]].error(

@@ -68,8 +68,7 @@ def read_split_bolts(
         control = int(grids.several(card, [card.integer(1)])[0])
         top, bottom = (_listed(card, grids, side) for side in ("TOP", "BOTTOM"))
         if len(top) != len(bottom) or not len(top):
-            text = f"{len(top)} grids on TOP and {len(bottom)} on BOTTOM; list them in pairs"
-            raise card.error(text)
+            card.refuse(f"{len(top)} grids on TOP and {len(bottom)} on BOTTOM; list them in pairs")
         forces = {
             name: load.forces[load.nodes == control][0, :3]
             for name, load in loads.items()
@@ -83,11 +82,11 @@ def read_split_bolts(
         across = nonzero - np.outer(nonzero @ axis, axis)
         # Directions are given with seven digits in small fields.
         if not len(nonzero) or np.abs(across).max() > 1e-5 * np.abs(nonzero).max():
-            text = (
+            card.refuse(
                 f"control grid {card.integer(1)} has no force or displacement along one line, "
-                "which would be the tension; give it one by FORCE or SPCD"
+                "which would be the tension; give it one by FORCE or SPCD",
+                1,
             )
-            raise card.error(text, 1)
         sets = {name: float(np.linalg.norm(force)) for name, force in forces.items()}
         bolts[number] = SplitBolt(
             card=card,

@@ -57,12 +57,11 @@ def _turned(card: Card, stiffness: float, grids: Grids) -> Bush | None:
     first, *second = (axes[c % 3] for axes, c in zip(others, components, strict=True))
     across = any(np.abs(direction - first).max() > _SAME for direction in second)
     if apart or across or len(set(components)) > 1 or len(set(nodes)) < len(nodes):
-        text = (
+        card.refuse(
             f"GRID {grids.ids[nodes[0]]} has a displacement coordinate system whose axis is not a "
             "basic axis; such a spring leads to the ground, or to a grid at the same place with "
             "the same axes; use a CBUSH"
         )
-        raise card.error(text)
     along = [0.0] * 6
     along[components[0]] = stiffness
     x, y, z = places[0].tolist()
@@ -114,8 +113,7 @@ def _properties(cards: Mapping[str, Cards], name: str) -> dict[int, float]:
             if card.text(first):
                 number = card.integer(first)
                 if number in stiffnesses:
-                    text = f"property {number} is defined twice; renumber one"
-                    raise card.error(text, first)
+                    card.refuse(f"property {number} is defined twice; renumber one", first)
                 stiffnesses[number] = card.real(first + 1)
     return stiffnesses
 
@@ -132,8 +130,7 @@ def _own_ends(card: Card, grids: Grids) -> list[End]:
         digits = "" if scalar else card.text(field + 1)
         chosen = grids.components(np.array([node]), digits, card.error)
         if len(chosen) != 1:
-            text = f"a spring or mass acts on one component; found '{digits}'"
-            raise card.error(text, field + 1)
+            card.refuse(f"a spring or mass acts on one component; found '{digits}'", field + 1)
         ends.append((node, chosen[0]))
     return ends
 
@@ -146,11 +143,10 @@ def _ends(card: Card, grids: Grids) -> tuple[End, ...]:
         ends.append((node, component))
         signs.append(sign)
     if not ends or len(set(signs)) > 1 or len(set(ends)) < len(ends):
-        text = (
+        card.refuse(
             "a spring or mass needs two different ends, or one and the ground, that act in one "
             "direction (check grids, components and displacement coordinate systems)"
         )
-        raise card.error(text)
     return tuple(ends)
 
 
@@ -162,11 +158,10 @@ def _basic(card: Card, node: int, component: int, grids: Grids) -> tuple[int, in
     direction = axes[component % 3]
     along = int(np.abs(direction).argmax())
     if not _is_basic(axes, component):
-        text = (
+        card.refuse(
             f"GRID {grids.ids[node]} has a displacement coordinate system whose axis is not a "
             "basic axis; masses of one direction in such systems are not supported, use a CONM2"
         )
-        raise card.error(text)
     return along + 3 * (component // 3), 1 if direction[along] > 0 else -1
 
 

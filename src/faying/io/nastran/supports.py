@@ -121,8 +121,7 @@ def _lists(cards: Cards, grids: Grids, sets: set[int], fixed: _Held) -> None:
         else:
             nodes = grids.several(card, ids)
         if not len(nodes):
-            text = "none of its GRIDs is in the deck; define them or remove the card"
-            raise card.error(text)
+            card.refuse("none of its GRIDs is in the deck; define them or remove the card")
         chosen = grids.components(nodes, card.text(1), card.error)
         fixed.setdefault((card.integer(0), chosen), []).append(nodes)
 

@@ -71,10 +71,12 @@ _BIMOMENT = ((12, 6, -12, 6), (6, 4, -6, 2), (-12, -6, 12, -6), (6, 2, -6, 4))
 
 def _point(card: Card, grids: Grids, field: int) -> int:
     if not card.text(field):
-        text = "a warping point at one end only is not supported; give SA and SB, or none"
-        raise card.error(text, field)
+        card.refuse(
+            "a warping point at one end only is not supported; give SA and SB, or none", field
+        )
     node = grids.one(card, field)
     if grids.systems.axes(node) is not None:
-        text = "a warping point with a displacement system is not supported; use an SPOINT"
-        raise card.error(text, field)
+        card.refuse(
+            "a warping point with a displacement system is not supported; use an SPOINT", field
+        )
     return node
