@@ -34,11 +34,6 @@ class Amplitudes:
 
         A course over the time of the step stays at its last value in the steps that follow; one
         over the total time goes on.
-
-        Raises
-        ------
-        FormatError
-            If the amplitude does not exist, or is no table of relative values.
         """
         if not load.has("AMPLITUDE"):
             return 1.0
@@ -66,13 +61,7 @@ class Amplitudes:
 
 
 def read_amplitudes(deck: Deck) -> Amplitudes:
-    """Read all *AMPLITUDE and the lengths of the steps.
-
-    Raises
-    ------
-    FormatError
-        If two have one name, or a length is no number.
-    """
+    """Read all *AMPLITUDE and the lengths of the steps."""
     amplitudes: dict[str, Keyword] = {}
     for keyword in deck.of("AMPLITUDE"):
         name = keyword.required("NAME")

@@ -22,12 +22,6 @@ def read_law(keyword: Keyword, temperature: Callable[[], float]) -> Matrix:
     ----------
     temperature
         Tells at which one a table over temperature counts.
-
-    Raises
-    ------
-    FormatError
-        If the type is not known, constants are missing, belong to no material, or depend on
-        temperatures that differ.
     """
     wished = keyword.choice("TYPE").replace(" ", "")
     kind = next((name for name in _COUNTS if len(wished) > 2 and name.startswith(wished)), "")

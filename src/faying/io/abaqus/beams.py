@@ -39,11 +39,6 @@ def read_beams(
     """Read beams: two-node ones as they are, three-node ones as two beams.
 
     The second half of a three-node beam gets the id of the beam, the first half a new one.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of a beam without section, or a section that is not supported.
     """
     blocks = elements.of(*TYPES)
     if not blocks:

@@ -76,14 +76,7 @@ class Interaction:
 
 
 def read_interactions(deck: Deck, ignored: list[str]) -> dict[str, Interaction]:
-    """Read all *SURFACE INTERACTION, by upper-case name.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of friction that is not Coulomb's, or of a pressure-overclosure curve that
-        is not linear.
-    """
+    """Read all *SURFACE INTERACTION, by upper-case name."""
     interactions = {}
     for head, members in deck.groups("SURFACE INTERACTION", *MEMBERS):
         head.allow("NAME", "PAD THICKNESS")
@@ -111,13 +104,7 @@ def read_pairs(
     sets: NamedSets,
     ignored: list[str],
 ) -> list[Pair]:
-    """Read all *CONTACT PAIR.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of a surface or an interaction that is missing.
-    """
+    """Read all *CONTACT PAIR."""
     return [
         pair
         for keyword in deck.of("CONTACT PAIR")
@@ -194,13 +181,7 @@ def interface_names(pairs: list[Pair]) -> list[str]:
 
 
 def with_mixed_sides(mesh: Mesh, sides: Iterable[DeckSurface]) -> Mesh:
-    """Name sides that are no face set as node sets: mixed facets, and surfaces of nodes.
-
-    Raises
-    ------
-    FormatError
-        If other facets lie between the nodes of a surface of facets too.
-    """
+    """Name sides that are no face set as node sets: mixed facets, and surfaces of nodes."""
     for side in sides:
         if len(side.facets) == 1:
             continue
@@ -273,11 +254,6 @@ def gap_rules(
         Of surfaces that coincide, what is added to their gap.
     rules
         What is made of the gap of the mesh elsewhere.
-
-    Raises
-    ------
-    FormatError
-        If the sides of a clearance belong to no pair, or it is not one value.
     """
     rules: dict[str, GapRule] = {}
     offsets: dict[str, float] = {}

@@ -50,11 +50,6 @@ def read_couplings(
     Distributing couplings weight nodes by their share of the surface's area, ∫N dA. Kinematic ones
     of some translations with ORIENTATION are equations a · u = a · (u_ref + θ_ref × r) along the
     axes a of each node.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of a missing node or surface, or an option that is not supported.
     """
     rigid: list[RigidCoupling] = []
     average: list[AverageCoupling] = []
@@ -114,11 +109,6 @@ def reference_axes(
 
     CalculiX (User's Manual, *COUPLING) takes forces and moments on them along these axes; in Abaqus
     they say which rotations are tied.
-
-    Raises
-    ------
-    FormatError
-        As :func:`faying.io.abaqus.orientations.orientation_at`.
     """
     plain = Dofs(nodes=nodes, sets=sets, system=np.full(len(nodes.ids), -1), transforms=())
     axes = {}
@@ -203,11 +193,6 @@ def read_distributing(
 
     As in CalculiX the displacement of the element's node is the weighted mean, and nothing turns;
     Abaqus turns it too, as *COUPLING with *DISTRIBUTING does in both.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of a missing element or node, or a weight that is not positive.
     """
     equations: list[Equation] = []
     reference_of = {

@@ -50,11 +50,6 @@ class Deck:
 
         Linear perturbation steps leave nothing behind for later ones; by default the last other
         step is taken.
-
-        Raises
-        ------
-        FormatError
-            If there is no such step.
         """
         aside = self.perturbations
         general = [number for number in range(1, self.n_step + 1) if number not in aside]
@@ -70,13 +65,7 @@ class Deck:
         return replace(self, keywords=keywords, n_step=chosen)
 
     def groups(self, head: str, *members: str) -> Iterator[tuple[Keyword, list[Keyword]]]:
-        """Return each head with the members that follow it.
-
-        Raises
-        ------
-        FormatError
-            If a member follows no head, or one head twice.
-        """
+        """Return each head with the members that follow it."""
         groups: list[tuple[Keyword, list[Keyword]]] = []
         for keyword in self.keywords:
             if keyword.name == head:
@@ -91,13 +80,7 @@ class Deck:
 
 
 def read_keyword_deck(path: Path, ignore: frozenset[str] = frozenset()) -> Deck:
-    """Read a deck into keywords, whose data nobody has looked at.
-
-    Raises
-    ------
-    FormatError
-        As the tokenizer, or if parts, instances or steps are not closed.
-    """
+    """Read a deck into keywords, whose data nobody has looked at."""
     keywords = instantiated(read_keywords(read_spans(path)))
     if not keywords:
         message = f"{path}: the deck is empty; it needs *NODE, *ELEMENT, …"

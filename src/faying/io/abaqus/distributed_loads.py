@@ -37,11 +37,6 @@ def read_distributed(
     ----------
     assembly
         With all elements, whose mass gravity acts on.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of a load that is neither a pressure on a face nor a body force.
     """
     result: dict[Key, list[tuple[Matrix, Keyword]]] = {}
     for step in range(deck.n_step + 1):

@@ -73,13 +73,7 @@ class Dofs:
 
 
 def read_dofs(deck: Deck, nodes: Nodes, sets: NamedSets, rotations: Mapping[int, int]) -> Dofs:
-    """Read all *TRANSFORM.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of a malformed transformation.
-    """
+    """Read all *TRANSFORM."""
     system = np.full(len(nodes.ids), -1)
     transforms = deck.of("TRANSFORM")
     for number, keyword in enumerate(transforms):
@@ -133,13 +127,7 @@ def _orthonormal(keyword: Keyword, x: Vector, z: Vector) -> Matrix:
 
 
 def component(keyword: Keyword, row: int, text: str) -> int:
-    """Return the component 0..5 of a field 1..6.
-
-    Raises
-    ------
-    FormatError
-        If it is anything else.
-    """
+    """Return the component 0..5 of a field 1..6."""
     value = integer(keyword, row, text, "a degree of freedom")
     if not 1 <= value <= 6:
         keyword.refuse(

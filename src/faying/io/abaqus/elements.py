@@ -71,13 +71,7 @@ class Elements:
 
 
 def read_elements(deck: Deck, nodes: Nodes, ignored: list[str]) -> Elements:
-    """Read all *ELEMENT.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of an unsupported type, a missing node, or an id that occurs twice.
-    """
+    """Read all *ELEMENT."""
     solids: list[ElementBlock] = []
     others: dict[str, tuple[ElementBlock, ...]] = {}
     for keyword in deck.of("ELEMENT"):

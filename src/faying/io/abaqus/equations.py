@@ -12,13 +12,7 @@ Term = tuple[int, int, float]
 
 
 def read_equations(deck: Deck, dofs: Dofs) -> Iterator[Equation]:
-    """Read all *EQUATION; the first term is the one that is eliminated.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of a malformed equation.
-    """
+    """Read all *EQUATION; the first term is the one that is eliminated."""
     number = 0
     for keyword in deck.of("EQUATION"):
         keyword.allow()

@@ -122,13 +122,7 @@ def table(keyword: Keyword) -> Table:
 
 
 def integers(texts: Fields, keyword: Keyword, row: Indices, what: str) -> Indices:
-    """Return the values of integer fields.
-
-    Raises
-    ------
-    FormatError
-        Naming the line and the first field that is no integer.
-    """
+    """Return the values of integer fields."""
     if not len(texts):
         return np.zeros(0, dtype=np.int64)
     _check_letters(texts, _IN_INTEGERS, keyword, row, what)
@@ -142,13 +136,7 @@ def integers(texts: Fields, keyword: Keyword, row: Indices, what: str) -> Indice
 
 
 def reals(texts: Fields, keyword: Keyword, row: Indices, what: str) -> Vector:
-    """Return the values of real fields; an empty one is 0, as in both programs.
-
-    Raises
-    ------
-    FormatError
-        Naming the line and the first field that is no finite number.
-    """
+    """Return the values of real fields; an empty one is 0, as in both programs."""
     if not len(texts):
         return np.zeros(0)
     _check_letters(texts, _IN_REALS, keyword, row, what)

@@ -36,13 +36,7 @@ FRICTIONLESS = DeckFriction()
 
 
 def read_friction(members: list[Keyword], ignored: list[str]) -> DeckFriction:
-    """Return the friction of an interaction; what its program defines otherwise is noted.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of a law that is not Coulomb's with one coefficient, or an absurd number.
-    """
+    """Return the friction of an interaction; what its program defines otherwise is noted."""
     friction = FRICTIONLESS
     for keyword in members:
         if keyword.name == "FRICTION":
@@ -56,11 +50,6 @@ def tied_slopes(
     """Return the slopes of a tied interaction along normals and across; without any it is rigid.
 
     Where a deck has no stick slope CalculiX 2.20 takes half of the largest E.
-
-    Raises
-    ------
-    FormatError
-        If one is not positive.
     """
     rows = keyword.rows()
     if not rows:

@@ -47,11 +47,6 @@ def read_general_contact(
     ----------
     joined
         Pairs of bodies that are tied, cut from one another or in a contact pair.
-
-    Raises
-    ------
-    FormatError
-        If its properties differ among the surfaces.
     """
     everything = [k for k in deck.of("CONTACT INCLUSIONS") if k.has("ALL EXTERIOR")]
     if not everything:
@@ -98,13 +93,7 @@ def _meet(assembly: Assembly, spec: InterfaceSpec, ignored: list[str]) -> bool:
 def read_listed(
     deck: Deck, interactions: Mapping[str, Interaction], surfaces: Surfaces, ignored: list[str]
 ) -> list[Pair]:
-    """Return the pairs of surfaces that ``*CONTACT INCLUSIONS`` lists.
-
-    Raises
-    ------
-    FormatError
-        If a surface or a property is missing, or a line leaves a surface out.
-    """
+    """Return the pairs of surfaces that ``*CONTACT INCLUSIONS`` lists."""
     pairs = []
     chosen, everywhere = _assigned(deck, interactions, surfaces)
     for keyword in deck.of("CONTACT INCLUSIONS"):

@@ -25,11 +25,6 @@ def read_geometry(path: str | PathLike[str]) -> tuple[Mesh, Mapping[str, FaceSet
     """Read nodes, solids, sets and surfaces; whatever else the deck says is in the matrices.
 
     Elements of other kinds, and sets and surfaces that name them, are passed over.
-
-    Raises
-    ------
-    FormatError
-        With file and line.
     """
     deck = read_keyword_deck(Path(path))
     supported = (*SOLID_TYPES, *LINE_TYPES)

@@ -17,11 +17,6 @@ def instantiated(keywords: Sequence[Keyword]) -> list[Keyword]:
     """Replace parts and instances by the keywords they stand for, in the scope of the instance.
 
     A deck without parts comes back as it is.
-
-    Raises
-    ------
-    FormatError
-        If a part, instance or assembly is not closed, or a part is not known.
     """
     if not any(keyword.name in _CLOSING for keyword in keywords):
         return list(keywords)

@@ -16,13 +16,7 @@ _Given = tuple[float, Keyword]
 
 
 def operation(keyword: Keyword) -> bool:
-    """Whether OP=NEW removes earlier loads.
-
-    Raises
-    ------
-    FormatError
-        If OP is neither MOD nor NEW.
-    """
+    """Whether OP=NEW removes earlier loads."""
     wished = keyword.choice("OP", "MOD")
     if wished not in ("MOD", "NEW"):
         keyword.refuse(f"OP={wished} is not known; give MOD or NEW")
@@ -36,11 +30,6 @@ def read_concentrated(
 
     A later step replaces what it names again; within a step values add up. OP=NEW removes what
     earlier steps left, and none of it acts in a linear perturbation.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of a follower force, an unknown node or a malformed number.
     """
     for load in deck.of("CLOAD"):
         amplitudes.note(load, ignored)

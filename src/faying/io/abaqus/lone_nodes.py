@@ -37,11 +37,6 @@ def with_lone_nodes(
     ----------
     assembly
         With the masters named.
-
-    Raises
-    ------
-    FormatError
-        If no node of such a slave lies above its master.
     """
     replaced: list[Pair] = []
     for pair in pairs:

@@ -15,13 +15,7 @@ Tensor = tuple[tuple[float, float, float], ...]
 
 
 def read_masses(deck: Deck, elements: Elements, sets: NamedSets) -> Iterator[PointMass]:
-    """Read MASS and ROTARYI elements.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of a mass that is not isotropic or negative, or an element without mass.
-    """
+    """Read MASS and ROTARYI elements."""
     values: dict[int, float] = {}
     inertias: dict[int, Tensor] = {}
     for keyword in deck.of("MASS", "ROTARY INERTIA"):

@@ -56,12 +56,6 @@ def read_materials(
     ----------
     temperature
         At which tables over temperature count; None where it differs.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of a material that has impossible constants or is defined twice, or whose
-        constants depend on temperatures that differ or change.
     """
     materials: dict[str, Material] = {}
     for head, members in deck.groups("MATERIAL", *MEMBERS):
@@ -111,13 +105,7 @@ def _is_anisotropic(member: Keyword) -> bool:
 
 
 def read_expansions(deck: Deck, ignored: list[str]) -> dict[str, Expansion]:
-    """Read all *EXPANSION, upper-case name of the material to what it expands by.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of an expansion that differs between directions, or of a malformed table.
-    """
+    """Read all *EXPANSION, upper-case name of the material to what it expands by."""
     expansions = {}
     for head, members in deck.groups("MATERIAL", *MEMBERS):
         name = head.required("NAME")

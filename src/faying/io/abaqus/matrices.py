@@ -26,11 +26,6 @@ def read_abaqus_matrix(path: Path, name: str) -> LabelledMatrix:
     in ascending order of node and component. FORMAT=COORDINATE has row, column, value and no
     labels. One triangle or both may be there. Rows that a boundary condition holds (1e36 on the
     diagonal of a stiffness) are left out.
-
-    Raises
-    ------
-    FormatError
-        Naming file and line of what is not such a table.
     """
     table = _numbers(path, name, (3, 5))
     if table.shape[1] == 3:
@@ -62,11 +57,6 @@ def read_calculix_matrix(path: Path, name: str) -> LabelledMatrix:
 
     Lines are row, column, value of the upper triangle; ``job.dof`` beside it has node.component of
     each row. Without that file the matrix has no labels.
-
-    Raises
-    ------
-    FormatError
-        Naming file and line of what is not such a table.
     """
     table = _numbers(path, name, (3,))
     rows, columns = (_whole(table[:, i], path, name) - 1 for i in (0, 1))
@@ -170,13 +160,7 @@ def _whole(column: Vector, path: Path, name: str) -> Indices:
 def _symmetric(
     rows: Indices, columns: Indices, values: Vector, size: int, path: Path, name: str
 ) -> SparseMatrix:
-    """Return the whole matrix of entries that fill one triangle or both.
-
-    Raises
-    ------
-    FormatError
-        If an entry is given twice, or a row number is not positive or too large for its entries.
-    """
+    """Return the whole matrix of entries that fill one triangle or both."""
     bad = np.flatnonzero((rows < 0) | (columns < 0))
     if bad.size or size > 10 * len(values) + 10:
         entry = int(bad[0]) + 1 if bad.size else int(np.maximum(rows, columns).argmax()) + 1

@@ -65,13 +65,7 @@ from faying.model.mesh import Mesh
 
 
 def description(deck: Deck, ignored: list[str]) -> JointDescription:
-    """Read everything a deck says in the step it has been cut to.
-
-    Raises
-    ------
-    FormatError
-        With file and line.
-    """
+    """Read everything a deck says in the step it has been cut to."""
     deck = materials.without_unused(without_temperatures(deck, ignored), ignored)
     check_supported(deck, ignored)
     deck = replace(deck, keywords=with_distinct_ids(deck.keywords, ignored))
@@ -264,13 +258,7 @@ def _tied(
 
 
 def check_supported(deck: Deck, ignored: list[str]) -> None:
-    """Refuse keywords and elements that may change the structure; note what is left out.
-
-    Raises
-    ------
-    FormatError
-        Naming all of them, their lines and what to do instead.
-    """
+    """Refuse keywords and elements that may change the structure; note what is left out."""
     unread: dict[str, list[Keyword]] = {}
     for keyword in deck.keywords:
         name = _unread_name(keyword)

@@ -27,13 +27,7 @@ def is_from_the_start(keyword: Keyword) -> bool:
 def without_removed(
     deck: Deck, elements: Elements, sets: NamedSets, ignored: list[str]
 ) -> tuple[Elements, NamedSets]:
-    """Return elements and element sets without what *MODEL CHANGE, TYPE=ELEMENT removes.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of an unknown element or set, or if nothing remains.
-    """
+    """Return elements and element sets without what *MODEL CHANGE, TYPE=ELEMENT removes."""
     parts: list[Indices] = []
     all_ids = np.concatenate([block.ids for block in elements.blocks])
     for keyword in (
@@ -59,13 +53,7 @@ def without_removed(
 def without_removed_pairs(
     deck: Deck, pairs: Sequence[Pair], ignored: list[str]
 ) -> tuple[Deck, list[Pair]]:
-    """Return the contact pairs that *MODEL CHANGE, TYPE=CONTACT PAIR leaves, and their deck.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of surfaces that are no contact pair.
-    """
+    """Return the contact pairs that *MODEL CHANGE, TYPE=CONTACT PAIR leaves, and their deck."""
     remaining = list(pairs)
     for keyword in (
         change for change in deck.of("MODEL CHANGE") if change.choice("TYPE") != "ELEMENT"

@@ -34,11 +34,6 @@ def read_mpcs(
     The last four are linearized about the geometry of the deck: with unit axis a and p_i the arms
     of the n nodes from their centre across it, MEANROT is
     Σ (a × p_i) · (u_i - ū) / |p_i|² = n θ, as in CalculiX.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of any other type, or of nodes that span no plane, line or rotation.
     """
     equations: list[Equation] = []
     rigid: list[RigidCoupling] = []

@@ -39,13 +39,7 @@ class Nodes:
 
 
 def read_nodes(deck: Deck, ignored: list[str]) -> Nodes:
-    """Read all *NODE, with the *SYSTEM in force and the position of their instance.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of a malformed or repeated node.
-    """
+    """Read all *NODE, with the *SYSTEM in force and the position of their instance."""
     ids, coordinates, owners, rows = [], [], [], []
     system: tuple[Matrix, Vector] | None = None
     for keyword in deck.of("NODE", "SYSTEM"):

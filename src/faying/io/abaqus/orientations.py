@@ -18,11 +18,6 @@ def distributed_axes(
     """Return the axes (3, 3) that the ORIENTATION of a keyword names, as rows in the basic frame.
 
     Also returned are the ids of elements with others by a *DISTRIBUTION, and those.
-
-    Raises
-    ------
-    FormatError
-        If there is none of this name, or it is not rectangular, or its points span no plane.
     """
     orientation = _find(deck, keyword)
     rows = orientation.rows()
@@ -45,11 +40,6 @@ def orientation_at(deck: Deck, keyword: Keyword, points: Matrix, ignored: list[s
     """Return the axes (n, 3, 3) that the ORIENTATION of a keyword names at points (n, 3), as rows.
 
     Those of a cylindrical one are radial, tangential and axial.
-
-    Raises
-    ------
-    FormatError
-        As :func:`find_orientation`.
     """
     orientation = _find(deck, keyword)
     if orientation.choice("SYSTEM", "RECTANGULAR") not in ("C", "CYLINDRICAL"):

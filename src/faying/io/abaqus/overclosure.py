@@ -34,11 +34,6 @@ def read_behaviour(
     ----------
     abaqus
         Whether the deck is one that only Abaqus reads.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of a behaviour that is not supported or malformed.
     """
     penalty: Normal = "hard"
     for member in members:

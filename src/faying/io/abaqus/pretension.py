@@ -46,13 +46,7 @@ class Section:
     direction: tuple[float, ...] | None = None
 
     def through(self, surface: DeckSurface) -> solid_cuts.Section:
-        """Return it as a section through solids at a surface.
-
-        Raises
-        ------
-        FormatError
-            If the surface has no facets.
-        """
+        """Return it as a section through solids at a surface."""
         if not surface.facets:
             self.keyword.refuse(
                 f"surface '{surface.name}' has no facets; give a TYPE=ELEMENT surface"
@@ -68,13 +62,7 @@ class Section:
 
 
 def read_sections(deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets) -> list[Section]:
-    """Read all *PRE-TENSION SECTION.
-
-    Raises
-    ------
-    FormatError
-        Naming the line, if a node, element or surface is missing.
-    """
+    """Read all *PRE-TENSION SECTION."""
     sections: list[Section] = []
     for keyword in deck.of("PRE-TENSION SECTION"):
         keyword.allow("SURFACE", "ELEMENT", "NODE")
@@ -170,11 +158,6 @@ def preloads(
         Those in force in each step, from 0 to the one that is read.
     senses
         Name of a section to 1 where a positive force pulls, -1 where it presses.
-
-    Raises
-    ------
-    FormatError
-        If a section has no force, or a compressive one.
     """
     bolt_forces = {}
     for section in sections:
@@ -255,11 +238,6 @@ def initial_forces(
         Pretension node to its displacement, not a number where its force had left it.
     senses
         As of :func:`preloads`.
-
-    Raises
-    ------
-    FormatError
-        If a bolt is made longer.
     """
     forces = {}
     for section, bolt in zip(sections, bolts, strict=True):

@@ -18,13 +18,7 @@ Group = tuple[Indices, tuple[int, ...]]
 
 
 def rotation_nodes(deck: Deck, nodes: Nodes, sets: NamedSets) -> dict[int, int]:
-    """Return CalculiX's rotation nodes: their index to that of the first reference node.
-
-    Raises
-    ------
-    FormatError
-        If a node is not there.
-    """
+    """Return CalculiX's rotation nodes: their index to that of the first reference node."""
     return {rotation: reference for reference, rotation in reversed(_turning(deck, nodes, sets))}
 
 
@@ -62,13 +56,7 @@ def _turning(deck: Deck, nodes: Nodes, sets: NamedSets) -> list[tuple[int, int]]
 def read_rigid_bodies(
     deck: Deck, dofs: Dofs, elements: Elements, by_element: NamedSets, first_id: int
 ) -> Iterator[RigidCoupling]:
-    """Read all *RIGID BODY of CalculiX (NSET or ELSET) and Abaqus (PIN NSET, TIE NSET, ELSET).
-
-    Raises
-    ------
-    FormatError
-        Naming the line, if a set is missing, or a reference node is not there.
-    """
+    """Read all *RIGID BODY of CalculiX (NSET or ELSET) and Abaqus (PIN NSET, TIE NSET, ELSET)."""
     number = first_id
     for keyword in deck.of("RIGID BODY"):
         keyword.allow("NSET", "ELSET", "REF NODE", "ROT NODE", "PIN NSET", "TIE NSET", "POSITION")
@@ -90,13 +78,7 @@ def read_rigid_bodies(
 
 
 def _reference(keyword: Keyword, dofs: Dofs, groups: list[Group]) -> int:
-    """Return the reference node; where none is named, any node of the body stands for its motion.
-
-    Raises
-    ------
-    FormatError
-        If it is not there, or a body of elements has a rotation node and no reference node.
-    """
+    """Return the reference node, or any node of the body where none is named."""
     nodes = next((nodes for nodes, _ in groups if len(nodes)), None)
     if keyword.has("REF NODE") or nodes is None:
         return dofs.one(keyword, None, keyword.required("REF NODE"), "the reference node")

@@ -46,13 +46,7 @@ class NamedSets:
         return None
 
     def find(self, keyword: Keyword, label: str, row: int | None = None) -> Indices:
-        """Return the ids of a set.
-
-        Raises
-        ------
-        FormatError
-            If there is none of this name.
-        """
+        """Return the ids of a set."""
         key = self.key(keyword, label)
         if key is None:
             names = ", ".join(list(self.names.values())[:8]) or "none"
@@ -116,13 +110,7 @@ class _Builder:
 
 
 def read_element_sets(deck: Deck, elements: Elements) -> NamedSets:
-    """Read all element sets; ids must be those of elements.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of an unknown element or set.
-    """
+    """Read all element sets; ids must be those of elements."""
     builder = _Builder(what="element set")
     blocks = {id(block.keyword): block for block in elements.blocks}
     element_ids = np.sort(np.concatenate([block.ids for block in elements.blocks]))
@@ -141,13 +129,7 @@ def read_element_sets(deck: Deck, elements: Elements) -> NamedSets:
 
 
 def read_node_sets(deck: Deck, nodes: Nodes, elements: Elements, by_name: NamedSets) -> NamedSets:
-    """Read all node sets; ids must be those of nodes.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of an unknown node or set.
-    """
+    """Read all node sets; ids must be those of nodes."""
     builder = _Builder(what="node set")
     for keyword in deck.of("NODE", "NSET"):
         if keyword.name == "NODE":

@@ -63,14 +63,7 @@ def read_shells(
     materials: Mapping[str, Material],
     ignored: list[str],
 ) -> Shells:
-    """Read all shells; their sections are numbered behind those of solids and beams.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of a shell without section, of layers, of a thickness that is not positive,
-        or of a material whose directions differ.
-    """
+    """Read all shells; their sections are numbered behind those of solids and beams."""
     all_blocks = elements.of(*SHELL_TYPES)
     if not all_blocks:
         return Shells()

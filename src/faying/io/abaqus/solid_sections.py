@@ -19,13 +19,7 @@ from faying.model.elastic_law import turned
 
 
 def find_isotropic(materials: Mapping[str, Material], keyword: Keyword) -> Material:
-    """Return the material the section of a beam, truss or shell names.
-
-    Raises
-    ------
-    FormatError
-        If there is none of this name, or its directions differ.
-    """
+    """Return the material the section of a beam, truss or shell names."""
     material = find_material(materials, keyword)
     if material.law is not None:
         keyword.refuse(
@@ -36,13 +30,7 @@ def find_isotropic(materials: Mapping[str, Material], keyword: Keyword) -> Mater
 
 
 def find_material(materials: Mapping[str, Material], keyword: Keyword) -> Material:
-    """Return the material a section names.
-
-    Raises
-    ------
-    FormatError
-        If there is none of this name.
-    """
+    """Return the material a section names."""
     name = keyword.required("MATERIAL")
     if name.upper() not in materials:
         names = ", ".join(material.name for material in materials.values()) or "none"
@@ -57,13 +45,7 @@ def read_solid_sections(
     materials: Mapping[str, Material],
     ignored: list[str],
 ) -> tuple[tuple[CellBlock, ...], dict[int, Material]]:
-    """Return blocks of cells, whose properties number the sections from 1, and their materials.
-
-    Raises
-    ------
-    FormatError
-        If a solid has no section.
-    """
+    """Return blocks of cells, whose properties number the sections from 1, and their materials."""
     ids = np.concatenate([np.empty(0, dtype=np.int64), *(b.ids for b in elements.solids)])
     section = np.zeros(len(ids), dtype=np.int64)
     used: dict[int, Material] = {}

@@ -18,11 +18,6 @@ def read_spans(path: Path) -> list[Span]:
 
     Included files are looked for beside the deck, where both programs run, then beside the file
     that includes them.
-
-    Raises
-    ------
-    FormatError
-        If a file is missing or includes itself.
     """
     return _expand(path, path.parent, DeckFiles("input deck", "*INCLUDE"), (), "")
 

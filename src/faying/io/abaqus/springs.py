@@ -17,13 +17,7 @@ _ALIGNED = 1e-6
 def read_springs(
     deck: Deck, elements: Elements, sets: NamedSets, coordinates: Matrix
 ) -> tuple[tuple[Spring, ...], tuple[Bush, ...]]:
-    """Read SPRING1, SPRING2 and SPRINGA, those off the coordinate axes as bushes along their line.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of a nonlinear spring, one without *SPRING, or one without direction.
-    """
+    """Read SPRING1, SPRING2 and SPRINGA; those off the coordinate axes are bushes."""
     stiffness: dict[int, Keyword] = {}
     for keyword in deck.of("SPRING"):
         keyword.allow("ELSET")

@@ -62,11 +62,6 @@ def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int], amplitudes: Amp
     apart
         Nodes of pretension sections, whose boundary conditions lock a bolt or say how far its
         section is closed.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of an unknown node, of a motion along axes of a *TRANSFORM, or of FIXED.
     """
     courses: dict[Place, list[float]] = {}
     holds: Holds = {}

@@ -49,13 +49,7 @@ _FACES = {b"": 0, b"SNEG": 1, b"SPOS": 2}
 
 
 def find_surface(surfaces: Surfaces, keyword: Keyword, name: str, row: int | None) -> DeckSurface:
-    """Return a surface by name.
-
-    Raises
-    ------
-    FormatError
-        If there is none of this name.
-    """
+    """Return a surface by name."""
     plain = name.strip("\"' ").upper()
     for key in (f"{keyword.scope.name.upper()}.{plain}", plain):
         if key in surfaces:
@@ -68,13 +62,7 @@ def find_surface(surfaces: Surfaces, keyword: Keyword, name: str, row: int | Non
 def slave_and_master(
     surfaces: Surfaces, keyword: Keyword, row: int, fields: list[str]
 ) -> tuple[DeckSurface, DeckSurface]:
-    """Return the two surfaces that a data line of *CONTACT PAIR or *TIE names.
-
-    Raises
-    ------
-    FormatError
-        If there are not two, one is not there, or the master has no facets.
-    """
+    """Return the two surfaces that a data line of *CONTACT PAIR or *TIE names."""
     if len(fields) != 2 or not all(fields):
         keyword.refuse(
             f"found {len(fields)} fields, expected the slave and the master surface", row
@@ -107,11 +95,6 @@ def read_surfaces(
     """Read all *SURFACE: element faces S1 … S6, whole elements (their exterior), or nodes.
 
     Faces SPOS (2) and SNEG (1) of shells are their sides along and against their normal.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of an unknown element, set or face.
     """
     surfaces: dict[str, DeckSurface] = {}
     for keyword in deck.of("SURFACE"):
@@ -189,13 +172,7 @@ def _of_elements(
 def facets_of_faces(
     keyword: Keyword, mesh: Mesh, ids: Indices, faces: Indices, rows: Indices
 ) -> dict[str, Indices]:
-    """Return facet kind to nodes (n_facet, n_node_per_facet) of faces 1 … 6 of solids.
-
-    Raises
-    ------
-    FormatError
-        If an element is no solid or has no such face; ``rows`` are the data lines.
-    """
+    """Return facet kind to nodes (n_facet, n_node_per_facet) of faces 1 … 6 of solids."""
     _check_all_solid(keyword, mesh, ids, rows)
     facets: dict[str, list[Indices]] = {}
     for block in mesh.blocks:

@@ -54,14 +54,7 @@ def _initial(deck: Deck) -> list[Keyword]:
 
 
 def read_temperatures(deck: Deck, dofs: Dofs, amplitudes: Amplitudes) -> Temperatures:
-    """Read the temperatures at the start and in each step.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of temperatures from files, gradients through shells and beams, or a
-        malformed number.
-    """
+    """Read the temperatures at the start and in each step."""
     initial = np.zeros(len(dofs.nodes.ids))
     for keyword in _initial(deck):
         keyword.allow("TYPE")
@@ -115,13 +108,7 @@ class Expansion:
 
 
 def read_expansion(keyword: Keyword) -> Expansion:
-    """Read *EXPANSION.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of an expansion that differs between directions, or of a malformed table.
-    """
+    """Read *EXPANSION."""
     keyword.allow("TYPE", "ZERO")
     if keyword.choice("TYPE", "ISO") not in ("ISO", "ISOTROPIC"):
         keyword.refuse(
@@ -171,11 +158,6 @@ def thermal_forces(
         Node of the deck that each node of the assembly has the temperature of.
     bolts
         Ids of the beams that are tightened.
-
-    Raises
-    ------
-    FormatError
-        If shells expand, or a beam that is tightened.
     """
     shape = (len(assembly.mesh.nodes), 6)
     of_property = {number: section.name for number, section in assembly.materials.items()}
@@ -221,13 +203,7 @@ def thermal_forces(
 
 
 def check_constant(keyword: Keyword, temperature: float | None) -> float:
-    """Return the temperature that constants are taken at.
-
-    Raises
-    ------
-    FormatError
-        If it differs between nodes.
-    """
+    """Return the temperature that constants are taken at."""
     if temperature is None:
         keyword.refuse(
             "constants that depend on temperature are not supported where it differs between "

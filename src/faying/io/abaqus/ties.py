@@ -35,13 +35,7 @@ class Tie:
 def read_ties(
     deck: Deck, surfaces: Surfaces, pairs: Sequence[Pair], ignored: list[str]
 ) -> list[Tie]:
-    """Read all *TIE, behind the contact pairs that are tied.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of a surface that is not there, or a master without facets.
-    """
+    """Read all *TIE, behind the contact pairs that are tied."""
     ties = [
         Tie(
             keyword=pair.keyword,

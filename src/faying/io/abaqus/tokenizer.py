@@ -19,11 +19,6 @@ def read_keywords(parts: Sequence[Span]) -> list[Keyword]:
 
     A keyword line that ends in a comma continues on the next line.
 
-    Raises
-    ------
-    FormatError
-        If data stand before the first keyword, or a keyword line cannot be understood.
-
     Notes
     -----
     Data lines are not touched: about a second for 2 GB.

@@ -23,13 +23,7 @@ def read_trusses(
     materials: Mapping[str, Material],
     coordinates: Matrix,
 ) -> Iterator[Beam]:
-    """Read trusses; their area is 1 where the section gives none, as in both programs.
-
-    Raises
-    ------
-    FormatError
-        Naming the line of a truss without section or length, or of an area that is not positive.
-    """
+    """Read trusses; their area is 1 where the section gives none, as in both programs."""
     blocks = elements.of(*TYPES)
     if not blocks:
         return

@@ -64,11 +64,6 @@ def written_beam(
     ----------
     first
         First free node id; up to four are taken.
-
-    Raises
-    ------
-    FormatError
-        If the beam does not lie along a coordinate axis, where springs act.
     """
     ends = assembly.mesh.nodes[list(beam.nodes)]
     axis = ends[1] - ends[0]

@@ -26,13 +26,7 @@ _FACES = {
 
 
 def contact_lines(description: JointDescription) -> Iterator[str]:
-    """Yield surfaces, behaviour and contact pair of each interface; minus sides are slaves.
-
-    Raises
-    ------
-    FormatError
-        If an interface is non-matching, or starts with nodes moved onto the other side.
-    """
+    """Yield surfaces, behaviour and contact pair of each interface; minus sides are slaves."""
     number = 0
     for spec in description.interfaces:
         if spec.meshes != "matching":

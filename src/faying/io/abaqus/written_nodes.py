@@ -44,13 +44,7 @@ class WrittenNodes:
         return int(max(self.ids.max(initial=0), self.rotations.max(initial=0)))
 
     def place(self, dof: int) -> tuple[int, int]:
-        """Return node id and degree of freedom of 6 · node index + component.
-
-        Raises
-        ------
-        FormatError
-            If it is a rotation nothing resists.
-        """
+        """Return node id and degree of freedom of 6 · node index + component."""
         node, component = divmod(dof, 6)
         if component < 3:
             return int(self.ids[node]), component + 1

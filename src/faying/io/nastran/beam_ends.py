@@ -53,11 +53,6 @@ class BeamEnds:
         ----------
         along : (3, 3)
             Axes of the element between its grids, for offsets that are given along them.
-
-        Raises
-        ------
-        FormatError
-            If the offset is not finite.
         """
         vector = np.array([card.real(OFFSETS[end] + j, 0.0) for j in range(3)])
         position = grids.nodes[node]

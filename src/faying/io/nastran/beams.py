@@ -29,11 +29,6 @@ def read_beams(
     ----------
     ends
         Takes the nodes of beams with offsets and pins.
-
-    Raises
-    ------
-    FormatError
-        If a beam has no length or no orientation, or its property is missing.
     """
     beams: list[Beam] = []
     for name in ("CBAR", "CBEAM"):

@@ -70,12 +70,6 @@ def read_bends(
     ----------
     factors
         As :func:`faying.io.nastran.materials.shear_factors`.
-
-    Raises
-    ------
-    FormatError
-        If a property or node is missing, a section is that of a pipe or offset, or the data are
-        those of no arc up to a half circle.
     """
     bushes: list[Bush] = []
     properties = properties_by_id(cards, "PBEND")

@@ -34,11 +34,6 @@ def read_accelerations(
         All that have mass.
     unread
         Load set to what is not read of it; sets of cards that are not represented are added.
-
-    Raises
-    ------
-    FormatError
-        If a grid or coordinate system is missing, or a number malformed.
     """
     for card in cards.get("GRAV", ()):
         vector = _basic(card, 1, [card.real(j, 0.0) for j in (3, 4, 5)], grids)

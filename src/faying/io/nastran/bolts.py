@@ -62,13 +62,7 @@ def cut_bolts(
     moved: Moved,
     ignored: list[str],
 ) -> CutBolts:
-    """Cut the solids of a structure at its bolts.
-
-    Raises
-    ------
-    FormatError
-        If a bolt determines no section, or the section does not part its shank.
-    """
+    """Cut the solids of a structure at its bolts."""
     mesh, cuts = assembly.mesh, dict[int, Cut]()
     for number, section in read_solid_bolts(cards, grids, mesh).items():
         mesh, cuts[number] = cut_mesh(mesh, section)
@@ -122,12 +116,6 @@ def read_bolts(
     ----------
     closing
         Bolts of solids to the ids of the springs that close their cuts.
-
-    Raises
-    ------
-    FormatError
-        If a bolt is of nothing that is known, a set or bolt is missing, or forces contradict each
-        other.
     """
     bolts = {
         number: (closing[number],) if number in closing else _elements(card, beams)

@@ -36,11 +36,6 @@ def read_bushes(
     MSC Nastran Quick Reference Guide, CBUSH, remarks 2 to 9: the axes are those of CID (at GA where
     it is curved), else x runs from GA to GB and the orientation vector lies in the x-y plane; the
     springs act at the fraction S between the nodes, or at the place given in OCID.
-
-    Raises
-    ------
-    FormatError
-        If a property, node or coordinate system is missing, or the axes are not determined.
     """
     properties = {
         name: {number: read(card) for number, card in properties_by_id(cards, name).items()}

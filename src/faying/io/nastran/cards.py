@@ -232,11 +232,6 @@ def by_id(cards: Mapping[str, Cards], *names: str, what: str = "") -> dict[int, 
     ----------
     what
         As messages call such a card; its name unless given.
-
-    Raises
-    ------
-    FormatError
-        If an id occurs twice.
     """
     by_number: dict[int, Card] = {}
     for card in (card for name in names for card in cards.get(name, ())):
@@ -253,13 +248,7 @@ def properties_by_id(cards: Mapping[str, Cards], *names: str) -> dict[int, Card]
 
 
 def property_of(card: Card, properties: Mapping[int, Read], kinds: str) -> Read:
-    """Return the property of an element, whose own id is that of a blank field.
-
-    Raises
-    ------
-    FormatError
-        If there is none; ``kinds`` names the cards that could define it.
-    """
+    """Return the property of an element, whose own id is that of a blank field."""
     number = card.integer(1, card.integer(0))
     if number not in properties:
         card.refuse(f"property {number} is not a {kinds} of the deck; define it", 1)

@@ -102,12 +102,6 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
     subcase
         Id of the subcase that counts; the first unless given. Of its steps the first counts,
         but for contact that begins later.
-
-    Raises
-    ------
-    FormatError
-        If a selection is no number, the subcase is not there, or matrices from DMIG enter the
-        structure.
     """
     start = _behind_cend(lines) - 1
     common = _Level(where="")

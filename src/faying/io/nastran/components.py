@@ -6,13 +6,7 @@ from faying.exceptions import FormatError
 
 
 def components(digits: str, error: Callable[[str], FormatError]) -> tuple[int, ...]:
-    """Return components 0..5, ascending, of digits 1..6.
-
-    Raises
-    ------
-    FormatError
-        If the text is anything but distinct digits 1 to 6.
-    """
+    """Return components 0..5, ascending, of digits 1..6."""
     if not digits or set(digits) - set("123456") or len(set(digits)) != len(digits):
         shown = f"'{digits}'" if digits else "nothing"
         message = f"components are {shown}; expected distinct digits 1 to 6, such as 123"

@@ -50,12 +50,6 @@ def read_msc_pairs(
     """Read the pairs of the contact table that BCONTACT selects; without case control, of all.
 
     The same two bodies in opposite order are one contact.
-
-    Raises
-    ------
-    FormatError
-        If a table, body or region is missing, or the contact has interference, rigid
-        bodies, friction that is not Coulomb's, or another feature that is not represented.
     """
     groups = _selected_groups(cards, control, ignored)
     if not groups:
@@ -107,11 +101,6 @@ def friction_of_all_bodies(
     ----------
     elements : (n,)
         Ids of all solids, which the contact bodies must comprise.
-
-    Raises
-    ------
-    FormatError
-        If they do not, a body is not deformable, or their coefficients of friction differ.
     """
     if control.bcontact != "ALLBODY":
         return None

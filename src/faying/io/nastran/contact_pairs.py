@@ -56,13 +56,7 @@ def rows(card: Card) -> Iterator[tuple[int, list[str]]]:
 
 
 def region_of(regions: dict[int, Region], card: Card, field: int) -> Region:
-    """Return the region a field names.
-
-    Raises
-    ------
-    FormatError
-        If there is none, or it selects no face of a solid.
-    """
+    """Return the region a field names."""
     number = card.integer(field)
     if number not in regions:
         card.refuse(
@@ -72,13 +66,7 @@ def region_of(regions: dict[int, Region], card: Card, field: int) -> Region:
 
 
 def check_distinct(pairs: list[Pair]) -> None:
-    """Refuse a region in contact with itself, and the same two regions twice.
-
-    Raises
-    ------
-    FormatError
-        Naming both places.
-    """
+    """Refuse a region in contact with itself, and the same two regions twice."""
     seen: dict[frozenset[str], Pair] = {}
     for pair in pairs:
         key = frozenset((pair.minus.name, pair.plus.name))

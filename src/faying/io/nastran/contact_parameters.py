@@ -79,13 +79,7 @@ class Parameters:
 
 
 def friction_coefficient(card: Card, field: int, name: str = "FRIC") -> float:
-    """Return the coefficient of friction in a field; zero where it is blank.
-
-    Raises
-    ------
-    FormatError
-        If it is the id of a table, or absurd.
-    """
+    """Return the coefficient of friction in a field; zero where it is blank."""
     text = card.text(field)
     value = numbers.real(text) if text else 0.0
     table = text.isdigit() and value != 0.0
@@ -109,12 +103,6 @@ def read_parameters(card: Card, first: int, ignored: dict[str, None]) -> Paramet
     """Check the pairs of names and values from field ``first`` on.
 
     Harmless names are added to ``ignored``.
-
-    Raises
-    ------
-    FormatError
-        If a parameter brings other friction than Coulomb's or anything else that is not
-        represented.
     """
     parameters = Parameters()
     for name, value, field in _pairs(card, first):

@@ -44,14 +44,7 @@ def read_simcenter_pairs(
     regions: dict[int, Region],
     ignored: dict[str, None],
 ) -> list[Pair]:
-    """Read the pairs that BCSET and BGSET select; without a case control section, all of them.
-
-    Raises
-    ------
-    FormatError
-        If a set or region is missing, or the contact has offsets, friction that is not
-        Coulomb's, or another feature that is not represented.
-    """
+    """Read the pairs that BCSET and BGSET select; without a case control section, all of them."""
     chosen = _chosen(cards, control, _CONTACT, ignored)
     parameters = {number: _parameters(cards, number, ignored) for number in chosen}
     pairs = [

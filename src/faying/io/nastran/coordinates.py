@@ -118,11 +118,6 @@ def read_frames(
         Cards of the deck by name.
     locate
         Takes a grid id to the system its coordinates are given in and the coordinates (3,).
-
-    Raises
-    ------
-    FormatError
-        If a system refers to one that is missing or to itself, or its points do not span a plane.
     """
     waiting = _definitions(cards)
     frames = {0: BASIC}
@@ -231,13 +226,7 @@ class Systems:
     displacement: Indices
 
     def frame_of(self, card: Card, field: int, number: int | None = None) -> Frame:
-        """Return the system that a field of a card names, or ``number`` for the field.
-
-        Raises
-        ------
-        FormatError
-            If the deck has no such system.
-        """
+        """Return the system that a field of a card names, or ``number`` for the field."""
         number = card.integer(field, 0) if number is None else number
         if number not in self.frames:
             card.refuse(

@@ -25,14 +25,7 @@ def _check_frames(card: Card, grids: Grids, nodes: Indices, tied: tuple[int, ...
 
 
 def read_average_couplings(cards: Mapping[str, Cards], grids: Grids) -> list[AverageCoupling]:
-    """Read RBE3.
-
-    Raises
-    ------
-    FormatError
-        If a UM set is given, or single components are averaged in a displacement coordinate system
-        that is not the basic one.
-    """
+    """Read RBE3."""
     return [_average(card, grids) for card in cards.get("RBE3", ())]
 
 

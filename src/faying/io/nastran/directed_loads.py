@@ -31,11 +31,6 @@ def read_directed_loads(
     ----------
     nodes : (n_node, 3) [length]
         Of the deck, and those of sides of shells without one.
-
-    Raises
-    ------
-    FormatError
-        If a grid or shell is missing, or a direction has no length.
     """
     parts: list[Part] = []
     for name, first in (("FORCE1", 0), ("MOMENT1", 3), ("FORCE2", 0), ("MOMENT2", 3)):

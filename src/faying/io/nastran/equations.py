@@ -21,11 +21,6 @@ def read_equations(
 
     A component in a displacement coordinate system becomes up to three basic ones. The dependent
     term is then the largest of these that no earlier equation depends on.
-
-    Raises
-    ------
-    FormatError
-        If a set, grid or component is missing, or an equation has no dependent term left.
     """
     mpc = cards.get("MPC")
     if mpc is None:

@@ -65,11 +65,6 @@ def with_free_strains(deck: Deck, bolts: Sequence[BoltSpec]) -> Assembly:
 
     Where no load set is selected they are loads ``temperature`` and ``deform`` of their own. What
     is not read spoils the load they belong to, which is left out with a note.
-
-    Raises
-    ------
-    FormatError
-        With file and line of what is malformed.
     """
     control, assembly = deck.control, deck.assembly
     note = _not_applied(deck)

@@ -21,12 +21,6 @@ def read_general_elements(cards: Mapping[str, Cards], grids: Grids) -> Iterator[
     MSC Nastran Quick Reference Guide, GENEL: forces at u_i are K (u_i - S u_d), K being given or
     the inverse of Z, and S given or that of a rigid body. A symmetric matrix is a spring of -K_ij
     between each two components, and one of the sum of its row from each to the ground.
-
-    Raises
-    ------
-    FormatError
-        If a grid is missing or has a displacement system of its own, numbers are missing or too
-        many, or Z or the motion of UD cannot be inverted.
     """
     for card in cards.get("GENEL", ()):
         yield from springs_between(card.integer(0), *_stiffness(card, grids))

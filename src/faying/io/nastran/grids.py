@@ -39,13 +39,7 @@ class Grids:
     def components(
         self, nodes: Indices, digits: str, error: Callable[[str], FormatError]
     ) -> tuple[int, ...]:
-        """Return components 0..5 of digits 1..6; scalar points have 0 alone, which may be blank.
-
-        Raises
-        ------
-        FormatError
-            As :func:`faying.io.nastran.components.components`.
-        """
+        """Return components 0..5 of digits 1..6; scalar points have 0 alone, which may be blank."""
         scalar = len(nodes) and int(nodes.min()) >= len(self.ids) - self.n_scalar
         if scalar and digits in ("", "0"):
             return (0,)
@@ -60,13 +54,7 @@ class Grids:
         return np.where(self.ids[indices] == ids, indices, -1)
 
     def of_column(self, cards: Cards, field: int) -> Indices:
-        """Node indices (n,) of field j of every card.
-
-        Raises
-        ------
-        FormatError
-            If a grid point does not exist.
-        """
+        """Node indices (n,) of field j of every card."""
         ids = cards.integers(field)
         index = self.index(ids)
         missing = np.flatnonzero(index < 0)
@@ -96,13 +84,7 @@ def _missing(number: int) -> str:
 
 
 def read_grids(cards: Mapping[str, Cards]) -> Grids:
-    """Read nodes and coordinate systems.
-
-    Raises
-    ------
-    FormatError
-        If there is no GRID, an id occurs twice, or a coordinate system is missing.
-    """
+    """Read nodes and coordinate systems."""
     grid = cards.get("GRID")
     if grid is None:
         message = "the deck has no GRID; is it Nastran bulk data?"

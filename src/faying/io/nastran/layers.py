@@ -25,13 +25,7 @@ class Layer:
 
 
 def layers(card: Card) -> list[Layer]:
-    """Return the layers of a laminate from the bottom, mirrored where LAM = SYM.
-
-    Raises
-    ------
-    FormatError
-        If the first layer has no material or thickness, or a thickness is not positive.
-    """
+    """Return the layers of a laminate from the bottom, mirrored where LAM = SYM."""
     stack: list[Layer] = []
     for first in _places(card):
         if not any(card.text(first + j) for j in range(4)):

@@ -41,12 +41,6 @@ def read_line_loads(
     unread
         Load set to what is not read of it; sets with loads on CBEND, with moments by projected
         length, or along axes of elements with I12 are added.
-
-    Raises
-    ------
-    FormatError
-        If an element is no beam of the deck, a place is not on it, or a word or number is
-        malformed.
     """
     if "PLOAD1" not in cards:
         return []

@@ -41,11 +41,6 @@ def read_loads(
         With all elements, whose mass GRAV and RFORCE act on.
     moving
         What moves supports.
-
-    Raises
-    ------
-    FormatError
-        If a grid, element, coordinate system or load set is missing.
     """
     parts: dict[int, list[_Part]] = {}
     spoiled = {**moving.unread, **_unsupported(cards)}

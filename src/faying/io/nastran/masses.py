@@ -15,13 +15,7 @@ _SAME = 1e-9
 
 
 def read_masses(cards: Mapping[str, Cards], grids: Grids, mass_factor: float) -> list[PointMass]:
-    """Read concentrated masses; inertias are turned into the basic frame.
-
-    Raises
-    ------
-    FormatError
-        If a grid or coordinate system is missing.
-    """
+    """Read concentrated masses; inertias are turned into the basic frame."""
     whole = [_matrix(card, grids, mass_factor) for card in cards.get("CONM1", ())]
     return [*whole, *(_mass(card, grids, mass_factor) for card in cards.get("CONM2", ()))]
 

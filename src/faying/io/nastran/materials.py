@@ -33,11 +33,6 @@ def read_materials(
     Two of E, G, NU are given, or E alone with NU = 0. Where all three are and contradict each
     other, solids and the membranes of shells take E and NU, lines and transverse shear of shells
     G: see :func:`shear_factors`.
-
-    Raises
-    ------
-    FormatError
-        If constants are missing, contradict each other or are out of range; or an id occurs twice.
     """
     materials: dict[int, Material] = {}
     origin: dict[int, str] = {}

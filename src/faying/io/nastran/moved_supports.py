@@ -99,13 +99,7 @@ class Moving(NamedTuple):
 
 
 def displacements(cards: Cards, grids: Grids, control: CaseControl) -> list[Displacement]:
-    """Return the displacements other than zero of SPC, and all of SPCD.
-
-    Raises
-    ------
-    FormatError
-        If a grid is missing, a field malformed, or the analysis is one of heat.
-    """
+    """Return the displacements other than zero of SPC, and all of SPCD."""
     moves = []
     for first in (1, 4):
         these = cards.take(cards.given(first))
@@ -152,11 +146,6 @@ def read_moved(
         Displacements by the selected SPC.
     fixed : (n_node, 6)
         What the selected SPC and SPC1 hold.
-
-    Raises
-    ------
-    FormatError
-        As :func:`displacements`.
     """
     always: dict[Place, float] = {}
     for move in by_support:

@@ -45,13 +45,7 @@ class Numbering:
 
 
 def number_assembly(assembly: Assembly) -> Numbering:
-    """Give everything in an assembly an id of its own.
-
-    Raises
-    ------
-    FormatError
-        If an id does not fit eight columns.
-    """
+    """Give everything in an assembly an id of its own."""
     supports = _sets(support.id for support in assembly.supports)
     equations = _sets(equation.id for equation in assembly.equations)
     return Numbering(

@@ -21,13 +21,7 @@ _FULL = 1.01
 def read_panel_sides(
     cards: Mapping[str, Cards], grids: Grids, materials: Mapping[int, Material], first: int
 ) -> list[Beam]:
-    """Return rods without mass, numbered from ``first`` on.
-
-    Raises
-    ------
-    FormatError
-        If a factor is negative, or a material missing.
-    """
+    """Return rods without mass, numbered from ``first`` on."""
     rods: list[Beam] = []
     properties = by_id(cards, "PSHEAR")
     for card in cards.get("CSHEAR", ()):

@@ -24,11 +24,6 @@ def mass_factor(cards: Mapping[str, Cards], control: Bulk, ignored: list[str]) -
         Of the bulk data.
     control
         PARAM lines of case control, which Nastran takes like those of the bulk data.
-
-    Raises
-    ------
-    FormatError
-        If a parameter scales matrices in a way that is not supported.
     """
     factor = 1.0
     others: set[str] = set()
@@ -51,13 +46,7 @@ def mass_factor(cards: Mapping[str, Cards], control: Bulk, ignored: list[str]) -
 
 
 def lumps_masses(cards: Mapping[str, Cards], control: Bulk) -> bool:
-    """Whether Nastran lumps masses at the nodes, which it does unless PARAM,COUPMASS is positive.
-
-    Raises
-    ------
-    FormatError
-        If the parameter is no integer.
-    """
+    """Tell whether Nastran lumps masses, as it does unless PARAM,COUPMASS is positive."""
     chosen = [card for card in _parameters(cards, control) if card.text(0) == "COUPMASS"]
     return not chosen or chosen[-1].integer(1) <= 0
 

@@ -43,11 +43,6 @@ def read_plane_materials(
     ----------
     factors
         Of the transverse shear, as :func:`faying.io.nastran.materials.shear_factors`.
-
-    Raises
-    ------
-    FormatError
-        If constants are missing or give no positive stiffness, or an id occurs twice.
     """
     by_number = {
         number: PlaneMaterial(

@@ -37,12 +37,6 @@ def read_pressures(
     ----------
     nodes : (n_node, 3) [length]
         Of the deck, and those of sides of shells without one.
-
-    Raises
-    ------
-    FormatError
-        If an element is no solid or shell, the grids name no face of a solid, or a direction has
-        no length.
     """
     of_shells = np.isin(cards.integers(1), [n for block in shells for n in block.ids.tolist()])
     of_shells |= np.array([word == "THRU" for word in cards.words(6)])

@@ -20,13 +20,7 @@ _NOTHING = 1e-6
 
 
 def principal(card: Card, section: BeamSection) -> tuple[BeamSection, float]:
-    """Return a section along its principal axes, and how far they are turned [rad].
-
-    Raises
-    ------
-    FormatError
-        If I12² exceeds I1 I2, or shear is not the same in all directions.
-    """
+    """Return a section along its principal axes, and how far they are turned [rad]."""
     if not _is_turned(card):
         return section, 0.0
     product = card.real(_FIELD[card.cards.name])

@@ -159,13 +159,7 @@ def read_parts(
     subcase: int | None = None,
     ignore: frozenset[str] = frozenset(),
 ) -> Deck:
-    """Read the structure of a deck; see :func:`faying.io.nastran.read_deck`.
-
-    Raises
-    ------
-    FormatError
-        With file and line.
-    """
+    """Read the structure of a deck; see :func:`faying.io.nastran.read_deck`."""
     path = Path(path)
     source = read_source(path)
     bulk = read_cards(source.bulk)

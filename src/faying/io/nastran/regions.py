@@ -78,12 +78,6 @@ def read_regions(
     ----------
     shells : (n,)
         Element ids.
-
-    Raises
-    ------
-    FormatError
-        If an id occurs twice, or a BSURFS names an element or grid that is not there, or grids
-        that are no corners of one face.
     """
     regions: dict[int, Region] = {}
     ids = np.concatenate([np.zeros(0, dtype=np.int64), *(block.ids for block in solids.blocks)])

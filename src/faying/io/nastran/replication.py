@@ -40,11 +40,6 @@ def replicated(text: LineTexts, origin: Indices, lines: Lines) -> tuple[LineText
         Without comments.
     origin : (n_line,)
         Where each is in ``lines``.
-
-    Raises
-    ------
-    FormatError
-        If there is no card of one line above, or nothing that can be counted on.
     """
     repeats = [i for i in text.holding(b"=").tolist() if text[i][:1] == b"="]
     if not repeats:

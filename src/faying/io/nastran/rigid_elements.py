@@ -31,13 +31,7 @@ _ROUNDING = 1e-13
 def read_rigid_elements(
     cards: Mapping[str, Cards], grids: Grids
 ) -> tuple[list[RigidCoupling], list[Equation]]:
-    """Read RBE2, RBAR, RBE1, RROD and RTRPLT; thermal coefficients at their ends are left out.
-
-    Raises
-    ------
-    FormatError
-        If a node is missing, or the independent components do not determine a rigid motion.
-    """
+    """Read RBE2, RBAR, RBE1, RROD and RTRPLT; thermal coefficients at their ends are left out."""
     couplings: list[RigidCoupling] = []
     equations: list[Equation] = []
     for card in cards.get("RBE2", ()):
@@ -154,12 +148,6 @@ def rigid_equations(
     ----------
     free, tied
         Independent and dependent components.
-
-    Raises
-    ------
-    FormatError
-        If the independent components contradict each other as those of a rigid body, or do not
-        determine the dependent ones. Fewer than six do where a pin joins two nodes at one place.
     """
     nodes = np.array([node for node, _ in free], dtype=np.int64)
     if not 0 < len(free) <= _RIGID or not tied:
@@ -205,13 +193,7 @@ def _factors(dof: Place, grids: Grids) -> list[tuple[int, float]]:
 def solved(
     card: Card, rows: Matrix, candidates: Indices, columns: Sequence[Place]
 ) -> Iterator[Equation]:
-    """Solve equations for as many of the candidates, the best conditioned ones.
-
-    Raises
-    ------
-    FormatError
-        If they are also independent.
-    """
+    """Solve equations for as many of the candidates, the best conditioned ones."""
     _, R, order = scipy.linalg.qr(rows[:, candidates], mode="economic", pivoting=True)
     pivots = np.abs(np.diag(R))
     if len(pivots) < len(rows) or not pivots[-1] > _SINGULAR * pivots[0]:

@@ -24,11 +24,6 @@ def read_rods(
     """Read rods as beams without bending stiffness, whose mass lies along a straight line.
 
     Non-structural mass is added to the density.
-
-    Raises
-    ------
-    FormatError
-        If a property or node is missing, an area is not positive, or a rod has no length.
     """
     rods: list[Beam] = []
     for name, family, read in (("CROD", "PROD", _bar), ("CTUBE", "PTUBE", _tube)):

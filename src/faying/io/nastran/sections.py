@@ -50,11 +50,6 @@ def read_sections(
     ----------
     factors
         As :func:`faying.io.nastran.materials.shear_factors`.
-
-    Raises
-    ------
-    FormatError
-        If a section tapers or has an offset.
     """
     result: dict[str, dict[int, Property]] = {"CBAR": {}, "CBEAM": {}}
     origin: dict[tuple[str, int], Card] = {}

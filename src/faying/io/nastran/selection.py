@@ -23,11 +23,6 @@ def selected_sets(
         ``"SPC"`` or ``"MPC"``.
     members
         Ids of the sets that hold constraints.
-
-    Raises
-    ------
-    FormatError
-        If the selected set does not exist.
     """
     combined: dict[int, list[int]] = {}
     for card in cards.get(f"{kind}ADD", ()):

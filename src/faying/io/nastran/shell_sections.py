@@ -36,13 +36,7 @@ def read_shell_properties(
     mass_factor: float,
     ignored: list[str],
 ) -> dict[int, ShellProperty]:
-    """Read the properties of shells.
-
-    Raises
-    ------
-    FormatError
-        If an id occurs twice, a material is missing, or a property is not supported.
-    """
+    """Read the properties of shells."""
     ignored += [LAMINATE for name in SHELL_PROPERTIES if name.startswith("PCOMP") and name in cards]
     return {
         number: _READERS[card.cards.name](card, materials, mass_factor)

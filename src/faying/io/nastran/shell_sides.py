@@ -35,11 +35,6 @@ def with_shell_sides(
     pairs
     gaps : [length]
         By name of a pair, what is added to the gap of its mesh.
-
-    Raises
-    ------
-    FormatError
-        If shells face shells, are glued, or have thicknesses that differ.
     """
     paired, gaps = [], dict[str, float]()
     for pair in pairs:

@@ -30,13 +30,7 @@ _NEAR = 1e-3
 def read_shell_to_solid(
     cards: Mapping[str, Cards], grids: Grids, solids: Solids, shells: Sequence[ShellBlock]
 ) -> Iterator[Equation]:
-    """Yield the equations of RSSCON, those of a node of two shells once.
-
-    Raises
-    ------
-    FormatError
-        If an element or grid is missing, or no edge of the shell lies on a face of the solid.
-    """
+    """Yield the equations of RSSCON, those of a node of two shells once."""
     done: set[int] = set()
     for card in cards.get("RSSCON", ()):
         by_grids = card.text(1) == "GRID"

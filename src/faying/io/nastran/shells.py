@@ -80,11 +80,6 @@ def read_shells(
     Where a mid-side node is blank, the side has a node of its own that moves as the mean of its
     ends. Shells with thicknesses of their own have their mean; their sections are numbered behind
     the properties of the deck.
-
-    Raises
-    ------
-    FormatError
-        If a node, property or coordinate system is missing, or a node occurs twice.
     """
     blocks: list[ShellBlock] = []
     sections: dict[int, ShellSection] = {}

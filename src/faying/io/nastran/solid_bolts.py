@@ -23,13 +23,7 @@ OF_GRIDS, OF_ELEMENTS = 2, 3
 
 
 def read_solid_bolts(cards: Mapping[str, Cards], grids: Grids, mesh: Mesh) -> dict[int, Section]:
-    """Return the sections of all bolts of solids by id.
-
-    Raises
-    ------
-    FormatError
-        If a grid, element or coordinate system is missing, or the card determines no section.
-    """
+    """Return the sections of all bolts of solids by id."""
     sections = {}
     for number, card in by_id(cards, "BOLT").items():
         if is_split(card) or card.integer(1) not in (OF_GRIDS, OF_ELEMENTS):
@@ -48,13 +42,7 @@ def is_split(card: Card) -> bool:
 
 
 def control_grids(cards: Mapping[str, Cards], grids: Grids) -> Indices:
-    """Return the nodes that tighten MSC's bolts.
-
-    Raises
-    ------
-    FormatError
-        If one is missing.
-    """
+    """Return the nodes that tighten MSC's bolts."""
     controls = [grids.one(card, 1) for card in cards.get("BOLT", ()) if is_split(card)]
     return np.array(controls, dtype=np.int64)
 

@@ -25,11 +25,6 @@ def read_anisotropic(
     """Return the materials along their own axes by id.
 
     Those that no PSOLID names are left out with a note.
-
-    Raises
-    ------
-    FormatError
-        If constants are missing or belong to no stable material, or an id occurs twice.
     """
     anisotropic: dict[int, Material] = {}
     kinds: list[str] = []
@@ -54,13 +49,7 @@ def read_anisotropic(
 
 
 def along(card: Card, material: Material, systems: Systems) -> Material:
-    """Turn a material to the coordinate system CORDM of its PSOLID.
-
-    Raises
-    ------
-    FormatError
-        If the system is missing, or has other directions from place to place.
-    """
+    """Turn a material to the coordinate system CORDM of its PSOLID."""
     number = card.integer(2, 0)
     if material.law is None or number == 0:
         return material

@@ -59,11 +59,6 @@ def read_solids(
     Guide, PSOLID, remark 6. Decks that mix the two or ask for another scheme are refused. Where
     some mid-side nodes of an element are blank, the side has a node of its own that moves as the
     mean of its ends.
-
-    Raises
-    ------
-    FormatError
-        If a node, property or material is missing, or an element is of an unsupported kind.
     """
     blocks: list[CellBlock] = []
     users: dict[int, tuple[Cards, int]] = {}
@@ -161,13 +156,7 @@ def _nodes(
 
 
 def check_distinct(cards: Cards, nodes: Indices) -> None:
-    """Refuse an element with a node that occurs twice.
-
-    Raises
-    ------
-    FormatError
-        Naming the element.
-    """
+    """Refuse an element with a node that occurs twice."""
     twice = np.flatnonzero((np.diff(np.sort(nodes, axis=1), axis=1) == 0).any(axis=1))
     if twice.size:
         card = int(twice[0])
@@ -257,13 +246,7 @@ def element_sets(blocks: tuple[CellBlock, ...]) -> dict[str, Indices]:
 
 
 def check_element_ids(groups: list[Cards]) -> None:
-    """Refuse an element id that occurs twice in a deck.
-
-    Raises
-    ------
-    FormatError
-        Naming both places.
-    """
+    """Refuse an element id that occurs twice in a deck."""
     if not groups:
         return
     ids = np.concatenate([cards.integers(0) for cards in groups])

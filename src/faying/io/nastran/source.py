@@ -32,11 +32,6 @@ def read_source(path: Path) -> Source:
     """Read a deck and its includes and find where the bulk data begin and end.
 
     A file without BEGIN BULK is bulk data from its first line, unless it holds a CEND or SOL.
-
-    Raises
-    ------
-    FormatError
-        If a file is missing, includes itself, or BEGIN BULK is missing or names a superelement.
     """
     files = DeckFiles("Nastran deck", "INCLUDE")
     parts = _expand(path, files, ())

@@ -53,14 +53,7 @@ class SplitBolt:
 def read_split_bolts(
     cards: Mapping[str, Cards], grids: Grids, loads: Mapping[str, NodalLoads], moved: Moved
 ) -> dict[int, SplitBolt]:
-    """Return the bolts of control grids by id.
-
-    Raises
-    ------
-    FormatError
-        If grids are missing or not in pairs, or nothing pulls or moves the control grid along one
-        line.
-    """
+    """Return the bolts of control grids by id."""
     bolts = {}
     for number, card in by_id(cards, "BOLT").items():
         if not is_split(card):

@@ -20,12 +20,6 @@ def read_springs(
     """Read springs; an end whose grid is blank or 0 is grounded.
 
     Springs along axes of displacement systems that are no basic axes are bushes.
-
-    Raises
-    ------
-    FormatError
-        If a property is missing, both ends are grounded, or a spring acts along different
-        directions at its ends.
     """
     if any(card.text(6) for card in cards.get("CELAS2", ())):
         ignored.append("structural damping GE of CELAS2")
@@ -78,13 +72,7 @@ def _turned(card: Card, stiffness: float, grids: Grids) -> Bush | None:
 def read_scalar_masses(
     cards: Mapping[str, Cards], grids: Grids, mass_factor: float
 ) -> list[ScalarMass]:
-    """Read scalar masses, which act at one component or on the difference of two.
-
-    Raises
-    ------
-    FormatError
-        As :func:`read_springs`.
-    """
+    """Read scalar masses, which act at one component or on the difference of two."""
     return [
         ScalarMass(id=card.integer(0), ends=_ends(card, grids), mass=value * mass_factor)
         for card, value in _valued(cards, "CMASS", "PMASS")

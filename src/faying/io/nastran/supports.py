@@ -34,11 +34,6 @@ def read_supports(
         What stands still.
     moved
         What SPC and SPCD displace.
-
-    Raises
-    ------
-    FormatError
-        If a set or grid is missing, or temperatures are prescribed.
     """
     constrained: _Held = {}
     members: set[int] = set()

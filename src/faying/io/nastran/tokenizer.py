@@ -35,11 +35,6 @@ def read_cards(lines: Lines) -> Bulk:
 
     Continuation lines must follow their parent (comments may lie between).
 
-    Raises
-    ------
-    FormatError
-        If a continuation has no parent or another one's, or a free-field line is too long.
-
     Notes
     -----
     About 1 µs a line, 130 bytes of memory a line.

@@ -29,12 +29,6 @@ def read_warping(
     ----------
     beams
         By id.
-
-    Raises
-    ------
-    FormatError
-        If a beam of a section that resists warping has one of the two points alone, or a point has
-        a displacement system.
     """
     for card in cards.get("CBEAM", ()):
         if not any(card.text(field) for field in POINTS):
