@@ -31,6 +31,7 @@ def check(
     from faying.cli.description import described
     from faying.cli.progress import progress_bar
     from faying.joint.diagnosis import REMEDY, REMEDY_BESIDE_SPRINGS, check_held
+    from faying.model.solid_cells import tangled
     from faying.study.inputs.jumps import jump_sentence, load_jumps
     from faying.study.inputs.load_model import load_model
     from faying.study.inputs.loads import check_targets
@@ -73,7 +74,8 @@ def check(
         for case in checked.load_cases
     ]
     unjudged = not_judged(checked, model)
-    for doubt in [*constants, *filter(None, missing), *filter(None, jumps), *unjudged]:
+    shapes = tangled(loaded.assembly)
+    for doubt in [*constants, *filter(None, [shapes, *missing, *jumps]), *unjudged]:
         console.print(f"Doubtful: {doubt}", style="bold", highlight=False)
     if out is not None:
         console.print(f"Wrote {_picture(loaded, model, out / 'model.png')}")

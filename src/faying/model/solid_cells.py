@@ -9,7 +9,7 @@ from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Material
 from faying.model.cells import CellBlock
 from faying.model.elements import SolidElement, block_element
-from faying.model.elements.geometry import check_shapes, volume_factors
+from faying.model.elements.geometry import check_shapes, inverted_corners, volume_factors
 from faying.model.elements.solid_element import mass_tables
 from faying.model.surface import unique_rows
 
@@ -76,6 +76,23 @@ def check_cells(assembly: Assembly) -> None:
         for part in _batches(len(block.ids)):
             check_shapes(element, assembly.mesh.nodes[block.nodes[part]], block.ids[part])
     _check_once(assembly)
+
+
+def tangled(assembly: Assembly) -> str:
+    """Name solids that are inside out at a corner alone; nothing where there are none."""
+    ids: list[int] = []
+    for block in assembly.mesh.blocks:
+        element = block_element(block, assembly.element)
+        for part in _batches(len(block.ids)):
+            inverted = inverted_corners(element, assembly.mesh.nodes[block.nodes[part]])
+            ids += block.ids[part][inverted].tolist()
+    named = ", ".join(map(str, ids[:8])) + (", …" if len(ids) > 8 else "")
+    return (
+        f"{len(ids)} solid elements are inside out at a corner ({named}): matrices are "
+        "formed, as elsewhere, but stresses and contact near them are not to be trusted; remesh"
+        if ids
+        else ""
+    )
 
 
 def _check_once(assembly: Assembly) -> None:

@@ -29,7 +29,7 @@ from faying.model.matrices import (
     used_components,
 )
 from faying.model.mesh import Mesh
-from faying.model.solid_cells import check_cells
+from faying.model.solid_cells import check_cells, tangled
 
 STEEL = Material(youngs_modulus=210000.0, poissons_ratio=0.3, density=8e-9)
 
@@ -72,6 +72,19 @@ def test_collapsed_corner_is_refused_although_quadrature_points_are_fine():
     collapsed = one_cell("hex8", order=np.array([0, 1, 2, 2, 4, 5, 6, 6]))
     with pytest.raises(ModelError, match=r"element 77 \(hex8\) has no volume at a corner.*wedge"):
         assemble_matrices(assembly_of(collapsed))
+
+
+@pytest.mark.parametrize("corner", [0.6, 0.7])
+def test_a_corner_alone_may_be_inside_out_and_is_told(corner):
+    """Where (1, 1, 1) of the unit cube moves to (c, c, c) the determinant there is 3 c - 2."""
+    nodes = SOLIDS["hex8"].reference_nodes
+    moved = np.where((nodes == 1).all(axis=1)[:, None], corner, nodes)
+    assembly = assembly_of(one_cell("hex8", lambda _: moved))
+    assert ("(77)" in tangled(assembly)) is (corner < 2 / 3)
+    stiffness = assemble_matrices(assembly).K.toarray()
+    solids = np.arange(48).reshape(8, 6)[:, :3].ravel()
+    values = np.linalg.eigvalsh(stiffness[np.ix_(solids, solids)])
+    assert (values > 1e-6 * values[-1]).sum() == 18  # all but six rigid motions, round-off 1e-15
 
 
 def test_thin_element_is_accepted():

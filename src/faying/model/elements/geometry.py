@@ -4,7 +4,7 @@ from functools import reduce
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, Vector
+from faying._typing import Indices, Mask, Matrix, Vector
 from faying.exceptions import ModelError
 from faying.model.elements.solid_element import (
     SolidElement,
@@ -18,6 +18,7 @@ from faying.model.elements.solid_element import (
 COLLAPSED = 1e-10
 # A largest determinant this much smaller than the cube of the element's extent is a flat element.
 FLAT = 1e-12
+CORNER = "a corner"
 
 
 def jacobians(gradients: Matrix, coordinates: Matrix) -> Matrix:
@@ -74,7 +75,8 @@ def volume_factors(gradients: Matrix, coordinates: Matrix) -> Matrix:
 def check_shapes(element: SolidElement, coordinates: Matrix, ids: Indices) -> None:
     """Refuse elements whose mapping is singular or inverted.
 
-    Looked at: the quadrature points of stiffness and mass, and the corners.
+    Looked at: the quadrature points of stiffness and mass, and the corners, which may be inverted
+    where no quadrature point is: matrices can be formed, and :func:`inverted_corners` tells them.
 
     Parameters
     ----------
@@ -88,7 +90,7 @@ def check_shapes(element: SolidElement, coordinates: Matrix, ids: Indices) -> No
         Naming the first offending element, the determinant found and the remedy.
     """
     places = {
-        "a corner": corner_gradients(element),
+        CORNER: corner_gradients(element),
         "a stiffness quadrature point": stiffness_gradients(element),
         "a mass quadrature point": mass_tables(element)[1],
     }
@@ -101,7 +103,21 @@ def check_shapes(element: SolidElement, coordinates: Matrix, ids: Indices) -> No
         seen.append(gradients)
         determinant = volume_factors(gradients, coordinates)
         threshold = np.maximum(COLLAPSED * np.abs(determinant).max(axis=0), FLAT * extent**3)
+        if location == CORNER:
+            determinant[determinant < -threshold] = np.inf
         _check_above(threshold, determinant.min(axis=0), element, ids, location)
+
+
+def inverted_corners(element: SolidElement, coordinates: Matrix) -> Mask:
+    """Say of elements (n_cell,) whether they are inside out at a corner.
+
+    Parameters
+    ----------
+    coordinates : (n_cell, n_node, 3) [length]
+    """
+    determinant = volume_factors(corner_gradients(element), coordinates)
+    inverted: Mask = determinant.min(axis=0) < -COLLAPSED * np.abs(determinant).max(axis=0)
+    return inverted
 
 
 def _check_above(

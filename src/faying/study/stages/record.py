@@ -10,6 +10,7 @@ import scipy
 from faying import __version__
 from faying.model.bolt_axis import bolt_ends
 from faying.model.matrices import mass_properties
+from faying.model.solid_cells import tangled
 from faying.reduction.projection import contact_surfaces
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.judgement.model_warnings import unheld, unmeasured
@@ -70,6 +71,7 @@ def record(
         doubts=(
             *unheld(model),
             *unmeasured(study, cases),
+            *filter(None, [tangled(model.assembly)]),
             *doubts(model.assembly.materials, study.units),
             *bolt_doubts(study, joint.loaded),
             *pressure_doubts(cases, model.assembly.materials, study.units),
