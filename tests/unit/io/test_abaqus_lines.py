@@ -79,8 +79,8 @@ def test_springs_along_a_line(read):
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("0.25\n", "-1.\n", r"SOLID SECTION: the area is -1"),
-        ("ELSET=LEGS, MATERIAL", "ELSET=SOME, MATERIAL", r":8: .*truss 1 has no \*SOLID SECTION"),
+        ("0.25\n", "-1.\n", r"SOLID SECTION: an area is -1"),
+        ("ELSET=LEGS, MATERIAL", "ELSET=SOME, MATERIAL", r":8: .*element 1 has no \*SOLID SECTION"),
         ("1, 1, 4", "1, 1, 5", "truss 1 has no length"),
     ],
 )

@@ -7,8 +7,8 @@ import numpy as np
 
 from faying._typing import Vector
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.fields import real
-from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.fields import parameter, real
+from faying.io.abaqus.keyword import Keyword, add, named
 
 _TIMED = ("STATIC", "DYNAMIC", "VISCO", "MODAL DYNAMIC")
 """Procedures whose data line holds the length of the step, behind its first increment."""
@@ -37,17 +37,11 @@ class Amplitudes:
         """
         if not load.has("AMPLITUDE"):
             return 1.0
-        name = load.value("AMPLITUDE")
-        if name.upper() not in self.keywords:
-            names = (
-                ", ".join(amplitude.value("NAME") for amplitude in self.keywords.values()) or "none"
-            )
-            load.refuse(f"there is no *AMPLITUDE '{name}'; known are {names}")
-        keyword = self.keywords[name.upper()]
-        total = keyword.choice("TIME", "STEP TIME") == "TOTAL TIME"
+        keyword = named(load, load.value("AMPLITUDE"), self.keywords, "*AMPLITUDE")
+        total = keyword.choice("TIME") == "TOTAL TIME"
         time = sum(self.lengths[: step + 1]) if total else self.lengths[load.step]
         times, values = _table(keyword)
-        time -= real(load, None, load.value("TIME DELAY", "0"), "TIME DELAY")
+        time -= parameter(load, "TIME DELAY", 0.0)
         return float(np.interp(time, times, values))
 
     def note(self, load: Keyword, ignored: list[str]) -> None:
@@ -64,10 +58,7 @@ def read_amplitudes(deck: Deck) -> Amplitudes:
     """Read all *AMPLITUDE and the lengths of the steps."""
     amplitudes: dict[str, Keyword] = {}
     for keyword in deck.of("AMPLITUDE"):
-        name = keyword.required("NAME")
-        if name.upper() in amplitudes:
-            keyword.refuse(f"there are two amplitudes '{name}'; rename one of them")
-        amplitudes[name.upper()] = keyword
+        add(amplitudes, keyword, keyword.required("NAME"), keyword, "amplitudes")
     lengths = [0.0] + [1.0] * deck.n_step
     for keyword in deck.of(*_TIMED):
         rows = keyword.rows()
@@ -78,10 +69,7 @@ def read_amplitudes(deck: Deck) -> Amplitudes:
 
 def _table(keyword: Keyword) -> tuple[Vector, Vector]:
     """Return times and values of an amplitude, shifted as CalculiX does by SHIFTX and SHIFTY."""
-    keyword.allow("NAME", "TIME", "VALUE", "DEFINITION", "SHIFTX", "SHIFTY", "SMOOTH")
-    for parameter, usual in (("VALUE", "RELATIVE"), ("DEFINITION", "TABULAR")):
-        if keyword.choice(parameter, usual) != usual:
-            keyword.refuse(f"{parameter}={keyword.value(parameter)} is not supported; give {usual}")
+    keyword.check()
     numbers = [
         real(keyword, row, text, "a time or a value")
         for row, fields in enumerate(keyword.rows())
@@ -93,5 +81,5 @@ def _table(keyword: Keyword) -> tuple[Vector, Vector]:
     table = np.array(numbers).reshape(-1, 2)
     if (np.diff(table[:, 0]) < 0).any():
         keyword.refuse("the times do not increase; sort them")
-    shift = [real(keyword, None, keyword.value(f"SHIFT{axis}", "0"), "a shift") for axis in "XY"]
+    shift = parameter(keyword, "SHIFTX", 0.0), parameter(keyword, "SHIFTY", 0.0)
     return table[:, 0] + shift[0], table[:, 1] + shift[1]

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from faying._typing import Matrix
-from faying.io.abaqus.fields import real
+from faying.io.abaqus.fields import numbers
 from faying.io.abaqus.keyword import Keyword
 from faying.model.elastic_law import orthotropic_law
 
@@ -32,9 +32,9 @@ def read_law(keyword: Keyword, temperature: Callable[[], float]) -> Matrix:
         )
     count = _COUNTS[kind]
     values = [
-        real(keyword, i, text, "an elastic constant")
+        value
         for i, row in enumerate(keyword.rows())
-        for text in row
+        for value in numbers(keyword, i, row, "an elastic constant")
     ]
     # A temperature may stand behind the last constant, and must in a table.
     if len(values) < count or (len(values) > count and len(values) % (count + 1)):

@@ -8,11 +8,12 @@ import numpy as np
 
 from faying.exceptions import ModelError
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.elements import ElementBlock, Elements
-from faying.io.abaqus.fields import optional_real, real
+from faying.io.abaqus.elements import Elements
+from faying.io.abaqus.fields import numbers, padded, parameter, positive
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.sets import NamedSets
+from faying.io.abaqus.sets import NamedSets, assign
 from faying.io.abaqus.solid_sections import find_isotropic
+from faying.io.axes import rectangular_section, round_section
 from faying.model.assembly import Beam, BeamSection, Material
 
 TYPES = ("B31", "B31R", "B33", "B32", "B32R")
@@ -26,7 +27,6 @@ class _Section:
     section: BeamSection
     material: Material
     first_axis: Direction
-    keyword: Keyword
 
 
 def read_beams(
@@ -51,23 +51,17 @@ def read_beams(
     halves = max((int(block.ids.max(initial=0)) for block in elements.blocks), default=0) + 1
     for block in blocks:
         for i, element_id in enumerate(block.ids.tolist()):
-            if element_id not in sections:
-                block.keyword.refuse(
-                    f"beam {element_id} has no *BEAM SECTION; give its set one", int(block.rows[i])
-                )
             ends = block.nodes[i].tolist()
             for start, end in pairwise(ends):
                 last = end == ends[-1]
-                yield _beam(block, i, element_id if last else halves, (start, end), sections)
+                section = block.section(i, sections, "BEAM SECTION")
+                yield _beam(block.type, section, element_id if last else halves, (start, end))
                 halves += not last
 
 
-def _beam(
-    block: ElementBlock, i: int, number: int, ends: tuple[int, int], sections: dict[int, _Section]
-) -> Beam:
-    section = sections[int(block.ids[i])]
+def _beam(kind: str, section: _Section, number: int, ends: tuple[int, int]) -> Beam:
     used = section.section
-    if block.type == "B33":
+    if kind == "B33":
         used = replace(used, shear_factor_y=np.inf, shear_factor_z=np.inf)
     return Beam(
         id=number,
@@ -90,21 +84,16 @@ def _sections(
             keyword.refuse(
                 "it is not supported; leave it out, and take B33 for beams rigid in shear"
             )
+        keyword.check()
         rows = keyword.rows()
         if keyword.name == "BEAM SECTION":
-            keyword.allow("ELSET", "MATERIAL", "SECTION", "POISSON", "TEMPERATURE")
             material = find_isotropic(materials, keyword)
             section = _profile(keyword, rows, material.poissons_ratio)
         else:
-            keyword.allow("ELSET", "SECTION", "DENSITY", "POISSON")
             section, material = _general(keyword, rows)
         axis = _direction(keyword, rows)
-        for element_id in sets.find(keyword, keyword.required("ELSET")).tolist():
-            if element_id in sections:
-                keyword.refuse(f"beam {element_id} has two sections; give it one")
-            sections[element_id] = _Section(
-                number=number, section=section, material=material, first_axis=axis, keyword=keyword
-            )
+        beam = _Section(number=number, section=section, material=material, first_axis=axis)
+        assign(sections, keyword, sets, beam)
     return sections
 
 
@@ -114,61 +103,25 @@ def _measures(keyword: Keyword, rows: list[list[str]], counts: tuple[int, ...]) 
         keyword.refuse(
             f"expected {shown} measures of the section on the first data line", 0 if rows else None
         )
-    values = [real(keyword, 0, text, "a length") for text in rows[0]]
-    if min(values) <= 0:
-        keyword.refuse(f"a measure is {min(values):g}; it must be positive", 0)
-    return values
+    return [positive(keyword, 0, text, "a measure") for text in rows[0]]
 
 
 def _profile(keyword: Keyword, rows: list[list[str]], poisson: float) -> BeamSection:
     """Section of a circle, pipe or rectangle; the first local axis n1 is our y."""
-    kind = keyword.required("SECTION").upper()
-    # Shear factors: G. R. Cowper, "The shear coefficient in Timoshenko's beam theory", J. Appl.
-    # Mech. 33 (1966) 335-340.
-    if kind == "CIRC":
-        values = _measures(keyword, rows, (1, 2))
-        radius = values[0]
-        if len(values) == 2 and values[1] != radius:
-            keyword.refuse("an elliptic section is not supported; give one radius", 0)
-        inertia = np.pi * radius**4 / 4
-        shear = 6 * (1 + poisson) / (7 + 6 * poisson)
-        return _round(np.pi * radius**2, inertia, shear)
-    if kind == "PIPE":
-        radius, thickness = _measures(keyword, rows, (2,))
-        if thickness >= radius:
-            keyword.refuse(f"the wall {thickness:g} is not thinner than the radius {radius:g}", 0)
-        inner = radius - thickness
-        ratio = (inner / radius) ** 2
-        shear = (
-            6 * (1 + poisson) * (1 + ratio) ** 2
-            / ((7 + 6 * poisson) * (1 + ratio) ** 2 + (20 + 12 * poisson) * ratio)
-        )  # fmt: skip
-        area = np.pi * (radius**2 - inner**2)
-        return _round(area, np.pi * (radius**4 - inner**4) / 4, shear)
+    kind = keyword.choice("SECTION")
+    if kind not in ("CIRC", "PIPE", "RECT"):
+        shapes = "CIRC, PIPE, RECT, or *BEAM GENERAL SECTION"
+        keyword.refuse(f"SECTION={kind} is not supported; give {shapes}")
     if kind == "RECT":
         width, height = _measures(keyword, rows, (2,))
-        shear = 10 * (1 + poisson) / (12 + 11 * poisson)
-        return BeamSection(
-            area=width * height,
-            inertia_y=width * height**3 / 12,
-            inertia_z=height * width**3 / 12,
-            torsion=_rectangle_torsion(width, height),
-            shear_factor_y=shear,
-            shear_factor_z=shear,
-        )
-    message = f"SECTION={kind} is not supported; give CIRC, PIPE, RECT, or *BEAM GENERAL SECTION"
-    raise keyword.error(message)
-
-
-def _round(area: float, inertia: float, shear: float) -> BeamSection:
-    return BeamSection(
-        area=area,
-        inertia_y=inertia,
-        inertia_z=inertia,
-        torsion=2 * inertia,
-        shear_factor_y=shear,
-        shear_factor_z=shear,
-    )
+        return rectangular_section(width, height, _rectangle_torsion(width, height), poisson)
+    radius, *others = _measures(keyword, rows, (2,) if kind == "PIPE" else (1, 2))
+    if kind == "CIRC" and others not in ([], [radius]):
+        keyword.refuse("an elliptic section is not supported; give one radius", 0)
+    inner = radius - others[0] if kind == "PIPE" else 0.0
+    if kind == "PIPE" and inner <= 0:
+        keyword.refuse(f"the wall {others[0]:g} is not thinner than the radius {radius:g}", 0)
+    return round_section(radius, inner, poisson)
 
 
 def _rectangle_torsion(width: float, height: float) -> float:
@@ -184,16 +137,14 @@ def _rectangle_torsion(width: float, height: float) -> float:
 
 def _general(keyword: Keyword, rows: list[list[str]]) -> tuple[BeamSection, Material]:
     """Area, I11, I12, I22, J; axis; Young's and shear modulus."""
-    if keyword.choice("SECTION", "GENERAL") != "GENERAL":
-        keyword.refuse(f"SECTION={keyword.choice('SECTION')} is not supported; give GENERAL")
     if len(rows) != 3 or len(rows[0]) != 5 or not 2 <= len(rows[2]) <= 4:
         keyword.refuse(
             "expected three data lines: area, I11, I12, I22, J; direction of the first axis; "
             "Young's modulus, shear modulus"
         )
-    area, i11, i12, i22, torsion = (real(keyword, 0, text, "a constant") for text in rows[0])
-    modulus, shear = (real(keyword, 2, text, "a modulus") for text in rows[2][:2])
-    density = real(keyword, None, keyword.value("DENSITY", "0."), "DENSITY")
+    area, i11, i12, i22, torsion = numbers(keyword, 0, rows[0], "a constant")
+    modulus, shear = numbers(keyword, 2, rows[2][:2], "a modulus")
+    density = parameter(keyword, "DENSITY", 0.0)
     if i12 != 0.0:
         keyword.refuse("I12 is not zero; give the section in its principal axes", 0)
     if not min(area, i11, i22, torsion) > 0 or not shear > 0:
@@ -213,6 +164,5 @@ def _direction(keyword: Keyword, rows: list[list[str]]) -> Direction:
         return (0.0, 0.0, -1.0)
     if len(rows[1]) != 3:
         keyword.refuse("expected the direction of the first local axis: three numbers", 1)
-    x, y, z = (optional_real(keyword, 1, rows[1], i, 0.0, "a direction") for i in range(3))
-    turned = keyword.scope.rotation @ np.array([x, y, z])
+    turned = keyword.scope.rotation @ padded(keyword, 1, rows[1], 3, "a direction")
     return (float(turned[0]), float(turned[1]), float(turned[2]))

@@ -9,9 +9,9 @@ from scipy.spatial import cKDTree
 from faying._typing import Matrix
 from faying.interface.gap_pairing import declared
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.fields import real
+from faying.io.abaqus.fields import parameter
 from faying.io.abaqus.friction import FRICTIONLESS, DeckFriction, read_friction, tied_slopes
-from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.keyword import Keyword, named
 from faying.io.abaqus.overclosure import Normal, curve_of, read_behaviour, stiffness_of
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.solid_sections import is_of_abaqus
@@ -79,7 +79,7 @@ def read_interactions(deck: Deck, ignored: list[str]) -> dict[str, Interaction]:
     """Read all *SURFACE INTERACTION, by upper-case name."""
     interactions = {}
     for head, members in deck.groups("SURFACE INTERACTION", *MEMBERS):
-        head.allow("NAME", "PAD THICKNESS")
+        head.check()
         name = head.required("NAME")
         if tied := [member for member in members if _is_tied(member)]:
             stick = [member for member in members if member.name == "FRICTION"]
@@ -132,14 +132,9 @@ def _pairs(
     interactions: Mapping[str, Interaction],
     ignored: list[str],
 ) -> list[Pair]:
-    keyword.allow("INTERACTION", "TYPE", "SMALL SLIDING", "ADJUST", "EXTENSION ZONE", "CPSET",
-                  "MECHANICAL CONSTRAINT", "GEOMETRIC CORRECTION", "SMOOTH", "HCRIT", "TRACKING",
-                  "SUPPLEMENTARY CONSTRAINTS", "SLIDING TRANSITION",
-        "NO THICKNESS")  # fmt: skip
+    keyword.check()
     name = keyword.required("INTERACTION")
-    if name.upper() not in interactions:
-        keyword.refuse(f"there is no *SURFACE INTERACTION '{name}'; define it or correct the name")
-    interaction = interactions[name.upper()]
+    interaction = named(keyword, name, interactions, "*SURFACE INTERACTION")
     note = f"formulation of *CONTACT PAIR: small sliding, {keyword.choice('TYPE', 'default')}"
     if note not in ignored:
         ignored.append(note)
@@ -284,10 +279,10 @@ def _clearance(
     keyword: Keyword, pairs: list[Pair], interfaces: tuple[InterfaceSpec, ...]
 ) -> tuple[Pair, InterfaceSpec, float]:
     """Return the pair a *CLEARANCE is of, its interface, and the gap it starts with."""
-    keyword.allow("MASTER", "SLAVE", "VALUE")
+    keyword.check()
     if keyword.data:
         keyword.refuse("it must be one VALUE; give other gaps as initial_gap in the study")
-    value = real(keyword, None, keyword.required("VALUE"), "VALUE")
+    value = parameter(keyword, "VALUE")
     surfaces = [keyword.required(name).upper() for name in ("SLAVE", "MASTER")]
     for pair, spec in zip(pairs, interfaces, strict=True):
         if [pair.slave.name.upper(), pair.master.name.upper()] == surfaces:

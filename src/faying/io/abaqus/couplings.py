@@ -9,10 +9,10 @@ from faying._typing import Indices, Mask, Matrix, Vector
 from faying.interface.facets import gauss_rule, shape_functions, surface
 from faying.io.abaqus.beams import TYPES
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.dofs import Dofs, component
+from faying.io.abaqus.dofs import Dofs, component_range
 from faying.io.abaqus.element_types import SHELL_TYPES
 from faying.io.abaqus.elements import Elements
-from faying.io.abaqus.fields import real
+from faying.io.abaqus.fields import check_count, positive
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.nodes import Nodes
 from faying.io.abaqus.orientations import orientation_at
@@ -56,7 +56,7 @@ def read_couplings(
     turned: list[Equation] = []
     references: list[int] = []
     for number, (head, members) in enumerate(deck.groups("COUPLING", *MEMBERS), start=first_id):
-        head.allow("CONSTRAINT NAME", "REF NODE", "SURFACE", "ORIENTATION")
+        head.check()
         if len(members) != 1:
             head.refuse("expected one *KINEMATIC or *DISTRIBUTING below it")
         (member,) = members
@@ -64,8 +64,8 @@ def read_couplings(
         coupled = find_surface(surfaces, head, head.required("SURFACE"), None)
         nodes = coupled.nodes[coupled.nodes != reference]
         components = _components(member)
+        member.check()
         if member.name == "KINEMATIC":
-            member.allow()
             translations = tuple(c for c in components if c < 3)
             if head.has("ORIENTATION") and 0 < len(translations) < 3:
                 if len(translations) < len(components):
@@ -86,7 +86,6 @@ def read_couplings(
                 "ORIENTATION of *DISTRIBUTING: forces on its node are along these axes, as in "
                 "CalculiX, but in decks that only Abaqus reads; all rotations are tied"
             )
-        member.allow("COUPLING", "WEIGHTING METHOD")
         _check_distributing(member, elements, nodes)
         weights = _areas(coupled, dofs.nodes.coordinates)[coupled.nodes != reference]
         average.append(
@@ -138,9 +137,7 @@ def _along(points: Matrix, reference: int, nodes: Indices, axes: Matrix) -> list
 
 def _check_distributing(member: Keyword, elements: Elements, nodes: Indices) -> None:
     """Refuse other weights; moments that rotations of the nodes would take (STRUCTURAL) too."""
-    if member.choice("WEIGHTING METHOD", "UNIFORM") != "UNIFORM":
-        member.refuse("only WEIGHTING METHOD=UNIFORM is supported")
-    kind = member.choice("COUPLING", "CONTINUUM")
+    kind = member.choice("COUPLING")
     blocks = elements.of(*SHELL_TYPES, *TYPES)
     turning = any(np.isin(nodes, block.nodes).any() for block in blocks)
     if kind != "CONTINUUM" and (kind != "STRUCTURAL" or turning):
@@ -152,15 +149,8 @@ def _check_distributing(member: Keyword, elements: Elements, nodes: Indices) -> 
 def _components(member: Keyword) -> tuple[int, ...]:
     components: set[int] = set()
     for row, fields in enumerate(member.rows()):
-        if not 1 <= len(fields) <= 2:
-            member.refuse("expected the first and the last degree of freedom", row)
-        first = component(member, row, fields[0])
-        last = component(member, row, fields[1]) if len(fields) > 1 and fields[1] else first
-        if last < first:
-            member.refuse(
-                f"the last degree of freedom {last + 1} is below the first {first + 1}", row
-            )
-        components.update(range(first, last + 1))
+        check_count(member, row, fields, (1, 2), "the first and the last degree of freedom")
+        components.update(component_range(member, row, fields))
     return tuple(sorted(components)) or _ALL
 
 
@@ -201,19 +191,14 @@ def read_distributing(
         for i, node in zip(block.ids, block.nodes[:, 0], strict=True)
     }
     for keyword in deck.of("DISTRIBUTING COUPLING"):
-        keyword.allow("ELSET")
+        keyword.check()
         members = sets.find(keyword, keyword.required("ELSET")).tolist()
         if len(members) != 1 or members[0] not in reference_of:
             keyword.refuse(f"the set '{keyword.value('ELSET')}' is not one DCOUP3D element")
         weights: dict[int, float] = {}
         for row, fields in enumerate(keyword.rows()):
-            if len(fields) != 2:
-                keyword.refuse(
-                    f"found {len(fields)} fields, expected node or node set and weight", row
-                )
-            weight = real(keyword, row, fields[1], "a weight")
-            if not weight > 0:
-                keyword.refuse(f"the weight is {weight:g}; it must be positive", row)
+            check_count(keyword, row, fields, (2,), "node or node set and weight")
+            weight = positive(keyword, row, fields[1], "the weight")
             weights.update(dict.fromkeys(dofs.find(keyword, row, fields[0]).tolist(), weight))
         reference = reference_of[members[0]]
         weights.pop(reference, None)

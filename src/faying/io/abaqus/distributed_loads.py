@@ -9,9 +9,8 @@ from faying._typing import Indices, Matrix, Vector
 from faying.interface.facets import area_vectors, gauss_rule, shape_functions
 from faying.io.abaqus.amplitudes import Amplitudes
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.fields import integer, real
+from faying.io.abaqus.fields import check_count, integer, numbers, real
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.loads import operation
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.surfaces import Surfaces, facets_of_faces, find_surface
 from faying.model.assembly import Assembly
@@ -44,9 +43,9 @@ def read_distributed(
         result = {} if step in deck.perturbations else result
         cleared: set[str] = set()
         for keyword in (k for k in deck.of("DLOAD", "DSLOAD") if k.step == step):
-            keyword.allow("OP", "AMPLITUDE", "TIME DELAY", "CONSTANT RESULTANT", "NAME")
+            keyword.check()
             amplitudes.note(keyword, ignored)
-            if operation(keyword) and keyword.name not in cleared:
+            if keyword.choice("OP") == "NEW" and keyword.name not in cleared:
                 result = {k: v for k, v in result.items() if not k[0].startswith(keyword.name)}
                 cleared.add(keyword.name)
             for key, forces in _lines(keyword, assembly, sets, surfaces):
@@ -130,10 +129,9 @@ def _body_force(
     """Return forces M a of an acceleration, consistent with the mass of every element."""
     kind = fields[1].upper()
     width, expected, acceleration = _BODY_FORCES[kind]
-    if len(fields) != width:
-        keyword.refuse(f"found {len(fields)} fields, expected {expected}", row)
-    numbers = np.array([real(keyword, row, text, "a number") for text in fields[2:]])
-    direction, length = numbers[-3:], float(np.linalg.norm(numbers[-3:]))
+    check_count(keyword, row, fields, (width,), expected)
+    values = np.array(numbers(keyword, row, fields[2:], "a number"))
+    direction, length = values[-3:], float(np.linalg.norm(values[-3:]))
     if not length > 0:
         keyword.refuse(f"the direction of {kind} is zero", row)
     chosen = assembly
@@ -165,15 +163,15 @@ def _body_force(
             masses=tuple(mass for mass in assembly.masses if mass.id in loaded),
         )
     nodes = assembly.mesh.nodes
-    return body_forces(chosen, acceleration(numbers[:-3], direction / length, nodes))
+    return body_forces(chosen, acceleration(values[:-3], direction / length, nodes))
 
 
-def _gravity(numbers: Vector, direction: Vector, nodes: Matrix) -> Matrix:
-    return np.tile(numbers[0] * direction, (len(nodes), 1))
+def _gravity(amount: Vector, direction: Vector, nodes: Matrix) -> Matrix:
+    return np.tile(amount[0] * direction, (len(nodes), 1))
 
 
-def _centrifugal(numbers: Vector, direction: Vector, nodes: Matrix) -> Matrix:
-    return centrifugal(float(numbers[0]), numbers[1:], direction, nodes)
+def _centrifugal(amount: Vector, direction: Vector, nodes: Matrix) -> Matrix:
+    return centrifugal(float(amount[0]), amount[1:], direction, nodes)
 
 
 _BODY_FORCES: Mapping[str, tuple[int, str, Callable[[Vector, Vector, Matrix], Matrix]]] = {

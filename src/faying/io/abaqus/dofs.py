@@ -7,10 +7,11 @@ import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.fields import integer, optional_real
+from faying.io.abaqus.fields import integer, only_line, padded
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.nodes import Nodes
 from faying.io.abaqus.sets import NamedSets
+from faying.io.axes import axes_along
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -77,9 +78,7 @@ def read_dofs(deck: Deck, nodes: Nodes, sets: NamedSets, rotations: Mapping[int,
     system = np.full(len(nodes.ids), -1)
     transforms = deck.of("TRANSFORM")
     for number, keyword in enumerate(transforms):
-        keyword.allow("NSET", "TYPE")
-        if keyword.choice("TYPE", "R") not in ("R", "C", "S"):
-            keyword.refuse(f"TYPE={keyword.choice('TYPE')} is not known; give R, C or S")
+        keyword.check()
         ids = sets.find(keyword, keyword.required("NSET"))
         system[nodes.index(ids, keyword, np.full(len(ids), -1))] = number
         first, second = _points(keyword)
@@ -90,40 +89,27 @@ def read_dofs(deck: Deck, nodes: Nodes, sets: NamedSets, rotations: Mapping[int,
 
 
 def _points(keyword: Keyword) -> tuple[Vector, Vector]:
-    rows = keyword.rows()
-    if len(rows) != 1 or len(rows[0]) > 6:
-        keyword.refuse("expected one data line with the coordinates of two points a and b")
-    values = np.array(
-        [optional_real(keyword, 0, rows[0], i, 0.0, "a coordinate") for i in range(6)]
-    )
+    fields = only_line(keyword, range(7), "the coordinates of two points a and b")
+    values = padded(keyword, 0, fields, 6, "a coordinate")
     return values[:3], values[3:]
 
 
 def _axes(keyword: Keyword, point: Vector) -> Matrix:
     """Local axes at a point: rectangular x to a, b in the plane; cylindrical r, t, z; spherical."""
     first, second = _points(keyword)
-    kind = keyword.choice("TYPE", "R")
-    if kind == "R":
-        third = np.cross(first, second)
-        return _orthonormal(keyword, first, third)
-    axis = second - first
-    arm = point - first
-    if kind == "C":
-        length = np.linalg.norm(axis)
-        radial = arm - axis * (arm @ axis) / (length**2 or 1.0)
-        return _orthonormal(keyword, radial, axis)
-    around = np.cross(axis, arm)
-    return _orthonormal(keyword, arm, np.cross(arm, around))
-
-
-def _orthonormal(keyword: Keyword, x: Vector, z: Vector) -> Matrix:
-    lengths = np.linalg.norm(x), np.linalg.norm(z)
-    if not min(lengths) > 0:
+    arm, axis = point - first, second - first
+    # x, and a direction of its plane with y
+    x, plane = {
+        "R": (first, second),
+        "C": (arm - axis * (arm @ axis) / (float(axis @ axis) or 1.0), np.cross(axis, arm)),
+        "S": (arm, np.cross(axis, arm)),
+    }[keyword.choice("TYPE")]
+    axes = axes_along(x, plane)
+    if axes is None:
         keyword.refuse(
             "the axes are not defined: points coincide or lie on one line, or a node on it", 0
         )
-    x, z = x / lengths[0], z / lengths[1]
-    return np.stack([x, np.cross(z, x), z])
+    return axes
 
 
 def component(keyword: Keyword, row: int, text: str) -> int:
@@ -134,3 +120,12 @@ def component(keyword: Keyword, row: int, text: str) -> int:
             f"found degree of freedom {value}, expected 1 to 6 (displacements and rotations)", row
         )
     return value - 1
+
+
+def component_range(keyword: Keyword, row: int, fields: list[str]) -> range:
+    """Return the components 0..5 from the first of two fields to the last, which may be blank."""
+    first = component(keyword, row, fields[0])
+    last = component(keyword, row, fields[1]) if len(fields) > 1 and fields[1] else first
+    if last < first:
+        keyword.refuse(f"the last degree of freedom {last + 1} is below the first {first + 1}", row)
+    return range(first, last + 1)

@@ -10,7 +10,7 @@ from faying.exceptions import FormatError
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.element_types import LINE_TYPES, SHELL_TYPES, SOLID_TYPES
 from faying.io.abaqus.fields import integers, table
-from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.keyword import Keyword, T
 from faying.io.abaqus.nodes import Nodes
 
 
@@ -34,6 +34,14 @@ class ElementBlock:
     nodes: Indices
     rows: Indices
     keyword: Keyword
+
+    def section(self, i: int, sections: Mapping[int, T], keyword: str) -> T:
+        """Return what a keyword gave one of the elements, by the ids of these."""
+        number = int(self.ids[i])
+        if number not in sections:
+            message = f"element {number} has no *{keyword}; give its set one"
+            self.keyword.refuse(message, int(self.rows[i]))
+        return sections[number]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -75,7 +83,7 @@ def read_elements(deck: Deck, nodes: Nodes, ignored: list[str]) -> Elements:
     solids: list[ElementBlock] = []
     others: dict[str, tuple[ElementBlock, ...]] = {}
     for keyword in deck.of("ELEMENT"):
-        keyword.allow("TYPE", "ELSET")
+        keyword.check()
         block = _block(keyword, nodes, ignored)
         if block.type in SOLID_TYPES:
             solids.append(block)

@@ -15,7 +15,7 @@ def read_equations(deck: Deck, dofs: Dofs) -> Iterator[Equation]:
     """Read all *EQUATION; the first term is the one that is eliminated."""
     number = 0
     for keyword in deck.of("EQUATION"):
-        keyword.allow()
+        keyword.check()
         rows = keyword.rows()
         row = 0
         while row < len(rows):

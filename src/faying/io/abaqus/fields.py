@@ -6,6 +6,7 @@ an error that names its line, never a zero.
 
 import math
 import re
+from collections.abc import Container
 from dataclasses import dataclass
 
 import numpy as np
@@ -205,3 +206,44 @@ def optional_real(
     """Return the value of one real field, or the default where it is left out."""
     text = fields[column] if column < len(fields) else ""
     return real(keyword, row, text, what) if text else default
+
+
+def parameter(keyword: Keyword, name: str, default: float | None = None) -> float:
+    """Return the number of a parameter, which must be there unless it has a default."""
+    if default is not None and not keyword.has(name):
+        return default
+    return real(keyword, None, keyword.required(name), name)
+
+
+def positive(keyword: Keyword, row: int, text: str, what: str) -> float:
+    """Return the value of one real field, which must be positive."""
+    value = real(keyword, row, text, what)
+    if not value > 0:
+        keyword.refuse(f"{what} is {value:g}; it must be positive", row)
+    return value
+
+
+def numbers(keyword: Keyword, row: int, fields: list[str], what: str) -> list[float]:
+    """Return the values of real fields, which must be there."""
+    return [real(keyword, row, text, what) for text in fields]
+
+
+def padded(keyword: Keyword, row: int, fields: list[str], count: int, what: str) -> Vector:
+    """Return so many reals (count,), zero where they are left out."""
+    return np.array([optional_real(keyword, row, fields, i, 0.0, what) for i in range(count)])
+
+
+def check_count(
+    keyword: Keyword, row: int, fields: list[str], counts: Container[int], expected: str
+) -> None:
+    """Refuse a data line of another number of fields."""
+    if len(fields) not in counts:
+        keyword.refuse(f"found {len(fields)} fields, expected {expected}", row)
+
+
+def only_line(keyword: Keyword, counts: Container[int], expected: str) -> list[str]:
+    """Return the fields of the one data line of a keyword."""
+    rows = keyword.rows()
+    if len(rows) != 1 or len(rows[0]) not in counts:
+        keyword.refuse(f"expected one data line with {expected}", 0 if rows else None)
+    return rows[0]

@@ -5,7 +5,7 @@ from typing import Literal
 
 from faying.contact.laws.coulomb import LARGEST_FRICTION
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.fields import optional_real, real
+from faying.io.abaqus.fields import optional_real, parameter, real
 from faying.io.abaqus.keyword import Keyword
 
 _OTHER_LAWS = (
@@ -73,7 +73,7 @@ def tied_slopes(
 
 
 def _read(keyword: Keyword, ignored: list[str]) -> DeckFriction:
-    keyword.allow("LAGRANGE", "SHEAR TRACTION SLOPE", *_ELASTIC_SLIPS, *_OTHER_LAWS)
+    keyword.check()
     laws = [name for name in _OTHER_LAWS if keyword.has(name)]
     rows = keyword.rows()
     if laws or len(rows) > 1:
@@ -106,7 +106,7 @@ def _stiffness(keyword: Keyword, row: list[str], ignored: list[str]) -> float | 
     """Return the stick stiffness: a slope is the same thing here, an elastic slip is not."""
     slope = optional_real(keyword, 0, row, 1, 0.0, "the stick slope") if len(row) > 1 else 0.0
     if keyword.has("SHEAR TRACTION SLOPE"):
-        slope = real(keyword, None, keyword.required("SHEAR TRACTION SLOPE"), "the slope")
+        slope = parameter(keyword, "SHEAR TRACTION SLOPE")
     if slope < 0:
         keyword.refuse(f"the stick slope is {slope:g}; give a positive one, or none")
     if slope > 0:
@@ -116,9 +116,9 @@ def _stiffness(keyword: Keyword, row: list[str], ignored: list[str]) -> float | 
     if keyword.has("LAGRANGE"):
         ignored.append("*FRICTION, LAGRANGE: nothing moves that sticks (tangential penalty inf)")
         return float("inf")
-    parameter = next((name for name in _ELASTIC_SLIPS if keyword.has(name)), "SLIP TOLERANCE")
+    slip = next((name for name in _ELASTIC_SLIPS if keyword.has(name)), "SLIP TOLERANCE")
     ignored.append(
-        f"*FRICTION: the elastic slip of its program ({parameter}) makes sticking points softer "
+        f"*FRICTION: the elastic slip of its program ({slip}) makes sticking points softer "
         "where pressure is low; here the tangential penalty is the same everywhere, automatic "
         "unless the study gives tangential_penalty"
     )

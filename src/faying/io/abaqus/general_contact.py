@@ -97,7 +97,7 @@ def read_listed(
     pairs = []
     chosen, everywhere = _assigned(deck, interactions, surfaces)
     for keyword in deck.of("CONTACT INCLUSIONS"):
-        keyword.allow("ALL EXTERIOR")
+        keyword.check()
         if keyword.has("ALL EXTERIOR"):
             continue
         for row, fields in enumerate(keyword.rows()):
@@ -129,7 +129,7 @@ def _assigned(
     if all(keyword.has("ALL EXTERIOR") for keyword in deck.of("CONTACT INCLUSIONS")):
         return chosen, everywhere
     for keyword in deck.of("CONTACT PROPERTY ASSIGNMENT"):
-        keyword.allow()
+        keyword.check()
         for row, fields in enumerate(keyword.rows()):
             name = fields[2].strip("\"' ").upper() if len(fields) == 3 else ""
             if name not in interactions or any(fields[:2]) != all(fields[:2]):
@@ -158,7 +158,7 @@ def _interaction(
     """Return the one interaction that holds everywhere."""
     interaction = None
     for keyword in assigned:
-        keyword.allow()
+        keyword.check()
         for row, fields in enumerate(keyword.rows()):
             name = fields[2].strip("\"' ").upper() if len(fields) == 3 else ""
             if interaction is not None or any(fields[:2]) or name not in interactions:

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.io.abaqus.fields import integers, real, table
-from faying.io.abaqus.keyword import Keyword, Scope
+from faying.io.abaqus.fields import check_count, integers, numbers, table
+from faying.io.abaqus.keyword import Keyword, Scope, add, named
 
 _ASSEMBLY = "the assembly's own nodes and elements"
 _CLOSING = {"PART": "END PART", "INSTANCE": "END INSTANCE", "ASSEMBLY": "END ASSEMBLY"}
@@ -27,20 +27,18 @@ def instantiated(keywords: Sequence[Keyword]) -> list[Keyword]:
     while i < len(keywords):
         keyword = keywords[i]
         if keyword.name == "PART":
-            keyword.allow("NAME")
+            keyword.check()
             end = _end(keywords, i)
-            name = keyword.required("NAME").upper()
-            if name in parts:
-                keyword.refuse(f"there are two parts '{name}'; rename one of them")
-            parts[name] = list(keywords[i + 1 : end])
+            members = list(keywords[i + 1 : end])
+            add(parts, keyword, keyword.required("NAME"), members, "parts")
             i = end
         elif keyword.name == "INSTANCE":
             end = _end(keywords, i)
-            members, scope = _instance(keyword, keywords[i + 1 : end], parts)
+            inside, scope = _instance(keyword, keywords[i + 1 : end], parts)
             if scope.name.upper() in map(str.upper, names):
                 keyword.refuse(f"there are two instances '{scope.name}'; rename one of them")
             names.append(scope.name)
-            result += [replace(member, scope=scope) for member in members]
+            result += [replace(member, scope=scope) for member in inside]
             i = end
         elif keyword.name == "ASSEMBLY":
             _end(keywords, i)
@@ -64,14 +62,12 @@ def _end(keywords: Sequence[Keyword], start: int) -> int:
 def _instance(
     keyword: Keyword, keywords: Sequence[Keyword], parts: dict[str, list[Keyword]]
 ) -> tuple[list[Keyword], Scope]:
-    keyword.allow("NAME", "PART")
-    name, part = keyword.required("NAME"), keyword.required("PART").upper()
-    if part not in parts:
-        names = ", ".join(parts) or "none"
-        keyword.refuse(f"there is no part '{part}'; known are {names}")
+    keyword.check()
+    name, part = keyword.required("NAME"), keyword.required("PART")
+    members = named(keyword, part, parts, "part")
     rotation, translation = _position(keyword)
     scope = Scope(name=name, rotation=rotation, translation=translation)
-    return [*parts[part], *keywords], scope
+    return [*members, *keywords], scope
 
 
 def _position(keyword: Keyword) -> tuple[Matrix, Vector]:
@@ -81,9 +77,11 @@ def _position(keyword: Keyword) -> tuple[Matrix, Vector]:
         keyword.refuse("found more than two data lines; expected a translation and a rotation", 2)
     rotation, shift = np.eye(3), np.zeros(3)
     if rows:
-        shift = _numbers(keyword, 0, rows[0], 3, "a translation (3 numbers)")
+        check_count(keyword, 0, rows[0], (3,), "a translation (3 numbers)")
+        shift = np.array(numbers(keyword, 0, rows[0], "a translation"))
     if len(rows) == 2:
-        values = _numbers(keyword, 1, rows[1], 7, "two points of an axis and an angle (7 numbers)")
+        check_count(keyword, 1, rows[1], (7,), "two points of an axis and an angle (7 numbers)")
+        values = np.array(numbers(keyword, 1, rows[1], "a coordinate or an angle"))
         first, second, angle = values[:3], values[3:6], np.radians(values[6])
         length = float(np.linalg.norm(second - first))
         if not length > 0:
@@ -91,12 +89,6 @@ def _position(keyword: Keyword) -> tuple[Matrix, Vector]:
         rotation = _rotation((second - first) / length, float(angle))
         shift = rotation @ (shift - first) + first
     return rotation, shift
-
-
-def _numbers(keyword: Keyword, row: int, fields: list[str], count: int, what: str) -> Vector:
-    if len(fields) != count:
-        keyword.refuse(f"found {len(fields)} fields, expected {what}", row)
-    return np.array([real(keyword, row, text, what) for text in fields])
 
 
 def _rotation(axis: Vector, angle: float) -> Matrix:

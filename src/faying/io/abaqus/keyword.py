@@ -2,14 +2,16 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import NoReturn
+from typing import NoReturn, TypeVar
 
 import numpy as np
 
 from faying._typing import Matrix
 from faying.exceptions import FormatError
 from faying.io.abaqus.file_spans import Body, TextFile
-from faying.io.abaqus.keyword_names import without_blanks
+from faying.io.abaqus.keyword_names import PARAMETERS, without_blanks
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -87,8 +89,13 @@ class Keyword:
         return self.parameters.get(without_blanks(name), default)
 
     def choice(self, name: str, default: str = "") -> str:
-        """Return the value of a parameter in upper case with single blanks."""
-        return " ".join(self.value(name, default).upper().split())
+        """Return the value of a parameter in upper case with single blanks.
+
+        Left out it is ``default``, or what the table of parameters says.
+        """
+        row = PARAMETERS.get(self.name, {}).get(without_blanks(name))
+        usual = default or next(iter(row.choices if row else ()), "")
+        return " ".join(self.value(name, usual).upper().split())
 
     def required(self, name: str) -> str:
         """Return the value of a parameter that must be there."""
@@ -97,17 +104,44 @@ class Keyword:
             self.refuse(f"the parameter {name} is missing; give {name}=…")
         return value
 
-    def allow(self, *names: str) -> None:
-        """Refuse parameters other than these."""
-        known_names = {without_blanks(name) for name in names}
+    def check(self) -> None:
+        """Refuse parameters and values that the table has not, and what is missing."""
+        table = PARAMETERS[self.name]
         for name in self.parameters:
-            if name not in known_names:
-                allowed = f"known here are {', '.join(names)}" if names else "it takes none here"
+            if name not in table:
+                names = ", ".join(row.name for row in table.values())
+                allowed = f"known here are {names}" if names else "it takes none here"
                 self.refuse(
                     f"the parameter {name} is not supported and may change the structure; {allowed}"
                 )
+        for row in table.values():
+            if row.required:
+                self.required(row.name)
+            value = self.choice(row.name)
+            if row.choices and value not in row.choices:
+                self.refuse(f"{row.name}={value} is not supported; give {', '.join(row.choices)}")
 
     def rows(self) -> list[list[str]]:
         """Return the data lines split into stripped fields; for small data."""
         split = [[part.strip() for part in line.decode("latin-1").split(",")] for line in self.data]
         return [row[:-1] if len(row) > 1 and not row[-1] else row for row in split]
+
+
+def named(
+    keyword: Keyword, label: str, table: Mapping[str, T], what: str, row: int | None = None
+) -> T:
+    """Return the value of an upper-case name, that of the keyword's instance before others."""
+    plain = label.strip("\"' ").upper()
+    for key in (f"{keyword.scope.name.upper()}.{plain}", plain):
+        if key in table:
+            return table[key]
+    names = ", ".join([*table][:8]) or "none"
+    message = f"there is no {what} '{label}'; known are {names}"
+    raise keyword.error(message, row)
+
+
+def add(table: dict[str, T], keyword: Keyword, name: str, value: T, what: str) -> None:
+    """Put a value under its upper-case name into a table, which must not have it yet."""
+    if name.upper() in table:
+        keyword.refuse(f"there are two {what} '{name}'; rename one of them")
+    table[name.upper()] = value

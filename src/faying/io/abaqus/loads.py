@@ -8,19 +8,11 @@ from faying._typing import Matrix
 from faying.io.abaqus.amplitudes import Amplitudes
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs, component
-from faying.io.abaqus.fields import real
+from faying.io.abaqus.fields import check_count, real
 from faying.io.abaqus.keyword import Keyword
 
 Forces = dict[tuple[int, int], float]
 _Given = tuple[float, Keyword]
-
-
-def operation(keyword: Keyword) -> bool:
-    """Whether OP=NEW removes earlier loads."""
-    wished = keyword.choice("OP", "MOD")
-    if wished not in ("MOD", "NEW"):
-        keyword.refuse(f"OP={wished} is not known; give MOD or NEW")
-    return wished == "NEW"
 
 
 def read_concentrated(
@@ -62,8 +54,8 @@ def _steps(deck: Deck, dofs: Dofs) -> Iterator[tuple[bool, dict[tuple[int, int],
         changes: dict[tuple[int, int], list[_Given]] = {}
         new = step in deck.perturbations
         for keyword in (k for k in deck.of("CLOAD") if k.step == step):
-            keyword.allow("OP", "AMPLITUDE", "TIME DELAY", "LOAD CASE", "OMEGA0", "NAME")
-            new |= operation(keyword)
+            keyword.check()
+            new |= keyword.choice("OP") == "NEW"
             if _is_imaginary(keyword):
                 continue
             for dof, value in _values(keyword, dofs):
@@ -78,11 +70,7 @@ def _is_imaginary(keyword: Keyword) -> bool:
 
 def _values(keyword: Keyword, dofs: Dofs) -> Iterator[tuple[tuple[int, int], float]]:
     for row, fields in enumerate(keyword.rows()):
-        if len(fields) != 3:
-            keyword.refuse(
-                f"found {len(fields)} fields, expected node or node set, degree of freedom, force",
-                row,
-            )
+        check_count(keyword, row, fields, (3,), "node or node set, degree of freedom, force")
         c = component(keyword, row, fields[1])
         value = real(keyword, row, fields[2], "a force")
         for node in dofs.find(keyword, row, fields[0]).tolist():

@@ -6,9 +6,9 @@ import numpy as np
 
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.elements import ElementBlock, Elements
-from faying.io.abaqus.fields import optional_real, real
+from faying.io.abaqus.fields import only_line, padded, real
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.sets import NamedSets
+from faying.io.abaqus.sets import NamedSets, assign
 from faying.model.assembly import PointMass
 
 Tensor = tuple[tuple[float, float, float], ...]
@@ -19,46 +19,32 @@ def read_masses(deck: Deck, elements: Elements, sets: NamedSets) -> Iterator[Poi
     values: dict[int, float] = {}
     inertias: dict[int, Tensor] = {}
     for keyword in deck.of("MASS", "ROTARY INERTIA"):
-        ids = sets.find(keyword, keyword.required("ELSET")).tolist()
-        again = [i for i in ids if i in (values if keyword.name == "MASS" else inertias)]
-        if again:
-            keyword.refuse(f"element {again[0]} has a value already; remove one of them")
+        keyword.check()
         if keyword.name == "MASS":
-            values.update(dict.fromkeys(ids, _mass(keyword)))
+            assign(values, keyword, sets, _mass(keyword))
         else:
-            inertias.update(dict.fromkeys(ids, _inertia(keyword)))
+            assign(inertias, keyword, sets, _inertia(keyword))
     for block in elements.of("MASS", "ROTARYI"):
         for i, (number, node) in enumerate(zip(block.ids.tolist(), block.nodes[:, 0], strict=True)):
-            if number not in (values if block.type == "MASS" else inertias):
-                block.keyword.refuse(
-                    f"element {number} has no *MASS or *ROTARY INERTIA; give its set one",
-                    int(block.rows[i]),
-                )
             if block.type == "MASS":
-                yield PointMass(id=number, node=int(node), mass=values[number])
+                mass = block.section(i, values, "MASS")
+                yield PointMass(id=number, node=int(node), mass=mass)
             else:
-                yield PointMass(id=number, node=int(node), mass=0.0, inertia=inertias[number])
+                inertia = block.section(i, inertias, "ROTARY INERTIA")
+                yield PointMass(id=number, node=int(node), mass=0.0, inertia=inertia)
 
 
 def _mass(keyword: Keyword) -> float:
-    keyword.allow("ELSET", "TYPE")
-    rows = keyword.rows()
-    if keyword.choice("TYPE", "ISOTROPIC") != "ISOTROPIC" or len(rows) != 1 or len(rows[0]) != 1:
-        keyword.refuse("expected one data line with one mass; anisotropic masses are not supported")
-    value = real(keyword, 0, rows[0][0], "a mass")
+    (text,) = only_line(keyword, (1,), "one mass")
+    value = real(keyword, 0, text, "a mass")
     if value < 0:
         keyword.refuse(f"the mass is {value:g}; it must not be negative", 0)
     return value
 
 
 def _inertia(keyword: Keyword) -> Tensor:
-    keyword.allow("ELSET")
-    rows = keyword.rows()
-    if len(rows) != 1 or not 3 <= len(rows[0]) <= 6:
-        keyword.refuse("expected one data line with I11, I22, I33, I12, I13, I23")
-    xx, yy, zz, xy, xz, yz = (
-        optional_real(keyword, 0, rows[0], i, 0.0, "an inertia") for i in range(6)
-    )
+    fields = only_line(keyword, range(3, 7), "I11, I22, I33, I12, I13, I23")
+    xx, yy, zz, xy, xz, yz = padded(keyword, 0, fields, 6, "an inertia")
     tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     turned = keyword.scope.rotation @ tensor @ keyword.scope.rotation.T
     if np.linalg.eigvalsh(tensor).min() < 0:

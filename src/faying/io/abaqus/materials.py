@@ -10,7 +10,7 @@ from faying.exceptions import ModelError
 from faying.io.abaqus.anisotropic import ISOTROPIC, read_law
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import optional_real, real
-from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.keyword import Keyword, add
 from faying.io.abaqus.keyword_names import READ
 from faying.io.abaqus.left_out import KEYWORDS
 from faying.io.abaqus.temperatures import (
@@ -59,14 +59,12 @@ def read_materials(
     """
     materials: dict[str, Material] = {}
     for head, members in deck.groups("MATERIAL", *MEMBERS):
-        head.allow("NAME")
+        head.check()
         name = head.required("NAME")
-        if name.upper() in materials:
-            head.refuse(f"there are two materials '{name}'; rename one of them")
         elastic, law, density, expansion = None, None, 0.0, None
         for member in members:
             if _is_anisotropic(member):
-                member.allow("TYPE", "MODULI")
+                member.check()
                 law = read_law(member, partial(check_constant, member, temperature))
             elif member.name == "ELASTIC":
                 elastic = _elastic(member, temperature)
@@ -84,7 +82,7 @@ def read_materials(
                 f"material '{name}' has no *ELASTIC; add Young's modulus and Poisson's ratio"
             )
         try:
-            materials[name.upper()] = (
+            material = (
                 Material(
                     name=name,
                     youngs_modulus=elastic[0],
@@ -97,6 +95,7 @@ def read_materials(
             )
         except ModelError as error:
             raise head.error(str(error)) from None
+        add(materials, head, name, material, "materials")
     return materials
 
 
@@ -120,7 +119,7 @@ def read_expansions(deck: Deck, ignored: list[str]) -> dict[str, Expansion]:
 
 
 def _elastic(keyword: Keyword, temperature: float | None) -> tuple[float, float]:
-    keyword.allow("TYPE", "MODULI")
+    keyword.check()
     rows = keyword.rows()
     _check_rows(keyword, rows, 3, "E, nu")
     modulus = [real(keyword, i, row[0], "Young's modulus") for i, row in enumerate(rows)]
@@ -129,7 +128,7 @@ def _elastic(keyword: Keyword, temperature: float | None) -> tuple[float, float]
 
 
 def _density(keyword: Keyword, temperature: float | None) -> float:
-    keyword.allow()
+    keyword.check()
     rows = keyword.rows()
     _check_rows(keyword, rows, 2, "the density")
     values = [real(keyword, i, row[0], "the density") for i, row in enumerate(rows)]

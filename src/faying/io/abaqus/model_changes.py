@@ -33,7 +33,7 @@ def without_removed(
     for keyword in (
         change for change in deck.of("MODEL CHANGE") if change.choice("TYPE") == "ELEMENT"
     ):
-        keyword.allow("TYPE", "REMOVE")
+        keyword.check()
         for row, fields in enumerate(keyword.rows()):
             for label in (text for text in fields if text):
                 ids = sets.members(keyword, label, row)
@@ -58,7 +58,7 @@ def without_removed_pairs(
     for keyword in (
         change for change in deck.of("MODEL CHANGE") if change.choice("TYPE") != "ELEMENT"
     ):
-        keyword.allow("TYPE", "REMOVE", "ADD")
+        keyword.check()
         for row, fields in enumerate(keyword.rows()):
             named = [pair for pair in pairs if _sides(pair) == [text.upper() for text in fields]]
             if not named:

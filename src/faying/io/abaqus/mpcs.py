@@ -38,7 +38,7 @@ def read_mpcs(
     equations: list[Equation] = []
     rigid: list[RigidCoupling] = []
     for keyword in deck.of("MPC"):
-        keyword.allow()
+        keyword.check()
         for row, kind, fields in _definitions(keyword):
             number = first_id + len(equations) + len(rigid)
             if kind == "BEAM":

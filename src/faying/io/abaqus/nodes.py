@@ -7,8 +7,9 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import FormatError
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.fields import integers, optional_real, reals, table
+from faying.io.abaqus.fields import integers, padded, reals, table
 from faying.io.abaqus.keyword import Keyword
+from faying.io.axes import axes_along
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -71,7 +72,7 @@ def read_nodes(deck: Deck, ignored: list[str]) -> Nodes:
 def _node_block(
     keyword: Keyword, system: tuple[Matrix, Vector] | None, ignored: list[str]
 ) -> tuple[Indices, Matrix, Indices]:
-    keyword.allow("NSET", "SYSTEM", "INPUT")
+    keyword.check()
     if keyword.has("INPUT"):
         keyword.refuse("INPUT= is not supported; use *INCLUDE, INPUT=… below *NODE")
     expected = "id, x, y, z"
@@ -101,41 +102,31 @@ def _node_block(
 
 
 def _cartesian(keyword: Keyword, points: Matrix) -> Matrix:
-    kind = keyword.choice("SYSTEM", "R")
+    kind = keyword.choice("SYSTEM")
     if kind == "R":
         return points
     first, angle, third = points[:, 0], np.radians(points[:, 1]), points[:, 2]
     if kind == "C":
         return np.column_stack([first * np.cos(angle), first * np.sin(angle), third])
-    if kind == "S":
-        height = np.radians(third)
-        flat = first * np.cos(height)
-        return np.column_stack([flat * np.cos(angle), flat * np.sin(angle), first * np.sin(height)])
-    message = f"SYSTEM={kind} is not known; give R, C or S"
-    raise keyword.error(message)
+    height = np.radians(third)
+    flat = first * np.cos(height)
+    return np.column_stack([flat * np.cos(angle), flat * np.sin(angle), first * np.sin(height)])
 
 
 def _system(keyword: Keyword) -> tuple[Matrix, Vector] | None:
     """Axes (rows) and origin of local coordinates; without data, back to the basic frame."""
-    keyword.allow()
+    keyword.check()
     rows = keyword.rows()
     if not rows:
         return None
-    values = np.array(
-        [
-            [optional_real(keyword, i, row, column, 0.0, "a coordinate") for column in range(6)]
-            for i, row in enumerate(rows[:2])
-        ]
-    )
-    origin = values[0, :3]
-    x = values[0, 3:] - origin
+    values = [padded(keyword, i, row, 6, "a coordinate") for i, row in enumerate(rows[:2])]
+    origin = values[0][:3]
+    x = values[0][3:] - origin
     # Without a second line z stays and y is perpendicular to it and x.
-    y = values[1, :3] - origin if len(rows) > 1 else np.cross([0.0, 0.0, 1.0], x)
-    z = np.cross(x, y)
-    lengths = np.linalg.norm(x), np.linalg.norm(z)
-    if len(rows) > 2 or not min(lengths) > 0:
+    y = values[1][:3] - origin if len(rows) > 1 else np.cross([0.0, 0.0, 1.0], x)
+    axes = axes_along(x, y)
+    if len(rows) > 2 or axes is None:
         keyword.refuse(
             "expected the origin and a point on the x axis, then a point in the x-y plane", 0
         )
-    x, z = x / lengths[0], z / lengths[1]
-    return np.stack([x, np.cross(z, x), z]), origin
+    return axes, origin

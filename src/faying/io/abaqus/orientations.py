@@ -4,9 +4,10 @@ import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.fields import integer, optional_real, real
-from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.fields import integer, padded, real
+from faying.io.abaqus.keyword import Keyword, named
 from faying.io.abaqus.sets import NamedSets
+from faying.io.axes import axes_along
 
 _DEGENERATE = 1e-9
 """Sine of the angle below which two directions count as one."""
@@ -42,15 +43,13 @@ def orientation_at(deck: Deck, keyword: Keyword, points: Matrix, ignored: list[s
     Those of a cylindrical one are radial, tangential and axial.
     """
     orientation = _find(deck, keyword)
-    if orientation.choice("SYSTEM", "RECTANGULAR") not in ("C", "CYLINDRICAL"):
+    if orientation.choice("SYSTEM") not in ("C", "CYLINDRICAL"):
         return np.broadcast_to(_axes(orientation), (len(points), 3, 3))
-    orientation.allow("NAME", "SYSTEM", "DEFINITION")
+    orientation.check()
     rows = orientation.rows()
     if not rows or not 5 <= len(rows[0]) <= 6:
         orientation.refuse("expected a line with the coordinates of two points of the axis")
-    values = np.array(
-        [optional_real(orientation, 0, rows[0], i, 0.0, "a coordinate") for i in range(6)]
-    )
+    values = padded(orientation, 0, rows[0], 6, "a coordinate")
     axis = values[3:] - values[:3]
     length = float(np.linalg.norm(axis))
     if not length > 0:
@@ -83,23 +82,14 @@ def _across(axis: Vector) -> Vector:
 
 
 def _find(deck: Deck, keyword: Keyword) -> Keyword:
-    name = keyword.value("ORIENTATION")
-    orientations = [k for k in deck.of("ORIENTATION") if k.value("NAME").upper() == name.upper()]
-    if not orientations:
-        names = ", ".join(k.value("NAME") for k in deck.of("ORIENTATION")) or "none"
-        keyword.refuse(f"there is no orientation '{name}'; known are {names}")
-    return orientations[-1]
+    orientations = {k.value("NAME").upper(): k for k in deck.of("ORIENTATION")}
+    return named(keyword, keyword.value("ORIENTATION"), orientations, "orientation")
 
 
 def _axes(keyword: Keyword) -> Matrix:
-    keyword.allow("NAME", "SYSTEM", "DEFINITION")
-    system = keyword.choice("SYSTEM", "RECTANGULAR")
-    if system not in ("R", "RECTANGULAR"):
-        keyword.refuse(f"SYSTEM={system} is not supported; RECTANGULAR is")
-    if keyword.choice("DEFINITION", "COORDINATES") != "COORDINATES":
-        keyword.refuse(
-            f"DEFINITION={keyword.choice('DEFINITION')} is not supported; give coordinates"
-        )
+    keyword.check()
+    if keyword.choice("SYSTEM") not in ("R", "RECTANGULAR"):
+        keyword.refuse(f"SYSTEM={keyword.choice('SYSTEM')} is not supported; RECTANGULAR is")
     rows = keyword.rows()
     if not 1 <= len(rows) <= 2 or not 6 <= len(rows[0]) <= 9:
         keyword.refuse(
@@ -111,16 +101,11 @@ def _axes(keyword: Keyword) -> Matrix:
 
 def _spanned(keyword: Keyword, row: int, fields: list[str]) -> Matrix:
     """Return the axes (3, 3) of points a and b, and an origin behind them."""
-    values = np.array(
-        [optional_real(keyword, row, fields, i, 0.0, "a coordinate") for i in range(9)]
-    )
-    first, second = values[:3] - values[6:], values[3:6] - values[6:]
-    third = np.cross(first, second)
-    lengths = np.linalg.norm(first) * np.linalg.norm(second)
-    if not (np.isfinite(lengths) and np.linalg.norm(third) > _DEGENERATE * lengths):
+    values = padded(keyword, row, fields, 9, "a coordinate")
+    axes = axes_along(values[:3] - values[6:], values[3:6] - values[6:], _DEGENERATE)
+    if axes is None:
         keyword.refuse("points a and b lie on one line with the origin; they must span a plane")
-    x, z = first / np.linalg.norm(first), third / np.linalg.norm(third)
-    return np.stack([x, np.cross(z, x), z])
+    return axes
 
 
 def _turned(keyword: Keyword, row: list[str], axes: Matrix) -> Matrix:

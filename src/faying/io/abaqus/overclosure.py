@@ -6,7 +6,7 @@ import numpy as np
 
 from faying.contact.laws import Curve, ExponentialClosure, TableClosure
 from faying.exceptions import ModelError
-from faying.io.abaqus.fields import optional_real, real
+from faying.io.abaqus.fields import numbers, only_line, optional_real, positive
 from faying.io.abaqus.keyword import Keyword
 
 Normal = float | Literal["hard"] | Curve
@@ -45,7 +45,7 @@ def read_behaviour(
 
 
 def _surface_behavior(keyword: Keyword, abaqus: bool, ignored: list[str]) -> Normal:
-    keyword.allow("PRESSURE-OVERCLOSURE", *_FLAGS)
+    keyword.check()
     if keyword.has("NO SEPARATION"):
         keyword.refuse("NO SEPARATION is not supported; faying's contact opens")
     ignored += [
@@ -53,25 +53,16 @@ def _surface_behavior(keyword: Keyword, abaqus: bool, ignored: list[str]) -> Nor
         for flag in _FLAGS
         if keyword.has(flag)
     ]
-    kind = keyword.choice("PRESSURE-OVERCLOSURE", "HARD")
+    kind = keyword.choice("PRESSURE-OVERCLOSURE")
     if kind == "HARD":
         return "hard"
-    rows = keyword.rows()
     if kind in ("EXPONENTIAL", "TABULAR"):
         return _curve(keyword, kind, abaqus)
-    if kind != "LINEAR":
-        keyword.refuse(
-            f"PRESSURE-OVERCLOSURE={kind} is not supported; give LINEAR (a slope), TABULAR, "
-            "EXPONENTIAL or HARD"
-        )
-    if len(rows) != 1 or not 1 <= len(rows[0]) <= 3:
-        keyword.refuse("expected one data line with the slope (pressure per overclosure)")
-    slope = real(keyword, 0, rows[0][0], "the slope")
-    if not slope > 0:
-        keyword.refuse(f"the slope is {slope:g}; it must be positive", 0)
-    for column in range(1, len(rows[0])):
+    fields = only_line(keyword, range(1, 4), "the slope (pressure per overclosure)")
+    slope = positive(keyword, 0, fields[0], "the slope")
+    for column in range(1, len(fields)):
         # CalculiX: tension at large clearance and its range, for node-to-surface contact only.
-        optional_real(keyword, 0, rows[0], column, 0.0, "a number")
+        optional_real(keyword, 0, fields, column, 0.0, "a number")
         ignored.append("tension and range behind the slope of *SURFACE BEHAVIOR")
     return slope
 
@@ -86,10 +77,7 @@ def _curve(keyword: Keyword, kind: str, abaqus: bool) -> Curve:
     CalculiX (User's Manual, *SURFACE BEHAVIOR): p = p0 exp(c ln(100) / c0), nothing beyond c0 of
     clearance; by a table whose chords are 3e-4 above it. Abaqus: p0 s (e^s - 1) / (e - 1).
     """
-    rows = [
-        [real(keyword, row, text, "a number") for text in fields]
-        for row, fields in enumerate(keyword.rows())
-    ]
+    rows = [numbers(keyword, i, row, "a number") for i, row in enumerate(keyword.rows())]
     pairs = 1 if kind == "EXPONENTIAL" else max(len(rows), 2)
     if len(rows) != pairs or any(len(row) != 2 for row in rows):
         keyword.refuse(

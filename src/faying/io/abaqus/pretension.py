@@ -11,7 +11,7 @@ from faying.io.abaqus.beams import TYPES
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs
 from faying.io.abaqus.elements import Elements
-from faying.io.abaqus.fields import is_integer, real
+from faying.io.abaqus.fields import is_integer, numbers, only_line
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.loads import Forces
 from faying.io.abaqus.sets import NamedSets
@@ -65,7 +65,7 @@ def read_sections(deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets) -
     """Read all *PRE-TENSION SECTION."""
     sections: list[Section] = []
     for keyword in deck.of("PRE-TENSION SECTION"):
-        keyword.allow("SURFACE", "ELEMENT", "NODE")
+        keyword.check()
         node = dofs.one(keyword, None, keyword.required("NODE"), "the pretension node")
         if keyword.has("SURFACE") == keyword.has("ELEMENT"):
             keyword.refuse("give either SURFACE= or ELEMENT=")
@@ -96,14 +96,10 @@ def read_sections(deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets) -
 
 
 def _direction(keyword: Keyword) -> tuple[float, ...] | None:
-    rows = keyword.rows()
-    if not rows:
+    if not keyword.data:
         return None
-    if len(rows) > 1 or len(rows[0]) != 3:
-        keyword.refuse(
-            "expected at most one data line with the direction of the section: three numbers", 0
-        )
-    return tuple(real(keyword, 0, text, "a direction") for text in rows[0])
+    fields = only_line(keyword, (3,), "the direction of the section: three numbers")
+    return tuple(numbers(keyword, 0, fields, "a direction"))
 
 
 def _beam(keyword: Keyword, elements: Elements, sets: NamedSets) -> int:

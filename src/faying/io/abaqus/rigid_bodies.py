@@ -59,11 +59,7 @@ def read_rigid_bodies(
     """Read all *RIGID BODY of CalculiX (NSET or ELSET) and Abaqus (PIN NSET, TIE NSET, ELSET)."""
     number = first_id
     for keyword in deck.of("RIGID BODY"):
-        keyword.allow("NSET", "ELSET", "REF NODE", "ROT NODE", "PIN NSET", "TIE NSET", "POSITION")
-        if keyword.choice("POSITION", "INPUT") != "INPUT":
-            keyword.refuse(
-                "POSITION=CENTER OF MASS is not supported; place the reference node yourself"
-            )
+        keyword.check()
         groups = _groups(keyword, dofs, elements, by_element)
         if not sum(len(nodes) for nodes, _ in groups):
             keyword.refuse("it names no nodes; give NSET=, ELSET=, PIN NSET= or TIE NSET=")

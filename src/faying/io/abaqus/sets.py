@@ -9,7 +9,7 @@ from faying._typing import Indices, frozen
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.elements import Elements
 from faying.io.abaqus.fields import Table, integers, is_integer, table
-from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.keyword import Keyword, T
 from faying.io.abaqus.nodes import Nodes
 
 
@@ -40,10 +40,8 @@ class NamedSets:
     def key(self, keyword: Keyword, label: str) -> str | None:
         """Return the key of a name as seen from a keyword, None if there is no such set."""
         plain = label.strip("\"' ").upper()
-        for key in (f"{keyword.scope.name.upper()}.{plain}", plain):
-            if key in self.ids:
-                return key
-        return None
+        keys = (f"{keyword.scope.name.upper()}.{plain}", plain)
+        return next((key for key in keys if key in self.ids), None)
 
     def find(self, keyword: Keyword, label: str, row: int | None = None) -> Indices:
         """Return the ids of a set."""
@@ -120,7 +118,7 @@ def read_element_sets(deck: Deck, elements: Elements) -> NamedSets:
                 key = builder.open(keyword, keyword.required("ELSET"))
                 builder.parts[key].append((keyword, blocks[id(keyword)].ids))
             continue
-        keyword.allow("ELSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED")
+        keyword.check()
         key = builder.open(keyword, keyword.required("ELSET"))
         ids, rows = _explicit(keyword, builder, key, deck, element_ids)
         _check_known(ids, rows, element_ids, keyword, "element")
@@ -141,7 +139,7 @@ def read_node_sets(deck: Deck, nodes: Nodes, elements: Elements, by_name: NamedS
                 builder.parts[key].append((keyword, ids + keyword.scope.offset))
             continue
         # FREQUENCY is one of output, which CalculiX passes over here.
-        keyword.allow("NSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED", "ELSET", "FREQUENCY")
+        keyword.check()
         key = builder.open(keyword, keyword.required("NSET"))
         ids, rows = _explicit(keyword, builder, key, deck, nodes.ids)
         _check_known(ids, rows, nodes.ids, keyword, "node")
@@ -238,3 +236,11 @@ def _check_known(
         keyword.refuse(
             f"there is no {what} {ids[bad] - keyword.scope.offset}; correct the set", int(rows[bad])
         )
+
+
+def assign(sections: dict[int, T], keyword: Keyword, sets: NamedSets, value: T) -> None:
+    """Give the elements of a keyword's ELSET a value, which none may have already."""
+    for number in sets.find(keyword, keyword.required("ELSET")).tolist():
+        if number in sections:
+            keyword.refuse(f"element {number} has a *{keyword.name} already; remove one of them")
+        sections[number] = value

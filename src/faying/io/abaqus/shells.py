@@ -9,7 +9,7 @@ from faying._typing import Indices, Vector
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.element_types import SHELL_TYPES
 from faying.io.abaqus.elements import Elements
-from faying.io.abaqus.fields import real
+from faying.io.abaqus.fields import only_line, positive, real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.solid_sections import find_isotropic
@@ -74,10 +74,11 @@ def read_shells(
     thicknesses: dict[int, float] = {}
     others = deck.of("SOLID SECTION", "BEAM SECTION", "BEAM GENERAL SECTION")
     for section_number, keyword in enumerate(deck.of("SHELL SECTION"), start=len(others) + 1):
-        keyword.allow("ELSET", "MATERIAL", "OFFSET", "ORIENTATION", "SECTION INTEGRATION",
-                      "POISSON", "DENSITY", "CONTROLS")  # fmt: skip
+        keyword.check()
         chosen = np.isin(ids, sets.find(keyword, keyword.required("ELSET")))
-        thickness = thicknesses[section_number] = _thickness(keyword)
+        thickness = thicknesses[section_number] = positive(
+            keyword, 0, only_line(keyword, range(1, 9), "the thickness")[0], "the thickness"
+        )
         number[chosen] = section_number
         # Theirs is that of the nodes from the middle, ours that of the middle from the nodes.
         offset[chosen] = -_offset(keyword) * thickness
@@ -109,16 +110,6 @@ def read_shells(
         "shells are thick, coarse or joined at angles"
     )
     return Shells(blocks=tuple(blocks), sections=sections, thicknesses=thicknesses)
-
-
-def _thickness(keyword: Keyword) -> float:
-    rows = keyword.rows()
-    if len(rows) != 1:
-        keyword.refuse(f"found {len(rows)} data lines, expected one with the thickness")
-    thickness = real(keyword, 0, rows[0][0], "a thickness")
-    if not thickness > 0:
-        keyword.refuse(f"the thickness is {thickness:g}; it must be positive", 0)
-    return thickness
 
 
 def _offset(keyword: Keyword) -> float:

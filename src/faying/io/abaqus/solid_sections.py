@@ -10,7 +10,7 @@ from faying._typing import Indices
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.element_types import SOLID_TYPES
 from faying.io.abaqus.elements import ElementBlock, Elements
-from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.keyword import Keyword, named
 from faying.io.abaqus.orientations import distributed_axes
 from faying.io.abaqus.sets import NamedSets
 from faying.model.assembly import Material
@@ -31,11 +31,7 @@ def find_isotropic(materials: Mapping[str, Material], keyword: Keyword) -> Mater
 
 def find_material(materials: Mapping[str, Material], keyword: Keyword) -> Material:
     """Return the material a section names."""
-    name = keyword.required("MATERIAL")
-    if name.upper() not in materials:
-        names = ", ".join(material.name for material in materials.values()) or "none"
-        keyword.refuse(f"there is no material '{name}'; known are {names}")
-    return materials[name.upper()]
+    return named(keyword, keyword.required("MATERIAL"), materials, "material")
 
 
 def read_solid_sections(
@@ -55,7 +51,7 @@ def read_solid_sections(
     sections = deck.of("SOLID SECTION")
     more = itertools.count(len(sections) + 1)
     for number, keyword in enumerate(sections, start=1):
-        keyword.allow("ELSET", "MATERIAL", "ORIENTATION", "CONTROLS", "STACK DIRECTION")
+        keyword.check()
         chosen = np.isin(ids, sets.find(keyword, keyword.required("ELSET")))
         again = np.flatnonzero(chosen & (section > 0))
         if again.size:

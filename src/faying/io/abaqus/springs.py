@@ -4,10 +4,12 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.dofs import component
 from faying.io.abaqus.elements import ElementBlock, Elements
-from faying.io.abaqus.fields import integer, real
+from faying.io.abaqus.fields import check_count, real
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.sets import NamedSets
+from faying.io.abaqus.sets import NamedSets, assign
+from faying.io.axes import any_across, axes_along
 from faying.model.assembly import Bush, Spring
 
 # Ends of an axial spring off a coordinate axis by less than this fraction of its length.
@@ -20,20 +22,13 @@ def read_springs(
     """Read SPRING1, SPRING2 and SPRINGA; those off the coordinate axes are bushes."""
     stiffness: dict[int, Keyword] = {}
     for keyword in deck.of("SPRING"):
-        keyword.allow("ELSET")
-        for element_id in sets.find(keyword, keyword.required("ELSET")).tolist():
-            if element_id in stiffness:
-                keyword.refuse(f"spring {element_id} has a stiffness already; remove one of them")
-            stiffness[element_id] = keyword
+        keyword.check()
+        assign(stiffness, keyword, sets, keyword)
     springs: list[Spring] = []
     bushes: list[Bush] = []
     for block in elements.of("SPRING1", "SPRING2", "SPRINGA"):
-        for i, element_id in enumerate(block.ids.tolist()):
-            if element_id not in stiffness:
-                block.keyword.refuse(
-                    f"spring {element_id} has no *SPRING; give its set one", int(block.rows[i])
-                )
-            spring = _spring(block, i, stiffness[element_id], coordinates)
+        for i in range(len(block.ids)):
+            spring = _spring(block, i, block.section(i, stiffness, "SPRING"), coordinates)
             if isinstance(spring, Bush):
                 bushes.append(spring)
             else:
@@ -60,21 +55,10 @@ def _spring(block: ElementBlock, i: int, keyword: Keyword, coordinates: Matrix) 
             return _inclined(block, i, value, coordinates)
         components = [axis] * 2
     else:
-        expected = len(nodes)
-        if len(rows[0]) != expected:
-            keyword.refuse(
-                f"found {len(rows[0])} degrees of freedom, {block.type} needs {expected}", 0
-            )
-        components = [_component(keyword, text) for text in rows[0]]
+        check_count(keyword, 0, rows[0], (len(nodes),), f"{len(nodes)} degrees of freedom")
+        components = [component(keyword, 0, text) for text in rows[0]]
     ends = tuple(zip(nodes, components, strict=True))
     return Spring(id=int(block.ids[i]), ends=ends, stiffness=value)
-
-
-def _component(keyword: Keyword, text: str) -> int:
-    value = integer(keyword, 0, text, "a degree of freedom")
-    if not 1 <= value <= 6:
-        keyword.refuse(f"found degree of freedom {value}, expected 1 to 6", 0)
-    return value - 1
 
 
 def _axis(block: ElementBlock, i: int, coordinates: Matrix) -> int | None:
@@ -93,14 +77,10 @@ def _axis(block: ElementBlock, i: int, coordinates: Matrix) -> int | None:
 def _inclined(block: ElementBlock, i: int, stiffness: float, coordinates: Matrix) -> Bush:
     """Return an axial spring along the line between its nodes."""
     start, end = block.nodes[i].tolist()
-    along = (coordinates[end] - coordinates[start]) / np.linalg.norm(
-        coordinates[end] - coordinates[start]
-    )
-    side = np.cross(along, np.eye(3)[int(np.abs(along).argmin())])
-    side /= np.linalg.norm(side)
+    along = coordinates[end] - coordinates[start]
+    side = np.cross(along, any_across(along))
     first, second, third = (
-        (float(row[0]), float(row[1]), float(row[2]))
-        for row in (along, side, np.cross(along, side))
+        (float(row[0]), float(row[1]), float(row[2])) for row in np.asarray(axes_along(along, side))
     )
     x, y, z = coordinates[start].tolist()
     return Bush(

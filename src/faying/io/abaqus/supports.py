@@ -8,10 +8,9 @@ import numpy as np
 from faying._typing import Indices
 from faying.io.abaqus.amplitudes import Amplitudes
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.dofs import Dofs, component
-from faying.io.abaqus.fields import optional_real
+from faying.io.abaqus.dofs import Dofs, component_range
+from faying.io.abaqus.fields import check_count, optional_real
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.loads import operation
 from faying.io.moved_supports import Place
 from faying.model.assembly import Support
 
@@ -110,10 +109,8 @@ def _after(
     """
     holds = dict(holds)
     for keyword in (item for item in deck.of("BOUNDARY") if item.step == step):
-        keyword.allow("OP", "TYPE", "AMPLITUDE", "TIME DELAY", "FIXED", "LOAD CASE", "NAME")
-        if keyword.choice("TYPE", "DISPLACEMENT") != "DISPLACEMENT" or keyword.has("LOAD CASE"):
-            keyword.refuse("only displacements are supported (no TYPE=VELOCITY, no LOAD CASE)")
-        if operation(keyword):
+        keyword.check()
+        if keyword.choice("OP") == "NEW":
             holds = {dof: item for dof, item in holds.items() if item[1].step == step}
         new = {
             dof: (value, keyword, row)
@@ -138,8 +135,7 @@ def _line(
 ) -> Iterator[tuple[Place, float]]:
     """Read a line; of temperatures (11, 0) nothing where they are left out."""
     expected = "node or node set, first and last degree of freedom, value"
-    if not 2 <= len(fields) <= 4:
-        keyword.refuse(f"found {len(fields)} fields, expected {expected}", row)
+    check_count(keyword, row, fields, range(2, 5), expected)
     if cold and fields[1] in ("0", "11"):
         return
     nodes = dofs.find(keyword, row, fields[0])
@@ -148,13 +144,7 @@ def _line(
             keyword.refuse(f"found fields behind {fields[1]}; expected none", row)
         components, value = TYPES[fields[1].upper()], 0.0
     else:
-        first = component(keyword, row, fields[1])
-        last = component(keyword, row, fields[2]) if len(fields) > 2 and fields[2] else first
-        if last < first:
-            keyword.refuse(
-                f"the last degree of freedom {last + 1} is below the first {first + 1}", row
-            )
-        components = tuple(range(first, last + 1))
+        components = tuple(component_range(keyword, row, fields[1:3]))
         value = optional_real(keyword, row, fields, 3, 0.0, "a displacement")
     for c in components:
         for node in nodes.tolist():

@@ -7,8 +7,8 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.fields import is_integer, table
-from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.fields import check_count, is_integer, table
+from faying.io.abaqus.keyword import Keyword, add, named
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.shells import Shells
 from faying.model.assembly import FaceSet
@@ -50,23 +50,15 @@ _FACES = {b"": 0, b"SNEG": 1, b"SPOS": 2}
 
 def find_surface(surfaces: Surfaces, keyword: Keyword, name: str, row: int | None) -> DeckSurface:
     """Return a surface by name."""
-    plain = name.strip("\"' ").upper()
-    for key in (f"{keyword.scope.name.upper()}.{plain}", plain):
-        if key in surfaces:
-            return surfaces[key]
-    names = ", ".join([surface.name for surface in surfaces.values()][:8]) or "none that has faces"
-    message = f"there is no surface '{name}'; known are {names}"
-    raise keyword.error(message, row)
+    return named(keyword, name, surfaces, "surface", row)
 
 
 def slave_and_master(
     surfaces: Surfaces, keyword: Keyword, row: int, fields: list[str]
 ) -> tuple[DeckSurface, DeckSurface]:
     """Return the two surfaces that a data line of *CONTACT PAIR or *TIE names."""
-    if len(fields) != 2 or not all(fields):
-        keyword.refuse(
-            f"found {len(fields)} fields, expected the slave and the master surface", row
-        )
+    filled = [text for text in fields if text]
+    check_count(keyword, row, filled, (2,), "the slave and the master surface")
     slave, master = (find_surface(surfaces, keyword, text, row) for text in fields)
     if not master.facets:
         keyword.refuse(f"master surface '{master.name}' has no facets; give it TYPE=ELEMENT", row)
@@ -98,21 +90,17 @@ def read_surfaces(
     """
     surfaces: dict[str, DeckSurface] = {}
     for keyword in deck.of("SURFACE"):
-        keyword.allow("NAME", "TYPE", "INTERNAL", "COMBINE")
+        keyword.check()
         label = keyword.required("NAME")
         name = f"{keyword.scope.name}.{label}" if keyword.scope.name else label
-        kind = keyword.choice("TYPE", "ELEMENT")
-        if name.upper() in surfaces:
-            keyword.refuse(f"there are two surfaces '{name}'; rename one of them")
-        if keyword.has("COMBINE") or kind not in ("ELEMENT", "NODE"):
-            problem = "COMBINE" if keyword.has("COMBINE") else f"TYPE={kind}"
-            keyword.refuse(f"{problem} is not supported; list element faces or nodes")
         if not keyword.data:
             continue  # meshers write surfaces of nothing; whoever names one is told
-        if kind == "NODE":
-            surfaces[name.upper()] = _of_nodes(keyword, name, mesh, by_node)
-        else:
-            surfaces[name.upper()] = _of_elements(keyword, name, mesh, by_element, shells)
+        surface = (
+            _of_nodes(keyword, name, mesh, by_node)
+            if keyword.choice("TYPE") == "NODE"
+            else _of_elements(keyword, name, mesh, by_element, shells)
+        )
+        add(surfaces, keyword, name, surface, "surfaces")
     return surfaces
 
 

@@ -9,9 +9,8 @@ from faying._typing import Indices, Matrix, Vector
 from faying.io.abaqus.amplitudes import Amplitudes
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs
-from faying.io.abaqus.fields import optional_real, real
+from faying.io.abaqus.fields import optional_real, parameter, real
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.loads import operation
 from faying.io.left_out import IGNORABLE, request
 from faying.model.assembly import Assembly
 from faying.model.thermal import UNSEEN, expansion_forces, stretching_forces
@@ -57,7 +56,7 @@ def read_temperatures(deck: Deck, dofs: Dofs, amplitudes: Amplitudes) -> Tempera
     """Read the temperatures at the start and in each step."""
     initial = np.zeros(len(dofs.nodes.ids))
     for keyword in _initial(deck):
-        keyword.allow("TYPE")
+        keyword.check()
         for nodes, value in _lines(keyword, dofs):
             initial[nodes] = value
     current, steps = initial, []
@@ -65,8 +64,8 @@ def read_temperatures(deck: Deck, dofs: Dofs, amplitudes: Amplitudes) -> Tempera
     for step in range(deck.n_step + 1):
         current = current.copy()
         for keyword in (candidate for candidate in keywords if candidate.step == step):
-            keyword.allow("OP", "AMPLITUDE", "TIME DELAY", "NAME")
-            if operation(keyword):
+            keyword.check()
+            if keyword.choice("OP") == "NEW":
                 current = initial.copy()
             factor = amplitudes.factor(keyword, step)
             for nodes, value in _lines(keyword, dofs):
@@ -109,11 +108,7 @@ class Expansion:
 
 def read_expansion(keyword: Keyword) -> Expansion:
     """Read *EXPANSION."""
-    keyword.allow("TYPE", "ZERO")
-    if keyword.choice("TYPE", "ISO") not in ("ISO", "ISOTROPIC"):
-        keyword.refuse(
-            f"TYPE={keyword.value('TYPE')} is not supported; expansion is isotropic here"
-        )
+    keyword.check()
     rows = keyword.rows()
     wrong = next((row for row, fields in enumerate(rows) if len(fields) > 2), None)
     if not rows or wrong is not None:
@@ -129,14 +124,14 @@ def read_expansion(keyword: Keyword) -> Expansion:
     )
     if (np.diff(table[:, 0]) <= 0).any():
         keyword.refuse("the temperatures do not increase; sort them")
-    zero = real(keyword, None, keyword.value("ZERO", "0"), "ZERO")
+    zero = parameter(keyword, "ZERO", 0.0)
     return Expansion(temperatures=table[:, 0], coefficients=table[:, 1], zero=zero)
 
 
 def constant_expansion(keyword: Keyword) -> float | None:
     """Return the coefficient of *EXPANSION; None where it differs in directions or temperatures."""
     rows = keyword.rows()
-    isotropic = keyword.choice("TYPE", "ISO") in ("ISO", "ISOTROPIC")
+    isotropic = keyword.choice("TYPE") in ("ISO", "ISOTROPIC")
     return real(keyword, 0, rows[0][0], "a coefficient") if isotropic and len(rows) == 1 else None
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from faying.io.abaqus.contact import Pair, with_mixed_sides
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.fields import real
+from faying.io.abaqus.fields import parameter
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, slave_and_master
 from faying.io.tied_surfaces import following, moving_together, with_elastic_layer
@@ -48,11 +48,10 @@ def read_ties(
         for pair in pairs
     ]
     for keyword in deck.of("TIE"):
-        keyword.allow("NAME", "ADJUST", "POSITION TOLERANCE", "TYPE", "NO ROTATION", "NO THICKNESS",
-                      "CONSTRAINT RATIO")  # fmt: skip
+        keyword.check()
         tolerance = None
         if keyword.has("POSITION TOLERANCE"):
-            tolerance = real(keyword, None, keyword.required("POSITION TOLERANCE"), "a tolerance")
+            tolerance = parameter(keyword, "POSITION TOLERANCE")
         for row, fields in enumerate(keyword.rows()):
             slave, master = slave_and_master(surfaces, keyword, row, fields)
             name = keyword.value("NAME", f"{slave.name} {master.name}")

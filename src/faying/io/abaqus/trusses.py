@@ -7,10 +7,11 @@ import numpy as np
 from faying._typing import Matrix
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.elements import Elements
-from faying.io.abaqus.fields import optional_real
+from faying.io.abaqus.fields import positive
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.solid_sections import find_isotropic
+from faying.io.axes import any_across
 from faying.model.assembly import Beam, BeamSection, Material
 
 TYPES = ("T3D2",)
@@ -37,31 +38,23 @@ def read_trusses(
             sections.update(dict.fromkeys(members, member))
     for block in blocks:
         for i, element_id in enumerate(block.ids.tolist()):
-            row = int(block.rows[i])
-            if element_id not in sections:
-                block.keyword.refuse(
-                    f"truss {element_id} has no *SOLID SECTION; give its set one", row
-                )
+            number, section, material = block.section(i, sections, "SOLID SECTION")
             start, end = block.nodes[i].tolist()
             along = coordinates[end] - coordinates[start]
             if not along.any():
-                block.keyword.refuse(f"truss {element_id} has no length; its nodes coincide", row)
-            # Any direction that is not the truss's own.
-            side = np.eye(3)[int(np.abs(along).argmin())]
-            number, section, material = sections[element_id]
+                message = f"truss {element_id} has no length; its nodes coincide"
+                block.keyword.refuse(message, int(block.rows[i]))
             yield Beam(
                 id=element_id,
                 nodes=(start, end),
                 section=section,
                 material=material,
-                orientation=(float(side[0]), float(side[1]), float(side[2])),
+                orientation=any_across(along),
                 property=number,
             )
 
 
 def _section(keyword: Keyword) -> BeamSection:
     rows = keyword.rows()
-    area = optional_real(keyword, 0, rows[0], 0, 1.0, "an area") if rows else 1.0
-    if not area > 0:
-        keyword.refuse(f"the area is {area:g}; it must be positive", 0)
+    area = positive(keyword, 0, rows[0][0], "an area") if rows and rows[0][0] else 1.0
     return BeamSection(area=area, inertia_y=0.0, inertia_z=0.0, torsion=0.0)
