@@ -1,70 +1,252 @@
 """CSV files of numbers below a line of column names."""
 
-import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import inf, isfinite
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from faying._typing import Matrix
+from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import FormatError
 from faying.files.contents import file_text
 from faying.files.csv_rows import csv_rows
 
+MOST_SHOWN = 8
+"""Mistakes listed in one message."""
 
-def read_number_table(
-    path: Path, columns: Sequence[Sequence[str]], what: str
-) -> tuple[list[str], Matrix]:
-    """Read a CSV file of numbers below a line of column names.
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class NumberTable:
+    """A table as read.
+
+    Attributes
+    ----------
+    path
+    names
+        Of the columns of numbers.
+    values : (n_row, n_column)
+    lines : (n_row,)
+        Number of the line that each row stands in.
+    labels
+        Names of the rows; None where no column has them.
+    """
+
+    path: Path
+    names: tuple[str, ...]
+    values: Matrix
+    lines: Indices
+    labels: tuple[str, ...] | None = None
+
+    def column(self, name: str) -> Vector:
+        """Return the numbers of a column (n_row,)."""
+        return self.values[:, self.names.index(name)]
+
+    def place(self, row: int) -> str:
+        """Say where a row stands."""
+        return f"{self.path}, line {self.lines[row]}"
+
+
+def read_numbers(
+    path: Path,
+    what: str,
+    *,
+    label: str | None = None,
+    unnamed: tuple[str, ...] = (),
+    largest: float = inf,
+) -> NumberTable:
+    """Read a CSV file of numbers; empty lines and comments after # are left out.
 
     Parameters
     ----------
-    columns
-        Names that the file may have, in any order; several sets of which it has one.
     what
         What the file is, for messages.
-
-    Returns
-    -------
-    tuple of list of str, ndarray (n, n_column)
-        The names in the order of the file, and the numbers.
+    label
+        Name of a column that holds names; # is part of names then, but where it begins a line.
+    unnamed
+        Names of the columns, where a first line that names them is not needed.
+    largest
+        Magnitude that no number exceeds.
 
     Raises
     ------
     FormatError
-        If the file is missing, has other columns, or holds something that is no finite number.
+        If the file cannot be read, names a column twice, or holds anything but finite numbers; the
+        message lists what is wrong, with its line.
     """
     try:
         lines = file_text(path).splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        message = f"{path}: {what} cannot be read ({error})"
+        reason = error.strerror if isinstance(error, OSError) else "it is no UTF-8 text"
+        message = f"cannot read {what} {path}: {reason}; give a csv file in UTF-8"
         raise FormatError(message) from None
-    numbered = [
-        (number, [entry.strip() for entry in row])
-        for number, row in csv_rows(path, lines)
-        if row and not row[0].lstrip().startswith("#")
-    ]
-    header = [name.lower() for name in numbered[0][1]] if numbered else []
-    if sorted(header) not in [sorted(names) for names in columns]:
+    if label is None:
+        lines = [line.split("#", 1)[0] for line in lines]
+    numbered = enumerate(map(str.strip, lines), start=1)
+    rows = [(number, line) for number, line in numbered if line.strip(",#") and line[0] != "#"]
+    if not rows:
+        message = f"{path} is empty; give a line of column names, and numbers below it"
+        raise FormatError(message)
+    first = _cells(path, *rows[0])
+    names = list(unnamed) or first
+    if not unnamed or not any(map(_is_number, first)):
+        _check_names(path, rows[0][0], first)
+        del rows[0]
+    numeric = [number for number, name in enumerate(names) if name != label]
+    values = None
+    if all(_width(path, *row) == len(names) for row in rows):
+        values = _column_values(rows, numeric, float)
+    if values is None or not (np.abs(values) <= largest).all() or not np.isfinite(values).all():
+        raise _wrong_cells(path, names, rows, label, largest)
+    labels = _column_values(rows, [names.index(label)], str) if label in names and rows else None
+    return NumberTable(
+        path=path,
+        names=tuple(names[number] for number in numeric),
+        values=values,
+        lines=np.array([number for number, _ in rows], dtype=np.int64),
+        labels=None if labels is None else tuple(map(str.strip, labels[:, 0].tolist())),
+    )
+
+
+def read_number_table(path: Path, columns: Sequence[Sequence[str]], what: str) -> NumberTable:
+    """Read a CSV file that has one of some sets of columns, in any order.
+
+    Parameters
+    ----------
+    columns
+        Names that the file may have.
+    what
+        What the file is, for messages.
+
+    Raises
+    ------
+    FormatError
+        As :func:`read_numbers`; or if the file has other columns, or no numbers.
+    """
+    table = read_numbers(path, what)
+    table = replace(table, names=tuple(name.lower() for name in table.names))
+    if sorted(table.names) not in [sorted(names) for names in columns]:
         headers = " or ".join(",".join(names) for names in columns)
         message = (
-            f"{path}: the columns are '{','.join(header)}'; the first line must name "
+            f"{path}: the columns are '{','.join(table.names)}'; the first line must name "
             f"{'either ' * (len(columns) > 1)}{headers}"
         )
         raise FormatError(message)
-    rows = [_numbers(path, number, row, len(header)) for number, row in numbered[1:]]
-    if not rows:
+    if not len(table.lines):
         message = f"{path}: {what} has no lines below its column names"
         raise FormatError(message)
-    return header, np.array(rows)
+    return table
 
 
-def _numbers(path: Path, number: int, row: list[str], count: int) -> list[float]:
-    try:
-        values = [float(entry) for entry in row]
-    except ValueError:
-        values = []
-    if len(values) != count or not all(math.isfinite(value) for value in values):
-        message = f"{path}:{number}: '{','.join(row)}' is not {count} finite numbers"
+def check_times(path: Path, times: Vector, place: Callable[[int], str], *, fewest: int = 1) -> None:
+    """Refuse instants that cannot be followed.
+
+    Parameters
+    ----------
+    place
+        Says where an instant stands.
+    fewest
+        Instants there must be; where two are needed they do not begin before 0.
+
+    Raises
+    ------
+    FormatError
+    """
+    if len(times) < fewest:
+        message = f"{path}: found {len(times)} instants, expected {fewest} or more"
         raise FormatError(message)
-    return values
+    if fewest > 1 and times[0] < 0:
+        message = (
+            f"{place(0)}: time {times[0]:g} is negative; loads act from t = 0, shift the times"
+        )
+        raise FormatError(message)
+    back = np.flatnonzero(np.diff(times) <= 0)
+    if back.size:
+        row = int(back[0]) + 1
+        message = (
+            f"{place(row)}: time {times[row]:g} does not come after {times[row - 1]:g}; times must "
+            "increase"
+        )
+        raise FormatError(message)
+
+
+def _cells(path: Path, number: int, line: str) -> list[str]:
+    """Split a line; commas within quotes belong to a name."""
+    row = next(csv_rows(path, [line], first=number))[1] if '"' in line else line.split(",")
+    return [cell.strip() for cell in row]
+
+
+def _width(path: Path, number: int, line: str) -> int:
+    return len(_cells(path, number, line)) if '"' in line else line.count(",") + 1
+
+
+def _column_values(
+    rows: Sequence[tuple[int, str]], columns: Sequence[int], kind: type
+) -> np.ndarray[Any, Any] | None:
+    """Return columns (n_row, n_column) of lines; None where a cell is of another kind."""
+    if not rows or not columns:
+        return np.empty((len(rows), len(columns)))
+    try:
+        return np.loadtxt(
+            [line for _, line in rows],
+            delimiter=",",
+            usecols=columns,
+            dtype=kind,
+            ndmin=2,
+            quotechar='"',
+            comments=None,
+        )
+    except ValueError:
+        return None
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        # Python also takes 1_000 and the digits of other scripts.
+        return isfinite(float(cell)) and cell.isascii() and "_" not in cell
+    except ValueError:
+        return False
+
+
+def _check_names(path: Path, line: int, names: Sequence[str]) -> None:
+    wrong = ""
+    if all(map(_is_number, names)):
+        wrong = "found numbers, expected the names of the columns; add a line with them"
+    elif any(";" in name for name in names):
+        wrong = "columns are separated by semicolons; separate them by commas, with decimal points"
+    twice = [name for number, name in enumerate(names) if name in names[:number]]
+    if twice:
+        wrong = f"column '{twice[0]}' is there twice; keep one"
+    if wrong:
+        message = f"{path}, line {line}: {wrong}"
+        raise FormatError(message)
+
+
+def _wrong_cells(
+    path: Path,
+    names: Sequence[str],
+    rows: Sequence[tuple[int, str]],
+    label: str | None,
+    largest: float,
+) -> FormatError:
+    every = ((line, _cells(path, line, text)) for line, text in rows)
+    wrong = [text for line, row in every for text in _wrong(names, line, row, label, largest)]
+    limit = f" up to {largest:g} in magnitude" if largest < inf else ""
+    listed = "\n".join(f"  - {text}" for text in wrong[:MOST_SHOWN])
+    more = f"\n  ... and {len(wrong) - MOST_SHOWN} more" if len(wrong) > MOST_SHOWN else ""
+    return FormatError(
+        f"{path}: expected finite numbers{limit}, with decimal points and separated by commas\n"
+        f"{listed}{more}"
+    )
+
+
+def _wrong(
+    names: Sequence[str], line: int, row: Sequence[str], label: str | None, largest: float
+) -> Iterator[str]:
+    if len(row) != len(names):
+        yield f"line {line}: found {len(row)} cells, expected {len(names)}"
+        return
+    for name, cell in zip(names, row, strict=True):
+        if name != label and not (_is_number(cell) and abs(float(cell)) <= largest):
+            yield f"line {line}: found '{cell[:40]}' in column '{name}'"

@@ -26,8 +26,8 @@ def read_closure_table(path: str | Path, name: str = "table") -> TableClosure | 
         If the file is missing, has other columns, or its rows are no curve.
     """
     columns = COLUMNS[name]
-    header, rows = read_number_table(Path(path), [columns], "the curve")
-    values = [tuple(rows[:, header.index(column)].tolist()) for column in columns]
+    table = read_number_table(Path(path), [columns], "the curve")
+    values = [tuple(table.column(column).tolist()) for column in columns]
     try:
         return GasketClosure(*values) if name == "gasket" else TableClosure(*values)
     except ModelError as error:

@@ -20,7 +20,7 @@ from scipy.spatial import QhullError
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.exceptions import FormatError, ModelError
-from faying.files.number_table import read_number_table
+from faying.files.number_table import NumberTable, read_number_table
 from faying.interface.interface import Interface
 
 POINT_COLUMNS = ("x", "y", "z", "gap")
@@ -178,18 +178,18 @@ def read_gap_field(path: str | Path, interface: Interface, node_ids: Indices) ->
     ModelError
         If the field does not cover the interface.
     """
-    header, table = read_gap_table(Path(path))
-    if set(header) == set(POINT_COLUMNS):
-        columns = table[:, [header.index(name) for name in POINT_COLUMNS]]
-        return gap_from_points(interface, columns[:, :3], columns[:, 3])
-    nodes, gaps = (table[:, header.index(name)] for name in NODE_COLUMNS)
+    table = read_gap_table(Path(path))
+    if set(table.names) == set(POINT_COLUMNS):
+        *points, gaps = map(table.column, POINT_COLUMNS)
+        return gap_from_points(interface, np.column_stack(points), gaps)
+    nodes, gaps = map(table.column, NODE_COLUMNS)
     if (nodes != np.round(nodes)).any():
         message = f"{path}: node ids must be whole numbers"
         raise FormatError(message)
     return gap_from_nodes(interface, node_ids, nodes.astype(np.int64).tolist(), gaps)
 
 
-def read_gap_table(path: Path) -> tuple[list[str], Matrix]:
+def read_gap_table(path: Path) -> NumberTable:
     """Read the numbers of a gap field and the names of their columns.
 
     Raises

@@ -112,7 +112,7 @@ def test_what_is_no_curve_is_refused_where_it_stands(tmp_path, closure, message)
     ("layer", "message"),
     [
         ("a,b\n0,0\n", "the first line must name closure,pressure"),
-        ("closure,pressure\n0,0\nx,1\n", "layer.csv:3: 'x,1' is not 2 finite numbers"),
+        ("closure,pressure\n0,0\nx,1\n", "line 3: found 'x' in column 'closure'"),
         ("closure,pressure\n0,0\n1,2\n1,3\n", "after closure 1 with pressure 2 comes 1 with 3"),
         ("closure,pressure\n", "the curve has no lines below its column names"),
     ],

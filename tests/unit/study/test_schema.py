@@ -7,7 +7,7 @@ import scipy.io
 import scipy.sparse as sp
 
 import faying.study
-from faying.exceptions import ModelError, StudyError
+from faying.exceptions import FormatError, ModelError, StudyError
 from faying.study.inputs.load_model import build, load_model
 from faying.study.inputs.loads import case_load, training_box
 from faying.study.inputs.timing import time_span, time_step
@@ -244,14 +244,14 @@ def test_line_numbers_of_every_kind_of_toml():
 
 
 HISTORIES = [
-    ("0,1\n1,x\n", "line 2"),
-    ("0,1\n1\n", "line 2"),
+    ("0,1\n1,x\n", "line 2: found 'x' in column 'value'"),
+    ("0,1\n1\n", "line 2: found 1 cells, expected 2"),
     ("t,F\n0,1\n\n2,1\n1,1\n", "line 5: time 1 does not come after 2"),
-    ("0,1\n1,inf\n", "line 2: the sample is not finite"),
-    ("0,1\n1,1e308\n", "line 2: the sample is not finite, or larger than 1e+30"),
+    ("0,1\n1,inf\n", "line 2: found 'inf'"),
+    ("0,1\n1,1e308\n", "expected finite numbers up to 1e+30 in magnitude"),
     ("-1,1\n1,1\n", "time -1 is negative"),
-    ("t,F\n0,1\n", "found 1 samples"),
-    ("", "found 0 samples"),
+    ("t,F\n0,1\n", "found 1 instants"),
+    ("", "is empty"),
 ]
 
 
@@ -259,7 +259,7 @@ HISTORIES = [
 def test_bad_histories(tmp_path, text, fragment):
     path = tmp_path / "force.csv"
     path.write_text(text)
-    with pytest.raises(StudyError) as caught:
+    with pytest.raises(FormatError) as caught:
         read_history(path)
     assert fragment in str(caught.value)
     assert str(path) in str(caught.value)

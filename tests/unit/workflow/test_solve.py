@@ -341,7 +341,7 @@ BAD_TABLES = {
     "case,tip.Fz\na,1\na,2": "two rows have the name 'a'",
     "tip.Fz": "found 0 rows",
     "case\na": "expected a header with columns of loads",
-    "": "found 0 rows of nothing",
+    "": "is empty",
     "time,tip.Fz\n0,1\n0,2": "increase",
     "time,preload\n0,1\n1,2": "cannot change over time",
     "time,preload_factor\n0,1\n1,2": "cannot change over time",

@@ -10,12 +10,12 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.exceptions import StudyError
-from faying.files.contents import check_room, file_text
-from faying.files.csv_rows import csv_rows
+from faying.files.contents import check_room
+from faying.files.number_table import MOST_SHOWN, check_times, read_numbers
 from faying.joint.system import Joint, boundary_slices, initial_bolt_forces
 from faying.model.boundary import FORCE_NAMES
-from faying.study.keys.errors import MOST_SHOWN, nearest
-from faying.study.keys.parquet_files import parquet_cells
+from faying.study.keys.errors import nearest
+from faying.study.keys.parquet_files import parquet_table
 from faying.study.keys.ranges import LARGEST, LONGEST_NAME, MOST_PRELOAD_FACTOR
 
 NAME = "case"
@@ -79,25 +79,27 @@ def read_load_table(path: Path) -> LoadTable:
 
     Raises
     ------
-    StudyError
+    FormatError, StudyError
         If it cannot be read; the message names the line and the column.
     """
-    header, cells, names = parquet_cells(path, NAME) if path.suffix == ".parquet" else _csv(path)
+    parquet = path.suffix == ".parquet"
+    table = parquet_table(path, NAME) if parquet else read_numbers(path, "the loads", label=NAME)
+    names = table.labels
     if names is not None:
         _check_names(path, names)
-    numeric = [name for name in header if name != NAME]
-    if not set(numeric) - {TIME} or not len(cells):
+    if not set(table.names) - {TIME} or not len(table.values):
         message = (
-            f"{path.name}: found {len(cells)} rows of {', '.join(header) or 'nothing'}; expected "
-            "a header with columns of loads such as 'tip.Fz', and one row per load case or instant"
+            f"{path.name}: found {len(table.values)} rows of {', '.join(table.names) or 'nothing'};"
+            " expected a header with columns of loads such as 'tip.Fz', and one row per load case "
+            "or instant"
         )
         raise StudyError(message)
-    columns = dict(zip(numeric, np.ascontiguousarray(cells.T), strict=True))
+    columns = dict(zip(table.names, np.ascontiguousarray(table.values.T), strict=True))
     _check_range(path, columns)
     times = columns.pop(TIME, None)
     if times is not None:
-        _check_times(path, times)
-    rows = names or RowNumbers(n_row=len(cells))
+        check_times(path, times, lambda row: f"{path.name}, row {row + 1}", fewest=2)
+    rows = names or RowNumbers(n_row=len(table.values))
     return LoadTable(path=path, names=rows, columns=columns, times=times)
 
 
@@ -191,102 +193,6 @@ def _check_factors(table: LoadTable, name: str) -> None:
         raise StudyError(message)
 
 
-def _csv(path: Path) -> tuple[list[str], Matrix, tuple[str, ...] | None]:
-    lines = _lines(path)
-    if not lines:
-        return [], np.empty((0, 0)), None
-    header = _cells(path, *lines[0])
-    _check_header(path, header)
-    rows = [line for _, line in lines[1:]]
-    _check_width(path, lines, len(header))
-    numeric = [position for position, name in enumerate(header) if name != NAME]
-    if not rows or not numeric:
-        return header, np.empty((0, len(numeric))), None
-    try:
-        cells = np.loadtxt(
-            rows, delimiter=",", usecols=numeric, ndmin=2, quotechar='"', comments=None
-        )
-    except ValueError:
-        raise _bad_cells(path, header, lines[1:], numeric) from None
-    if not np.isfinite(cells).all():
-        raise _bad_cells(path, header, lines[1:], numeric)
-    if NAME not in header:
-        return header, cells, None
-    column = header.index(NAME)
-    names = np.loadtxt(
-        rows, delimiter=",", usecols=[column], dtype=str, ndmin=1, quotechar='"', comments=None
-    )
-    return header, cells, tuple(map(str.strip, names.tolist()))
-
-
-def _lines(path: Path) -> list[tuple[int, str]]:
-    """Return the lines that are not empty, with their numbers."""
-    try:
-        text = file_text(path)
-    except UnicodeDecodeError:
-        message = f"cannot read the loads {path}: it is no UTF-8 text; save it as csv in UTF-8"
-        raise StudyError(message) from None
-    except OSError as error:
-        message = f"cannot read the loads {path}: {error.strerror}; check the path"
-        raise StudyError(message) from None
-    numbered = enumerate(map(str.strip, text.splitlines()), start=1)
-    return [(number, line) for number, line in numbered if line and not line.startswith("#")]
-
-
-def _cells(path: Path, number: int, line: str) -> list[str]:
-    """Split a line; commas within quotes belong to a name."""
-    quoted = '"' in line
-    cells = next(csv_rows(path, [line], first=number))[1] if quoted else line.split(",")
-    return [cell.strip() for cell in cells]
-
-
-def _check_header(path: Path, header: Sequence[str]) -> None:
-    twice = [name for column, name in enumerate(header) if name in header[:column]]
-    if twice:
-        message = f"{path.name}, line 1: column '{twice[0]}' is there twice; keep one"
-        raise StudyError(message)
-    if all(_is_number(cell) for cell in header):
-        message = (
-            f"{path.name}, line 1: found numbers, expected the names of the columns, such as "
-            "'tip.Fz'; add a header line"
-        )
-        raise StudyError(message)
-
-
-def _check_width(path: Path, lines: Sequence[tuple[int, str]], expected: int) -> None:
-    wrong = [(n, line) for n, line in lines[1:] if len(_cells(path, n, line)) != expected]
-    if wrong:
-        width = len(_cells(path, *wrong[0]))
-        message = (
-            f"{path.name}, line {wrong[0][0]}: found {width} cells, expected {expected} as in the "
-            "header; separate them by commas and write decimal points"
-        )
-        raise StudyError(message)
-
-
-def _bad_cells(
-    path: Path, header: Sequence[str], lines: Sequence[tuple[int, str]], numeric: Sequence[int]
-) -> StudyError:
-    """Return the message that lists cells that are no finite numbers."""
-    wrong = [
-        f"  - line {number}: found '{cell[:40]}' in column '{header[column]}'"
-        for number, line in lines
-        for column, cell in enumerate(_cells(path, number, line))
-        if column in numeric and not _is_number(cell)
-    ]
-    listed = "\n".join(wrong[:MOST_SHOWN])
-    more = f"\n  ... and {len(wrong) - MOST_SHOWN} more" if len(wrong) > MOST_SHOWN else ""
-    return StudyError(f"{path.name}: expected finite numbers\n{listed}{more}")
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        # Python also takes 1_000 and the digits of other scripts.
-        return bool(np.isfinite(float(cell))) and cell.isascii() and "_" not in cell
-    except ValueError:
-        return False
-
-
 def _check_range(path: Path, columns: Mapping[str, Vector]) -> None:
     """Refuse numbers whose products with others overflow."""
     for name, values in columns.items():
@@ -312,15 +218,4 @@ def _check_names(path: Path, names: Sequence[str]) -> None:
         in_order = sorted(names)
         twice = next(earlier for earlier, later in pairwise(in_order) if earlier == later)
         message = f"{path.name}: two rows have the name '{twice}'; names of cases must differ"
-        raise StudyError(message)
-
-
-def _check_times(path: Path, times: Vector) -> None:
-    back = np.flatnonzero(np.diff(times) <= 0)
-    if len(times) < 2 or times[0] < 0 or back.size:
-        row = int(back[0]) + 2 if back.size else 1
-        message = (
-            f"{path.name}, row {row}: the column '{TIME}' must have two or more values, begin at 0 "
-            "or later, and increase"
-        )
         raise StudyError(message)

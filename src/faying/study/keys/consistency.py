@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
 from pathlib import Path
 
-from faying.exceptions import FormatError, StudyError
+from faying.exceptions import FormatError
 from faying.interface.gap_field import read_gap_table
 from faying.model.assembly import Assembly
 from faying.reduction.methods import METHODS
@@ -304,7 +304,7 @@ def _forces(study: Study, location: Location, case: LoadCaseSection) -> Iterator
             yield _problem(study, (*entry, "file"), text)
         try:
             read_history(force.file)
-        except StudyError as error:
+        except FormatError as error:
             yield _problem(study, (*entry, "file"), str(error))
     if case.kind == "history" and not any(force.file for force in case.forces):
         text = "kind = \"history\" needs a 'file' in at least one of its forces; add it"

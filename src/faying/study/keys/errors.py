@@ -9,6 +9,7 @@ from typing import Any
 from pydantic_core import PydanticCustomError
 
 from faying.exceptions import StudyError
+from faying.files.number_table import MOST_SHOWN
 from faying.study.keys.positions import Location
 
 OWN_TYPE = "faying"
@@ -36,9 +37,6 @@ EXPECTED = {
     "path_type": ("a file name", "put it in quotes"),
 }
 """Validation error to what was expected and how to write it."""
-
-MOST_SHOWN = 8
-"""Mistakes listed in one message."""
 
 
 @dataclass(frozen=True)

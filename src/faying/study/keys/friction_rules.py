@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from faying.assessment.preload_scatter import PreloadScatter
-from faying.exceptions import ModelError, StudyError
+from faying.exceptions import FormatError, ModelError
 from faying.joint.model import Model
 from faying.reduction.methods import METHODS
 from faying.sources import SOURCES
@@ -48,7 +48,7 @@ def increment_problems(
     if case.kind == "path" and case.factors is not None:
         try:
             read_load_factors(case.factors, [force.target for force in case.forces])
-        except StudyError as error:
+        except FormatError as error:
             yield _problem(study, (*location, "factors"), str(error))
     if len(set(case.amplitudes)) < len(case.amplitudes):
         text = "an amplitude is there twice; keep one"

@@ -37,8 +37,8 @@ def read_response(path: Path, kind: Kind) -> tuple[Vector, ComplexVector]:
     if path.suffix.lower() in (".uff", ".unv"):
         frequency, response, kind = _uff(path, kind)
     else:
-        header, table = read_number_table(path, COLUMNS, "the measured response")
-        columns = {name: table[:, number] for number, name in enumerate(header)}
+        table = read_number_table(path, COLUMNS, "the measured response")
+        columns = dict(zip(table.names, table.values.T, strict=True))
         frequency = columns["frequency"]
         if "real" in columns:
             response = columns["real"] + 1j * columns["imag"]

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from faying._typing import Matrix
+from faying._typing import Vector
 from faying.assessment.backbone import Backbone
 from faying.assessment.measured_curve import MeasuredCurve, deviations
 from faying.assessment.single_mode import single_mode
@@ -36,9 +36,9 @@ def measured_curves(study: Study) -> tuple[MeasuredCurve, ...]:
 
 
 def _curve(section: MeasurementSection) -> MeasuredCurve:
-    header, table = _table(section)
-    table = table[np.argsort(table[:, header.index("amplitude")], kind="stable")]
-    columns = {name: table[:, number] for number, name in enumerate(header)}
+    columns = _columns(section)
+    order = np.argsort(columns["amplitude"], kind="stable")
+    columns = {name: values[order] for name, values in columns.items()}
     return MeasuredCurve(
         name=section.name,
         case=section.load_case,
@@ -51,7 +51,7 @@ def _curve(section: MeasurementSection) -> MeasuredCurve:
     )
 
 
-def _table(section: MeasurementSection) -> tuple[list[str], Matrix]:
+def _columns(section: MeasurementSection) -> dict[str, Vector]:
     """Return the columns of a curve, from its file or from a response at each amplitude."""
     if section.file is None:
         rows = []
@@ -59,12 +59,12 @@ def _table(section: MeasurementSection) -> tuple[list[str], Matrix]:
             with naming(str(response.file)):
                 mode = single_mode(*read_response(response.file, response.of))
             rows.append([response.amplitude, mode.frequency, mode.damping_ratio])
-        return list(COLUMNS[0]), np.array(rows)
-    header, table = read_number_table(section.file, COLUMNS, "the measured curve")
-    if (table <= 0).any():
+        return dict(zip(COLUMNS[0], np.array(rows).T, strict=True))
+    table = read_number_table(section.file, COLUMNS, "the measured curve")
+    if (table.values <= 0).any():
         message = f"{section.file}: amplitudes, frequencies and damping ratios must be positive"
         raise FormatError(message)
-    return header, table
+    return dict(zip(table.names, table.values.T, strict=True))
 
 
 def measurement_problems(study: Study) -> Iterator[Problem]:

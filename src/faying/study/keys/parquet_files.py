@@ -5,10 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from faying._typing import Matrix
 from faying.exceptions import StudyError
 from faying.files.contents import check_room, file_size
-from faying.study.keys.errors import MOST_SHOWN
+from faying.files.number_table import MOST_SHOWN, NumberTable
 
 
 def pyarrow_for(what: str, otherwise: str) -> tuple[Any, Any]:
@@ -36,8 +35,8 @@ def pyarrow_for(what: str, otherwise: str) -> tuple[Any, Any]:
     return pyarrow, pyarrow.parquet
 
 
-def parquet_cells(path: Path, label: str) -> tuple[list[str], Matrix, tuple[str, ...] | None]:
-    """Return the names of the columns, the numbers (n_row, n_column), and the names of the rows.
+def parquet_table(path: Path, label: str) -> NumberTable:
+    """Return the numbers of a file, and the names of its rows.
 
     Parameters
     ----------
@@ -85,7 +84,13 @@ def parquet_cells(path: Path, label: str) -> tuple[list[str], Matrix, tuple[str,
         listed = "\n".join(f"  - {text}" for text in wrong[:MOST_SHOWN])
         message = f"{path.name}: expected finite numbers\n{listed}"
         raise StudyError(message)
-    return header, cells, names
+    return NumberTable(
+        path=path,
+        names=tuple(numeric),
+        values=cells,
+        lines=np.arange(1, len(cells) + 1),
+        labels=names,
+    )
 
 
 def _names(path: Path, label: str, column: Any) -> tuple[str, ...]:

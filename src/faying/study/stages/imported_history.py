@@ -20,9 +20,8 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.exceptions import FormatError
-from faying.files.contents import file_text
-from faying.files.csv_rows import csv_rows
 from faying.files.hdf5 import open_hdf5
+from faying.files.number_table import check_times, read_numbers
 from faying.joint.system import Joint, boundary_slices, initial_bolt_forces
 from faying.model.boundary import FORCE_NAMES
 from faying.simulation.frame_motion import FrameMotion
@@ -106,27 +105,27 @@ def _load_names(joint: Joint) -> list[str]:
 
 
 def _read_csv(path: Path, joint: Joint) -> ImportedHistory:
-    header, rows = _rows(path)
-    names = _load_names(joint)
+    table, names = read_numbers(path, "the history"), _load_names(joint)
+    header = table.names
     _check_header(path, header, names)
     counts = _mode_counts(path, header)
-    lines = [line for line, _ in rows]
-    table = np.array([_numbers(path, line, header, row) for line, row in rows])
-    table = table.reshape(len(rows), len(header))
-    _check_finite(path, header, lines, table)
-    times = table[:, header.index("time")]
-    _check_times(path, times, [f"line {line}" for line in lines])
+    check_times(path, table.column("time"), table.place)
     modal = {
-        MODAL[letter]: table[:, [header.index(f"{letter}{n}") for n in range(1, count + 1)]]
+        MODAL[letter]: np.column_stack([table.column(f"{letter}{n + 1}") for n in range(count)])
         for letter, count in counts.items()
     }
-    loads = {name: table[:, header.index(name)] for name in header if name in names}
     frame = None
     if not set(header).isdisjoint(FRAME):
-        still = np.zeros(len(times))
-        moving = [table[:, header.index(name)] if name in header else still for name in FRAME]
+        still = np.zeros(len(table.lines))
+        moving = [table.column(name) if name in header else still for name in FRAME]
         frame = _frame(np.column_stack(moving))
-    return ImportedHistory(path=path, times=times, loads=loads, frame=frame, **modal)
+    return ImportedHistory(
+        path=path,
+        times=table.column("time"),
+        loads={name: table.column(name) for name in header if name in names},
+        frame=frame,
+        **modal,
+    )
 
 
 def _frame(values: Matrix) -> FrameMotion:
@@ -137,57 +136,15 @@ def _frame(values: Matrix) -> FrameMotion:
     )
 
 
-def _rows(path: Path) -> tuple[list[str], list[tuple[int, list[str]]]]:
-    """Read the column names, and the cells below them with the lines they stand in."""
-    try:
-        text = file_text(path)
-    except (OSError, UnicodeDecodeError):
-        message = f"{path} cannot be read as UTF-8 text; save it as CSV"
-        raise FormatError(message) from None
-    rows = [
-        (number, [cell.strip() for cell in row])
-        for number, row in csv_rows(path, text.splitlines())
-        if any(cell.strip() for cell in row) and not row[0].lstrip().startswith("#")
-    ]
-    if not rows:
-        message = f"{path} is empty; expected a line of column names, 'time' among them"
-        raise FormatError(message)
-    return rows[0][1], rows[1:]
-
-
-def _numbers(path: Path, line: int, header: Sequence[str], row: Sequence[str]) -> list[float]:
-    if len(row) != len(header):
-        message = (
-            f"{path}, line {line}: found {len(row)} values, expected {len(header)}, one for each "
-            "column named in the first line"
-        )
-        raise FormatError(message)
-    numbers = []
-    for name, cell in zip(header, row, strict=True):
-        try:
-            numbers.append(float(cell))
-        except ValueError:
-            message = f"{path}, line {line}: '{name}' is '{cell}', expected a number"
-            raise FormatError(message) from None
-    return numbers
-
-
 def _check_header(path: Path, header: Sequence[str], loads: Sequence[str]) -> None:
     columns = ["time", "q1", "v1", "a1", *loads, *FRAME]
     for name in header:
-        if ";" in name:
-            message = f"{path}: '{name}' is one column; separate columns by commas"
-            raise FormatError(message)
         if name not in columns and not MODAL_COLUMN.fullmatch(name):
             message = (
                 f"{path}: unknown column '{name}'; {nearest(name, columns)} (columns are time; q1, "
                 "q2, …, v1, …, a1, …; boundary forces; motion of the supports, as frame.ax)"
             )
             raise FormatError(message)
-    twice = [name for name in header if header.count(name) > 1]
-    if twice:
-        message = f"{path}: column '{twice[0]}' is there twice; name each once"
-        raise FormatError(message)
     if "time" not in header:
         message = f"{path} has no column 'time'; add it"
         raise FormatError(message)
@@ -215,31 +172,6 @@ def _mode_counts(path: Path, header: Iterable[str]) -> dict[str, int]:
     return counts
 
 
-def _check_finite(path: Path, header: Sequence[str], lines: Sequence[int], table: Matrix) -> None:
-    wrong = np.argwhere(~np.isfinite(table))
-    if len(wrong):
-        row, column = wrong[0].tolist()
-        message = (
-            f"{path}, line {lines[row]}: '{header[column]}' is {table[row, column]}, expected a "
-            "finite number"
-        )
-        raise FormatError(message)
-
-
-def _check_times(path: Path, times: Vector, places: Sequence[str]) -> None:
-    if not len(times):
-        message = f"{path} has no instants below its column names; give one line per instant"
-        raise FormatError(message)
-    back = np.flatnonzero(np.diff(times) <= 0)
-    if len(back):
-        row = int(back[0]) + 1
-        message = (
-            f"{path}, {places[row]}: time {times[row]:g} does not come after {times[row - 1]:g}; "
-            "times must increase"
-        )
-        raise FormatError(message)
-
-
 def _read_hdf5(path: Path, joint: Joint) -> ImportedHistory:
     with open_hdf5(path, "a history", "write it again") as file:
         return _members(path, file, joint)
@@ -258,7 +190,7 @@ def _members(path: Path, file: h5py.File, joint: Joint) -> ImportedHistory:
     if times.ndim != 1:
         message = f"{path}: 'times' has shape {times.shape}, expected one number per instant"
         raise FormatError(message)
-    _check_times(path, times, [f"row {row} of 'times'" for row in range(len(times))])
+    check_times(path, times, lambda row: f"{path}, row {row} of 'times'")
     modal = {name: _array(path, file[name]) for name in MODAL.values() if name in file}
     if modal and "coordinates" not in modal:
         message = f"{path} has '{next(iter(modal))}' but no 'coordinates'; add them"
