@@ -78,7 +78,12 @@ def solve(
         from faying.study.inputs.load_set import read_loads
         from faying.study.keys.requirement_rules import requirements_of
         from faying.study.keys.schema import stored_requirement
-        from faying.study.keys.threads import stored_ranges, stored_threads
+        from faying.study.keys.threads import (
+            stored_forces,
+            stored_ranges,
+            stored_scatter,
+            stored_threads,
+        )
         from faying.workflow.solve import SolveOptions, bolt_loads, solve_loads
 
         if step is not None and not 0 < step < float("inf"):
@@ -98,6 +103,8 @@ def solve(
             threads=stored_threads(text, rom.units),
             ranges=stored_ranges(text, rom.units),
             margins=demanded.margins,
+            scatter=stored_scatter(text),
+            tightened=stored_forces(text, rom.units),
         )
         with ExitStack() as stack:
             executor = shared_executor(workers, scheduler, stack)

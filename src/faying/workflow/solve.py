@@ -29,13 +29,14 @@ from faying.simulation.load import History, Load
 from faying.study.inputs.load_set import LoadSet
 from faying.study.judgement.summary import plain
 from faying.study.keys.errors import nearest
-from faying.study.keys.requirement_tables import MarginsSection
+from faying.study.keys.requirement_tables import MarginsSection, ScatterSection
 from faying.study.results.metric_table import TableFormat, check_table_format, write_metrics
 from faying.study.results.solved_fields import SolvedFields, write_solved
 from faying.study.stages.checkpoint import open_checkpoint
 from faying.study.stages.optional import Extras
 from faying.study.stages.progress import ProgressBar, Stages
 from faying.units import Units, units_of
+from faying.workflow.deciding_cases import not_judged
 from faying.workflow.outcome import Outcome
 from faying.workflow.solve_cases import CaseSolver
 from faying.workflow.solve_workers import compute_pieces
@@ -66,6 +67,10 @@ class SolveOptions:
         Bolt to the range of its preload.
     margins
         Standard that is demanded of the bolts, with its factors.
+    scatter
+        Of the preloads, with temperatures and friction.
+    tightened : [force]
+        Bolt to the force it was tightened to.
     """
 
     worst: int = 1
@@ -76,11 +81,19 @@ class SolveOptions:
     threads: Mapping[str, Thread] = field(default_factory=dict)
     ranges: Mapping[str, PreloadRange] = field(default_factory=dict)
     margins: MarginsSection | None = None
+    scatter: ScatterSection | None = None
+    tightened: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def strengths(self) -> BoltStrengths:
         """What the strength of bolts is judged by."""
-        return BoltStrengths(threads=self.threads, ranges=self.ranges, margins=self.margins)
+        return BoltStrengths(
+            threads=self.threads,
+            ranges=self.ranges,
+            margins=self.margins,
+            scatter=self.scatter,
+            tightened=self.tightened,
+        )
 
 
 @one_thread()
@@ -174,6 +187,8 @@ def solve_loads(
             checks = [*joint_checks(judged, units), *sliding_checks(rom, static, transients)]
             verdict = joint_verdict(checks, units)
             assessment = {"verdicts": plain([asdict(surface) for surface in judged.verdicts])}
+        table = summarized(verdict)
+        table["open_questions"] += not_judged(loads, static, rubs=path is not None)
         with stages.stage("files"):
             files = _written(rom, static, transients, named, out, chosen)
         summary = {
@@ -183,7 +198,7 @@ def solve_loads(
             **files,
             "requirements": stated(chosen.requirements),
             "assessment": assessment,
-            "verdict": plain(summarized(verdict)),
+            "verdict": plain(table),
             "warnings": [*loads.remarks, *_barely_held(files), *extras.failed],
             "timings": stages.account(),
         }

@@ -14,11 +14,12 @@ from faying.assessment.strength.clamp_ends import clamp_checks
 from faying.assessment.strength.preload_ends import PreloadEnd, preload_ends
 from faying.assessment.strength.thread import Thread
 from faying.assessment.strength.tightening import PreloadRange
+from faying.interface.surface import ContactSurface
 from faying.reduction.reduced_model import ReducedModel
-from faying.simulation.load import InputRow
+from faying.simulation.load import InputRow, Load
 from faying.simulation.solution import Solution
 from faying.study.inputs.load_set import LoadSet
-from faying.study.keys.requirement_tables import MarginsSection
+from faying.study.keys.requirement_tables import MarginsSection, ScatterSection
 from faying.workflow.solved_cases import SolvedCases
 
 STATIC = ""
@@ -40,28 +41,41 @@ class BoltStrengths:
         Of the preloads.
     margins
         Standard that is demanded, with its factors.
+    scatter
+        Of the preloads, with temperatures and friction.
+    tightened : [force]
+        Bolt to the force it was tightened to.
     """
 
     threads: Mapping[str, Thread] = field(default_factory=dict)
     ranges: Mapping[str, PreloadRange] = field(default_factory=dict)
     margins: MarginsSection | None = None
+    scatter: ScatterSection | None = None
+    tightened: Mapping[str, float] = field(default_factory=dict)
 
+    @property
+    def temperatures(self) -> dict[str, Load]:
+        """Those that every static case may have beside its loads."""
+        names = () if self.scatter is None else self.scatter.temperatures
+        return {name: Load({name: 1.0}, name=name) for name in names}
 
-def deciding_loads(loads: LoadSet, static: SolvedCases | None) -> list[InputRow]:
-    """Return the static cases in which some metric is worst, as loads.
-
-    These alone are solved at the ends of the preloads and under factored loads.
-    """
-    rows = sorted({worst.row for worst in static.worst(1)}) if static is not None else []
-    return [InputRow(name=loads.names[row], row=loads.inputs[row]) for row in rows]
+    def rubbing(self, surfaces: Mapping[str, ContactSurface]) -> dict[str, float]:
+        """Return the coefficients of the interfaces that have friction, of a range the smallest."""
+        ends = None if self.scatter is None else self.scatter.surface_friction
+        return {
+            name: surface.friction if ends is None else ends[0]
+            for name, surface in surfaces.items()
+            if surface.friction > 0
+        }
 
 
 def solved_strength(
     judged: BoltStrengths,
     rom: ReducedModel,
     sets: Mapping[str, SolvedCases],
-    preloaded: Solution,
+    rest: CaseState,
     loads: LoadSet,
+    deciding: Sequence[InputRow],
     limits: Mapping[str, float],
 ) -> Iterator[Check]:
     """Yield the checks of the bolts whose threads are known, each in its worst case.
@@ -73,22 +87,23 @@ def solved_strength(
     ----------
     sets
         Solved cases: static ones under an empty name, and transients by name.
-    preloaded
+    rest
         The preloaded state.
+    deciding
+        Static cases without friction that are solved anew.
     limits : [force]
         Interface to the least clamp force that is demanded of it.
     """
     if not rom.bolts:
         return
     solved = {name: np.flatnonzero(_solved(cases, rom)) for name, cases in sets.items()}
-    rest_case = _rest(rom, preloaded)
     nominal = {
         name: _state(cases, rom, solved[name]) for name, cases in sets.items() if len(solved[name])
     }
-    rubs = bool(len(rom.contact.rubbing))
-    solving = [] if rubs else deciding_loads(loads, sets.get(STATIC))
-    anew = {load.name: load for load in solving}
-    ends = preload_ends(rom, rest_case, nominal, anew, judged.ranges)
+    anew = {load.name: load for load in deciding}
+    ends = preload_ends(
+        rom, rest, nominal, anew, judged.ranges, judged.tightened, judged.temperatures
+    )
     if ends[0].solved:
         yield from clamp_checks(ends, rom.interfaces, rom.bolts, limits, rom.units)
     counted = {name: times for name, times in loads.repetitions.items() if times}
@@ -151,7 +166,8 @@ def _solved(cases: SolvedCases, rom: ReducedModel) -> np.ndarray:
     return ~np.isnan(cases.column(f"bolt_force.{next(iter(rom.bolts))}"))
 
 
-def _rest(rom: ReducedModel, state: Solution) -> CaseState:
+def rest_of(rom: ReducedModel, state: Solution) -> CaseState:
+    """Return the preloaded state as a case."""
     return CaseState(
         pressure=state.pressure.reshape(-1, rom.contact.n_points)[-1:],
         bolt_forces={name: np.ravel(state.bolt_force(name))[-1:] for name in rom.bolts},

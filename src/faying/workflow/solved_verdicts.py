@@ -1,19 +1,17 @@
 """Requirements judged over many solved cases, from their metrics and envelopes alone."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from faying.assessment.check import Check
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
-from faying.assessment.opening import areas_that_open, opening_factors, opening_margins
 from faying.assessment.requirements import ClosedRing, Requirements, Verdict
 from faying.assessment.sealing import Ring, ring_around
 from faying.assessment.slip_demand import SMALLEST_FRICTION, SlipDemand, slip_coefficients
 from faying.assessment.verdicts import (
     no_opening,
-    opening_verdicts,
     pressure_verdict,
     ring_surface,
     ring_verdict,
@@ -28,14 +26,14 @@ from faying.simulation.solution import Solution
 from faying.simulation.static_case import solve_static
 from faying.study.inputs.load_set import LoadSet
 from faying.study.judgement.margins import NASA, demanded_checks
+from faying.workflow.deciding_cases import (
+    deciding_loads,
+    followed_loads,
+    judged_loads,
+    loosened_checks,
+)
 from faying.workflow.solved_cases import SolvedCases
-from faying.workflow.solved_strength import BoltStrengths, deciding_loads, solved_strength
-
-FOLLOWED = 5
-"""Static cases that are followed to their openings, seconds each: those that open the first.
-
-All are solved at the factor that is demanded, which decides.
-"""
+from faying.workflow.solved_strength import BoltStrengths, rest_of, solved_strength
 
 
 def rings_of(requirements: Requirements, rom: ReducedModel) -> dict[str, Ring]:
@@ -73,20 +71,22 @@ def _named(requirements: Requirements, rom: ReducedModel) -> dict[str, ClosedRin
 def solved_verdicts(
     requirements: Requirements,
     rom: ReducedModel,
-    loads: LoadSet,
-    static: SolvedCases | None,
-    transients: Mapping[str, SolvedCases],
+    sets: Mapping[str, SolvedCases],
+    factors: Sequence[Verdict],
     preloaded: Solution | None = None,
 ) -> Iterator[Verdict]:
     """Yield the verdicts on what is required, each where it is nearest to failing.
 
     Parameters
     ----------
+    sets
+        Solved cases: static ones under an empty name, and transients by name.
+    factors
+        Verdicts on load factors of opening, where static cases were followed.
     preloaded
         Preloaded state of a joint with friction.
 
     """
-    sets = {**({} if static is None else {"": static}), **transients}
     for name, force in wanted_clamps(requirements.min_clamp_force, rom.interfaces).items():
         case, value = _extreme(sets, f"clamp_force.{name}", largest=False)
         yield Verdict.at_least("min_clamp_force", name, case, value, force)
@@ -103,9 +103,13 @@ def solved_verdicts(
     for name, ring in _named(requirements, rom).items():
         case, value = _extreme(sets, f"ring_pressure.{name}", largest=False)
         yield ring_verdict(ring, ring_surface(ring, rom.interfaces), case, value)
-    yield from _factors(requirements, rom, loads)
+    if requirements.min_opening_factor is not None:
+        rubs = len(rom.contact.rubbing)
+        reason = RUBBED_OPENING if rubs else "there is no static case"
+        limit = requirements.min_opening_factor
+        yield from factors or [Verdict.unknown("min_opening_factor", limit, reason)]
     if requirements.min_slip_safety is not None:
-        yield from _slip(requirements.min_slip_safety, requirements, rom, static)
+        yield from _slip(requirements.min_slip_safety, requirements, rom, sets.get(""))
     if requirements.min_sliding_factor is not None:
         reason = "sliding is followed with friction by faying run alone"
         yield Verdict.unknown("min_sliding_factor", requirements.min_sliding_factor, reason)
@@ -121,14 +125,30 @@ def solved_assessment(
     strengths: BoltStrengths | None = None,
 ) -> Assessment:
     """Return bolts and interfaces over all cases, as far as metrics tell, with the verdicts."""
-    judged = BoltStrengths() if strengths is None else strengths
+    strength = BoltStrengths() if strengths is None else strengths
     sets = {**({} if static is None else {"": static}), **transients}
     preloaded = solve_static(rom) if preload_state is None else preload_state
+    rest, rubs = rest_of(rom, preloaded), bool(len(rom.contact.rubbing))
+    coefficients = strength.rubbing(rom.interfaces) | _coefficients(requirements, rom)
+    deciding = [] if rubs else deciding_loads(loads, static)
+    followed = followed_loads(requirements, rom, loads, deciding) if deciding else []
+    names = {load.name for load in deciding}
+    each = [*deciding, *(load for load in followed if load.name not in names)]
+    nominal = None
+    if each:
+        opens = {load.name for load in followed}
+        nominal = judged_loads(rom, rest, each, opens, requirements, coefficients)
     demands = _slip_demands(requirements, rom, static)
     limits = wanted_clamps(requirements.min_clamp_force, rom.interfaces)
+    factors = [] if nominal is None else _opening_verdicts(nominal)
     assessment = Assessment(
         bolts={
-            name: _bolt(name, sets, float(np.ravel(preloaded.bolt_force(name))[-1]))
+            name: _bolt(
+                name,
+                sets,
+                float(np.ravel(preloaded.bolt_force(name))[-1]),
+                None if nominal is None else nominal.bolts[name],
+            )
             for name in rom.bolts
         },
         interfaces={
@@ -138,25 +158,25 @@ def solved_assessment(
                 sets,
                 float(np.ravel(preloaded.contact_force(name))[-1]),
                 demands.get(name),
+                {} if nominal is None else nominal.interfaces[name].opening,
             )
             for name, surface in rom.interfaces.items()
         },
-        verdicts=tuple(
-            solved_verdicts(requirements, rom, loads, static, transients, preload_state)
-        ),
+        verdicts=tuple(solved_verdicts(requirements, rom, sets, factors, preload_state)),
         open_below=requirements.open_share,
-        checks=tuple(solved_strength(judged, rom, sets, preloaded, loads, limits)),
+        checks=tuple(solved_strength(strength, rom, sets, rest, loads, deciding, limits)),
+        loosened=()
+        if nominal is None
+        else loosened_checks(rom, rest, each, nominal, requirements, coefficients, strength.ranges),
     )
     factored = deciding_loads(loads, static)
-    if judged.margins is None or (judged.margins.standard == NASA and not factored):
+    if strength.margins is None or (strength.margins.standard == NASA and not factored):
         return assessment
-    rubbing = {name: face.friction for name, face in rom.interfaces.items() if face.friction > 0}
-    coefficients = rubbing | _coefficients(requirements, rom)
     checks = demanded_checks(
-        judged.margins,
-        judged.ranges,
+        strength.margins,
+        strength.ranges,
         rom,
-        judged.threads,
+        strength.threads,
         factored,
         coefficients,
         assessment,
@@ -165,7 +185,20 @@ def solved_assessment(
     return replace(assessment, checks=checks)
 
 
-def _bolt(name: str, sets: Mapping[str, SolvedCases], preload: float) -> BoltAssessment:
+RUBBED_OPENING = "it is followed with friction by faying run alone"
+"""Why nothing is known of the opening of joints with friction."""
+
+
+def _opening_verdicts(nominal: Assessment) -> list[Verdict]:
+    return [one for one in nominal.verdicts if one.requirement == "min_opening_factor"]
+
+
+def _bolt(
+    name: str,
+    sets: Mapping[str, SolvedCases],
+    preload: float,
+    deciding: BoltAssessment | None,
+) -> BoltAssessment:
     least_case, smallest = _extreme(sets, f"bolt_force.{name}", largest=False)
     most_case, largest = _extreme(sets, f"bolt_force.{name}")
     return BoltAssessment(
@@ -174,9 +207,10 @@ def _bolt(name: str, sets: Mapping[str, SolvedCases], preload: float) -> BoltAss
         least_case=least_case,
         most=largest,
         most_case=most_case,
-        axial_loads={},
-        load_factors={},
-        clamp_around={},
+        axial_loads={} if deciding is None else deciding.axial_loads,
+        load_factors={} if deciding is None else deciding.load_factors,
+        clamp_around={} if deciding is None else deciding.clamp_around,
+        opening_around={} if deciding is None else deciding.opening_around,
     )
 
 
@@ -186,6 +220,7 @@ def _interface(
     sets: Mapping[str, SolvedCases],
     preload: float,
     slip: SlipDemand | None,
+    opening: Mapping[str, float],
 ) -> InterfaceAssessment:
     least_case, smallest = _extreme(sets, f"clamp_force.{name}", largest=False)
     most_case, largest = _extreme(sets, f"clamp_force.{name}")
@@ -210,6 +245,7 @@ def _interface(
         closed_area_case=open_case,
         first_opening={},
         loss_of_clamp={},
+        opening=opening,
         slip=slip,
     )
 
@@ -349,28 +385,3 @@ def _openings(
                 case = sets[name].named(name, int(envelope.min_pressure_case[point]))
                 lows.append((case, float(envelope.min_pressure[point])))
         yield no_opening(bolt_name, radius, lows)
-
-
-def _factors(requirements: Requirements, rom: ReducedModel, loads: LoadSet) -> Iterator[Verdict]:
-    limit = requirements.min_opening_factor
-    if limit is None:
-        return
-    reason = ""
-    if len(rom.contact.rubbing):
-        reason = "it is followed with friction by faying run alone"
-    elif not loads.names:
-        reason = "there is no static case"
-    if reason:
-        yield Verdict.unknown("min_opening_factor", limit, reason)
-        return
-    areas = areas_that_open(rom.interfaces, rom.contact.slices, rom.bolts)
-    margins = opening_margins(
-        rom.joint, loads.inputs, areas, limit, open_below=requirements.open_share
-    )
-    paths = {
-        loads.names[case]: opening_factors(
-            rom.joint, loads.inputs[case], areas, open_below=requirements.open_share
-        )
-        for case in np.argsort(margins, kind="stable")[:FOLLOWED]
-    }
-    yield from opening_verdicts(limit, paths)

@@ -756,3 +756,87 @@ def test_histories_are_judged_too(model_file, tmp_path):
     worst = summary["transients"]["jump"]["worst"]["clamp_force.joint"][0]
     assert clamp["value"] == worst["value"]
     assert clamp["case"] == f"jump at {worst['case']}"
+
+
+BOLTS = "".join(
+    f"""
+[[bolt]]
+name = "bolt-{number}"
+preload = 3e3
+size = "M5"
+grade = "8.8"
+thread_friction = 0.12
+tightening_factor = 1.4
+"""
+    for number in (1, 2)
+)
+
+TWO_BOLTS = f"""
+title = "Two bolts"
+preload_scatter = {{ samples = 1, temperatures = ["hot"] }}
+
+[model]
+source = "lap-joint"
+lap_joint = {{ element_size = 5.0, hole_radius = 0.0, bolt_positions = [[-10, 0], [10, 0]] }}
+
+[material.steel]
+alpha = 1.2e-5
+
+[temperature.hot]
+reference = 20.0
+parts = {{ lower = 60.0 }}
+{BOLTS}
+[requirement]
+min_clamp_force = 2e3
+slip_friction = 0.15
+
+[reduction]
+methods = ["compliance"]
+
+[output]
+report = false
+
+[[load_case]]
+name = "bend"
+kind = "static"
+forces = [{{ boundary = "tip", component = "Fz", value = -150.0 }}]
+
+[[load_case]]
+name = "pull"
+kind = "static"
+repetitions = 1e6
+forces = [{{ boundary = "tip", component = "Fx", value = 400.0 }}]
+
+[[load_case]]
+name = "turn"
+kind = "static"
+forces = [
+    {{ boundary = "tip", component = "Mx", value = 5e3 }},
+    {{ boundary = "tip", component = "Fy", value = 30.0 }},
+]
+"""
+
+
+@pytest.mark.long
+def test_many_loads_have_the_verdict_of_a_run(tmp_path):
+    """At both ends of the scatter, at a temperature and counted, from TOML and from a table."""
+    study, model = tmp_path / "two.toml", str(tmp_path / "two.faying")
+    study.write_text(TWO_BOLTS)
+    expected = run(read_study(study), tmp_path / "run").summary["verdict"]
+    runner = CliRunner()
+    done = runner.invoke(app, ["reduce", str(study), "--out", model])
+    assert done.exit_code == 0, done.output
+    table = tmp_path / "loads.csv"
+    table.write_text(
+        "case,tip.Fz,tip.Fx,tip.Mx,tip.Fy,repetitions\n"
+        "bend,-150,0,0,0,0\npull,0,400,0,0,1e6\nturn,0,0,5e3,30,0\n"
+    )
+    for loads in (study, table):
+        out = tmp_path / loads.stem
+        runner.invoke(app, ["solve", model, str(loads), "--out", str(out)])
+        found = json.loads((out / "summary.json").read_text())["verdict"]
+        assert found["table"] == expected["table"]
+        assert found["open_questions"] == expected["open_questions"]
+    checks = [check for part in expected["parts"] for check in part["checks"]]
+    assert {"P_p,min", "P_p,max"} <= {check["scatter"].split(", ")[0] for check in checks}
+    assert any("hot" in check["scatter"] for check in checks)

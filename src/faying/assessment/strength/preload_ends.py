@@ -1,6 +1,6 @@
 """A joint at both ends of the scatter of its preloads, and at the temperatures it may have."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
@@ -143,10 +143,10 @@ def solved_end(
     """Return an end whose static load cases are solved, with a temperature beside them."""
     solution = solve_at(system, loads, initial, heated)
     bent = [name for name in bent_bolts(system.bolts) if name in moved.rest.bolt_moments]
-    solved = {name: _state(solution, row, bent) for row, name in enumerate(loads, start=1)}
+    solved = {name: state_of(solution, row, bent) for row, name in enumerate(loads, start=1)}
     return replace(
         moved,
-        rest=_state(solution, 0, bent),
+        rest=state_of(solution, 0, bent),
         cases={**moved.cases, **solved},
         solved=frozenset(loads),
     )
@@ -198,7 +198,8 @@ def solve_at(
     return solve_static_inputs(system, locked, "ends of the preloads")
 
 
-def _state(solution: Solution, row: int, bent: list[str]) -> CaseState:
+def state_of(solution: Solution, row: int, bent: Iterable[str]) -> CaseState:
+    """Return one static case of a solution, with the bending of some bolts."""
     return CaseState(
         pressure=solution.pressure[row : row + 1],
         bolt_forces={

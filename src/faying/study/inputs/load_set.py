@@ -132,7 +132,15 @@ def read_loads(
             return _of_histories(rom, [table], step, integrator)
         table, said = renamed_factors(table, rom)
         inputs, remarks = table_inputs(table, rom), (said,) if said else ()
-        return LoadSet(names=table.names, inputs=inputs, transients=(), remarks=remarks)
+        repeated = table.repetitions
+        counted = () if repeated is None else zip(table.names, repeated.tolist(), strict=True)
+        return LoadSet(
+            names=table.names,
+            inputs=inputs,
+            transients=(),
+            remarks=remarks,
+            repetitions={name: often for name, often in counted if often},
+        )
     cases, requirement = read_load_cases(path)
     return replace(_of_cases(cases, rom), requirement=requirement)
 

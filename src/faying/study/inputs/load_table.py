@@ -24,6 +24,9 @@ NAME = "case"
 TIME = "time"
 """Column that makes a table one history."""
 
+REPETITIONS = "repetitions"
+"""Column with how often each static case comes in the life of the joint, for fatigue."""
+
 FACTOR = "preload_factor"
 """Factor on the initial forces of all bolts, or with a bolt's name behind a dot of that one."""
 
@@ -61,12 +64,15 @@ class LoadTable:
     columns
         Name to values (n_row,), names and times left out.
     times : (n_row,) or None
+    repetitions : (n_row,) or None
+        How often each static case comes.
     """
 
     path: Path
     names: Sequence[str]
     columns: Mapping[str, Vector]
     times: Vector | None
+    repetitions: Vector | None = None
 
     @property
     def n_row(self) -> int:
@@ -87,7 +93,7 @@ def read_load_table(path: Path) -> LoadTable:
     names = table.labels
     if names is not None:
         _check_names(path, names)
-    if not set(table.names) - {TIME} or not len(table.values):
+    if not set(table.names) - {TIME, REPETITIONS} or not len(table.values):
         message = (
             f"{path.name}: found {len(table.values)} rows of {', '.join(table.names) or 'nothing'};"
             " expected a header with columns of loads such as 'tip.Fz', and one row per load case "
@@ -99,8 +105,11 @@ def read_load_table(path: Path) -> LoadTable:
     times = columns.pop(TIME, None)
     if times is not None:
         check_times(path, times, lambda row: f"{path.name}, row {row + 1}", fewest=2)
+    repeated = columns.pop(REPETITIONS, None)
+    if repeated is not None:
+        _check_repetitions(path, repeated, timed=times is not None)
     rows = names or RowNumbers(n_row=len(table.values))
-    return LoadTable(path=path, names=rows, columns=columns, times=times)
+    return LoadTable(path=path, names=rows, columns=columns, times=times, repetitions=repeated)
 
 
 def renamed_factors(table: LoadTable, joint: Joint) -> tuple[LoadTable, str]:
@@ -218,4 +227,17 @@ def _check_names(path: Path, names: Sequence[str]) -> None:
         in_order = sorted(names)
         twice = next(earlier for earlier, later in pairwise(in_order) if earlier == later)
         message = f"{path.name}: two rows have the name '{twice}'; names of cases must differ"
+        raise StudyError(message)
+
+
+def _check_repetitions(path: Path, repeated: Vector, *, timed: bool) -> None:
+    wrong = np.flatnonzero(repeated < 0)
+    if timed or wrong.size:
+        found = "this table is one load over time"
+        if wrong.size:
+            found = f"row {wrong[0] + 1} has {repeated[wrong[0]]:g}"
+        message = (
+            f"{path.name}: column '{REPETITIONS}' counts how often static cases come, but {found}; "
+            "give 0 or more to static cases, and to loads over time in a TOML file"
+        )
         raise StudyError(message)

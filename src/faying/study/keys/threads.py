@@ -76,13 +76,24 @@ def stored_ranges(text: str, units: str) -> dict[str, PreloadRange]:
     """Return the ranges of a study that was checked before; its files need not be here."""
     tables = tomllib.loads(text)
     bolts = [BoltSection.model_validate(bolt) for bolt in tables.get("bolt", [])]
-    scatter = tables.get("preload_scatter")
     return _ranges(
         bolts,
-        None if scatter is None else ScatterSection.model_validate(scatter),
+        stored_scatter(text),
         RequirementSection.model_validate(tables.get("requirement", {})).margins,
         units,
     )
+
+
+def stored_scatter(text: str) -> ScatterSection | None:
+    """Return the scatter of the preloads of a study that was checked before."""
+    scatter = tomllib.loads(text).get("preload_scatter")
+    return None if scatter is None else ScatterSection.model_validate(scatter)
+
+
+def stored_forces(text: str, units: str) -> dict[str, float]:
+    """Return the final forces of the bolts of a study that was checked before."""
+    bolts = [BoltSection.model_validate(bolt) for bolt in tomllib.loads(text).get("bolt", [])]
+    return _final_forces(bolts, stored_scatter(text), units)
 
 
 def _ranges(
@@ -164,10 +175,13 @@ def final_force(bolt: BoltSection, units: str, variation: float = 0.0) -> float 
 
 def final_forces(study: Study) -> dict[str, float]:
     """Return the forces that bolts of a study are tightened to, of those that are."""
-    forces = {
-        bolt.name: final_force(bolt, study.units, variation_in(bolt, study.preload_scatter))
-        for bolt in study.bolts
-    }
+    return _final_forces(study.bolts, study.preload_scatter, study.units)
+
+
+def _final_forces(
+    bolts: Sequence[BoltSection], scatter: ScatterSection | None, units: str
+) -> dict[str, float]:
+    forces = {bolt.name: final_force(bolt, units, variation_in(bolt, scatter)) for bolt in bolts}
     return {name: force for name, force in forces.items() if force is not None}
 
 
