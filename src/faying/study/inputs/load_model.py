@@ -339,7 +339,7 @@ def _merged(
         elif (defaults or table == "bolt") and not PLACES[table].intersection(entry):
             text = f"the model has no {table} '{name}'; {nearest(name, specs)}"
             location = (table, number, "name")
-            problems.append(Problem(location, f"{study.source.place(location)}: {text}"))
+            problems.append(study.problem(location, text))
         else:
             specs[name] = new(**entry)
     reject(study.source, problems)
@@ -374,7 +374,7 @@ def _refused_overrides(
                 "the source has this bolt already, and it takes only a preload here; "
                 + SOURCES[study.model.source].remedy
             )
-            yield Problem(location, f"{study.source.place(location)}: {text}")
+            yield study.problem(location, text)
 
 
 def _gap_rules(study: Study, described: JointDescription) -> dict[str, GapRule]:

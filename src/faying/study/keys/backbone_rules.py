@@ -19,31 +19,30 @@ MOST_MAPS = 6
 
 def backbone_problems(study: Study, location: Location, case: LoadCaseSection) -> Iterator[Problem]:
     """Find what backbones lack or have too much, and loads that other cases lack."""
-    table, position = study.source.table(location), study.source.place
     if case.kind != "backbone":
         if not case.forces:
-            yield Problem(location, f"{table}: 'forces' is missing or empty; add one or more loads")
+            yield study.in_table(location, "'forces' is missing or empty; add one or more loads")
         return
     if case.forces:
         text = "a backbone is loaded by the inertia of its modes alone; remove it"
-        yield Problem((*location, "forces"), f"{position((*location, 'forces'))}: {text}")
+        yield study.problem((*location, "forces"), text)
     if not case.modes:
         text = "kind = \"backbone\" needs 'modes', as modes = [1, 2]; add it"
-        yield Problem(location, f"{table}: {text}")
+        yield study.in_table(location, text)
     if len(set(case.modes)) < len(case.modes):
         text = "a mode is there twice; keep one"
-        yield Problem((*location, "modes"), f"{position((*location, 'modes'))}: {text}")
+        yield study.problem((*location, "modes"), text)
     if bool(case.amplitudes) == (case.amplitude_range is not None):
         text = (
             "kind = \"backbone\" takes either 'amplitudes' [length] or 'amplitude_range' = "
             "[smallest, largest, how many]; give one of them"
         )
-        yield Problem(location, f"{table}: {text}")
+        yield study.in_table(location, text)
     levels = case.levels
     outside = [level for level in case.maps if not levels or not levels[0] <= level <= levels[-1]]
     if len(case.maps) > MOST_MAPS or (outside and levels):
         text = f"give at most {MOST_MAPS}, from the smallest to the largest amplitude of the case"
-        yield Problem((*location, "maps"), f"{position((*location, 'maps'))}: {text}")
+        yield study.problem((*location, "maps"), text)
     if case.amplitude_range is not None:
         low, high, count = case.amplitude_range
         if not low < high or not 2 <= count <= MOST_AMPLITUDES:
@@ -51,8 +50,7 @@ def backbone_problems(study: Study, location: Location, case: LoadCaseSection) -
                 f"found {low:g} to {high:g} in {count}; give the smaller amplitude first, and 2 "
                 f"to {MOST_AMPLITUDES} of them"
             )
-            where: Location = (*location, "amplitude_range")
-            yield Problem(where, f"{position(where)}: {text}")
+            yield study.problem((*location, "amplitude_range"), text)
 
 
 def backbones_of(study: Study, model: Model) -> Iterator[Problem]:
@@ -71,9 +69,7 @@ def backbones_of(study: Study, model: Model) -> Iterator[Problem]:
             _check_place(case.at, list(model.boundaries))
         except ModelError as error:
             wrong["at"] = str(error)
-        for key, text in wrong.items():
-            location: Location = ("load_case", i, key)
-            yield Problem(location, f"{study.source.place(location)}: {text}")
+        yield from study.problems(("load_case", i), wrong)
 
 
 def _check_place(boundary: str | None, boundaries: list[str]) -> None:

@@ -42,7 +42,7 @@ def boundary_problems(study: Study, boundaries: Iterable[str]) -> Iterator[Probl
         name = load.boundary
         if name is not None and name not in names:
             text = f"no boundary '{name}'; {nearest(name, names)}"
-            yield _problem(study, (*location, "boundary"), text)
+            yield study.problem((*location, "boundary"), text)
 
 
 def deck_load_problems(study: Study, assembly: Assembly) -> Iterator[Problem]:
@@ -55,7 +55,7 @@ def deck_load_problems(study: Study, assembly: Assembly) -> Iterator[Problem]:
             reason = f"left out: {left_out[0]}" if left_out else nearest(name, loads)
             deck = study.model.file.name if study.model.file else "the model"
             text = f"{deck} has no load '{name}'; {reason}"
-            yield _problem(study, (*location, "deck_load"), text)
+            yield study.problem((*location, "deck_load"), text)
 
 
 def _load_targets(study: Study) -> Iterator[Problem]:
@@ -65,23 +65,15 @@ def _load_targets(study: Study) -> Iterator[Problem]:
         if len(whole) > 1 or (whole and keys):
             more = quoted([*whole[1:], *keys])
             text = f"found '{whole[0]}' and {more}; a load is one or the other, remove one"
-            yield _in_table(study, location, text)
+            yield study.in_table(location, text)
         elif not whole and len(keys) < 2:
             missing = "component" if keys == ["boundary"] else "boundary"
             text = f"missing key '{missing}'; add it, or 'deck_load' for a load of the deck"
-            yield _in_table(study, location, text)
-
-
-def _problem(study: Study, location: Location, text: str) -> Problem:
-    return Problem(location, f"{study.source.place(location)}: {text}")
+            yield study.in_table(location, text)
 
 
 def _source(study: Study) -> Source:
     return SOURCES[study.model.source]
-
-
-def _in_table(study: Study, location: Location, text: str) -> Problem:
-    return Problem(location, f"{study.source.table(location)}: {text}")
 
 
 def _unique_names(study: Study) -> Iterator[Problem]:
@@ -97,48 +89,48 @@ def _unique_names(study: Study) -> Iterator[Problem]:
             if name in names[:i]:
                 first = names.index(name) + 1
                 text = f"'{name}' is already the name of number {first}; names must differ"
-                yield _problem(study, (table, i, "name"), text)
+                yield study.problem((table, i, "name"), text)
 
 
 def _model_files(study: Study) -> Iterator[Problem]:
     source = _source(study)
     if study.model.subcase is not None and not source.is_deck:
         text = f"source '{source.name}' has no subcases; remove it"
-        yield _problem(study, ("model", "subcase"), text)
+        yield study.problem(("model", "subcase"), text)
     if study.model.ignore and not source.is_deck:
         text = f"source '{source.name}' is no deck that could hold more than is read; remove it"
-        yield _problem(study, ("model", "ignore"), text)
+        yield study.problem(("model", "ignore"), text)
     for key in ("parts", "without"):
         if getattr(study.model, key) and not (source.is_deck or source.is_mesh):
             text = f"source '{source.name}' has no parts to choose from; remove it"
-            yield _problem(study, ("model", key), text)
+            yield study.problem(("model", key), text)
     for key in dict.fromkeys(reader.key for reader in SOURCES.values()):
         stated = key in study.model.model_fields_set
         if key == source.key and not stated and source.needs_key:
             text = f"source '{source.name}' needs '{key}'; add it"
-            yield _in_table(study, ("model",), text)
+            yield study.in_table(("model",), text)
         if key != source.key and stated:
             text = f"does not belong to source '{source.name}'; remove it or change the source"
-            yield _problem(study, ("model", key), text)
+            yield study.problem(("model", key), text)
 
 
 def _sets(study: Study) -> Iterator[Problem]:
     for name, named in study.model.sets.items():
         if len(named.model_fields_set) != 1:
             keys = quoted(type(named).model_fields)
-            yield _problem(study, ("model", "sets", name), f"give exactly one of {keys}")
+            yield study.problem(("model", "sets", name), f"give exactly one of {keys}")
 
 
 def _interfaces(study: Study) -> Iterator[Problem]:
     for i, interface in enumerate(study.interfaces):
         if (interface.minus == "auto") != (interface.plus == "auto"):
             text = 'only one of minus and plus is "auto"; name both sides, or neither'
-            yield _in_table(study, ("interface", i), text)
+            yield study.in_table(("interface", i), text)
         if isinstance(interface.initial_gap, Path):
             try:
                 read_gap_table(interface.initial_gap)
             except FormatError as error:
-                yield _problem(study, ("interface", i, "initial_gap"), str(error))
+                yield study.problem(("interface", i, "initial_gap"), str(error))
 
 
 def _boundaries(study: Study) -> Iterator[Problem]:
@@ -147,7 +139,7 @@ def _boundaries(study: Study) -> Iterator[Problem]:
         neither = boundary.set is None and boundary.node is None
         if both or (neither and not _source(study).has_boundaries):
             text = f"boundary '{boundary.name}' needs either 'set' or 'node'"
-            yield _in_table(study, ("boundary", i), f"{text}; {'remove' if both else 'add'} one")
+            yield study.in_table(("boundary", i), f"{text}; {'remove' if both else 'add'} one")
     if study.boundaries and not _source(study).has_boundaries:
         yield from boundary_problems(study, [boundary.name for boundary in study.boundaries])
 
@@ -156,10 +148,10 @@ def _coupled(study: Study) -> Iterator[Problem]:
     for i, boundary in enumerate(study.boundaries):
         if boundary.coupling is not None and boundary.set is None:
             text = "a coupling needs 'set', the nodes that follow; add it"
-            yield _in_table(study, ("boundary", i), text)
+            yield study.in_table(("boundary", i), text)
         if boundary.at is not None and boundary.coupling is None:
             text = '\'at\' places the node of a coupling; add coupling = "rbe2" or "rbe3"'
-            yield _in_table(study, ("boundary", i), text)
+            yield study.in_table(("boundary", i), text)
 
 
 def _supports(study: Study) -> Iterator[Problem]:
@@ -170,21 +162,21 @@ def _supports(study: Study) -> Iterator[Problem]:
     for table, i, named, node in (*supports, *masses):
         if (named is None) == (node is None):
             text = f"a {table} needs either 'set' or 'node'; give one of them"
-            yield _in_table(study, (table, i), text)
+            yield study.in_table((table, i), text)
 
 
 def _mesh_materials(study: Study) -> Iterator[Problem]:
     """Check that the materials of a mesh are whole, for it brings none."""
     if study.model.separate and not _source(study).is_mesh:
         text = 'only source "mesh" has groups to separate; remove it'
-        yield _problem(study, ("model", "separate"), text)
+        yield study.problem(("model", "separate"), text)
     if not _source(study).is_mesh:
         return
     for name, material in study.materials.items():
         missing = [key for key in ("E", "nu", "rho") if getattr(material, key) is None]
         if missing:
             text = f"a mesh brings no material, so {quoted(missing)} must be given; add it"
-            yield _in_table(study, ("material", name), text)
+            yield study.in_table(("material", name), text)
 
 
 def _reduction(study: Study) -> Iterator[Problem]:
@@ -195,21 +187,21 @@ def _reduction(study: Study) -> Iterator[Problem]:
             "'auto' chooses for load cases over time, and the study has none; give a number, or "
             'add a [[load_case]] of kind = "step" or "history"'
         )
-        yield _problem(study, ("reduction", "normal_modes"), text)
+        yield study.problem(("reduction", "normal_modes"), text)
     without_basis = [name for name in reduction.methods if METHODS[name].forces is not None]
     if not modes and without_basis:
         text = f"'auto' does not choose for method '{without_basis[0]}'; give a list of numbers"
-        yield _problem(study, ("reduction", "joint_modes"), text)
+        yield study.problem(("reduction", "joint_modes"), text)
     if not modes and not training.box:
         text = "joint_modes = 'auto' is certified at loads of [reduction.training] box; add a box"
-        yield _problem(study, ("reduction", "joint_modes"), text)
+        yield study.problem(("reduction", "joint_modes"), text)
     if any(later <= earlier for earlier, later in pairwise(modes)):
         modes_text = ", ".join(map(str, modes))
         text = f"found {modes_text}; the numbers of modes must increase, sort them"
-        yield _problem(study, ("reduction", "joint_modes"), text)
+        yield study.problem(("reduction", "joint_modes"), text)
     if len(set(reduction.methods)) < len(reduction.methods):
         text = "a method is named twice; name each once"
-        yield _problem(study, ("reduction", "methods"), text)
+        yield study.problem(("reduction", "methods"), text)
     learning = [name for name in reduction.methods if METHODS[name].trained]
     if not training.box and learning:
         text = (
@@ -217,14 +209,14 @@ def _reduction(study: Study) -> Iterator[Problem]:
             "[reduction.training] with box = [{ boundary, component, min, max }], or name methods "
             'that need none, as in methods = ["craig-bampton", "compliance"]'
         )
-        yield _in_table(study, ("reduction",), text)
+        yield study.in_table(("reduction",), text)
     yield from repeated_loads(study, ("reduction", "training", "box"), training.box)
     yield from _number_of_loads(study)
     for i, side in enumerate(training.box):
         if not side.min < side.max:
             location = ("reduction", "training", "box", i, "min")
             text = f"min {side.min:g} is not below max {side.max:g}; exchange or change them"
-            yield _problem(study, location, text)
+            yield study.problem(location, text)
     yield from _not_both(study, ("reduction", "training"), training)
 
 
@@ -238,20 +230,20 @@ def _number_of_loads(study: Study) -> Iterator[Problem]:
                 f"the combinations of {sides} sides are {count:.4g} loads, and {MOST_LOADS} are "
                 "the most that are kept; lower 'levels', shorten the box, or set dynamics = false"
             )
-            yield _problem(study, ("reduction", "training", what), text)
+            yield study.problem(("reduction", "training", what), text)
 
 
 def _not_both(study: Study, location: Location, timed: Timed) -> Iterator[Problem]:
     for first, second in (("step", "steps_per_period"), ("duration", "periods")):
         if getattr(timed, first) is not None and getattr(timed, second) is not None:
             text = f"'{first}' and '{second}' say the same twice; remove one"
-            yield _in_table(study, location, text)
+            yield study.in_table(location, text)
     pairs = ((timed.duration, 1 / (timed.step or 1e30)), (timed.periods, timed.steps_per_period))
     for length, rate in pairs:
         count = (length or 0.0) * (rate or 0)
         if count > MOST_STEPS:
             text = f"found {count:.4g} time steps, expected at most {MOST_STEPS}; enlarge the step"
-            yield _in_table(study, location, text)
+            yield study.in_table(location, text)
 
 
 def _load_cases(study: Study) -> Iterator[Problem]:
@@ -264,7 +256,7 @@ def _load_cases(study: Study) -> Iterator[Problem]:
         if case.rho_infinity is not None and case.integrator not in DAMPED:
             having = " and ".join(f'"{name}"' for name in DAMPED)
             text = f"only integrator = {having} have it; remove it or add the integrator"
-            yield _problem(study, (*location, "rho_infinity"), text)
+            yield study.problem((*location, "rho_infinity"), text)
 
 
 def _timing(study: Study, location: Location, case: LoadCaseSection) -> Iterator[Problem]:
@@ -272,23 +264,23 @@ def _timing(study: Study, location: Location, case: LoadCaseSection) -> Iterator
         keys = [*Timed.model_fields, "integrator", "tolerance"]
         for key in [key for key in keys if getattr(case, key) is not None]:
             text = f'kind = "{case.kind}" has no time; remove it or use kind = "step"'
-            yield _problem(study, (*location, key), text)
+            yield study.problem((*location, key), text)
         return
     if case.step is None and case.steps_per_period is None:
         text = f"kind = \"{case.kind}\" needs a time step; add 'step' or 'steps_per_period'"
-        yield _in_table(study, location, text)
+        yield study.in_table(location, text)
     if case.rise_time is not None and case.rise_time > (case.duration or case.rise_time):
         text = (
             f"found {case.rise_time:g}, which is longer than the duration {case.duration:g}: the "
             "loads would never be reached; shorten it or lengthen the duration"
         )
-        yield _problem(study, (*location, "rise_time"), text)
+        yield study.problem((*location, "rise_time"), text)
     if case.kind == "step" and case.duration is None and case.periods is None:
         text = "kind = \"step\" needs a length; add 'duration' or 'periods'"
-        yield _in_table(study, location, text)
+        yield study.in_table(location, text)
     if case.step is not None and case.duration is not None and case.duration < case.step:
         text = f"duration {case.duration:g} is shorter than the step {case.step:g}; enlarge it"
-        yield _problem(study, (*location, "duration"), text)
+        yield study.problem((*location, "duration"), text)
 
 
 def _forces(study: Study, location: Location, case: LoadCaseSection) -> Iterator[Problem]:
@@ -296,29 +288,29 @@ def _forces(study: Study, location: Location, case: LoadCaseSection) -> Iterator
     for j, force in enumerate(case.forces):
         entry: Location = (*location, "forces", j)
         if (force.value is None) == (force.file is None):
-            yield _in_table(study, entry, "give either 'value' or 'file'")
+            yield study.in_table(entry, "give either 'value' or 'file'")
         if force.file is None:
             continue
         if case.kind != "history":
             text = f'kind = "{case.kind}" takes a value; use kind = "history" for a file'
-            yield _problem(study, (*entry, "file"), text)
+            yield study.problem((*entry, "file"), text)
         try:
             read_history(force.file)
         except FormatError as error:
-            yield _problem(study, (*entry, "file"), str(error))
+            yield study.problem((*entry, "file"), str(error))
     if case.kind == "history" and not any(force.file for force in case.forces):
         text = "kind = \"history\" needs a 'file' in at least one of its forces; add it"
-        yield _in_table(study, location, text)
+        yield study.in_table(location, text)
 
 
 def _material(study: Study) -> Iterator[Problem]:
     for name, material in study.materials.items():
         if not material.model_fields_set:
             text = "the table is empty; give 'E', 'nu', 'rho' or 'alpha', or remove it"
-            yield _in_table(study, ("material", name), text)
+            yield study.in_table(("material", name), text)
     if study.materials and not _source(study).has_elements:
         text = "matrices have no material; remove [material]"
-        yield _in_table(study, ("material",), text)
+        yield study.in_table(("material",), text)
 
 
 RULES: tuple[Callable[[Study], Iterable[Problem]], ...] = (

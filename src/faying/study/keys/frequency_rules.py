@@ -1,6 +1,7 @@
 """What harmonic loads of a study must be, and what they need of the model."""
 
 from collections.abc import Iterator
+from itertools import starmap
 
 from faying.assessment.forced_joint import FEWEST
 from faying.assessment.response_curve import boundary_components
@@ -36,7 +37,7 @@ def frequency_problems(study: Study) -> Iterator[Problem]:
         if swept.samples is not None and swept.samples < fewest:
             text = f"found {swept.samples}, expected four for each harmonic, {fewest}, or more"
             wrong[*location, "samples"] = text
-        yield from _said(study, wrong)
+        yield from starmap(study.problem, wrong.items())
 
 
 def frequencies_of(study: Study, model: Model) -> Iterator[Problem]:
@@ -57,7 +58,7 @@ def frequencies_of(study: Study, model: Model) -> Iterator[Problem]:
                 text = "none of its boundaries moves alone" if swept.at is None else swept.at
                 advice = nearest(swept.at or "", components) if components else "there is none"
                 wrong["frequency", i, "at"] = f"found {text}, expected a component; {advice}"
-        yield from _said(study, wrong)
+        yield from starmap(study.problem, wrong.items())
 
 
 def shown_place(swept: FrequencySection, components: tuple[str, ...]) -> str:
@@ -80,8 +81,3 @@ def shown_place(swept: FrequencySection, components: tuple[str, ...]) -> str:
                 (candidate for candidate in ends if candidate.endswith(component[-3:])), component
             )
     return components[0] if components else ""
-
-
-def _said(study: Study, wrong: dict[Location, str]) -> Iterator[Problem]:
-    for where, text in wrong.items():
-        yield Problem(where, f"{study.source.place(where)}: {text}")

@@ -40,19 +40,19 @@ def increment_problems(
         if case.kind not in KINDS[key]:
             having = " or ".join(f'"{kind}"' for kind in KINDS[key])
             text = f"only kind = {having} has it; remove it or change the kind"
-            yield _problem(study, (*location, key), text)
+            yield study.problem((*location, key), text)
     yield from backbone_problems(study, location, case)
     if case.kind == "path" and case.factors is None:
         text = "kind = \"path\" needs 'factors', a csv with a column for each load; add it"
-        yield Problem(location, f"{study.source.table(location)}: {text}")
+        yield study.in_table(location, text)
     if case.kind == "path" and case.factors is not None:
         try:
             read_load_factors(case.factors, [force.target for force in case.forces])
         except FormatError as error:
-            yield _problem(study, (*location, "factors"), str(error))
+            yield study.problem((*location, "factors"), str(error))
     if len(set(case.amplitudes)) < len(case.amplitudes):
         text = "an amplitude is there twice; keep one"
-        yield _problem(study, (*location, "amplitudes"), text)
+        yield study.problem((*location, "amplitudes"), text)
 
 
 def spare_tangential_penalties(study: Study) -> Iterator[Problem]:
@@ -61,7 +61,7 @@ def spare_tangential_penalties(study: Study) -> Iterator[Problem]:
         stated = "tangential_penalty" in interface.model_fields_set
         if stated and not interface.friction and not SOURCES[study.model.source].is_deck:
             text = "there is no friction that it could serve; add 'friction' or remove it"
-            yield _problem(study, ("interface", i, "tangential_penalty"), text)
+            yield study.problem(("interface", i, "tangential_penalty"), text)
 
 
 def second_laws(study: Study) -> Iterator[Problem]:
@@ -69,7 +69,7 @@ def second_laws(study: Study) -> Iterator[Problem]:
     for i, interface in enumerate(study.interfaces):
         if interface.closure is not None and "penalty" in interface.model_fields_set:
             text = "there is a penalty, too, and an interface has one law; remove one of them"
-            yield _problem(study, ("interface", i, "closure"), text)
+            yield study.problem(("interface", i, "closure"), text)
 
 
 def scatter_problems(study: Study) -> Iterator[Problem]:
@@ -80,7 +80,7 @@ def scatter_problems(study: Study) -> Iterator[Problem]:
     try:
         PreloadScatter(**section.model_dump(exclude={"temperatures"}))
     except ModelError as error:
-        yield _problem(study, ("preload_scatter",), str(error))
+        yield study.problem(("preload_scatter",), str(error))
     if section.thread_friction is not None:
         for i, bolt in enumerate(study.bolts):
             thread = thread_of(bolt, study.units)
@@ -90,7 +90,7 @@ def scatter_problems(study: Study) -> Iterator[Problem]:
                     f'\'{bolt.name}\'; add size = "M8" and grade = "8.8"'
                 )
                 location = ("bolt", i)
-                yield Problem(location, f"{study.source.table(location)}: {text}")
+                yield study.in_table(location, text)
 
 
 def check_friction(study: Study, model: Model) -> None:
@@ -128,13 +128,13 @@ def _bolt_columns(study: Study, model: Model) -> Iterator[Problem]:
                     f"{case.factors.name}: column '{name}' has {values[absurd][0]:g}, expected a "
                     f"factor from 0 to {MOST_PRELOAD_FACTOR:g} on the bolt's initial force"
                 )
-                yield _problem(study, ("load_case", i, "factors"), text)
+                yield study.problem(("load_case", i, "factors"), text)
             if name not in columns:
                 text = (
                     f"{case.factors.name}: column '{name}' is neither a load of the case nor a "
                     f"bolt; {nearest(name, columns)}"
                 )
-                yield _problem(study, ("load_case", i, "factors"), text)
+                yield study.problem(("load_case", i, "factors"), text)
 
 
 def _with_gasket(study: Study, interface: str) -> Iterator[Problem]:
@@ -143,17 +143,17 @@ def _with_gasket(study: Study, interface: str) -> Iterator[Problem]:
     for i, case in enumerate(study.load_cases):
         if case.transient or case.kind == "backbone":
             text = f"{reason} closed: take 'static', 'path' or 'cycle', or the closure 'table'"
-            yield _problem(study, ("load_case", i, "kind"), text)
+            yield study.problem(("load_case", i, "kind"), text)
     for name in study.reduction.methods:
         if METHODS[name].trained:
             text = f"{reason} closed, and method '{name}' learns from single cases; take others"
-            yield _problem(study, ("reduction", "methods"), text)
+            yield study.problem(("reduction", "methods"), text)
     if study.sticking is not None:
         text = f"{reason} closed, and parts that stick are solved anew; remove [sticking]"
-        yield _problem(study, ("sticking",), text)
+        yield study.problem(("sticking",), text)
     if not study.friction_during_preload:
         text = f"{reason} closed by tightening, friction and all; remove this key"
-        yield _problem(study, ("friction_during_preload",), text)
+        yield study.problem(("friction_during_preload",), text)
 
 
 def _without(study: Study, model: Model) -> Iterator[Problem]:
@@ -162,13 +162,13 @@ def _without(study: Study, model: Model) -> Iterator[Problem]:
         for key in ("increments", "slip_share")[not model.contact.forgets :]:
             if case.kind == "static" and key in case.model_fields_set:
                 text = "no interface has friction, so one solution is enough; remove it"
-                yield _problem(study, ("load_case", i, key), text)
+                yield study.problem(("load_case", i, key), text)
     if study.preload_scatter is not None and study.preload_scatter.surface_friction is not None:
         text = "no interface has friction that could scatter; add it, or remove surface_friction"
-        yield _problem(study, ("preload_scatter", "surface_friction"), text)
+        yield study.problem(("preload_scatter", "surface_friction"), text)
     if "friction_during_preload" in study.model_fields_set:
         text = "no interface has friction; add it to an [[interface]], or remove this key"
-        yield _problem(study, ("friction_during_preload",), text)
+        yield study.problem(("friction_during_preload",), text)
 
 
 def _with_friction(study: Study, interface: str) -> Iterator[Problem]:
@@ -176,7 +176,7 @@ def _with_friction(study: Study, interface: str) -> Iterator[Problem]:
     reason = f"interface '{interface}' has friction"
     if study.sticking is not None:
         text = f"{reason}, which says itself what sticks; remove [sticking], or the friction"
-        yield _problem(study, ("sticking",), text)
+        yield study.problem(("sticking",), text)
     able = [name for name, method in METHODS.items() if not method.trained]
     for name in study.reduction.methods:
         if METHODS[name].trained:
@@ -184,15 +184,11 @@ def _with_friction(study: Study, interface: str) -> Iterator[Problem]:
                 f"{reason}, and method '{name}' learns from normal contact forces alone; take "
                 f"one of {quoted(able)} (compliance is exact on paths)"
             )
-            yield _problem(study, ("reduction", "methods"), text)
+            yield study.problem(("reduction", "methods"), text)
     places: dict[Location, str] = {}
     if study.reduction.training.box:
         places["reduction", "training", "box"] = "training loads are solved without it"
     if not study.reduction.joint_modes:
         places["reduction", "joint_modes"] = "'auto' goes by certificates, which know none"
     for location, what in places.items():
-        yield _problem(study, location, f"{reason}, and {what}; remove it")
-
-
-def _problem(study: Study, location: Location, text: str) -> Problem:
-    return Problem(location, f"{study.source.place(location)}: {text}")
+        yield study.problem(location, f"{reason}, and {what}; remove it")

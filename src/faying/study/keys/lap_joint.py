@@ -51,7 +51,7 @@ def lap_joint_problems(study: Study) -> Iterator[Problem]:
         try:
             all_in_range(study.model.lap_joint[name])
         except PydanticCustomError as error:
-            yield Problem(location, f"{study.source.place(location)}: {error}")
+            yield study.problem(location, error)
             return
     try:
         schema.model_validate_json(_json(study), strict=True)

@@ -27,4 +27,4 @@ def repeated_loads(study: Study, location: Location, loads: Sequence[Loading]) -
         if target in targets[:i]:
             text = f"{target} is loaded by number {targets.index(target) + 1} already; merge them"
             where: Location = (*location, i)
-            yield Problem(where, f"{study.source.table(where)}: {text}")
+            yield study.in_table(where, text)

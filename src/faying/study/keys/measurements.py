@@ -86,17 +86,14 @@ def measurement_problems(study: Study) -> Iterator[Problem]:
             wrong["name"] = f"two measurements are called '{section.name}'; give each its own name"
         key = "file" if section.file else "response"
         if (section.file is None) == (not section.response):
-            table = ("measurement", number)
             text = "it needs either 'file' or tables [[measurement.response]]; give one of them"
-            yield Problem(table, f"{study.source.table(table)}: {text}")
+            yield study.in_table(("measurement", number), text)
             continue
         try:
             _curve(section)
         except (FormatError, ModelError) as error:
             wrong[key] = str(error)
-        for key, text in wrong.items():
-            location = ("measurement", number, key)
-            yield Problem(location, f"{study.source.place(location)}: {text}")
+        yield from study.problems(("measurement", number), wrong)
 
 
 def compared(curve: MeasuredCurve, backbones: Mapping[str, Backbone]) -> dict[str, Any]:

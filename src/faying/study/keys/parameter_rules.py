@@ -32,6 +32,4 @@ def parameter_problems(study: Study) -> Iterator[Problem]:
                 used[steps] = section.name
             else:
                 wrong["keys"] = f"the study has no table that '{key}' stands in; add it"
-        for key, text in wrong.items():
-            location = ("parameter", number, key)
-            yield Problem(location, f"{study.source.place(location)}: {text}")
+        yield from study.problems(("parameter", number), wrong)

@@ -7,7 +7,7 @@ from faying.assessment.sealing import ring_around
 from faying.assessment.verdicts import NO_FRICTION, NO_SLIP, ring_surface
 from faying.joint.model import Model
 from faying.reduction.projection import contact_surfaces
-from faying.study.keys.errors import Problem, reject
+from faying.study.keys.errors import reject
 from faying.study.keys.requirement_tables import RequirementSection
 from faying.study.keys.tables import Study
 
@@ -33,7 +33,7 @@ def check_requirements(study: Study, model: Model) -> None:
     problems = []
     for key, text in misnamed(requirements, list(model.interfaces), _smooth(model)):
         location = ("requirement", key)
-        problems.append(Problem(location, f"{study.source.place(location)}: {text}"))
+        problems.append(study.problem(location, text))
     reject(study.source, problems)
     surfaces = contact_surfaces(model) if requirements.closed_ring else {}
     for ring in requirements.closed_ring:

@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Literal
@@ -21,7 +21,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from faying.study.keys.errors import UNKNOWN_KEY, nearest, one_of, refusal, shown
+from faying.study.keys.errors import UNKNOWN_KEY, guess, nearest, one_of, refusal, shown
 from faying.study.keys.ranges import (
     LARGEST_ID,
     MOST_PRELOAD_FACTOR,
@@ -95,26 +95,20 @@ def existing_file(path: Path, info: ValidationInfo) -> Path:
     return resolved
 
 
-def _penalty(value: Any) -> float | str:
-    if value in ("auto", "hard"):
-        return str(value)
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if number and 0 < value < float("inf"):
-        return float(in_range(value))
-    message = f"found {shown(value)}, expected a positive number, 'auto' or 'hard'"
-    if isinstance(value, str):
-        message += f"; {nearest(value, ['auto', 'hard'])}"
-    raise refusal(message)
+def number_or(words: Sequence[str], expected: str) -> BeforeValidator:
+    """Return the check that a value is a positive number, or one of some words."""
 
+    def checked(value: Any) -> float | str:
+        if value in words:
+            return str(value)
+        number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if number and 0 < value < float("inf"):
+            return float(in_range(value))
+        meant = guess(value, words) if isinstance(value, str) else ""
+        message = f"found {shown(value)}, expected {expected}" + f"; {meant}" * bool(meant)
+        raise refusal(message)
 
-def _tangential_penalty(value: Any) -> float | str:
-    if value == "auto":
-        return "auto"
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if number and 0 < value < float("inf"):
-        return float(in_range(value))
-    message = f"found {shown(value)}, expected a positive number or 'auto'"
-    raise refusal(message)
+    return BeforeValidator(checked, json_schema_input_type=Positive | Literal[tuple(words)])
 
 
 def _step(value: Any) -> float:
@@ -175,16 +169,11 @@ Id = Annotated[int, Strict(), AfterValidator(identifying)]
 Switch = Annotated[bool, Strict()]
 Name = Annotated[str, Strict(), StringConstraints(min_length=1), AfterValidator(nameable)]
 ExistingFile = Annotated[Path, AfterValidator(existing_file)]
-Penalty = Annotated[
-    float | str,
-    BeforeValidator(_penalty, json_schema_input_type=Positive | Literal["auto", "hard"]),
-]
-TangentialPenalty = Annotated[
-    float | str,
-    BeforeValidator(_tangential_penalty, json_schema_input_type=Positive | Literal["auto"]),
-]
+Penalty = Annotated[float | str, number_or(["auto", "hard"], "a positive number, 'auto' or 'hard'")]
+TangentialPenalty = Annotated[float | str, number_or(["auto"], "a positive number or 'auto'")]
 StepOrAuto = Annotated[
-    float, BeforeValidator(_step, json_schema_input_type=Positive | Literal["auto"])
+    float,
+    BeforeValidator(_step, json_schema_input_type=Positive | Literal["auto"]),
 ]
 CountOrAuto = Annotated[
     CountOrNone | None,

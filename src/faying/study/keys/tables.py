@@ -3,7 +3,7 @@
 What single values must be is said here; what they must be together, in ``consistency``.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -13,7 +13,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, model_
 from faying.assessment.transient_error import LARGE_ERROR
 from faying.reduction.methods import METHODS
 from faying.simulation.integrators import INTEGRATORS
-from faying.study.keys.errors import StudySource, refusal, shown
+from faying.study.keys.errors import Problem, StudySource, refusal, shown
 from faying.study.keys.frequency_table import FrequencySection
 from faying.study.keys.loading_table import Loading
 from faying.study.keys.measurement_table import MeasurementSection
@@ -31,6 +31,7 @@ from faying.study.keys.model_tables import (
 )
 from faying.study.keys.output_tables import OutputSection, ValidationSection
 from faying.study.keys.parameter_tables import BandSection, ParameterSection
+from faying.study.keys.positions import Location
 from faying.study.keys.ranges import showable
 from faying.study.keys.requirement_tables import RequirementSection, ScatterSection
 from faying.study.keys.section import (
@@ -338,3 +339,16 @@ class Study(Section):
     def source(self) -> StudySource:
         """Path, text and line numbers, to say where in the file a mistake is."""
         return self._source
+
+    def problem(self, location: Location, text: object) -> Problem:
+        """Return what is wrong with the value of a key."""
+        return Problem(location, f"{self._source.place(location)}: {text}")
+
+    def in_table(self, location: Location, text: object) -> Problem:
+        """Return what is wrong with a table."""
+        return Problem(location, f"{self._source.table(location)}: {text}")
+
+    def problems(self, table: Location, wrong: Mapping[str, str]) -> Iterator[Problem]:
+        """Yield what is wrong with keys of a table."""
+        for key, text in wrong.items():
+            yield self.problem((*table, key), text)

@@ -19,13 +19,13 @@ def temperature_problems(study: Study) -> Iterator[Problem]:
             remedy = nearest(str(load.temperature), study.temperatures)
             key: Location = (*location, "temperature")
             text = f"no [temperature.{load.temperature}]; {remedy}"
-            yield Problem(key, f"{study.source.place(key)}: {text}")
+            yield study.problem(key, text)
     scattered = () if study.preload_scatter is None else study.preload_scatter.temperatures
     for name in scattered:
         if name not in study.temperatures:
             key = ("preload_scatter", "temperatures")
             text = f"no [temperature.{name}]; {nearest(name, study.temperatures)}"
-            yield Problem(key, f"{study.source.place(key)}: {text}")
+            yield study.problem(key, text)
     used = {load.temperature for _, load in loads} | {*scattered}
     for name, section in study.temperatures.items():
         table: Location = ("temperature", name)
@@ -37,7 +37,7 @@ def temperature_problems(study: Study) -> Iterator[Problem]:
         elif name not in used:
             text = f'no load takes it; add {{ temperature = "{name}", value = 1 }} to forces'
         if text:
-            yield Problem(table, f"{study.source.table(table)}: {text}")
+            yield study.in_table(table, text)
 
 
 def temperature_name_problems(study: Study, assembly: Assembly) -> Iterator[Problem]:
@@ -46,7 +46,7 @@ def temperature_name_problems(study: Study, assembly: Assembly) -> Iterator[Prob
         if name in assembly.loads:
             table: Location = ("temperature", name)
             text = f"the deck has a load '{name}' too; give the temperature another name"
-            yield Problem(table, f"{study.source.table(table)}: {text}")
+            yield study.in_table(table, text)
 
 
 def temperatures_of(study: Study, assembly: Assembly) -> dict[str, Temperature]:
