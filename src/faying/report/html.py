@@ -106,14 +106,13 @@ def render(results: Results, figures: Sequence[FigureEntry], folder: Path) -> st
         three=three(),
         still=[entry for entry in figures if entry.stem == "model"],
         figures={
-            "steps": [entry for entry in figures if entry.stem == "time_step"],
             "preload": [entry for entry in figures if entry.section == "preload"],
             "more": [
                 entry
                 for entry in figures
                 if entry.section in results.cases
                 and entry.path not in shown
-                and entry.stem not in ("time_step", "error")
+                and entry.stem != "error"
             ],
         },
     )
@@ -147,7 +146,6 @@ def render_methods(results: Results, figures: Sequence[FigureEntry], folder: Pat
         estimates=estimate_note(results),
         figures={
             "convergence": [entry for entry in figures if entry.section == "convergence"],
-            "beyond": [entry for entry in figures if entry.section == "beyond"],
             "errors": [entry for entry in figures if entry.stem == "error"],
         },
     )

@@ -125,7 +125,7 @@ def test_page_stands_alone(written):
     assert path.name == "report.html"
     # Scripts name a namespace; that they fetch nothing is seen in a browser.
     assert "http" not in re.sub(r"(?s)<script.*?</script>", "", path.read_text(encoding="utf-8"))
-    assert len(page.images) == 8
+    assert len(page.images) == 7
     for image in page.images:
         assert image.startswith("figures/")
         assert (path.parent / unquote(image)).is_file()

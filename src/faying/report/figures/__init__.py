@@ -14,7 +14,6 @@ from faying.report.figures.response import (
     plot_peak_pressure,
 )
 from faying.report.figures.tightening import plot_tightening
-from faying.report.figures.time_step import plot_step_check
 
 __all__ = [
     "FigureEntry",
@@ -27,7 +26,6 @@ __all__ = [
     "plot_peak_pressure",
     "plot_pressure",
     "plot_states",
-    "plot_step_check",
     "plot_sticking",
     "plot_tightening",
     "write_figures",

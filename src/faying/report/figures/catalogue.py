@@ -13,7 +13,6 @@ from faying.report.figures.entry import Drawn, FigureEntry
 from faying.report.figures.error import error_figure, errs
 from faying.report.figures.frequency import PREFIX, frequency_figure
 from faying.report.figures.gap import gap_figure
-from faying.report.figures.load_space import load_space_figure
 from faying.report.figures.loops import fretting_figure, loop_figure
 from faying.report.figures.model import model_figure
 from faying.report.figures.path import motion_slip_figure, path_figure
@@ -22,7 +21,6 @@ from faying.report.figures.pressure import pressure_figure
 from faying.report.figures.response import response_figure
 from faying.report.figures.slip import slip_figure
 from faying.report.figures.tightening import tightening_figure
-from faying.report.figures.time_step import time_step_figure
 from faying.report.style import house_style, save
 from faying.study.results.values import CaseResult, Results
 
@@ -90,7 +88,7 @@ WIDE = 2.4
 """Width over height of pictures with several panels side by side."""
 
 
-SHARED = ("model", "preload", "tightening", "convergence", "unseen-loads")
+SHARED = ("model", "preload", "tightening", "convergence")
 """Figures of the whole run; a load case may bear the name of their section."""
 
 
@@ -101,7 +99,6 @@ def _drawings(results: Results) -> Iterator[Draw]:
         preload_figure,
         tightening_figure,
         convergence_figure,
-        load_space_figure,
     ):
         yield _of_run(draw, results)
     for case in results.cases.values():
@@ -114,7 +111,7 @@ def _drawings(results: Results) -> Iterator[Draw]:
 def _of_kind(case: CaseResult) -> tuple[Callable[[Results, CaseResult], Drawn | None], ...]:
     """Return what draws a case; the fields of backbones are the preload's and not drawn again."""
     if case.times is not None:
-        return response_figure, motion_slip_figure, slip_figure, gap_figure, time_step_figure
+        return response_figure, motion_slip_figure, slip_figure, gap_figure
     if case.reference.backbones:
         return backbone_figure, backbone_slip_figure
     return (

@@ -19,7 +19,7 @@ class FigureEntry:
     caption
         How to read it, with the numbers that matter.
     section
-        ``"model"``, ``"preload"``, ``"convergence"``, ``"beyond"`` or the name of a load case.
+        ``"model"``, ``"preload"``, ``"convergence"`` or the name of a load case.
     stem
         Which picture it is, as ``"pressure"``.
     wide

@@ -153,11 +153,7 @@ def _caption(case: CaseResult, units: Units) -> str:
         if peak > HEADROOM * top
     ]
     left = f" Beyond the pressure panel: {', '.join(outside)}." if outside else ""
-    half = (
-        " Dotted: half the time step (see the time-step check)."
-        if case.half_step is not None
-        else ""
-    )
+    half = " Dotted: half the time step." if case.half_step is not None else ""
     return (
         f"Response to {case.name} from the preloaded state (as Fig. 15.7): the largest moving "
         "translation of each boundary, the largest pressure of all contact points, and the "

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, Vector, frozen
+from faying._typing import Indices, Matrix
 from faying.assessment.accuracy import Accuracy, measure
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.study.judgement.comparison import SlipErrors, slip_errors
@@ -20,31 +20,18 @@ class StepCheck:
 
     Attributes
     ----------
-    step : [time]
-        Of the study.
     peak, half_peak : [force/length²]
         Largest pressure over points and instants with the study's step and with half of it.
-    times : (n_common,) [time]
-        Instants of both runs.
-    moved : (n_common,) [force/length²]
-        Largest change of pressure over the contact points at each of them.
     change
         Of pressures and boundary translations, over the largest of the study's step.
     slip
         Of tractions and of the energy that friction took, over the same; None without friction.
     """
 
-    step: float
     peak: float
     half_peak: float
-    times: Vector
-    moved: Vector
     change: Accuracy
     slip: SlipErrors | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("times", "moved"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
     @property
     def peak_change(self) -> float:
@@ -55,11 +42,6 @@ class StepCheck:
     def largest(self) -> float:
         """Largest change of pressure at a point and instant as a fraction of the peak."""
         return self.change.max_relative_error
-
-    @property
-    def instant(self) -> float:
-        """When a pressure changes most [time]."""
-        return float(self.times[np.argmax(self.moved)])
 
 
 def step_check(case: CaseResult) -> StepCheck | None:
@@ -73,11 +55,8 @@ def step_check(case: CaseResult) -> StepCheck | None:
     if not reference.max(initial=0.0) > 0:
         return None
     return StepCheck(
-        step=float(times[1] - times[0]),
         peak=float(case.reference.pressure.max()),
         half_peak=float(half.pressure.max()),
-        times=times[:count],
-        moved=np.abs(refined[:count] - reference).max(axis=-1),
         change=measure(refined[:count], reference, _displacements(case, half.displacements, count)),
         slip=_slip_changes(half, case.reference, count),
     )
