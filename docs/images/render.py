@@ -14,7 +14,6 @@ from faying.report.figures import plot_error, plot_model, plot_pressure
 from faying.report.style import house_style, new_figure, save
 from faying.study.results.store import read_results
 from faying.study.results.values import Results
-from faying.units import units_of
 
 FOLDER = Path(__file__).parent
 SHOWN = {"jim-a": 20, "jim-b": 20}
@@ -31,7 +30,7 @@ def cantilever() -> None:
 
 def pressure(results: Results) -> None:
     """Draw LC2: the full model's pressure, and the errors of the seed's methods."""
-    case, record, units = results.cases["LC2"], results.interfaces["joint"], units_of(results.units)
+    case, record, units = results.cases["LC2"], results.interfaces["joint"], results.unit_set
     reference = case.reference.pressure
     figure = new_figure(14.0, 2.9)
     first, *others = figure.subplots(1, 1 + len(SHOWN))

@@ -8,9 +8,7 @@ if TYPE_CHECKING:
 
 def model_sizes(rom: "ReducedModel") -> str:
     """Say which model it is and what its numbers are measured in."""
-    from faying.units import units_of
-
-    units = units_of(rom.units)
+    units = rom.unit_set
     counts = {
         "coordinate": len(rom.K),
         "boundary displacement": sum(len(boundary.dofs) for boundary in rom.boundaries.values()),

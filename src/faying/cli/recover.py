@@ -76,10 +76,9 @@ def _tell(results: "Results", recovered: "RecoveredRecord") -> None:
     from rich.table import Table
 
     from faying.study.stages.recover import peaks
-    from faying.units import units_of
 
     # Brackets around units and in names are no markup.
-    units, console = units_of(results.units), Console(markup=False, highlight=False)
+    units, console = results.unit_set, Console(markup=False, highlight=False)
     modes = f" with {recovered.joint_modes} joint modes" if recovered.joint_modes else ""
     derived = recovered.derivatives
     if "velocities" not in derived and "accelerations" not in derived:

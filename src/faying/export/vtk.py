@@ -35,7 +35,7 @@ from faying.study.results.values import (
     Results,
     interface_record,
 )
-from faying.units import Units, units_of
+from faying.units import Units
 
 MOST_MODES = 10
 """Vibration modes that are drawn."""
@@ -66,7 +66,7 @@ def write(rom: ReducedModel, path: Path, run: Results | None = None) -> tuple[Pa
 
 def _structure(rom: ReducedModel, run: Results | None, folder: Path) -> Iterator[Path]:
     """Write what is shown on the solids."""
-    units = units_of(rom.units)
+    units = rom.unit_set
     contents = {"structure": _static_shapes(rom, run, units)}
     modes = rom.mesh.modes
     if modes is not None:
@@ -132,7 +132,7 @@ def _bolts(run: Results | None, folder: Path) -> Iterator[Path]:
     drawn = {name: bolt.axis for name, bolt in bolts.items() if bolt.axis is not None}
     if run is None or not drawn:
         return
-    unit = units_of(run.units).force
+    unit = run.unit_set.force
     forces = {f"preload [{unit}]": np.array([bolts[name].preload for name in drawn])}
     for case in _cases(run, static=True):
         values = [float(case.reference.bolt_forces[name]) for name in drawn]
@@ -146,7 +146,7 @@ def _bolts(run: Results | None, folder: Path) -> Iterator[Path]:
 
 
 def _interfaces(rom: ReducedModel, run: Results | None, folder: Path) -> Iterator[Path]:
-    units = units_of(rom.units)
+    units = rom.unit_set
     stems = file_names(rom.interfaces)
     preloaded = solve_at_ports(rom.joint).pressure
     moving = [case for case in _cases(run, static=False) if case.times is not None]
@@ -174,7 +174,7 @@ def _series(
     instants = np.unique(
         np.linspace(0, len(times) - 1, min(len(times), MOST_INSTANTS)).round().astype(np.int64)
     )
-    fields = averaged(record, _responses(rom, run, case), units_of(rom.units), instants)
+    fields = averaged(record, _responses(rom, run, case), rom.unit_set, instants)
     entries = []
     for number, time in enumerate(times[instants].tolist()):
         now = {name: values[number] for name, values in fields.items()}

@@ -11,7 +11,7 @@ from faying.files.names import file_names
 from faying.interface.surface import ContactSurface
 from faying.study.results.interface_surface import nodal_average, pair_facets
 from faying.study.results.values import CaseResult, InterfaceRecord, Response, Results
-from faying.units import Units, units_of
+from faying.units import Units
 
 
 def write_interface_vtu(results: Results, folder: Path) -> tuple[Path, ...]:
@@ -35,7 +35,7 @@ def write_interface_vtu(results: Results, folder: Path) -> tuple[Path, ...]:
     FormatError
         If a file cannot be written.
     """
-    units = units_of(results.units)
+    units = results.unit_set
     stems = file_names(results.interfaces)
     paths = []
     for name, record in results.interfaces.items():

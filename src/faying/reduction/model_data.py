@@ -17,6 +17,7 @@ from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 from faying.reduction.basis import Basis
 from faying.reduction.mesh_shapes import MeshShapes
+from faying.units import Units, units_of
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -88,3 +89,8 @@ class ModelData:
         for name in (*names, "invariants"):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    @property
+    def unit_set(self) -> Units:
+        """Units of all numbers here."""
+        return units_of(self.units)

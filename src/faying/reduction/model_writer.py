@@ -32,7 +32,7 @@ from faying.reduction.model_fields import (
     TABLES,
 )
 from faying.reduction.stored_compliance import StoredCompliance, stored_compliance
-from faying.units import Units, units_of
+from faying.units import Units
 
 MODEL = Format(
     name="reduced model",
@@ -58,7 +58,7 @@ _SHAPES = Meaning(
 
 def write_model(rom: ModelData, path: Path, *, shapes: bool, provenance: Mapping[str, str]) -> None:
     """Write one reduced model, as :meth:`ReducedModel.save`."""
-    units = units_of(rom.units)
+    units = rom.unit_set
     root = {
         "name": rom.name,
         "method": rom.method,

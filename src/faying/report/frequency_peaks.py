@@ -8,7 +8,6 @@ import numpy as np
 from faying.display.quantities import number
 from faying.report.table import PRESSURE, Column, Table, described
 from faying.study.results.values import Results
-from faying.units import units_of
 
 
 def peak_table(results: Results) -> Table:
@@ -43,4 +42,4 @@ def peak_table(results: Results) -> Table:
         Column("peak by the backbone", lambda row: row[3] and row[3].frequency, "1/time", 5),
         Column("amplitude by it", lambda row: row[3] and row[3].amplitude, "length"),
     )
-    return described("peak", peaks.items(), columns, units_of(results.units))
+    return described("peak", peaks.items(), columns, results.unit_set)

@@ -36,7 +36,6 @@ from faying.study.judgement.model_warnings import barely_held, kept_share, missi
 from faying.study.judgement.verdict import run_verdict
 from faying.study.results.mode_choice import mode_sentences
 from faying.study.results.values import Results
-from faying.units import units_of
 
 LONG = 22
 """Characters of a cell that may be broken into lines; a number stays with its unit."""
@@ -130,7 +129,7 @@ def render_methods(results: Results, figures: Sequence[FigureEntry], folder: Pat
         methods=meanings(results),
         reservations=[
             *doubtful_references(results),
-            *mode_sentences(results.mode_choices, units_of(results.units)),
+            *mode_sentences(results.mode_choices, results.unit_set),
             *remedies(results),
             *reservations(results),
         ],

@@ -13,7 +13,6 @@ from faying.report.style import label
 from faying.study.inputs.jumps import jump_sentence
 from faying.study.judgement.step_check import step_check
 from faying.study.results.values import CaseResult, MethodResult, Results
-from faying.units import units_of
 
 GOOD = 0.05
 """Largest relative pressure error that counts as trustworthy: the paper's method B, 20 modes."""
@@ -219,7 +218,7 @@ def reservations(results: Results) -> list[str]:
             f"{len(results.omissions)} part(s) of the validation could not be computed; see the "
             "warnings."
         )
-    time = units_of(results.units).time
+    time = results.unit_set.time
     for name, case in results.cases.items():
         history = case.kind == "history"
         said += filter(None, [jump_sentence(name, case.jumps, time, history=history)])

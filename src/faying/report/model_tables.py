@@ -9,12 +9,11 @@ from faying.interface.surface import curve_of
 from faying.report.table import Column, Table, described, table
 from faying.study.judgement.model_warnings import kept_share
 from faying.study.results.values import InterfaceRecord, Results
-from faying.units import units_of
 
 
 def model_table(results: Results) -> Table:
     """Return the facts of the model."""
-    units = units_of(results.units)
+    units = results.unit_set
     kinds = ", ".join(dict.fromkeys(block.kind for block in results.blocks)) or "none"
     elements = sum(len(block.ids) for block in results.blocks)
     rows = [
@@ -39,7 +38,7 @@ def _factorization(results: Results) -> Iterator[tuple[str, str]]:
 
 def _normal_modes(results: Results) -> Iterator[tuple[str, str]]:
     """Say whether all fixed-interface normal modes up to some frequency are there."""
-    count, units = results.normal_modes, units_of(results.units)
+    count, units = results.normal_modes, results.unit_set
     if count is None:
         return
     below = quantity(count.below, "Hz" if units.time == "s" else units.of("1/time"), 4)
@@ -69,7 +68,7 @@ def interface_table(results: Results) -> Table:
         ),
         Column("without preload pressure", _open, "%", 3),
     )
-    return described("interface", results.interfaces.items(), columns, units_of(results.units))
+    return described("interface", results.interfaces.items(), columns, results.unit_set)
 
 
 def _declared(face: InterfaceRecord) -> float | None:
@@ -111,4 +110,4 @@ def bolt_table(results: Results) -> Table:
         ),
         Column("initial force it is locked at", lambda bolt: bolt.initial_force, "force", 5),
     )
-    return described("bolt", results.bolts.items(), columns, units_of(results.units))
+    return described("bolt", results.bolts.items(), columns, results.unit_set)

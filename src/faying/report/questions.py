@@ -22,7 +22,7 @@ from faying.report.table import FL, PRESSURE, Cell, Column, Table, described, la
 from faying.study.judgement.comparison import rubbed
 from faying.study.judgement.opening import opening
 from faying.study.results.values import CaseResult, Results
-from faying.units import Units, units_of
+from faying.units import Units
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +72,7 @@ def _of_assessment(
 
 
 def _bolts(results: Results, assessment: Assessment) -> Section:
-    units = units_of(results.units)
+    units = results.unit_set
     columns = (
         Column("preload", lambda bolt: bolt.preload, "force", 5),
         Column("smallest force", lambda bolt: bolt.least, "force", 5),
@@ -144,7 +144,7 @@ def _opening(results: Results, assessment: Assessment, figures: Sequence[FigureE
     widest = max(areas.values(), key=lambda area: area.gap or 0.0, default=None)
     return Section(
         title="Opening",
-        tables=(clamp_table(areas, units_of(results.units)),),
+        tables=(clamp_table(areas, results.unit_set),),
         notes=(
             f"Opens: less than {percent(assessment.open_below)} of the area that the preload "
             "presses is pressed; the load grows in proportion, the bolts are locked."
@@ -236,7 +236,7 @@ def _slip(results: Results, assessment: Assessment, figures: Sequence[FigureEntr
 
 
 def _pressure(results: Results, assessment: Assessment, figures: Sequence[FigureEntry]) -> Section:
-    units = units_of(results.units)
+    units = results.unit_set
 
     def at(name: str) -> str:
         size = float(np.ptp(results.interfaces[name].points, axis=0).max())
@@ -261,7 +261,7 @@ def _pressure(results: Results, assessment: Assessment, figures: Sequence[Figure
 
 def _damping(results: Results, figures: Sequence[FigureEntry]) -> Section:
     """Return frequency and damping over amplitude, and what cycles take."""
-    units = units_of(results.units)
+    units = results.unit_set
     curves = {
         f"{case.name}, mode {mode}": item
         for case in results.cases.values()
@@ -321,7 +321,7 @@ def _measured(backbone: Any, index: int, units: Units) -> str:
 
 
 def _load_cases(results: Results, figures: Sequence[FigureEntry]) -> Section:
-    units = units_of(results.units)
+    units = results.unit_set
     loads = applied_loads(results.study_text, units)
     columns = (
         Column("kind", lambda case: case.kind),

@@ -11,7 +11,7 @@ from faying.report.figures.backbone import abscissa, unit_of
 from faying.study.judgement.comparison import increments, rubbed
 from faying.study.results.slip_record import SlipRecord
 from faying.study.results.values import CaseResult, InterfaceRecord, Results
-from faying.units import Units, units_of
+from faying.units import Units
 
 
 def slipping(record: InterfaceRecord, status: Indices) -> float:
@@ -102,7 +102,7 @@ def _in_vibration(results: Results) -> str:
             )
             if not len(slips):
                 continue
-            unit = unit_of(backbone, units_of(results.units))
+            unit = unit_of(backbone, results.unit_set)
             text = f"mode {mode} of {name} from {backbone.over} {quantity(slips.min(), unit)} on"
             if len(whole):
                 text += f", everything that touches from {quantity(whole.min(), unit)} on"

@@ -13,7 +13,6 @@ from faying.report.slip import most_slip
 from faying.report.table import FL, PRESSURE, Cell, Column, Table, described, largest
 from faying.study.judgement.comparison import rubbed
 from faying.study.results.values import CaseResult, Results
-from faying.units import units_of
 
 
 def demand_table(results: Results) -> Table:
@@ -40,7 +39,7 @@ def demand_table(results: Results) -> Table:
         Column("safety S_G", lambda item: min(item.safety.values(), default=None), "", 3),
         Column("not known", lambda item: item.unknown or None),
     )
-    return described("interface", demands.items(), columns, units_of(results.units))
+    return described("interface", demands.items(), columns, results.unit_set)
 
 
 def _needing(demand: SlipDemand) -> str | None:
@@ -79,7 +78,7 @@ def friction_table(results: Results) -> Table:
         Column("slides as a whole at", lambda case: _factor(case.reserve, "gross_slip"), "× load"),
         Column("interface", lambda case: (case.reserve and case.reserve.slides) or None),
     )
-    return described("load case", rows.items(), columns, units_of(results.units))
+    return described("load case", rows.items(), columns, results.unit_set)
 
 
 def _energy(case: CaseResult) -> float | None:
@@ -110,5 +109,5 @@ def _where(results: Results, case: CaseResult) -> str | None:
         return None
     record = results.interfaces[reserve.interface]
     size = float(np.ptp(record.points, axis=0).max())
-    point = place(record.points[reserve.point], units_of(results.units).length, size)
+    point = place(record.points[reserve.point], results.unit_set.length, size)
     return f"{reserve.interface} {point}"

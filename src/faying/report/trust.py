@@ -9,7 +9,7 @@ from faying.interface.surface import curve_of
 from faying.study.judgement.step_check import step_check
 from faying.study.judgement.step_choice import choice_sentence, step_choice
 from faying.study.results.values import CaseResult, InterfaceRecord, Results
-from faying.units import Units, units_of
+from faying.units import Units
 
 SMOOTH = 0.05
 """Excess of the largest point pressure over the largest nodal average that is not worth a word."""
@@ -17,7 +17,7 @@ SMOOTH = 0.05
 
 def trust(results: Results) -> dict[str, str]:
     """Return what is to be said of quadrature and mesh, time step and contact law, by title."""
-    units = units_of(results.units)
+    units = results.unit_set
     resolution = [*_resolution(results, units), *_mesh(results)]
     statements = {"Mesh and quadrature": " ".join(resolution)}
     steps = [text for name, case in results.cases.items() if (text := _step(name, case, units))]

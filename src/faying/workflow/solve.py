@@ -35,7 +35,7 @@ from faying.study.results.solved_fields import SolvedFields, write_solved
 from faying.study.stages.checkpoint import open_checkpoint
 from faying.study.stages.optional import Extras
 from faying.study.stages.progress import ProgressBar, Stages
-from faying.units import Units, units_of
+from faying.units import Units
 from faying.workflow.deciding_cases import not_judged
 from faying.workflow.outcome import Outcome
 from faying.workflow.solve_cases import CaseSolver
@@ -178,7 +178,7 @@ def solve_loads(
             compute_pieces(solver, loads, named, executor)
         static = solver.static(loads, named) if loads.names else None
         transients = {surface.load.name: solver.transient(surface) for surface in loads.transients}
-        assessment, units = None, units_of(rom.units)
+        assessment, units = None, rom.unit_set
         verdict = joint_verdict((), units, "see the warnings")
         with stages.stage("requirements"), extras.attempt("requirements"):
             judged = solved_assessment(
@@ -226,7 +226,7 @@ def _written(
     options: SolveOptions,
 ) -> dict[str, Any]:
     """Write tables and fields; return what the summary says of them."""
-    units, count, ending = units_of(rom.units), options.worst, options.table
+    units, count, ending = rom.unit_set, options.worst, options.table
     fields = None
     every = [*([] if static is None else [static]), *transients.values()]
     summary: dict[str, Any] = {

@@ -13,7 +13,7 @@ from faying.report.figures.entry import Drawn
 from faying.report.style import new_figure
 from faying.study.keys.measurements import sentence
 from faying.study.results.values import CaseResult, Results
-from faying.units import Units, units_of
+from faying.units import Units
 
 NEXT_TO_NONE = 1e-6
 """Damping below this share of the largest is drawn as none: a logarithm has no zero."""
@@ -111,7 +111,7 @@ def backbone_figure(results: Results, case: CaseResult) -> Drawn | None:
     curves = case.reference.backbones
     if not curves:
         return None
-    units = units_of(results.units)
+    units = results.unit_set
     figure = new_figure(13.0, 6.2)
     grid = figure.add_gridspec(2, 2)
     damping = figure.add_subplot(grid[0, 0])

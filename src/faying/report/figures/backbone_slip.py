@@ -12,7 +12,6 @@ from faying.report.figures.entry import Drawn
 from faying.report.figures.surface_map import draw_map, map_panels
 from faying.report.style import SLIP_MAP
 from faying.study.results.values import CaseResult, Results
-from faying.units import units_of
 
 NEXT_TO_NONE = 1e-6
 """Slip below this share of the largest is the residual of an increment."""
@@ -32,7 +31,7 @@ def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
     rows = [(mode, name) for mode in shown if shown[mode] for name in records]
     if not rows:
         return None
-    units = units_of(results.units)
+    units = results.unit_set
     columns = max(3, *map(len, shown.values()))
     figure, panels = map_panels([records[name] for _, name in rows], columns, 13.0, 0.7)
     for line, (mode, name) in zip(panels, rows, strict=True):

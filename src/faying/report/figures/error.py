@@ -13,7 +13,7 @@ from faying.report.figures.entry import Drawn
 from faying.report.figures.surface_map import draw_map, map_panels
 from faying.report.style import ERROR_MAP, label
 from faying.study.results.values import CaseResult, InterfaceRecord, MethodResult, Results
-from faying.units import Units, units_of
+from faying.units import Units
 
 JOINT_MODES = 20
 """Count of the paper's Fig. 15.6."""
@@ -77,7 +77,7 @@ def error_figure(results: Results, case: CaseResult) -> Drawn | None:
     top = float(reference.max(initial=0.0))
     if not methods or top <= 0:
         return None
-    units, records = units_of(results.units), results.interfaces
+    units, records = results.unit_set, results.interfaces
     errors = [(result.response.pressure - reference) / top for _, result in methods]
     worst = max(float(np.abs(error).max()) for error in errors)
     largest = min(max(worst, VISIBLE), SATURATED)

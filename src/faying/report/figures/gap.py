@@ -11,7 +11,7 @@ from faying.report.figures.surface_map import draw_map, draw_states, map_panels,
 from faying.report.style import GAP_MAP, OPEN_COLOUR
 from faying.study.judgement.opening import Opening, opening
 from faying.study.results.values import CaseResult, InterfaceRecord, Results
-from faying.units import Units, units_of
+from faying.units import Units
 
 STATES = {
     "pressed before and now": "#7FA6C9",
@@ -77,7 +77,7 @@ def gap_figure(results: Results, case: CaseResult) -> Drawn | None:
     Drawn or None
         Transients at the instant of their largest gap; None where all is closed.
     """
-    units, records = units_of(results.units), results.interfaces
+    units, records = results.unit_set, results.interfaces
     all_openings = {name: opening(record, case) for name, record in records.items()}
     openings = {name: item for name, item in all_openings.items() if item is not None}
     widest = max(openings.values(), key=lambda item: item.gap, default=None)

@@ -10,7 +10,7 @@ from faying.report.figures.surface_map import draw_map, map_panels
 from faying.report.style import SLIP_MAP, new_figure
 from faying.study.results.path_record import CycleRecord
 from faying.study.results.values import CaseResult, Results
-from faying.units import Units, units_of
+from faying.units import Units
 
 
 def plot_loops(case: CaseResult, axes: Axes, units: Units) -> Axes:
@@ -48,7 +48,7 @@ def loop_figure(results: Results, case: CaseResult) -> Drawn | None:
     cycles = case.reference.cycles
     if not cycles:
         return None
-    units = units_of(results.units)
+    units = results.unit_set
     figure = new_figure(13.0, 5.4)
     left, right = figure.subplots(1, 2)
     plot_loops(case, left, units)
@@ -84,7 +84,7 @@ def fretting_figure(results: Results, case: CaseResult) -> Drawn | None:
     cycles = list(case.reference.cycles.values())
     if not cycles or not records or not cycles[-1].fretting.any():
         return None
-    units, largest = units_of(results.units), cycles[-1]
+    units, largest = results.unit_set, cycles[-1]
     fields = (
         (largest.slip_range, f"slip range [{units.length}]"),
         (largest.fretting, f"slip range × traction [{units.of('force/length')}]"),

@@ -9,12 +9,11 @@ from faying.report.figures.entry import Drawn
 from faying.report.figures.surface_map import outline
 from faying.report.style import new_figure
 from faying.study.results.values import Results
-from faying.units import units_of
 
 
 def model_figure(results: Results) -> Drawn:
     """Draw the model of a run."""
-    units = units_of(results.units)
+    units = results.unit_set
     figure = new_figure(9.0, 9.0)
     axes = figure.add_subplot(projection="3d")
     plot_bodies(results.nodes, results.blocks, results.body, axes)

@@ -11,7 +11,7 @@ from faying.report.figures.entry import Drawn
 from faying.report.style import colour, new_figure
 from faying.study.results.slip_record import SlipRecord
 from faying.study.results.values import CaseResult, Results
-from faying.units import Units, units_of
+from faying.units import Units
 
 
 def path_figure(results: Results, case: CaseResult) -> Drawn | None:
@@ -19,7 +19,7 @@ def path_figure(results: Results, case: CaseResult) -> Drawn | None:
     path = case.reference.path
     if path is None:
         return None
-    units, steps = units_of(results.units), np.arange(1.0, len(path.factors) + 1)
+    units, steps = results.unit_set, np.arange(1.0, len(path.factors) + 1)
     figure = new_figure(11.5, 8.6)
     loads, *panels = figure.subplots(4, 1, sharex=True)
     for name, values in zip(path.loads, path.factors.T, strict=True):
@@ -56,7 +56,7 @@ def motion_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
     record, times = case.reference.friction, case.times
     if record is None or times is None:
         return None
-    units = units_of(results.units)
+    units = results.unit_set
     figure = new_figure(11.5, 6.8)
     panels = list(figure.subplots(3, 1, sharex=True))
     _plot_friction(record, case.reference.pressure, times, panels, units, marker="")

@@ -8,7 +8,7 @@ from faying.report.figures.pressure import POINTS, described_peak, plot_pressure
 from faying.report.figures.surface_map import draw_faces, map_panels
 from faying.report.style import colour
 from faying.study.results.values import InterfaceRecord, Results
-from faying.units import Units, units_of
+from faying.units import Units
 
 
 def plot_sticking(record: InterfaceRecord, axes: Axes, units: Units) -> Axes:
@@ -22,7 +22,7 @@ def plot_sticking(record: InterfaceRecord, axes: Axes, units: Units) -> Axes:
 
 def preload_figure(results: Results) -> Drawn:
     """Draw preload pressure by interface, and the sticking area where nothing has friction."""
-    units, records = units_of(results.units), results.interfaces
+    units, records = results.unit_set, results.interfaces
     tied = not results.rubbing
     columns = 2 if tied else 1
     figure, rows = map_panels(records.values(), columns, 5.5 * columns, 0.5)

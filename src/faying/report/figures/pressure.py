@@ -10,7 +10,7 @@ from faying.report.figures.entry import Drawn
 from faying.report.figures.plane import Unrolled, best_plane, looks_both_ways
 from faying.report.figures.surface_map import draw_map, map_panels
 from faying.study.results.values import CaseResult, InterfaceRecord, Results
-from faying.units import Units, units_of
+from faying.units import Units
 
 POINTS = (
     "Values at the contact points, each over the area nearest to it; a cross marks the largest, "
@@ -87,7 +87,7 @@ def _projected(record: InterfaceRecord) -> str:
 
 def pressure_figure(results: Results, case: CaseResult) -> Drawn:
     """Draw the reference pressure of a static case on all interfaces, on one colour scale."""
-    units, records = units_of(results.units), results.interfaces
+    units, records = results.unit_set, results.interfaces
     figure, rows = map_panels(records.values(), 1, 7.0, 0.5)
     largest = float(case.reference.pressure.max(initial=0.0))
     notes = []

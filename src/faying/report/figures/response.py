@@ -13,7 +13,7 @@ from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
 from faying.report.style import REFERENCE, colour, label, new_figure
 from faying.study.results.values import CaseResult, MethodResult, Response, Results
-from faying.units import Units, units_of
+from faying.units import Units
 
 COUNTS = (5, 20)
 """Joint modes of the paper's Fig. 15.7 (five) and Fig. 15.6 (twenty)."""
@@ -117,7 +117,7 @@ def response_figure(results: Results, case: CaseResult) -> Drawn | None:
     """Draw the response of a transient case; None for static ones."""
     if case.times is None or not len(case.times):
         return None
-    units = units_of(results.units)
+    units = results.unit_set
     boundaries = [name for name in case.components if largest_motion(case, name) is not None]
     n_row = len(boundaries) + 2
     figure = new_figure(11.5, 2.4 * n_row + 1.2)

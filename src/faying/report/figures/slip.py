@@ -13,7 +13,7 @@ from faying.report.figures.surface_map import draw_states, map_panels, name_stat
 from faying.report.slip import shown_slip, slipping
 from faying.report.style import OPEN_COLOUR
 from faying.study.results.values import CaseResult, InterfaceRecord, Results
-from faying.units import Units, units_of
+from faying.units import Units
 
 STATES = {"open": OPEN_COLOUR, "sticks": "#7FA6C9", "slips": "#D95F02"}
 """States of a contact point and their colours, in the order of their numbers."""
@@ -78,7 +78,7 @@ def slip_figure(results: Results, case: CaseResult) -> Drawn | None:
         without friction.
     """
     records = results.rubbing
-    units = units_of(results.units)
+    units = results.unit_set
     shown = shown_slip(case, units)
     if shown is None or not records:
         return None

@@ -10,7 +10,6 @@ from faying.reduction.methods import METHODS
 from faying.report.figures.entry import Drawn
 from faying.report.style import new_figure
 from faying.study.results.values import Results
-from faying.units import units_of
 
 NAMED = 14
 """Up to this many stages are named on the axis."""
@@ -30,7 +29,7 @@ def plot_tightening(results: Results, axes: Axes) -> Axes:
         axes.set_xlabel("stage of tightening, one bolt after the other")
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_ylim(bottom=0.0)
-    axes.set_ylabel(f"bolt force [{units_of(results.units).force}]")
+    axes.set_ylabel(f"bolt force [{results.unit_set.force}]")
     if len(results.bolts) > 1:
         axes.legend()
     return axes
@@ -40,7 +39,7 @@ def tightening_figure(results: Results) -> Drawn | None:
     """Draw the tightening history; None without bolts or history."""
     if not any(len(bolt.history) for bolt in results.bolts.values()):
         return None
-    units = units_of(results.units)
+    units = results.unit_set
     figure = new_figure(7.5, 4.2)
     plot_tightening(results, figure.add_subplot())
     figure.suptitle("Bolt forces while tightening")

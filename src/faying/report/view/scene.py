@@ -25,7 +25,6 @@ from faying.study.judgement.comparison import increments
 from faying.study.judgement.verdict import run_verdict
 from faying.study.results.interface_surface import pair_facets
 from faying.study.results.values import CaseResult, InterfaceRecord, Response, Results
-from faying.units import units_of
 
 ROOM = 4_000_000
 """Bytes of a page for what its view shows; with scripts, text and tables it stays below 5 MB."""
@@ -80,7 +79,7 @@ def scene(results: Results, room: int = ROOM) -> SceneText | None:
     if len(surface.nodes) > MOST_NODES:
         notes.append("The surface of the bodies is too large for a page; their edges are drawn.")
         surface = surface.outline(np.concatenate(pairs).ravel())
-    units = units_of(results.units)
+    units = results.unit_set
     frames_of = {name: frames(case, units) for name, case in results.cases.items()}
     shown: dict[str, Any] = {
         "units": {

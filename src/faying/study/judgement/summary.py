@@ -23,7 +23,6 @@ from faying.study.results.mode_choice import chosen_count, mode_sentences
 from faying.study.results.path_record import CycleRecord
 from faying.study.results.validation_record import ValidationRecord
 from faying.study.results.values import CaseResult, InterfaceRecord, MethodResult, Response, Results
-from faying.units import units_of
 
 TRAINING = ["static training", "step training"]
 """Stages in which methods learn."""
@@ -100,7 +99,7 @@ def _chosen_modes(results: Results) -> dict[str, Any] | None:
     choices = results.mode_choices
     if not choices:
         return None
-    said = mode_sentences(choices, units_of(results.units))
+    said = mode_sentences(choices, results.unit_set)
     return {
         "count": chosen_count(choices),
         "load_cases": {

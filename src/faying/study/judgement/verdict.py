@@ -9,12 +9,11 @@ from faying.assessment.check import Check
 from faying.assessment.joint_checks import joint_checks
 from faying.assessment.joint_verdict import JointVerdict, joint_verdict
 from faying.study.results.values import CaseResult, Results
-from faying.units import units_of
 
 
 def run_verdict(results: Results) -> JointVerdict:
     """Return the verdict on the joint over the load cases of a run."""
-    units, assessment = units_of(results.units), results.assessment
+    units, assessment = results.unit_set, results.assessment
     if assessment is None:
         reasons = [text for text in results.omissions if text.startswith("joint assessment")]
         missing = "; ".join(reasons) or "see the warnings"

@@ -11,7 +11,6 @@ from faying.files.meanings import Meaning, Table, meanings
 from faying.interface.surface import ContactSurface
 from faying.reduction.model_fields import GEOMETRY
 from faying.reduction.reduced_model import ReducedModel
-from faying.units import units_of
 
 SOLVED = Format(
     name="solved load cases",
@@ -88,6 +87,6 @@ def write_solved(
         "static": static,
         "transients": transients or None,
     }
-    units = units_of(rom.units)
+    units = rom.unit_set
     with new_file(path, SOLVED, {"title": rom.name, "units": rom.units}, units) as file:
         write_members(file, members, ROOT, units, TABLES)

@@ -22,6 +22,7 @@ from faying.study.results.path_record import CycleRecord, PathRecord
 from faying.study.results.second_solution import Remedy
 from faying.study.results.slip_record import SlipRecord
 from faying.study.results.validation_record import ValidationRecord
+from faying.units import Units, units_of
 
 FULL_MODEL = "full model"
 """What people call the reference that is no reduced model."""
@@ -350,3 +351,8 @@ class Results:
     def rubbing(self) -> Mapping[str, InterfaceRecord]:
         """The interfaces with friction."""
         return {name: face for name, face in self.interfaces.items() if face.friction > 0}
+
+    @property
+    def unit_set(self) -> Units:
+        """Units of all numbers here."""
+        return units_of(self.units)

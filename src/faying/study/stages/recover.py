@@ -25,7 +25,6 @@ from faying.study.results.recovered import RecoveredRecord
 from faying.study.results.store import read_results
 from faying.study.results.values import Results
 from faying.study.stages.imported_history import ImportedHistory, read_imported_history
-from faying.units import units_of
 
 Derivatives = Literal["spline", "backward"]
 
@@ -172,7 +171,7 @@ def peaks(results: Results, recovered: RecoveredRecord) -> Iterator[Peak]:
 
 def peak_fields(results: Results, recovered: RecoveredRecord, interface: str) -> dict[str, Matrix]:
     """Return nodal averages at the instant of the largest pressure, for pictures."""
-    units, record = units_of(results.units), results.interfaces[interface]
+    units, record = results.unit_set, results.interfaces[interface]
     instant = int(recovered.max_pressure.argmax())
     # Averages are largest where values are, but not always at the same instant.
     averages = nodal_average(record, recovered.pressure)
