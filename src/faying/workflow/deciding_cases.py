@@ -18,7 +18,6 @@ from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import InputRow
 from faying.simulation.static import solve_static_inputs
 from faying.study.inputs.load_set import LoadSet
-from faying.units import units_of
 from faying.workflow.solved_cases import SolvedCases
 
 ALL_JUDGED = 50
@@ -126,4 +125,4 @@ def loosened_checks(
         return ()
     opens = opening_cases(nominal)
     loose = judged_loads(rom, rest, loads, opens, requirements, coefficients, initial)
-    return loosest_checks(loose, units_of(rom.units))
+    return loosest_checks(loose, rom.unit_set)
