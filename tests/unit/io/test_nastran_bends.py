@@ -119,7 +119,7 @@ def test_half_of_the_mass_is_at_either_end(read: Read) -> None:
 @pytest.mark.parametrize(
     ("cards", "message"),
     [
-        ("CBEND,4,6,1,2,3,,,3", "property 6 is not a PBEND"),
+        ("CBEND,4,6,1,2,3,,,3", "property 6 is not in the deck"),
         ("CBEND,4,5,1,1,3,,,3", "nodes coincide"),
         ("CBEND,4,5,1,2,3.,-3.,0.,3", "lie on the line of the nodes"),
         ("CBEND,4,5,1,2,1.,1.,0.,1", "GEOM = 1 with RB = 3"),

@@ -138,7 +138,7 @@ def test_includes_beside_the_deck_where_none_is_beside_the_file(tmp_path: Path) 
         ("GRID,5,77,1.,0.,0.", r"8: GRID: coordinate system 77 is not in the deck"),
         ("CTETRA,7,3,1,2,3,4", r"8: CTETRA: element 7 is already used at .*a\.bdf:5"),
         ("CTETRA,8,3,1,2,3,44", r"8: CTETRA: GRID 44 is not in the deck"),
-        ("CTETRA,8,33,1,2,3,4", r"8: CTETRA: property 33 is not a PSOLID"),
+        ("CTETRA,8,33,1,2,3,4", r"8: CTETRA: property 33 is not in the deck.*PSOLID"),
         ("CTETRA,8,3,1,2,3", r"8: CTETRA: 3 nodes; supported are 4 or 10"),
         ("CTETRA,8,3,1,2,3,3", r"8: CTETRA: element 8 has the same node twice"),
         ("MAT1,9,1.,,.3", r"8: MAT1: material 9 is already defined at .*a\.bdf:7"),
@@ -149,10 +149,10 @@ def test_includes_beside_the_deck_where_none_is_beside_the_file(tmp_path: Path) 
         ("PBUSH,4,K,1.\nPBUSH,4,K,2.", r"9: PBUSH: property 4 is already defined at .*a\.bdf:8"),
         ("PROD,4,9,1.\nPROD,4,9,2.", r"9: PROD: property 4 is already defined at .*a\.bdf:8"),
         ("PSHELL,4,9,1.\nPSHELL,4,9,2.", r"9: PSHELL: property 4 is already defined at .*bdf:8"),
-        ("CBUSH,8,4,1,2,,,,0", r"8: CBUSH: property 4 is not a PBUSH of the deck"),
-        ("CROD,8,4,1,2", r"8: CROD: property 4 is not a PROD of the deck"),
-        ("CBAR,8,4,1,2,0.,0.,1.", r"8: CBAR: property 4 is not a PBAR or PBARL of the deck"),
-        ("CELAS1,8,4,1,1,2,1", r"8: CELAS1: property 4 is not a PELAS of the deck"),
+        ("CBUSH,8,4,1,2,,,,0", r"8: CBUSH: property 4 is not in the deck.*PBUSH"),
+        ("CROD,8,4,1,2", r"8: CROD: property 4 is not in the deck.*PROD"),
+        ("CBAR,8,4,1,2,0.,0.,1.", r"8: CBAR: property 4 is not in the deck.*PBAR or PBARL"),
+        ("CELAS1,8,4,1,1,2,1", r"8: CELAS1: property 4 is not in the deck.*PELAS"),
         ("CONM2,8,1,6,1.,,,,,\n,1.", r"8: CONM2: coordinate system 6 is not in the deck"),
         ("PBUSH,4,K,1.\nCBUSH,8,4,1,2,,,,6", r"9: CBUSH: coordinate system 6 is not in the deck"),
         ("GRAV,8,6,9.81,0.,0.,1.", r"8: GRAV: coordinate system 6 is not in the deck"),
@@ -170,5 +170,5 @@ def test_other_faults(tmp_path: Path) -> None:
         read_deck(deck(tmp_path / "a.bdf", "$ nothing\n"))
     with pytest.raises(FormatError, match=r"a\.bdf:1: a continuation line without a card"):
         read_deck(deck(tmp_path / "a.bdf", "+       1\n"))
-    with pytest.raises(FormatError, match="material 8 is not a MAT1"):
+    with pytest.raises(FormatError, match=r"material 8 is not in the deck.*MAT1"):
         read_deck(deck(tmp_path / "a.bdf", SMALL.replace("3       9\n", "3       8\n")))

@@ -85,7 +85,7 @@ def test_bushes_and_their_axes(read: Read) -> None:
     [
         ("CBUSH,1,20,1,2", "need an orientation"),
         ("CBUSH,1,20,1", "give the axes of the springs by CID"),
-        ("CBUSH,1,22,1,2,,,,0", "property 22 is not a PBUSH"),
+        ("CBUSH,1,22,1,2,,,,0", "property 22 is not in the deck.*PBUSH"),
         ("CBUSH,1,20,1,2,1.,0.,0.", "parallel to the line"),
         ("PBUSH,23,K,-1.", "neither may be negative"),
         ("PBUSH,23,X,1.", "'X' in field 3 is not supported"),
@@ -303,7 +303,7 @@ def test_layers_lie_at_their_angles(read: Read) -> None:
         ("PCOMP,1,,,,,,,BEND\n,9,1.", "LAM = 'BEND' is not supported"),
         ("PCOMP,1\n,9,-1.", "layer has thickness"),
         ("PCOMP,1", "no layers"),
-        ("PCOMP,2\n,9,1.", "property 1 is not a PSHELL, PCOMP"),
+        ("PCOMP,2\n,9,1.", "property 1 is not in the deck.*PSHELL, PCOMP"),
         ("MAT8,8,1.,1.,2.\nPSHELL,1,8,1.", "no stable material"),
     ],
 )

@@ -71,7 +71,7 @@ class BeamEnds:
         return new, position
 
     def pinned(
-        self, card: Card, nodes: tuple[int, int], places: tuple[Vector, Vector], v: Vector
+        self, card: Card, nodes: tuple[int, int], places: tuple[Vector, Vector], axes: Matrix
     ) -> tuple[int, int]:
         """Return the nodes of a beam, new ones where an end has pins.
 
@@ -80,10 +80,6 @@ class BeamEnds:
         """
         first, second = (_released(card, field) for field in PINS)
         released = [c for c in second if not (c in first and c in (0, 3))]
-        x = places[1] - places[0]
-        z = np.cross(x, v)
-        axes = np.array([x, np.cross(z, x), z])
-        axes = axes / np.linalg.norm(axes, axis=1)[:, None]
         a = self._hinge(card, nodes[0], places[0], first, axes)
         return a, self._hinge(card, nodes[1], places[1], released, axes)
 

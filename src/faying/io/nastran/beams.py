@@ -6,8 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.io.axes import axes_along
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.beam_ends import BeamEnds
+from faying.io.nastran.bushes import orientation
 from faying.io.nastran.cards import Card, Cards, property_of
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.principal_axes import turned_about
@@ -74,11 +76,11 @@ def _beam(card: Card, grids: Grids, sections: Mapping[int, Property], ends: Beam
     (start, origin), (end, to) = (
         ends.offset(card, grids, i, node, along) for i, node in enumerate(grid_ends)
     )
-    _check(card, to - origin, vector)
+    axes = _axes(card, to - origin, vector)
     x, y, z = turned_about(to - origin, vector, angle).tolist()
     return Beam(
         id=number,
-        nodes=ends.pinned(card, (start, end), (origin, to), vector),
+        nodes=ends.pinned(card, (start, end), (origin, to), axes),
         section=section,
         material=material,
         orientation=(x, y, z),
@@ -92,30 +94,24 @@ def _orientation(card: Card, grids: Grids, start: int) -> Vector:
     # a p-version element.
     if flag and flag not in {"1", "2", *(a + b + c for a in "GB" for b in "GO" for c in "GO")}:
         card.refuse(f"OFFT = '{flag}' is not supported; leave it blank or give GGG or BGG", 7)
-    if card.text(5) or card.text(6) or numbers.integer(card.text(4)) is None:
-        vector = np.array([card.real(4 + j, 0.0) for j in range(3)])
-        axes = None if flag.startswith("B") else grids.systems.axes(start)
-        return vector if axes is None else vector @ axes
-    return np.asarray(grids.nodes[grids.one(card, 4)] - grids.nodes[start])
+    vector = orientation(card, grids, start, basic=flag.startswith("B"))
+    return np.zeros(3) if vector is None else vector
 
 
 def _between(card: Card, grids: Grids, grid_ends: tuple[int, int], vector: Vector) -> Matrix:
     """Axes (3, 3) from grid to grid, where offsets (O of OFFT) are along them; else basic ones."""
     if "O" not in card.text(7):
         return np.eye(3)
-    axis = grids.nodes[grid_ends[1]] - grids.nodes[grid_ends[0]]
-    _check(card, axis, vector)
-    z = np.cross(axis, vector)
-    axes = np.array([axis, np.cross(z, axis), z])
-    return np.asarray(axes / np.linalg.norm(axes, axis=1)[:, None])
+    return _axes(card, grids.nodes[grid_ends[1]] - grids.nodes[grid_ends[0]], vector)
 
 
-def _check(card: Card, axis: Vector, vector: Vector) -> None:
-    """Refuse a beam without length, or without a direction across it."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        length, size = np.linalg.norm(axis), np.linalg.norm(vector)
-        across = np.linalg.norm(np.cross(axis, vector))
+def _axes(card: Card, axis: Vector, vector: Vector) -> Matrix:
+    """Axes (3, 3) of a beam, which must have a length and a direction across it."""
+    with np.errstate(over="ignore"):
+        length = np.linalg.norm(axis)
     if not 0 < length < np.inf:
         card.refuse("the beam has no length; its two nodes coincide")
-    if not across > _PARALLEL * length * size or not np.isfinite(across):
+    axes = axes_along(axis, vector, _PARALLEL)
+    if axes is None:
         card.refuse("the orientation vector is zero or parallel to the beam; give another one", 4)
+    return axes

@@ -21,7 +21,7 @@ import numpy as np
 from faying._typing import Vector
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.bushes import orientation
-from faying.io.nastran.cards import Card, Cards, properties_by_id, property_of
+from faying.io.nastran.cards import Card, Cards, by_id, property_of
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.solids import material_of
 from faying.model.assembly import Bush, Material
@@ -72,7 +72,7 @@ def read_bends(
         As :func:`faying.io.nastran.materials.shear_factors`.
     """
     bushes: list[Bush] = []
-    properties = properties_by_id(cards, "PBEND")
+    properties = by_id(cards, "PBEND", what="property")
     heavy = 0
     for card in cards.get("CBEND", ()):
         bend = property_of(card, properties, "PBEND")

@@ -16,6 +16,7 @@ from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.moved_supports import Moved
+from faying.io.nastran.selection import chosen_sets
 from faying.io.nastran.solid_bolts import read_solid_bolts
 from faying.io.nastran.split_bolts import (
     SPLIT,
@@ -138,7 +139,7 @@ def _elements(card: Card, beams: tuple[Beam, ...]) -> tuple[int, ...]:
     if kind != 1:
         card.refuse(f"ETYPE = {kind}; it is 1 (beams), 2 or 3 (solids)", 1)
     beam_ids = np.array(sorted(beam.id for beam in beams), dtype=np.int64)
-    ids = id_list(card, [text for text in card.texts[2:] if text], beam_ids)
+    ids = id_list(card, card.texts[2:], beam_ids)
     missing = sorted(set(ids) - set(beam_ids.tolist()))
     if missing or not ids:
         what = f"element {missing[0]} is no CBAR or CBEAM of the deck" if missing else "no elements"
@@ -156,9 +157,8 @@ def _forces(
         force = card.real(1)
         if not force >= 0:
             card.refuse(f"the force is {force:g}; a bolt is tightened by a positive one", 1)
-        for bolt in id_list(card, [text for text in card.texts[2:] if text], np.array(list(names))):
-            if bolt not in names:
-                card.refuse(f"bolt {bolt} is not a BOLT of the deck; define it", 2)
+        for bolt in id_list(card, card.texts[2:], np.array(list(names))):
+            card.find(names, 2, "bolt", "BOLT", bolt)
             if bolt in of_set:
                 card.refuse(f"bolt {bolt} has two forces in set {card.integer(0)}; remove one", 2)
             of_set[bolt] = force
@@ -168,32 +168,21 @@ def _forces(
         message = f"{cards['BOLTLD'].where(0)}: set {min(both)} is also a BOLTFOR; renumber one"
         raise FormatError(message)
     available = {**sets, **combined}
-    chosen = control.bolts
-    if chosen is None and not control.present and len(sets) == 1 and not combined:
-        return next(iter(sets.values()))
-    if chosen is None:
-        if available:
-            shown = ", ".join(map(str, available))
-            ignored.append(f"bolt forces of sets {shown} (case control selects none by BOLTLD)")
-        return {}
-    if chosen not in available:
-        numbers = ", ".join(map(str, available)) or "none"
-        message = (
-            f"case control selects BOLTLD = {chosen}, but the sets of bolt forces are {numbers}"
-        )
-        raise FormatError(message)
-    return available[chosen]
+    if control.bolts is None and not control.present and len(available) == 1:
+        return next(iter(available.values()))
+    what = "sets of bolt forces"
+    chosen, note = chosen_sets(control, control.bolts, available, what, "BOLTLD")
+    if len(chosen) == 1:
+        return available[chosen[0]]
+    if available:
+        ignored.append(note or f"{what} {', '.join(map(str, chosen))} (give case control a BOLTLD)")
+    return {}
 
 
 def _combination(card: Card, sets: dict[int, dict[int, float]]) -> dict[int, float]:
-    """Add sets of BOLTFOR with factors: SID, S, S1, L1, S2, L2, ..."""
-    overall, total = card.real(1), dict[int, float]()
-    for field in range(2, len(card), 2):
-        if not card.text(field) and not card.text(field + 1):
-            continue
-        factor, member = overall * card.real(field), card.integer(field + 1)
-        if member not in sets:
-            card.refuse(f"set {member} is not a BOLTFOR of the deck; define it", field + 1)
-        for bolt, force in sets[member].items():
+    """Add sets of BOLTFOR with factors."""
+    total = dict[int, float]()
+    for factor, member, field in card.combination():
+        for bolt, force in card.find(sets, field + 1, "set", "BOLTFOR", member).items():
             total[bolt] = total.get(bolt, 0.0) + factor * force
     return total

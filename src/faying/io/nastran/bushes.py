@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.io.axes import any_across, axes_along
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.cards import Card, Cards, properties_by_id, property_of
+from faying.io.nastran.cards import Card, Cards, by_id, property_of
 from faying.io.nastran.grids import Grids
 from faying.model.assembly import Bush
 
@@ -38,7 +39,7 @@ def read_bushes(
     springs act at the fraction S between the nodes, or at the place given in OCID.
     """
     properties = {
-        name: {number: read(card) for number, card in properties_by_id(cards, name).items()}
+        name: {number: read(card) for number, card in by_id(cards, name, what="property").items()}
         for name, read in (("PBUSH", _general), ("PBUSH1D", _axial))
     }
     bushes: list[Bush] = []
@@ -108,42 +109,42 @@ def _axes(card: Card, bush_property: _Property, grids: Grids, start: int, line: 
     field = 7 if card.cards.name == "CBUSH" else 4
     if card.text(field):
         frame = grids.systems.frame_of(card, field)
-        axes = np.asarray(frame.directions(grids.nodes[start][None])[0])
-        if card.cards.name == "CBUSH1D" and np.abs(np.cross(axes[0], line)).max() > _OFF * max(
+        of_frame = np.asarray(frame.directions(grids.nodes[start][None])[0])
+        if card.cards.name == "CBUSH1D" and np.abs(np.cross(of_frame[0], line)).max() > _OFF * max(
             float(np.abs(line).max()), 1e-300
         ):
             card.refuse(
                 "its nodes lie apart across the axis of CID; use CBUSH, or leave CID blank", field
             )
-        return axes
+        return of_frame
     with np.errstate(over="ignore"):
         length = float(np.linalg.norm(line))
     if not 0 < length < np.inf:
         card.refuse("its nodes coincide or GB is blank; give the axes of the springs by CID", field)
-    x = line / length
     vector = orientation(card, grids, start) if field == 7 else None
     if vector is None:
         if any(bush_property.stiffness[component] for component in (1, 2, 4, 5)):
             card.refuse(
                 "springs across the line of its nodes need an orientation (GO, X1 to X3 or CID)", 4
             )
-        vector = np.eye(3)[int(np.abs(x).argmin())]
-    across = np.cross(x, vector)
-    size = float(np.linalg.norm(across))
-    if not size > _PARALLEL * float(np.linalg.norm(vector)):
+        vector = np.array(any_across(line))
+    axes = axes_along(line, vector, _PARALLEL)
+    if axes is None:
         card.refuse("the orientation vector is zero or parallel to the line of the nodes", 4)
-    z = across / size
-    return np.array([x, np.cross(z, x), z])
+    return axes
 
 
-def orientation(card: Card, grids: Grids, start: int) -> Vector | None:
-    """Vector in the x-y plane, in the basic frame; None if the card gives none."""
+def orientation(card: Card, grids: Grids, start: int, *, basic: bool = False) -> Vector | None:
+    """Return the vector in the x-y plane, in the basic frame; None if the card gives none.
+
+    Its components are basic ones, or those of the displacement system of the first grid.
+    """
     if not any(card.text(field) for field in (4, 5, 6)):
         return None
     if not card.text(5) and not card.text(6) and numbers.integer(card.text(4)) is not None:
         return np.asarray(grids.nodes[grids.one(card, 4)] - grids.nodes[start])
-    vector = np.array([card.real(field, 0.0) for field in (4, 5, 6)])
-    axes = grids.systems.axes(start)
+    vector = card.reals((4, 5, 6), 0.0)
+    axes = None if basic else grids.systems.axes(start)
     return vector if axes is None else np.asarray(vector @ axes)
 
 

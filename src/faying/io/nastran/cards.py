@@ -3,13 +3,13 @@
 Field j of a card is where the reference guide puts it: row j // 8, field j % 8 + 2 of the row.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NoReturn, TypeVar
 
 import numpy as np
 
-from faying._typing import Indices, Mask, Vector
+from faying._typing import Indices, Mask, Matrix, Vector
 from faying.exceptions import FormatError
 from faying.io.deck_lines import Lines
 from faying.io.nastran import fields as numbers
@@ -130,6 +130,13 @@ class Cards:
         self._check(raw, bad, field, "a real number", default is None)
         return np.where(bad, default or 0.0, values)
 
+    def check_finite(self, vectors: Matrix, rows: Indices | None = None) -> None:
+        """Refuse loads (n, ...) that are too large; ``rows`` (n,) are the cards they are of."""
+        wrong = np.flatnonzero(~np.isfinite(vectors).reshape(len(vectors), -1).all(axis=1))
+        if wrong.size:
+            card = wrong[0] if rows is None else rows[wrong[0]]
+            self.refuse(int(card), "the load is too large for a number")
+
     def _check(self, raw: Fields, bad: Mask, field: int, kind: str, required: bool) -> None:
         if not bad.any():
             return
@@ -205,6 +212,36 @@ class Card:
         """Return file:line and the name."""
         return self.cards.where(self.number)
 
+    def find(
+        self,
+        table: Mapping[int, Read],
+        field: int,
+        what: str,
+        kinds: str,
+        number: int | None = None,
+    ) -> Read:
+        """Return what a field names by its id, or ``number`` in its place.
+
+        ``kinds`` are the cards that could define it.
+        """
+        number = self.integer(field) if number is None else number
+        if number not in table:
+            self.refuse(f"{what} {number} is not in the deck; define it ({kinds})", field)
+        return table[number]
+
+    def reals(self, fields: Iterable[int], default: float | None = None) -> Vector:
+        """Return several fields (n,) as reals."""
+        return np.array([self.real(field, default) for field in fields])
+
+    def combination(self) -> list[tuple[float, int, int]]:
+        """Return factors, sets and their fields of S, S1, L1, S2, L2, ...; S = 1 unless given."""
+        overall = self.real(1, 1.0)
+        return [
+            (overall * self.real(field), self.integer(field + 1), field)
+            for field in range(2, len(self), 2)
+            if self.text(field) or self.text(field + 1)
+        ]
+
     def refuse_given(self, fields: Sequence[int]) -> None:
         """Raise if one of the fields, which must be blank, is not."""
         for field in fields:
@@ -226,7 +263,7 @@ class Card:
 
 
 def by_id(cards: Mapping[str, Cards], *names: str, what: str = "") -> dict[int, Card]:
-    """Return cards by the id in their first field.
+    """Return cards by the id in their first field, which occurs once.
 
     Parameters
     ----------
@@ -242,14 +279,9 @@ def by_id(cards: Mapping[str, Cards], *names: str, what: str = "") -> dict[int, 
     return by_number
 
 
-def properties_by_id(cards: Mapping[str, Cards], *names: str) -> dict[int, Card]:
-    """Return the properties of some names; see :func:`by_id`."""
-    return by_id(cards, *names, what="property")
-
-
 def property_of(card: Card, properties: Mapping[int, Read], kinds: str) -> Read:
-    """Return the property of an element, whose own id is that of a blank field."""
-    number = card.integer(1, card.integer(0))
-    if number not in properties:
-        card.refuse(f"property {number} is not a {kinds} of the deck; define it", 1)
-    return properties[number]
+    """Return the property of an element, whose own id is that of a blank field.
+
+    ``kinds`` names the cards that could define it.
+    """
+    return card.find(properties, 1, "property", kinds, card.integer(1, card.integer(0)))

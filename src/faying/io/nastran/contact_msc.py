@@ -25,6 +25,7 @@ from faying.io.nastran.contact_parameters import (
 )
 from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.regions import Region
+from faying.io.nastran.selection import chosen_sets
 
 _SECONDARY = frozenset(("SECNDRY", "SLAVE", "SLAVES"))
 _PRIMARY = frozenset(("PRIMARY", "MASTERS", "MASTER"))
@@ -150,28 +151,23 @@ def _selected_groups(
         raise FormatError(message)
     if chosen == "ALLBODY":
         return []
-    if chosen in ("NONE", 0) or (chosen is None and control.present):
-        if numbers:
-            shown = ", ".join(map(str, numbers))
-            ignored[f"contact tables {shown} (case control selects none by BCONTACT)"] = None
-        return []
-    selected = numbers if chosen is None else [chosen]
+    if chosen in ("NONE", 0):
+        control, chosen = replace(control, present=True), None
+    number = chosen if isinstance(chosen, int) else None
+    selected, note = chosen_sets(control, number, numbers, "contact tables", "BCONTACT")
+    if note:
+        ignored[note] = None
     groups: list[_Group] = []
     for number in selected:
-        if number not in numbers:
-            shown = ", ".join(map(str, numbers)) or "none"
-            message = f"case control selects BCONTACT = {number}, but the tables are {shown}"
-            raise FormatError(message)
         if number in tables:
-            groups += _table_groups(tables[int(number)], ignored)
+            groups += _table_groups(tables[number], ignored)
         if number in lists:
-            card = lists[int(number)]
-            for member in id_list(card, [text for text in card.texts[1:] if text]):
-                if member not in pairs:
-                    card.refuse(f"BCONECT {member} is not in the deck; define it")
-                groups.append(_connection(cards, pairs[member], ignored))
+            card = lists[number]
+            for member in id_list(card, card.texts[1:]):
+                connection = card.find(pairs, 0, "BCONECT", "contact pair", member)
+                groups.append(_connection(cards, connection, ignored))
         elif not lists and number in pairs:
-            groups.append(_connection(cards, pairs[int(number)], ignored))
+            groups.append(_connection(cards, pairs[number], ignored))
     return groups
 
 
@@ -199,9 +195,9 @@ def _table_groups(card: Card, ignored: dict[str, None]) -> list[_Group]:
             groups[-1].parameters = replace(groups[-1].parameters, glued=is_glued(card, first + 6))
         elif word in _PRIMARY and groups:
             section = "primary"
-            groups[-1].primary += id_list(card, [text for text in texts[1:] if text])
+            groups[-1].primary += id_list(card, texts[1:])
         elif not word and section == "primary":
-            groups[-1].primary += id_list(card, [text for text in texts[1:] if text])
+            groups[-1].primary += id_list(card, texts[1:])
         elif not word and section and texts[1] in _SECTIONS:
             section = "parameters"
             ignored[f"BCTABLE {texts[1]}"] = None
@@ -232,10 +228,8 @@ def _connection(cards: Mapping[str, Cards], card: Card, ignored: dict[str, None]
         number = card.integer(parameter_field, 0)
         if not number:
             continue
-        parameter_cards = by_id(cards, name)
-        if number not in parameter_cards:
-            card.refuse(f"{name} {number} is not in the deck; define it", parameter_field)
-        read = read_parameters(parameter_cards[number], 1, ignored)
+        parameters = card.find(by_id(cards, name), parameter_field, name, "parameters")
+        read = read_parameters(parameters, 1, ignored)
         group.parameters = Parameters(
             within_error=read.within_error or group.parameters.within_error,
             error=read.error or group.parameters.error,
@@ -253,7 +247,7 @@ def _connection(cards: Mapping[str, Cards], card: Card, ignored: dict[str, None]
         if word and word not in _SECONDARY | _PRIMARY:
             card.refuse(f"'{word}' stands where SECNDRY or PRIMARY is expected", first)
         current = {True: "secondary", False: "primary"}[word in _SECONDARY] if word else current
-        ids = [text for text in texts[1:] if text]
+        ids = texts[1:]
         if current and not listed[current]:
             members[current] += id_list(card, ids)
     if not group.secondary or not group.primary:
@@ -292,15 +286,7 @@ def _body_friction(cards: Mapping[str, Cards], card: Card, ignored: dict[str, No
 
 
 def _bodies(cards: Mapping[str, Cards]) -> dict[int, Card]:
-    bodies: dict[int, Card] = {}
-    for name in ("BCBODY", "BCBODY1", "BCSURF"):
-        for number, card in by_id(cards, name).items():
-            if number in bodies:
-                card.refuse(
-                    f"body {number} is already defined at {bodies[number].where()}; renumber one"
-                )
-            bodies[number] = card
-    return bodies
+    return by_id(cards, "BCBODY", "BCBODY1", "BCSURF", what="body")
 
 
 def _region(
@@ -312,9 +298,7 @@ def _region(
     ignored: dict[str, None],
 ) -> Region:
     """Region of a contact body, which must be deformable."""
-    if number not in bodies:
-        user.refuse(f"contact body {number} is not a BCBODY or BCBODY1 of the deck; define it")
-    card = bodies[number]
+    card = user.find(bodies, 0, "contact body", "BCBODY or BCBODY1", number)
     if card.cards.name == "BCSURF":
         return regions[-number]
     new = card.cards.name == "BCBODY1"
@@ -330,8 +314,6 @@ def _region(
             behaviour,
         )
     if new and card.integer(1, 0):
-        body_properties = by_id(cards, "BCBDPRP").get(card.integer(1))
-        if body_properties is None:
-            card.refuse(f"BCBDPRP {card.integer(1)} is not in the deck; define it", 1)
-        read_parameters(body_properties, 1, ignored)
+        properties = card.find(by_id(cards, "BCBDPRP"), 1, "BCBDPRP", "parameters")
+        read_parameters(properties, 1, ignored)
     return region_of(regions, card, region)

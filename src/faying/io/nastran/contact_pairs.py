@@ -57,12 +57,7 @@ def rows(card: Card) -> Iterator[tuple[int, list[str]]]:
 
 def region_of(regions: dict[int, Region], card: Card, field: int) -> Region:
     """Return the region a field names."""
-    number = card.integer(field)
-    if number not in regions:
-        card.refuse(
-            f"contact region {number} is not in the deck; define it (BSURFS, BSURF, BCPROP)", field
-        )
-    return regions[number]
+    return card.find(regions, field, "contact region", "BSURFS, BSURF or BCPROP")
 
 
 def check_distinct(pairs: list[Pair]) -> None:

@@ -5,11 +5,10 @@ region, friction, and the least and largest search distance, BGSET of regions an
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from faying.exceptions import FormatError
 from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.contact_pairs import Pair, region_of, rows
@@ -20,6 +19,7 @@ from faying.io.nastran.contact_parameters import (
 )
 from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.regions import Region
+from faying.io.nastran.selection import chosen_sets
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,25 +77,16 @@ def _chosen(
         sets.setdefault(card.integer(0), []).append(card)
     combined: dict[int, list[int]] = {}
     for number, card in by_id(cards, kind.sums).items():
-        combined[number] = id_list(card, [text for text in card.texts[1:] if text])
+        combined[number] = id_list(card, card.texts[1:])
         for part in combined[number]:
-            if part not in sets:
-                card.refuse(f"{kind.what} set {part} is not a {kind.card} of the deck; define it")
-    chosen = control.contact if kind is _CONTACT else control.glue
-    if chosen is None and not control.present:
-        return sets
-    if chosen is None:
-        if sets:
-            shown = ", ".join(map(str, sets))
-            ignored[f"{kind.what} sets {shown} (case control selects none by {kind.word})"] = None
-        return {}
-    if chosen not in sets and chosen not in combined:
-        numbers = ", ".join(map(str, [*sets, *combined])) or "none"
-        message = (
-            f"case control selects {kind.word} = {chosen}, but the {kind.what} sets are {numbers}"
-        )
-        raise FormatError(message)
-    return {number: sets[number] for number in combined.get(chosen, [chosen])}
+            card.find(sets, 0, f"{kind.what} set", kind.card, part)
+    selected = control.contact if kind is _CONTACT else control.glue
+    numbers, note = chosen_sets(
+        control, selected, [*sets, *combined], f"{kind.what} sets", kind.word
+    )
+    if note:
+        ignored[note] = None
+    return {number: sets[number] for chosen in numbers for number in combined.get(chosen, [chosen])}
 
 
 def _parameters(cards: Mapping[str, Cards], number: int, ignored: dict[str, None]) -> Parameters:
@@ -120,8 +111,7 @@ def _source_rows(card: Card) -> Iterator[tuple[int, list[str]]]:
         yield first, texts
 
 
-def _pairs(card: Card, regions: dict[int, Region], parameters: Parameters) -> list[Pair]:
-    pairs = []
+def _pairs(card: Card, regions: dict[int, Region], parameters: Parameters) -> Iterator[Pair]:
     for first, texts in _source_rows(card):
         friction = friction_coefficient(card, first + 3)
         if card.real(first + 4, 0.0) > 0:
@@ -134,37 +124,30 @@ def _pairs(card: Card, regions: dict[int, Region], parameters: Parameters) -> li
             card.refuse(
                 f"'{texts[6] or texts[7]}' stands behind MAXD, where nothing is expected", first + 6
             )
-        sides = [region_of(regions, card, first + j) for j in (1, 2)]
-        pairs.append(
-            Pair(
-                name=f"{'glue' if parameters.glued else 'contact'}-{texts[1]}-{texts[2]}",
-                minus=sides[0],
-                plus=sides[1],
-                where=card.where(),
-                parameters=parameters,
-                glued=parameters.glued,
-                search_distance=card.real(first + 5, 0.0) or np.inf,
-                friction=friction,
-            )
-        )
-    return pairs
+        distance = card.real(first + 5, 0.0) or np.inf
+        pair = _pair(card, first, regions, distance, glued=parameters.glued)
+        yield replace(pair, parameters=parameters, friction=friction)
 
 
-def _glued(card: Card, regions: dict[int, Region]) -> list[Pair]:
-    pairs = []
-    for first, texts in _source_rows(card):
-        sides = [region_of(regions, card, first + j) for j in (1, 2)]
-        pairs.append(
-            Pair(
-                name=f"glue-{texts[1]}-{texts[2]}",
-                minus=sides[0],
-                plus=sides[1],
-                where=card.where(),
-                search_distance=card.real(first + 3, 0.0) or _GLUE_DISTANCE,
-                glued=True,
-            )
-        )
-    return pairs
+def _glued(card: Card, regions: dict[int, Region]) -> Iterator[Pair]:
+    for first, _ in _source_rows(card):
+        distance = card.real(first + 3, 0.0) or _GLUE_DISTANCE
+        yield _pair(card, first, regions, distance, glued=True)
+
+
+def _pair(
+    card: Card, first: int, regions: dict[int, Region], distance: float, *, glued: bool
+) -> Pair:
+    """Return the pair of two regions that a row of a card names."""
+    kind = "glue" if glued else "contact"
+    return Pair(
+        name=f"{kind}-{card.text(first + 1)}-{card.text(first + 2)}",
+        minus=region_of(regions, card, first + 1),
+        plus=region_of(regions, card, first + 2),
+        where=card.where(),
+        search_distance=distance,
+        glued=glued,
+    )
 
 
 def _check_offsets(cards: Mapping[str, Cards], pairs: list[Pair]) -> None:

@@ -6,9 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, frozen
+from faying.io.axes import axes_along
 from faying.io.nastran.cards import Card, Cards
 
 _ON_AXIS = 1e-12
+_ON_LINE = 1e-10
+CARDS = "CORD2R, ..."
+"""Cards of coordinate systems."""
 
 ON_AXIS = (
     "GRID on the axis of their displacement system, which has no radial direction there: here "
@@ -96,6 +100,11 @@ class Frame:
 BASIC = Frame(kind="R", origin=frozen(np.zeros(3)), axes=frozen(np.eye(3)))
 
 
+def missing_system(number: int) -> str:
+    """Return what is said of a coordinate system that is not there."""
+    return f"coordinate system {number} is not in the deck; define it ({CARDS})"
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Definition:
     """A frame still to be resolved: three points given in another frame, or three grid points."""
@@ -143,7 +152,7 @@ def _definitions(cards: Mapping[str, Cards]) -> dict[int, _Definition]:
     definitions: dict[int, _Definition] = {}
     for kind in "RCS":
         for card in cards.get(f"CORD2{kind}", ()):
-            points = np.array([card.real(j, 0.0) for j in range(2, 11)]).reshape(3, 3)
+            points = card.reals(range(2, 11), 0.0).reshape(3, 3)
             _add(definitions, card, card.integer(0), kind, points, card.integer(1, 0), ())
         for card in cards.get(f"CORD1{kind}", ()):
             for first in (0, 4):
@@ -199,16 +208,12 @@ def _missing(
 
 def _frame(definition: _Definition, points: Matrix) -> Frame:
     a, b, c = points
-    up, aside = b - a, c - a
-    across = np.cross(up, aside)
-    size = np.linalg.norm(up) * np.linalg.norm(aside)
-    if not np.linalg.norm(across) > 1e-10 * size or not np.isfinite(size):
+    axes = axes_along(b - a, c - a, _ON_LINE)
+    if axes is None:
         definition.card.refuse(
             "its three points lie on one line, so they define no axes; move one of them"
         )
-    z = up / np.linalg.norm(up)
-    y = across / np.linalg.norm(across)
-    return Frame(kind=definition.kind, origin=a, axes=np.stack([np.cross(y, z), y, z]))
+    return Frame(kind=definition.kind, origin=a, axes=axes[[1, 2, 0]])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -228,11 +233,21 @@ class Systems:
     def frame_of(self, card: Card, field: int, number: int | None = None) -> Frame:
         """Return the system that a field of a card names, or ``number`` for the field."""
         number = card.integer(field, 0) if number is None else number
-        if number not in self.frames:
-            card.refuse(
-                f"coordinate system {number} is not in the deck; define it (CORD2R, ...)", field
-            )
-        return self.frames[number]
+        return card.find(self.frames, field, "coordinate system", CARDS, number)
+
+    def directions_at(self, cards: Cards, field: int, rows: Indices, points: Matrix) -> Matrix:
+        """Return the directions (n, 3, 3) at points of the systems that a field of cards names.
+
+        ``rows`` (n,) are the cards of the points.
+        """
+        systems = cards.integers(field, 0)[rows]
+        result = np.empty((len(points), 3, 3))
+        for number in np.unique(systems).tolist():
+            these = np.flatnonzero(systems == number)
+            if number not in self.frames:
+                cards.refuse(int(rows[these[0]]), missing_system(number), field)
+            result[these] = self.frames[number].directions(points[these])
+        return result
 
     @property
     def n_on_axis(self) -> int:

@@ -5,50 +5,41 @@ and G3 to G4; PLOAD acts along the normal of its grids, PLOAD2 along that of its
 right-hand rule.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, Vector
-from faying.interface.facets import area_vectors, gauss_rule, shape_functions
+from faying._typing import Matrix
 from faying.io.nastran.cards import Cards
+from faying.io.nastran.faces import on_blocks
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
+from faying.io.nastran.pressures import (
+    Part,
+    face_areas,
+    nodal_forces,
+    part_of_faces,
+)
+from faying.model.assembly import Assembly
 from faying.model.elements import FACES
-from faying.model.shells import ShellBlock
 
 DIRECTED = ("FORCE1", "MOMENT1", "FORCE2", "MOMENT2", "PLOAD", "PLOAD2")
 
-Part = tuple[Indices, Indices, Matrix]
-
 
 def read_directed_loads(
-    cards: Mapping[str, Cards], grids: Grids, nodes: Matrix, shells: Sequence[ShellBlock]
-) -> list[Part]:
-    """Return load sets (n,), nodes (n,) and forces and moments (n, 6).
-
-    Parameters
-    ----------
-    nodes : (n_node, 3) [length]
-        Of the deck, and those of sides of shells without one.
-    """
-    parts: list[Part] = []
+    cards: Mapping[str, Cards], grids: Grids, structure: Assembly
+) -> Iterator[Part]:
+    """Yield load sets (n,), nodes (n,) and forces and moments (n, 6)."""
     for name, first in (("FORCE1", 0), ("MOMENT1", 3), ("FORCE2", 0), ("MOMENT2", 3)):
         if name in cards:
             vectors = np.zeros((len(cards[name]), 6))
             vectors[:, first : first + 3] = _along_grids(cards[name], grids)
-            parts.append(
-                (
-                    cards[name].integers(0),
-                    grids.of_column(cards[name], 1),
-                    _checked(cards[name], vectors),
-                )
-            )
+            cards[name].check_finite(vectors)
+            yield cards[name].integers(0), grids.of_column(cards[name], 1), vectors
     if "PLOAD" in cards:
-        parts += _on_grids(cards["PLOAD"], grids)
+        yield from _on_grids(cards["PLOAD"], grids)
     if "PLOAD2" in cards:
-        parts += _on_shells(cards["PLOAD2"], nodes, shells)
-    return parts
+        yield from _on_shells(cards["PLOAD2"], structure)
 
 
 def _along_grids(cards: Cards, grids: Grids) -> Matrix:
@@ -70,63 +61,38 @@ def _along_grids(cards: Cards, grids: Grids) -> Matrix:
     return directed
 
 
-def _on_grids(cards: Cards, grids: Grids) -> list[Part]:
-    parts = []
+def _on_grids(cards: Cards, grids: Grids) -> Iterator[Part]:
     square = cards.given(5)
-    for kind, chosen in (("tri3", ~square), ("quad4", square)):
+    for kind, chosen in (("tri3", np.flatnonzero(~square)), ("quad4", np.flatnonzero(square))):
         these = cards.take(chosen)
         if len(these):
             count = FACES[kind].n_nodes
             table = np.stack([grids.of_column(these, 2 + j) for j in range(count)], axis=1)
-            parts.append(
-                _pressed(these, these.integers(0), kind, table, grids.nodes, these.reals(1))
-            )
-    return parts
+            pressures = these.reals(1)[:, None]
+            area = face_areas(kind, grids.nodes[table])
+            forces = nodal_forces(kind, area * pressures[:, :, None])
+            yield part_of_faces(these, np.arange(len(these)), table, forces)
 
 
-def _on_shells(cards: Cards, nodes: Matrix, shells: Sequence[ShellBlock]) -> list[Part]:
-    shell_ids = np.sort(np.concatenate([cards.index[:0], *(block.ids for block in shells)]))
+def _on_shells(cards: Cards, structure: Assembly) -> Iterator[Part]:
+    shell_ids = np.sort(np.concatenate([cards.index[:0], *(b.ids for b in structure.shells)]))
     pairs = []
     for card in cards:
-        texts = [text for text in card.texts[2:] if text]
-        listed = id_list(card, texts, shell_ids if "THRU" in texts else None)
+        listed = id_list(card, card.texts[2:], shell_ids if "THRU" in card.texts[2:] else None)
         missing = sorted(set(listed) - set(shell_ids.tolist()))
         if missing or not listed:
-            card.refuse(f"element {missing[0] if missing else texts} is no shell of the deck", 2)
+            shown = missing[0] if missing else card.texts[2:]
+            card.refuse(f"element {shown} is no shell of the deck", 2)
         pairs += [(card.number, number) for number in listed]
     which, ids = np.array(pairs, dtype=np.int64).T
-    sets, pressures = cards.integers(0)[which], cards.reals(1)[which]
-    parts = []
-    for block in shells:
-        order = np.argsort(block.ids, kind="stable")
-        positions = np.minimum(np.searchsorted(block.ids, ids, sorter=order), len(order) - 1)
-        members = np.flatnonzero(block.ids[order[positions]] == ids)
-        if not len(members):
-            continue
+    pressures = cards.reals(1)[which]
+    for block, members, table in on_blocks(structure.shells, ids):
         if block.kind not in FACES:
             cards.refuse(
                 int(which[members[0]]),
                 f"element {ids[members[0]]} takes no pressure; correct the id",
                 2,
             )
-        table = block.nodes[order[positions[members]]]
-        parts.append(_pressed(cards, sets[members], block.kind, table, nodes, pressures[members]))
-    return parts
-
-
-def _pressed(
-    cards: Cards, sets: Indices, kind: str, table: Indices, nodes: Matrix, pressures: Vector
-) -> Part:
-    """Consistent forces of uniform pressures along the normals of facets (n, n_node)."""
-    rule = gauss_rule(kind, FACES[kind].pressure_order)
-    shape = shape_functions(kind, rule.points)
-    area = area_vectors(kind, nodes[table], rule.points)
-    forces = np.einsum("f,qa,q,fqd->fad", pressures, shape, rule.weights, area).reshape(-1, 3)
-    vectors = _checked(cards, np.hstack([forces, np.zeros_like(forces)]))
-    return np.repeat(sets, table.shape[1]), table.ravel(), vectors
-
-
-def _checked(cards: Cards, vectors: Matrix) -> Matrix:
-    if not np.isfinite(vectors).all():
-        cards.refuse(0, "the load is too large for a number")
-    return vectors
+        area = face_areas(block.kind, structure.mesh.nodes[table])
+        forces = nodal_forces(block.kind, area * pressures[members, None, None])
+        yield part_of_faces(cards, which[members], table, forces)

@@ -1,17 +1,32 @@
 """Faces of solid elements, found by element id and corner grids, many at a time."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from typing import TypeVar
 
 import numpy as np
 
 from faying._typing import Indices, Mask
 from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS
+from faying.model.shells import ShellBlock
 from faying.model.surface import WIDTH, padded
 
 Fits = Callable[[Indices, str, str, Indices], Mask]
 """Which of some requests (m,) mean a face: the requests, the kinds of the element and of the
 face, and the face's corners (m, 3 or 4)."""
+
+
+_Block = TypeVar("_Block", CellBlock, ShellBlock)
+
+
+def on_blocks(blocks: Sequence[_Block], ids: Indices) -> Iterator[tuple[_Block, Indices, Indices]]:
+    """Yield blocks with elements among ids (n,), which of the ids, and the nodes of each."""
+    for block in blocks:
+        order = np.argsort(block.ids, kind="stable")
+        row = order[np.minimum(np.searchsorted(block.ids, ids, sorter=order), len(order) - 1)]
+        members = np.flatnonzero(block.ids[row] == ids)
+        if len(members):
+            yield block, members, block.nodes[row[members]]
 
 
 def find_faces(blocks: Sequence[CellBlock], elements: Indices, fits: Fits) -> tuple[Indices, Mask]:
@@ -33,13 +48,8 @@ def find_faces(blocks: Sequence[CellBlock], elements: Indices, fits: Fits) -> tu
     faces = np.full((len(elements), WIDTH), -1, dtype=np.int64)
     count = np.zeros(len(elements), dtype=np.int64)
     fitting = np.zeros(len(elements), dtype=bool)
-    for block in blocks:
-        order = np.argsort(block.ids, kind="stable")
-        positions = np.searchsorted(block.ids, elements, sorter=order)
-        row = order[np.minimum(positions, len(order) - 1)]
-        members = np.flatnonzero(block.ids[row] == elements)
+    for block, members, nodes in on_blocks(blocks, elements):
         fitting[members] = True
-        nodes = block.nodes[row[members]]
         for face, local in SOLIDS[block.kind].faces:
             corners = nodes[:, list(local[: face.n_corners])]
             chosen = fits(members, block.kind, face.name, corners)

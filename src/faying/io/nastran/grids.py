@@ -9,7 +9,7 @@ from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.components import components
-from faying.io.nastran.coordinates import Systems, read_frames
+from faying.io.nastran.coordinates import Systems, missing_system, read_frames
 from faying.io.nastran.id_lists import id_list
 
 
@@ -108,11 +108,7 @@ def read_grids(cards: Mapping[str, Cards]) -> Grids:
         unknown = np.flatnonzero(~np.isin(systems, list(frames)))
         if unknown.size:
             card = int(unknown[0])
-            grid.refuse(
-                card,
-                f"coordinate system {systems[card]} is not in the deck; define it (CORD2R, ...)",
-                field,
-            )
+            grid.refuse(card, missing_system(int(systems[card])), field)
     nodes = coordinates.copy()
     for number in np.unique(system_in[system_in != 0]).tolist():
         rows = system_in == number
@@ -141,7 +137,7 @@ def _scalar_points(cards: Mapping[str, Cards], grids: Indices) -> Indices:
     ends = np.concatenate([np.zeros(0, dtype=np.int64), *of_elements])
     parts = [ends[(ends > 0) & ~np.isin(ends, grids)]]
     for card in cards.get("SPOINT", ()):
-        numbers = np.array(id_list(card, [text for text in card.texts if text]), dtype=np.int64)
+        numbers = np.array(id_list(card, card.texts), dtype=np.int64)
         wrong = numbers[(numbers <= 0) | np.isin(numbers, grids)]
         if wrong.size:
             card.refuse(f"scalar point {wrong[0]} is a GRID as well, or not positive; renumber it")

@@ -10,12 +10,13 @@ from faying.io.nastran.cards import Card
 _LONGEST = 10_000_000
 
 
-def id_list(card: Card, texts: list[str], known_ids: Indices | None = None) -> list[int]:
+def id_list(card: Card, fields: list[str], known_ids: Indices | None = None) -> list[int]:
     """Return ids from fields with single numbers and ranges ``a THRU b``, with BY and EXCEPT.
 
     ``a THRU b BY n`` takes every n-th id; EXCEPT takes those behind it out of the range before it,
     up to the first one that lies outside. Ranges keep their known ids only, if those are given.
     """
+    texts = [text for text in fields if text]
     ids: list[int] = []
     i = 0
     while i < len(texts):

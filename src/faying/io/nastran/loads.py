@@ -1,6 +1,6 @@
 """FORCE, MOMENT, PLOAD4, GRAV, RFORCE, LOAD and others: nodal loads by load set."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -11,16 +11,15 @@ from faying.io.nastran.directed_loads import read_directed_loads
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.line_loads import read_line_loads
 from faying.io.nastran.moved_supports import ALWAYS, Moving
-from faying.io.nastran.pressures import read_pressures
+from faying.io.nastran.pressures import Part, read_pressures
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.body_forces import body_forces
-from faying.model.mesh import Mesh
-from faying.model.shells import ShellBlock
 
 UNSUPPORTED = (*("ACCEL", "ACCEL1", "GMLOAD", "LSEQ", "QVOL", "SPCR"),)
 """Static loads that are not read; sets that use them are left out."""
 
-_Part = tuple[Indices, Matrix]
+_Load = tuple[int, Indices, Matrix]
+"""Load set, nodes (n,), forces and moments (n, 6)."""
 
 
 def read_loads(
@@ -42,39 +41,24 @@ def read_loads(
     moving
         What moves supports.
     """
-    parts: dict[int, list[_Part]] = {}
+    places = structure.mesh.nodes
     spoiled = {**moving.unread, **_unsupported(cards)}
-    for name, first in (("FORCE", 0), ("MOMENT", 3)):
-        if name in cards:
-            _add(cards[name], grids, first, parts)
-    if "SLOAD" in cards:
-        _add_scalar(cards["SLOAD"], grids, parts, spoiled)
-    if "PLOAD4" in cards:
-        _add_pressures(cards["PLOAD4"], grids, structure.mesh, structure.shells, parts)
-    for sets, nodes, forces in read_directed_loads(
-        cards, grids, structure.mesh.nodes, structure.shells
-    ):
-        for number in np.unique(sets).tolist():
-            parts.setdefault(number, []).append((nodes[sets == number], forces[sets == number]))
-    for number, forces in moving.by_load.items():
-        parts.setdefault(number, []).append(_part(forces))
-    for sets, nodes, forces in read_line_loads(
-        cards, structure.mesh.nodes, structure.beams, spoiled
-    ):
-        for number in np.unique(sets).tolist():
-            parts.setdefault(number, []).append((nodes[sets == number], forces[sets == number]))
-    for number, acceleration in read_accelerations(
-        cards, grids, structure.mesh.nodes, structure.masses, spoiled
-    ):
-        parts.setdefault(number, []).append(_part(body_forces(structure, acceleration)))
+    before = [*_on_grids(cards, grids), *_on_scalar_points(cards, grids, spoiled)]
+    before += read_pressures(cards, grids, structure)
+    before += read_directed_loads(cards, grids, structure)
+    loads = [load for part in before for load in _by_set(*part)]
+    loads += [(number, *_loaded(forces)) for number, forces in moving.by_load.items()]
+    along = read_line_loads(cards, places, structure.beams, spoiled)
+    loads += [load for part in along for load in _by_set(*part)]
+    accelerations = read_accelerations(cards, grids, places, structure.masses, spoiled)
+    loads += [(n, *_loaded(body_forces(structure, motion))) for n, motion in accelerations]
+    parts: dict[int, list[tuple[Indices, Matrix]]] = {}
+    for number, nodes, forces in loads:
+        parts.setdefault(number, []).append((nodes, forces))
     for card in cards.get("LOAD", ()):
         number = card.integer(0)
-        overall = card.real(1, 1.0)
-        combined: list[_Part] = []
-        for field in range(2, len(card), 2):
-            if not card.text(field) and not card.text(field + 1):
-                continue
-            factor, member = overall * card.real(field), card.integer(field + 1)
+        combined: list[tuple[Indices, Matrix]] = []
+        for factor, member, field in card.combination():
             if member in spoiled:
                 spoiled.setdefault(number, spoiled[member])
             elif member not in parts or member == number:
@@ -90,7 +74,7 @@ def read_loads(
         parts.pop(number, None)
     if chosen is not None and chosen not in parts and chosen not in spoiled:
         ignored.append(f"case control LOAD = {chosen} (no load of the deck that is read has it)")
-    always = [_part(moving.always)] if moving.always.any() else []
+    always = [_loaded(moving.always)] if moving.always.any() else []
     if chosen in parts:
         parts[chosen] += always
     order = sorted(parts, key=lambda number: (number != chosen, number))
@@ -100,67 +84,44 @@ def read_loads(
     return {name: _merged(of_load) for name, of_load in named.items()}
 
 
-def _part(forces: Matrix) -> _Part:
+def _loaded(forces: Matrix) -> tuple[Indices, Matrix]:
     """Return nodes with forces, and these."""
     loaded = np.flatnonzero((forces != 0).any(axis=1))
     return loaded, forces[loaded]
 
 
-def _add(cards: Cards, grids: Grids, first: int, parts: dict[int, list[_Part]]) -> None:
-    sets = cards.integers(0)
-    nodes = grids.of_column(cards, 1)
-    system = cards.integers(2, 0)
-    vectors = np.stack([cards.reals(j, 0.0) for j in (4, 5, 6)], axis=1)
-    vectors = vectors * cards.reals(3)[:, None]
-    for number in np.unique(system[system != 0]).tolist():
-        rows = np.flatnonzero(system == number)
-        if number not in grids.systems.frames:
-            cards.refuse(
-                int(rows[0]),
-                f"coordinate system {number} is not in the deck; define it (CORD2R, ...)",
-                2,
-            )
-        axes = grids.systems.frames[number].directions(grids.nodes[nodes[rows]])
-        vectors[rows] = np.einsum("ni,nij->nj", vectors[rows], axes)
-    forces = np.zeros((len(cards), 6))
-    forces[:, first : first + 3] = vectors
-    if not np.isfinite(forces).all():
-        card = int(np.flatnonzero(~np.isfinite(forces).all(axis=1))[0])
-        cards.refuse(card, "the load is too large for a number")
+def _by_set(sets: Indices, nodes: Indices, forces: Matrix) -> Iterator[_Load]:
     for number in np.unique(sets).tolist():
-        parts.setdefault(number, []).append((nodes[sets == number], forces[sets == number]))
+        yield number, nodes[sets == number], forces[sets == number]
 
 
-def _add_scalar(
-    cards: Cards, grids: Grids, parts: dict[int, list[_Part]], unread: dict[int, str]
-) -> None:
+def _on_grids(cards: Mapping[str, Cards], grids: Grids) -> Iterator[Part]:
+    """FORCE and MOMENT: a size times a vector along a coordinate system."""
+    for loads, first in ((cards[n], j) for n, j in (("FORCE", 0), ("MOMENT", 3)) if n in cards):
+        nodes = grids.of_column(loads, 1)
+        vectors = np.stack([loads.reals(j, 0.0) for j in (4, 5, 6)], axis=1)
+        axes = grids.systems.directions_at(loads, 2, np.arange(len(loads)), grids.nodes[nodes])
+        forces = np.zeros((len(loads), 6))
+        forces[:, first : first + 3] = np.einsum(
+            "ni,nij->nj", vectors * loads.reals(3)[:, None], axes
+        )
+        loads.check_finite(forces)
+        yield loads.integers(0), nodes, forces
+
+
+def _on_scalar_points(
+    cards: Mapping[str, Cards], grids: Grids, unread: dict[int, str]
+) -> Iterator[Part]:
     """SLOAD: pairs of a scalar point and its load."""
-    for first in (1, 3, 5):
-        these = cards.take(cards.given(first))
+    for first in (1, 3, 5) if "SLOAD" in cards else ():
+        these = cards["SLOAD"].take(cards["SLOAD"].given(first))
         nodes = grids.of_column(these, first)
         for i in np.flatnonzero(nodes < len(grids.ids) - grids.n_scalar).tolist():
             reason = f"{these.where(i)} on GRID {grids.ids[nodes[i]]}, which is no SPOINT,"
             unread.setdefault(int(these.integers(0)[i]), reason)
         forces = np.zeros((len(these), 6))
         forces[:, 0] = these.reals(first + 1)
-        for number in np.unique(these.integers(0)).tolist():
-            rows = these.integers(0) == number
-            parts.setdefault(number, []).append((nodes[rows], forces[rows]))
-
-
-def _add_pressures(
-    cards: Cards,
-    grids: Grids,
-    mesh: Mesh,
-    shells: Sequence[ShellBlock],
-    parts: dict[int, list[_Part]],
-) -> None:
-    sets, nodes, vectors = read_pressures(cards, grids, mesh.nodes, mesh.blocks, shells)
-    forces = np.hstack([vectors, np.zeros_like(vectors)])
-    if not np.isfinite(forces).all():
-        cards.refuse(0, "a pressure load is too large for a number")
-    for number in np.unique(sets).tolist():
-        parts.setdefault(number, []).append((nodes[sets == number], forces[sets == number]))
+        yield these.integers(0), nodes, forces
 
 
 def _unsupported(cards: Mapping[str, Cards]) -> dict[int, str]:
@@ -174,12 +135,10 @@ def _unsupported(cards: Mapping[str, Cards]) -> dict[int, str]:
     return unsupported
 
 
-def _merged(parts: list[_Part]) -> NodalLoads:
+def _merged(parts: list[tuple[Indices, Matrix]]) -> NodalLoads:
     """Sum the loads at each node."""
-    if not parts:
-        return NodalLoads(nodes=np.zeros(0, dtype=np.int64), forces=np.zeros((0, 6)))
-    nodes = np.concatenate([n for n, _ in parts])
-    forces = np.concatenate([f for _, f in parts])
+    nodes = np.concatenate([np.empty(0, dtype=np.int64), *(n for n, _ in parts)])
+    forces = np.concatenate([np.empty((0, 6)), *(f for _, f in parts)])
     unique, which = np.unique(nodes, return_inverse=True)
     total = np.zeros((len(unique), 6))
     np.add.at(total, which, forces)

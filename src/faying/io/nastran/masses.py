@@ -49,7 +49,7 @@ def _axes(card: Card, grids: Grids, node: int) -> Matrix:
 def _mass(card: Card, grids: Grids, factor: float) -> PointMass:
     system = card.integer(2, 0)
     node = grids.one(card, 1)
-    offset = np.array([card.real(j, 0.0) for j in (4, 5, 6)])
+    offset = card.reals((4, 5, 6), 0.0)
     if system == -1:
         offset = offset - grids.nodes[node]
         if np.abs(offset).max() <= _SAME * max(float(np.abs(grids.nodes[node]).max()), 1.0):

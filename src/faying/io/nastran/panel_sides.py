@@ -7,9 +7,11 @@ F1 T in all. F2 is the same of sides 2-3 and 4-1.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
+from faying.io.axes import any_across
 from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.solids import material_of
@@ -55,20 +57,13 @@ def _sides(
         width = panel / float(lengths[pair] + lengths[pair + 2])
         area = factor * thickness * (width if factor <= _FULL else thickness / 2)
         for side in (pair, pair + 2):
-            # A rod has no sides: any direction across it will do.
-            x, y, z = np.eye(3)[int(np.abs(sides[side]).argmin())].tolist()
             rods.append(
                 Beam(
                     id=first + len(rods),
                     nodes=(nodes[side], nodes[(side + 1) % 4]),
                     section=BeamSection(area=area, inertia_y=0.0, inertia_z=0.0, torsion=0.0),
-                    material=Material(
-                        youngs_modulus=material.youngs_modulus,
-                        poissons_ratio=material.poissons_ratio,
-                        density=0.0,
-                        name=material.name,
-                    ),
-                    orientation=(x, y, z),
+                    material=replace(material, density=0.0, expansion=None),
+                    orientation=any_across(sides[side]),
                 )
             )
     return rods

@@ -6,92 +6,88 @@ at G1, the others follow counter-clockwise seen from outside; intensities are in
 a load per unit of (not projected) area.
 """
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix
 from faying.interface.facets import area_vectors, gauss_rule, shape_functions
 from faying.io.nastran.cards import Cards
-from faying.io.nastran.faces import find_faces
+from faying.io.nastran.faces import find_faces, on_blocks
 from faying.io.nastran.grids import Grids
+from faying.model.assembly import Assembly
 from faying.model.cells import CellBlock
 from faying.model.elements import FACES
-from faying.model.shells import ShellBlock
 from faying.model.surface import rows_by_kind
 
+Part = tuple[Indices, Indices, Matrix]
+"""Load sets (n,), nodes (n,), forces and moments (n, 6)."""
 
-def read_pressures(
-    cards: Cards,
-    grids: Grids,
-    nodes: Matrix,
-    blocks: Sequence[CellBlock],
-    shells: Sequence[ShellBlock],
-) -> tuple[Indices, Indices, Matrix]:
-    """Return load set (m,), node index (m,) and force (m, 3) of all PLOAD4.
+
+def face_areas(kind: str, places: Matrix) -> Matrix:
+    """Return area vectors (n, n_q, 3) of faces at the points where pressures are integrated."""
+    return area_vectors(kind, places, gauss_rule(kind, FACES[kind].pressure_order).points)
+
+
+def nodal_forces(kind: str, traction: Matrix) -> Matrix:
+    """Return consistent forces (n, n_node, 3) of tractions (n, n_q, 3) at those points."""
+    rule = gauss_rule(kind, FACES[kind].pressure_order)
+    shape = shape_functions(kind, rule.points)
+    return np.asarray(np.einsum("qa,q,fqd->fad", shape, rule.weights, traction))
+
+
+def part_of_faces(cards: Cards, rows: Indices, table: Indices, forces: Matrix) -> Part:
+    """Return the forces on faces (n, n_node) of cards (n,) as loads of nodes."""
+    cards.check_finite(forces, rows)
+    sets = np.repeat(cards.integers(0)[rows], table.shape[1])
+    return sets, table.ravel(), np.hstack([forces.reshape(-1, 3), np.zeros((table.size, 3))])
+
+
+def read_pressures(cards: Mapping[str, Cards], grids: Grids, structure: Assembly) -> Iterator[Part]:
+    """Yield the forces of all PLOAD4.
 
     On shells pressure acts along the normal of the element, and THRU names a range of them.
-
-    Parameters
-    ----------
-    nodes : (n_node, 3) [length]
-        Of the deck, and those of sides of shells without one.
     """
-    of_shells = np.isin(cards.integers(1), [n for block in shells for n in block.ids.tolist()])
-    of_shells |= np.array([word == "THRU" for word in cards.words(6)])
-    solids = cards.take(~of_shells)
-    parts = _on_shells(cards.take(of_shells), grids, nodes, shells) if of_shells.any() else []
-    if len(solids):
-        faces, first_corner = _faces(solids, grids, blocks)
-        pressures, direction = _pressures(solids), _directions(solids)
-        for kind, rows in rows_by_kind(faces).items():
-            table = faces[rows, : FACES[kind].n_nodes]
-            values = _turned(kind, pressures[rows], first_corner[rows])
-            area = _Faces(kind, table, nodes[table], sense=-1.0)
-            forces = _forces(area, grids, values, solids, rows, direction)
-            parts.append((solids.integers(0)[rows], table, forces))
-    return (
-        np.concatenate([np.repeat(sets, nodes.shape[1]) for sets, nodes, _ in parts]),
-        np.concatenate([nodes.ravel() for _, nodes, _ in parts]),
-        np.concatenate([forces.reshape(-1, 3) for _, _, forces in parts]),
-    )
+    if "PLOAD4" not in cards:
+        return
+    loads, mesh = cards["PLOAD4"], structure.mesh
+    shell_ids = np.sort(np.concatenate([loads.index[:0], *(b.ids for b in structure.shells)]))
+    of_shells = np.isin(loads.integers(1), shell_ids)
+    of_shells |= np.array([word == "THRU" for word in loads.words(6)])
+    if of_shells.any():
+        yield from _on_shells(loads.take(of_shells), grids, structure)
+    solids = loads.take(~of_shells)
+    if not len(solids):
+        return
+    faces, first_corner = _faces(solids, grids, mesh.blocks)
+    pressures = _pressures(solids)
+    for kind, rows in rows_by_kind(faces).items():
+        table = faces[rows, : FACES[kind].n_nodes]
+        values = _turned(kind, pressures[rows], first_corner[rows])
+        forces = _forces(kind, mesh.nodes[table], values, -1.0, solids, rows, grids)
+        yield part_of_faces(solids, rows, table, forces)
 
 
-def _on_shells(
-    cards: Cards, grids: Grids, nodes: Matrix, shells: Sequence[ShellBlock]
-) -> list[tuple[Indices, Indices, Matrix]]:
-    """Load sets (n,), nodes (n, n_node) and forces (n, n_node, 3) on shells of each kind."""
-    first = cards.integers(1)
-    through = np.array([word == "THRU" for word in cards.words(6)])
+def _on_shells(cards: Cards, grids: Grids, structure: Assembly) -> Iterator[Part]:
+    blocks = [block for block in structure.shells if block.kind in FACES]
+    ids = np.sort(np.concatenate([cards.index[:0], *(block.ids for block in blocks)]))
+    first, through = cards.integers(1), np.array([word == "THRU" for word in cards.words(6)])
     last = first.copy()
     last[through] = cards.take(through).integers(7)
-    pressures, direction = _pressures(cards), _directions(cards)
-    reached = np.zeros(len(cards), dtype=bool)
-    parts = []
-    for block in shells:
-        if block.kind not in FACES:
-            continue
-        order = np.argsort(block.ids, kind="stable")
-        low = np.searchsorted(block.ids, first, sorter=order)
-        count = np.maximum(np.searchsorted(block.ids, last, "right", sorter=order) - low, 0)
-        card_of = np.repeat(np.arange(len(cards)), count)
-        within = np.arange(len(card_of)) - np.repeat(np.cumsum(count) - count, count)
-        table = block.nodes[order[np.repeat(low, count) + within]]
-        reached[card_of] = True
-        if len(table):
-            area = _Faces(block.kind, table, nodes[table], sense=1.0)
-            values = pressures[card_of, : 3 if block.kind.startswith("tri") else 4]
-            forces = _forces(area, grids, values, cards, card_of, direction)
-            parts.append((cards.integers(0)[card_of], table, forces))
-    if not reached.all():
-        card = int(np.flatnonzero(~reached)[0])
-        cards.refuse(
-            card,
-            f"no shell that takes a pressure is among elements {first[card]} to {last[card]}",
-            1,
-        )
-    return parts
+    low = np.searchsorted(ids, first)
+    count = np.maximum(np.searchsorted(ids, last, "right") - low, 0)
+    if not count.all():
+        card = int(count.argmin())
+        message = f"no shell that takes a pressure is among elements {first[card]} to {last[card]}"
+        cards.refuse(card, message, 1)
+    card_of = np.repeat(np.arange(len(cards)), count)
+    within = np.arange(len(card_of)) - np.repeat(np.cumsum(count) - count, count)
+    pressures = _pressures(cards)
+    for block, members, table in on_blocks(blocks, ids[np.repeat(low, count) + within]):
+        rows, n_corners = card_of[members], FACES[block.kind].n_corners
+        places, values = structure.mesh.nodes[table], pressures[rows, :n_corners]
+        forces = _forces(block.kind, places, values, 1.0, cards, rows, grids)
+        yield part_of_faces(cards, rows, table, forces)
 
 
 def _faces(cards: Cards, grids: Grids, blocks: Sequence[CellBlock]) -> tuple[Indices, Indices]:
@@ -147,7 +143,7 @@ def _pressures(cards: Cards) -> Matrix:
 
 def _turned(kind: str, pressures: Matrix, first_corner: Indices) -> Matrix:
     """Order intensities like the corners of the face, which begin elsewhere than at G1."""
-    n = 3 if kind.startswith("tri") else 4
+    n = FACES[kind].n_corners
     order = (np.arange(n) - first_corner[:, None]) % n
     turned: Matrix = np.take_along_axis(pressures[:, :n], order, axis=1)
     return turned
@@ -169,54 +165,30 @@ def _directions(cards: Cards) -> Matrix:
     return unit
 
 
-class _Faces(NamedTuple):
-    """Faces of one kind: node indices and coordinates, and the sense of pressure: 1 outward."""
-
-    kind: str
-    nodes: Indices
-    coordinates: Matrix
-    sense: float
-
-
 def _forces(
-    faces: _Faces,
-    grids: Grids,
+    kind: str,
+    places: Matrix,
     pressures: Matrix,
+    sense: float,
     cards: Cards,
     rows: Indices,
-    direction: Matrix,
+    grids: Grids,
 ) -> Matrix:
-    """Consistent forces (n_face, n_node, 3)."""
-    kind, _, coordinates, sense = faces
+    """Consistent forces (n_face, n_node, 3) of pressures at corners, along normals or vectors.
+
+    ``sense`` is 1 where pressure acts along the normal, -1 against it.
+    """
     rule = gauss_rule(kind, FACES[kind].pressure_order)
-    shape = shape_functions(kind, rule.points)
     intensity = pressures @ shape_functions(FACES[kind].linear, rule.points).T
-    area = area_vectors(kind, coordinates, rule.points)
+    area = face_areas(kind, places)
     traction = sense * area * intensity[:, :, None]
-    vector = direction[rows]
+    vector = _directions(cards)[rows]
     fixed = np.flatnonzero(vector.any(axis=1))
     if len(fixed):
-        places = np.einsum("qa,fad->fqd", shape, coordinates[fixed])
+        points = np.einsum("qa,fad->fqd", shape_functions(kind, rule.points), places[fixed])
+        owners = np.repeat(rows[fixed], len(rule.points))
+        axes = grids.systems.directions_at(cards, 8, owners, points.reshape(-1, 3))
+        turned = np.einsum("fi,fqij->fqj", vector[fixed], axes.reshape(*points.shape, 3))
         size = intensity[fixed] * np.linalg.norm(area[fixed], axis=2)
-        turned = _basic(cards, grids, rows[fixed], vector[fixed], places)
         traction[fixed] = size[:, :, None] * turned
-    forces: Matrix = np.einsum("qa,q,fqd->fad", shape, rule.weights, traction)
-    return forces
-
-
-def _basic(cards: Cards, grids: Grids, rows: Indices, vectors: Matrix, places: Matrix) -> Matrix:
-    """Directions (n, n_q, 3) in the basic frame at places (n, n_q, 3)."""
-    system = cards.integers(8, 0)[rows]
-    result = np.repeat(vectors[:, None, :], places.shape[1], axis=1)
-    for number in np.unique(system[system != 0]).tolist():
-        these = np.flatnonzero(system == number)
-        if number not in grids.systems.frames:
-            cards.refuse(
-                int(rows[these[0]]),
-                f"coordinate system {number} is not in the deck; define it (CORD2R, ...)",
-                8,
-            )
-        axes = grids.systems.frames[number].directions(places[these].reshape(-1, 3))
-        axes = axes.reshape(len(these), -1, 3, 3)
-        result[these] = np.einsum("fi,fqij->fqj", vectors[these], axes)
-    return result
+    return nodal_forces(kind, traction)

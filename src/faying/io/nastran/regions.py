@@ -12,7 +12,7 @@ import numpy as np
 from faying._typing import Indices, Mask
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, Cards
-from faying.io.nastran.faces import find_faces
+from faying.io.nastran.faces import find_faces, on_blocks
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.solids import SOLID_CARDS, Solids
@@ -83,9 +83,8 @@ def read_regions(
     ids = np.concatenate([np.zeros(0, dtype=np.int64), *(block.ids for block in solids.blocks)])
     properties = np.concatenate([ids[:0], *(block.properties for block in solids.blocks)])
     for card in cards.get("BSURF", ()):
-        texts = [text for text in card.texts[1:] if text]
         both = np.sort(np.concatenate([ids, shells]))
-        listed = np.array(id_list(card, texts, both), dtype=np.int64)
+        listed = np.array(id_list(card, card.texts[1:], both), dtype=np.int64)
         region = Region(card=card, name=f"bsurf:{card.integer(0)}")
         solid, thin = (listed[np.isin(listed, ids_of_kind)] for ids_of_kind in (ids, shells))
         region = replace(region, shells=thin) if len(thin) else replace(region, elements=solid)
@@ -94,8 +93,7 @@ def read_regions(
         _add(regions, card, region)
     for name in ("BCPROP", "BCPROPS"):
         for card in cards.get(name, ()):
-            texts = [text for text in card.texts[1:] if text]
-            listed = np.array(id_list(card, texts, np.unique(properties)), dtype=np.int64)
+            listed = np.array(id_list(card, card.texts[1:], np.unique(properties)), dtype=np.int64)
             chosen = ids[np.isin(properties, listed)]
             _add(
                 regions, card, Region(card=card, name=f"bcprop:{card.integer(0)}", elements=chosen)
@@ -128,13 +126,8 @@ def _sides(card: Card, solids: Solids) -> Indices:
     sides = np.array([list(_SIDES[row[1]]) for row in named], dtype=np.int64).reshape(-1, 3)
     elements = np.array(element_ids, dtype=np.int64)
     nodes = np.full((len(elements), 3), -1, dtype=np.int64)
-    for block in bricks:
-        order = np.argsort(block.ids, kind="stable")
-        position = order[
-            np.minimum(np.searchsorted(block.ids, elements, sorter=order), len(order) - 1)
-        ]
-        members = np.flatnonzero(block.ids[position] == elements)
-        nodes[members] = block.nodes[position[members][:, None], sides[members]]
+    for _, members, corners in on_blocks(bricks, elements):
+        nodes[members] = np.take_along_axis(corners, sides[members], axis=1)
     missing = np.flatnonzero(nodes[:, 0] < 0)
     if missing.size:
         card.refuse(

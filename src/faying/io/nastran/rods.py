@@ -2,10 +2,12 @@
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
-from faying.io.nastran.cards import Card, Cards, properties_by_id, property_of
+from faying.io.axes import any_across
+from faying.io.nastran.cards import Card, Cards, by_id, property_of
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.sections import with_shear
 from faying.io.nastran.solids import material_of
@@ -28,7 +30,7 @@ def read_rods(
     rods: list[Beam] = []
     for name, family, read in (("CROD", "PROD", _bar), ("CTUBE", "PTUBE", _tube)):
         members: dict[int, Member] = {}
-        for number, card in properties_by_id(cards, family).items():
+        for number, card in by_id(cards, family, what="property").items():
             section, heavy = read(card, material_of(card, 1, materials), mass_factor)
             members[number] = with_shear(section, factors.get(card.integer(1), 1.0)), heavy
         for card in cards.get(name, ()):
@@ -82,12 +84,7 @@ def _checked(
             f"A = {area:g}, J = {torsion:g}, mass per length {line_mass:g}; the area must be "
             "positive, the others not negative"
         )
-    heavy = Material(
-        youngs_modulus=material.youngs_modulus,
-        poissons_ratio=material.poissons_ratio,
-        density=material.density + line_mass / area,
-        name=material.name,
-    )
+    heavy = replace(material, density=material.density + line_mass / area)
     section = BeamSection(area=area, inertia_y=0.0, inertia_z=0.0, torsion=torsion)
     return section, heavy
 
@@ -99,13 +96,11 @@ def _rod(card: Card, grids: Grids, ends: tuple[int, int], member: Member, number
         length = float(np.linalg.norm(axis))
     if not 0 < length < math.inf:
         card.refuse("the rod has no length; its two nodes coincide")
-    # A rod has no sides: any direction across it will do.
-    x, y, z = np.eye(3)[int(axis.argmin())].tolist()
     return Beam(
         id=card.integer(0),
         nodes=(start, end),
         section=member[0],
         material=member[1],
-        orientation=(x, y, z),
+        orientation=any_across(axis),
         property=number,
     )

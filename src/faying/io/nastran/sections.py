@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+from faying.io.axes import rectangular_section, round_section
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.principal_axes import principal
 from faying.io.nastran.solids import material_of
@@ -273,39 +274,20 @@ def dimensioned_section(kind: str, sizes: Sequence[float], nu: float) -> BeamSec
 
     Notes
     -----
-    Shear factors of ROD, TUBE and BAR: G. R. Cowper, "The shear coefficient in Timoshenko's beam
-    theory", J. Appl. Mech. 33 (1966) 335-340. BOX: the area of the walls parallel to the shear.
-    Nastran's own factors come from a finite element solution of the section and differ by a few
-    per cent. Torsion of BAR: the usual approximation to Saint-Venant's series (W. C. Young,
-    Roark's formulas for stress and strain), of BOX: Bredt's thin-walled formula.
+    Shear factors of BOX: the area of the walls parallel to the shear. Nastran's own factors come
+    from a finite element solution of the section and differ by a few per cent. Torsion of BAR: the
+    usual approximation to Saint-Venant's series (W. C. Young, Roark's formulas for stress and
+    strain), of BOX: Bredt's thin-walled formula.
     """
     if kind in ("ROD", "TUBE"):
         outer, inner = sizes[0], sizes[1] if kind == "TUBE" else 0.0
-        inertia = math.pi / 4 * (outer**4 - inner**4)
-        ratio = (1 + (inner / outer) ** 2) ** 2
-        thin = (20 + 12 * nu) * (inner / outer) ** 2
-        shear = 6 * (1 + nu) * ratio / ((7 + 6 * nu) * ratio + thin)
-        return BeamSection(
-            area=math.pi * (outer**2 - inner**2),
-            inertia_y=inertia,
-            inertia_z=inertia,
-            torsion=2 * inertia,
-            shear_factor_y=shear,
-            shear_factor_z=shear,
-        )
+        return round_section(outer, inner, nu)
     width, height = sizes[:2]
     if kind == "BAR":
         long, short = max(width, height), min(width, height)
         slender = 1 - short**4 / (12 * long**4)
-        shear = 10 * (1 + nu) / (12 + 11 * nu)
-        return BeamSection(
-            area=width * height,
-            inertia_z=width * height**3 / 12,
-            inertia_y=height * width**3 / 12,
-            torsion=long * short**3 * (1 / 3 - 0.21 * short / long * slender),
-            shear_factor_y=shear,
-            shear_factor_z=shear,
-        )
+        torsion = long * short**3 * (1 / 3 - 0.21 * short / long * slender)
+        return rectangular_section(height, width, torsion, nu)
     cover, side = sizes[2:]
     within, below = width - 2 * side, height - 2 * cover
     area = width * height - within * below

@@ -1,6 +1,6 @@
 """Sets of constraints: which apply, by case control, SPCADD and MPCADD."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from faying.exceptions import FormatError
 from faying.io.nastran.cards import Cards
@@ -27,7 +27,7 @@ def selected_sets(
     combined: dict[int, list[int]] = {}
     for card in cards.get(f"{kind}ADD", ()):
         number = card.integer(0)
-        parts = id_list(card, [text for text in card.texts[1:] if text])
+        parts = id_list(card, card.texts[1:])
         unknown = [str(part) for part in parts if part not in members]
         if unknown:
             # As in Nastran, whose own examples name such sets.
@@ -54,3 +54,19 @@ def selected_sets(
         )
         raise FormatError(message)
     return ({chosen} | set(combined.get(chosen, []))) & members
+
+
+def chosen_sets(
+    control: CaseControl, chosen: int | None, sets: Collection[int], what: str, word: str
+) -> tuple[list[int], str]:
+    """Return the sets that case control selects by a word, without a section of it all.
+
+    Also returned is what is said of sets that nothing selects.
+    """
+    shown = ", ".join(map(str, sets)) or "none"
+    if chosen is not None and chosen not in sets:
+        message = f"case control selects {word} = {chosen}, but the {what} are {shown}"
+        raise FormatError(message)
+    if chosen is not None or not control.present:
+        return [*sets] if chosen is None else [chosen], ""
+    return [], f"{what} {shown} (case control selects none by {word})" if sets else ""

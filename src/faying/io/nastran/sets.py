@@ -38,7 +38,7 @@ def _set1(
     element_sets: dict[str, Indices],
     ignored: list[str],
 ) -> None:
-    texts = [text for text in card.texts[1:] if text]
+    texts = card.texts[1:]
     name = f"set:{card.integer(0)}"
     if "SKIN" in texts:
         ignored.append(f"SET1 {card.integer(0)} (SKIN is not supported)")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Matrix
-from faying.io.nastran.cards import Card, Cards, properties_by_id
+from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.layers import SHELL_PROPERTIES, Layer, layers
 from faying.io.nastran.plane_materials import PlaneMaterial
 from faying.model.shells import ShellSection, turned_law
@@ -17,6 +17,7 @@ LAMINATE = (
     "shear is one stiffness per direction"
 )
 
+_MATERIALS = "MAT1, MAT2 or MAT8"
 # Three Gauss points a layer: the square of a parabola is integrated exactly.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
 
@@ -40,7 +41,7 @@ def read_shell_properties(
     ignored += [LAMINATE for name in SHELL_PROPERTIES if name.startswith("PCOMP") and name in cards]
     return {
         number: _READERS[card.cards.name](card, materials, mass_factor)
-        for number, card in properties_by_id(cards, *SHELL_PROPERTIES).items()
+        for number, card in by_id(cards, *SHELL_PROPERTIES, what="property").items()
     }
 
 
@@ -104,11 +105,7 @@ def _material(
     card: Card, field: int, materials: Mapping[int, PlaneMaterial]
 ) -> PlaneMaterial | None:
     number = card.integer(field, 0)
-    if number <= 0:
-        return None
-    if number not in materials:
-        card.refuse(f"material {number} is not a MAT1, MAT2 or MAT8 of the deck; define it", field)
-    return materials[number]
+    return None if number <= 0 else card.find(materials, field, "material", _MATERIALS, number)
 
 
 def _check(card: Card, section: ShellSection) -> None:
@@ -154,13 +151,7 @@ def _stacked(
 ) -> ShellSection:
     """Integrate layers from the bottom through the thickness."""
     t = np.array([ply.thickness for ply in plies])
-    ply_materials = []
-    for ply in plies:
-        if ply.material not in materials:
-            card.refuse(
-                f"material {ply.material} is not a MAT1, MAT2 or MAT8 of the deck; define it"
-            )
-        ply_materials.append(materials[ply.material])
+    ply_materials = [card.find(materials, 8, "material", _MATERIALS, ply.material) for ply in plies]
     angle = np.radians([ply.angle for ply in plies])
     laws = turned_law(np.array([material.law for material in ply_materials]), angle)
     density = np.array([material.density for material in ply_materials])

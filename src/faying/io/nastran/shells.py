@@ -91,17 +91,11 @@ def read_shells(
         nodes = _nodes(cards_of_name, layout, grids, straight)
         check_distinct(cards_of_name, nodes)
         numbers_of = property_ids(cards_of_name)
-        first = dict(
-            zip(*(part.tolist() for part in np.unique(numbers_of, return_index=True)), strict=True)
-        )
-        for number, card in first.items():
+        for number, card in zip(*np.unique(numbers_of, return_index=True), strict=True):
             if number not in properties:
-                cards_of_name.refuse(
-                    card,
-                    f"property {number} is not a PSHELL, PCOMP, PCOMPG or PSHEAR of the deck",
-                    1,
-                )
-            sections[number] = properties[number].section(properties[number].thickness)
+                text = f"property {number} is not in the deck; define it (PSHELL, PCOMP, ...)"
+                cards_of_name.refuse(card, text, 1)
+            sections[int(number)] = properties[number].section(properties[number].thickness)
         numbers_of = _thick(cards_of_name, layout, numbers_of, properties, sections, by_thickness)
         blocks.append(
             ShellBlock(
@@ -175,20 +169,16 @@ def _thick(
 def _directions(cards: Cards, layout: _Layout, nodes: Indices, grids: Grids) -> Matrix:
     """Vectors (n, 3) along the material's x axis: at THETA to the first side, or the x of MCID."""
     raw = cards.column(layout.theta)
-    system, not_integer = numbers.integers(raw)
+    _, not_integer = numbers.integers(raw)
     angle = np.radians(cards.reals(layout.theta, 0.0))
     places = grids.nodes[nodes[:, : _N_CORNERS[layout.kind]]]
     result = _at_angle(places, np.where(not_integer, angle, 0.0))
-    for number in np.unique(system[~not_integer]).tolist():
-        rows = np.flatnonzero(~not_integer & (system == number))
-        if number not in grids.systems.frames:
-            cards.refuse(
-                int(rows[0]),
-                f"coordinate system {number} is not in the deck; define it (CORD2R, ...)",
-                layout.theta,
-            )
-        frame = grids.systems.frames[number]
-        result[rows] = frame.directions(places[rows].mean(axis=1))[:, 0]
+    rows = np.flatnonzero(~not_integer)
+    centres = places[rows].mean(axis=1)
+    axes = grids.systems.directions_at(
+        cards.take(rows), layout.theta, np.arange(len(rows)), centres
+    )
+    result[rows] = axes[:, 0]
     return result
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from faying._typing import Indices, Mask
 from faying.exceptions import FormatError
-from faying.io.nastran.cards import Card, Cards, properties_by_id
+from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.layers import layers
 from faying.io.nastran.solid_materials import along
@@ -66,12 +66,12 @@ def read_solids(
         if name in cards:
             blocks += _blocks(cards[name], name, grids, straight, ignored)
             _note_properties(cards[name], users)
-    properties = properties_by_id(cards, "PSOLID", LAYERED)
+    properties = by_id(cards, "PSOLID", LAYERED, what="property")
     used: dict[int, Material] = {}
     for number, (users_cards, card) in users.items():
         if number not in properties:
             users_cards.refuse(
-                card, f"property {number} is not a PSOLID (or PCOMPS) of the deck; define it", 1
+                card, f"property {number} is not in the deck; define it (PSOLID or PCOMPS)", 1
             )
         used[number] = _material(properties[number], materials, grids)
     bricks = {n for block in blocks if block.kind == "hex8" for n in np.unique(block.properties)}
@@ -203,11 +203,8 @@ def _of_layers(card: Card, materials: Mapping[int, Material]) -> Material:
 
 def material_of(card: Card, field: int, materials: Mapping[int, Material]) -> Material:
     """Return the material a property refers to."""
-    number = card.integer(field)
-    if number not in materials:
-        more = " (or MAT9, MAT11)" if card.cards.name == "PSOLID" else ""
-        card.refuse(f"material {number} is not a MAT1 of the deck{more}; define it", field)
-    return materials[number]
+    kinds = "MAT1, MAT9 or MAT11" if card.cards.name == "PSOLID" else "MAT1"
+    return card.find(materials, field, "material", kinds)
 
 
 def _formulation(properties: list[Card], ignored: list[str]) -> str:

@@ -107,7 +107,7 @@ def _collect(cards: Cards, nodes: Indices, field: int, fixed: _Held, grids: Grid
 
 def _lists(cards: Cards, grids: Grids, sets: set[int], fixed: _Held) -> None:
     for card in cards.take(np.isin(cards.integers(0), list(sets))):
-        texts = [text for text in card.texts[2:] if text]
+        texts = card.texts[2:]
         ids = id_list(card, texts, grids.ids)
         if "THRU" in texts:
             # The reference guide: points of a range need not exist.
