@@ -55,7 +55,7 @@ def names_in(message: str) -> tuple[str, ...]:
 def tried(path: Path, ignore: tuple[str, ...]) -> tuple[str, tuple[str, ...], str]:
     """Read and build one deck."""
     from faying.study.inputs.load_model import load_model
-    from faying.study.inputs.model_preview import understood
+    from faying.study.inputs.model_preview import model_preview
     from faying.study.keys.deck_study import study_or_deck
 
     try:
@@ -64,7 +64,7 @@ def tried(path: Path, ignore: tuple[str, ...]) -> tuple[str, tuple[str, ...], st
     except FayingError as error:
         return "refused", names_in(str(error)), str(error)
     try:
-        found = understood(study, loaded, bare=True)
+        found = model_preview(study, loaded, bare=True)
     except FayingError as error:
         return "read, not built", (str(error)[:100],), str(error)
     needs = tuple(need for need in found.needs if need.startswith("contact and"))

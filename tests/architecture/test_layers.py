@@ -3,6 +3,7 @@
 import ast
 import doctest
 import importlib
+import importlib.util
 import inspect
 from graphlib import TopologicalSorter
 
@@ -30,6 +31,32 @@ def test_rooms_of_a_study_import_one_way(path):
 
 def test_every_folder_has_its_place():
     assert {package(path) for path in MODULES} == set(ORDER)
+
+
+@pytest.mark.long
+def test_scripts_beside_figures_import_what_is_there():
+    """They run rarely: benchmarks/decks.py named a function that had gone."""
+    repository = ROOT.parents[1]
+    paths = [
+        path
+        for name in ("benchmarks", "docs", "examples")
+        for path in (repository / name).rglob("*.py")
+    ]
+    taken = [
+        (path.name, node.module, alias.name)
+        for path in paths
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("faying")
+        for alias in node.names
+    ]
+    assert len(paths) > 40
+    missing = [
+        row
+        for row in taken
+        if not hasattr(importlib.import_module(row[1]), row[2])
+        and importlib.util.find_spec(".".join(row[1:])) is None
+    ]
+    assert missing == []
 
 
 def test_unit_tests_stand_under_the_name_of_a_package():
