@@ -210,7 +210,7 @@ def test_decks_as_editors_save_them(tmp_path, read, text, name):
 
 def test_bolt_that_presses(deck):
     study = deck("BOLTFOR,1,5000.,1", "BOLTFOR,1,-5000.,1")
-    with pytest.raises(FormatError, match=r"joint\.bdf:40: BOLTFOR: the force is -5000"):
+    with pytest.raises(FormatError, match=r"joint\.bdf:40: BOLTFOR: field 3 \(LOAD\) is -5000"):
         load_model(read_study(study))
     study = deck("BOLTFOR,1,5000.,1", "BOLTFOR,7,5000.,1\nBOLTLD,1,1.,-1.,7")
     with pytest.raises(StudyError, match="'bolt-1' has the preload -5000, which presses it"):

@@ -391,7 +391,7 @@ def test_corner_intensities_follow_the_right_hand_rule_from_g1(tmp_path: Path) -
         ("PLOAD4,1,1,5.,,,,THRU,3", "no shell that takes a pressure is among elements 1 to 3"),
         ("PLOAD4,1,1,5.,,,,5,7\n,4,1.", "coordinate system 4 is not"),
         ("PLOAD4,1,1,5.,,,,5,7\n,0", "has no length"),
-        ("PLOAD4,1,1,,,,,5,7", "field 4 holds nothing"),
+        ("PLOAD4,1,1,,,,,5,7", r"field 4 \(P1\) holds nothing"),
     ],
 )
 def test_pressures_that_make_no_sense(tmp_path: Path, load, message) -> None:

@@ -104,7 +104,7 @@ def test_include_is_relative_to_the_including_file(tmp_path: Path) -> None:
     main = "BEGIN BULK\nINCLUDE 'Parts/\n  Mesh.dat'\n" + lines[6] + "ENDDATA\n"
     assert read_deck(deck(tmp_path / "a.bdf", main)).mesh.n_elements == 1
     deck(tmp_path / "Parts" / "more.dat", "PSOLID,3,x\n")
-    with pytest.raises(FormatError, match=r"more\.dat:1: PSOLID: field 3 holds 'X'"):
+    with pytest.raises(FormatError, match=r"more\.dat:1: PSOLID: field 3 \(MID\) holds 'X'"):
         read_deck(tmp_path / "a.bdf")
     deck(tmp_path / "Parts" / "more.dat", "INCLUDE 'Mesh.dat'\n")
     with pytest.raises(FormatError, match="circle"):
@@ -123,17 +123,20 @@ def test_includes_beside_the_deck_where_none_is_beside_the_file(tmp_path: Path) 
     assert read_deck(main).mesh.n_elements == 1
     (tmp_path / "parts" / "parts").mkdir()
     deck(tmp_path / "parts" / "parts" / "more.dat", "PSOLID,3,x\n")
-    with pytest.raises(FormatError, match="field 3 holds 'X'"):
+    with pytest.raises(FormatError, match=r"field 3 \(MID\) holds 'X'"):
         read_deck(main)
 
 
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ("GRID,5,,1..2,0.,0.", r"a\.bdf:8: GRID: field 4 holds '1\.\.2', expected a real number"),
-        ("GRID,5,,1.,0.,1E999", r"8: GRID: field 6 holds '1E999'"),
-        ("GRID,x,,1.,0.,0.", r"8: GRID: field 2 holds 'X', expected an integer"),
-        ("GRID,,,1.,0.,0.", r"8: GRID: field 2 holds nothing"),
+        (
+            "GRID,5,,1..2,0.,0.",
+            r"a\.bdf:8: GRID: field 4 \(X1\) holds '1\.\.2', expected a real number",
+        ),
+        ("GRID,5,,1.,0.,1E999", r"8: GRID: field 6 \(X3\) holds '1E999'"),
+        ("GRID,x,,1.,0.,0.", r"8: GRID: field 2 \(ID\) holds 'X', expected an integer"),
+        ("GRID,,,1.,0.,0.", r"8: GRID: field 2 \(ID\) holds nothing"),
         ("GRID,2,,1.,0.,0.", r"8: GRID: id 2 is already used at .*a\.bdf:2"),
         ("GRID,5,77,1.,0.,0.", r"8: GRID: coordinate system 77 is not in the deck"),
         ("CTETRA,7,3,1,2,3,4", r"8: CTETRA: element 7 is already used at .*a\.bdf:5"),

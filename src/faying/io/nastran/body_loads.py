@@ -11,7 +11,6 @@ from faying.io.nastran.grids import Grids
 from faying.model.assembly import PointMass
 from faying.model.body_forces import centrifugal
 
-BODY_LOADS = ("GRAV", "RFORCE")
 _UNIT = 1e-3
 """Difference of a length from one that eight columns of a direction's parts may leave."""
 

@@ -155,8 +155,6 @@ def _forces(
     for card in cards.get("BOLTFOR", ()):
         of_set = sets.setdefault(card.integer(0), {})
         force = card.real(1)
-        if not force >= 0:
-            card.refuse(f"the force is {force:g}; a bolt is tightened by a positive one", 1)
         for bolt in id_list(card, card.texts[2:], np.array(list(names))):
             card.find(names, 2, "bolt", "BOLT", bolt)
             if bolt in of_set:

@@ -13,6 +13,7 @@ from faying._typing import Indices, Mask, Matrix, Vector
 from faying.exceptions import FormatError
 from faying.io.deck_lines import Lines
 from faying.io.nastran import fields as numbers
+from faying.io.nastran.card_table import field_of
 from faying.io.nastran.fields import Fields
 
 Read = TypeVar("Read")
@@ -149,7 +150,12 @@ class Cards:
         """Return the error for a field that is not what it should be."""
         shown = text.strip("\0 ")
         content = f"'{shown}'" if shown else "nothing"
-        return self.error(card, f"field {field % 8 + 2} holds {content}, expected {kind}", field)
+        return self.error(card, f"{self.named(field)} holds {content}, expected {kind}", field)
+
+    def named(self, field: int) -> str:
+        """Return what messages call a field: its number in the row, and its name."""
+        name = field_of(self.name, field).name
+        return f"field {field % 8 + 2}" + (f" ({name})" if name else "")
 
     def tail(self, field: int) -> tuple[Indices, Indices]:
         """Cards (m,) and positions (m,) in ``Bulk.fields`` of all non-blank fields from j on."""
@@ -193,11 +199,13 @@ class Card:
         return value
 
     def real(self, field: int, default: float | None = None) -> float:
-        """Field j as a real; blank is ``default`` or, without one, an error."""
+        """Field j as a real within its bounds; blank is ``default`` or, without one, an error."""
         text = self.text(field)
         value = default if not text else numbers.real(text)
         if value is None:
             raise self.cards.malformed(self.number, field, text, "a real number")
+        if fault := field_of(self.cards.name, field).fault(value):
+            self.refuse(f"{self.cards.named(field)} is {value:g}; it {fault}", field)
         return value
 
     def error(self, text: str, field: int = 0) -> FormatError:
@@ -247,7 +255,7 @@ class Card:
         for field in fields:
             if self.text(field):
                 self.refuse(
-                    f"field {field % 8 + 2} holds '{self.text(field)}' but must be blank; are "
+                    f"{self.cards.named(field)} holds '{self.text(field)}' but must be blank; are "
                     "fields shifted?",
                     field,
                 )

@@ -23,8 +23,6 @@ from faying.io.nastran.pressures import (
 from faying.model.assembly import Assembly
 from faying.model.elements import FACES
 
-DIRECTED = ("FORCE1", "MOMENT1", "FORCE2", "MOMENT2", "PLOAD", "PLOAD2")
-
 
 def read_directed_loads(
     cards: Mapping[str, Cards], grids: Grids, structure: Assembly

@@ -29,8 +29,6 @@ def read_panel_sides(
     for card in cards.get("CSHEAR", ()):
         panel = properties[card.integer(1, card.integer(0))]
         factors = panel.real(4, 0.0), panel.real(5, 0.0)
-        if not min(factors) >= 0:
-            panel.refuse(f"F1 = {factors[0]:g}, F2 = {factors[1]:g} must not be negative", 4)
         if any(factors):
             material = material_of(panel, 1, materials)
             rods += _sides(card, grids, factors, panel.real(2), material, first + len(rods))

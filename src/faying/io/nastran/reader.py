@@ -13,17 +13,15 @@ from faying.io.left_out import Occurrence
 from faying.io.nastran.beam_ends import BeamEnds
 from faying.io.nastran.beams import read_beams
 from faying.io.nastran.bends import read_bends
-from faying.io.nastran.body_loads import BODY_LOADS
 from faying.io.nastran.bushes import read_bushes
+from faying.io.nastran.card_table import FIELDS
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.case_control import CaseControl, parameter_lines, read_case_control
 from faying.io.nastran.coordinates import ON_AXIS
 from faying.io.nastran.couplings import read_average_couplings
-from faying.io.nastran.directed_loads import DIRECTED
 from faying.io.nastran.equations import read_equations
 from faying.io.nastran.general_elements import read_general_elements
 from faying.io.nastran.grids import Grids, read_grids
-from faying.io.nastran.layers import SHELL_PROPERTIES
 from faying.io.nastran.left_out import ADDED_MASS, CARDS, USERS
 from faying.io.nastran.loads import UNSUPPORTED, read_loads
 from faying.io.nastran.masses import read_masses, without_rotation
@@ -46,7 +44,7 @@ from faying.io.nastran.shell_sections import read_shell_properties
 from faying.io.nastran.shell_to_solid import read_shell_to_solid
 from faying.io.nastran.shells import SHELL_CARDS, read_shells
 from faying.io.nastran.solid_bolts import control_grids
-from faying.io.nastran.solid_materials import ANISOTROPIC, read_anisotropic
+from faying.io.nastran.solid_materials import read_anisotropic
 from faying.io.nastran.solids import (
     SOLID_CARDS,
     Solids,
@@ -87,38 +85,7 @@ UNREAD_TEMPERATURES = (
     *("TEMPG", "TEMPN1", "TEMPP3", "TEMPF", "TEMPBC", "TEMPADD", "TEMPT", "TEMPB3", "TEMPEX"),
 )
 """Temperatures that are not read; nothing is loaded by a set with one of them."""
-_READ = frozenset(
-    (
-        *ELEMENTS,
-        *RIGID,
-        *UNSUPPORTED,
-        *DIRECTED,
-        *BODY_LOADS,
-        *(*TEMPERATURES, *UNREAD_TEMPERATURES, "DEFORM"),
-        *(f"CORD{form}{kind}" for form in "12" for kind in "RCS"),
-        *(*SHELL_PROPERTIES, *ANISOTROPIC, "MAT2", "MAT8"),
-        *("PROD", "PTUBE", "PBUSH", "PBUSH1D", "PBEND", "PMASS", "SPOINT"),
-        *(
-            "GRID",
-            "GRDSET",
-            "PSOLID",
-            "PCOMPS",
-            "MAT1",
-            "PBAR",
-            "PBARL",
-            "PBEAM",
-            "PBEAML",
-            "PELAS",
-        ),
-        *("MPC", "MPCADD", "SPC", "SPC1", "SPCADD", "SPCD", "SLOAD", "FORCE", "MOMENT", "LOAD"),
-        *("BAROR", "BEAMOR", "PARAM", "SET1", "PLOAD1", "PLOAD4"),
-        # contact and bolts, read behind the structure
-        *("BSURF", "BSURFS", "BCPROP", "BCPROPS", "BCTSET", "BCTADD", "BCTPARM", "BCTPARA"),
-        *("BCRPARA", "BGSET", "BGADD", "BGPARM", "BGPARA", "BCTABLE", "BCTABL1", "BCONECT"),
-        *("BCBODY", "BCBODY1", "BCSURF", "BCBDPRP", "BCONPRG", "BCONPRP", "BCPARA"),
-        *("BOLT", "BOLTFOR", "BOLTLD", "BOLTFRC", "BOLTSEQ"),
-    )
-)
+_READ = frozenset((*FIELDS, *UNSUPPORTED, *UNREAD_TEMPERATURES))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

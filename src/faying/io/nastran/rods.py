@@ -50,13 +50,8 @@ def _bar(card: Card, material: Material, mass_factor: float) -> Member:
 
 def _member(card: Card, first: int, material: Material, mass_factor: float) -> Member:
     """Section from A, J, C, NSM; C serves stresses only."""
-    return _checked(
-        card,
-        card.real(first),
-        card.real(first + 1, 0.0),
-        card.real(first + 3, 0.0) * mass_factor,
-        material,
-    )
+    line_mass = card.real(first + 3, 0.0) * mass_factor
+    return _heavy(card.real(first), card.real(first + 1, 0.0), line_mass, material)
 
 
 def _tube(card: Card, material: Material, mass_factor: float) -> Member:
@@ -64,7 +59,7 @@ def _tube(card: Card, material: Material, mass_factor: float) -> Member:
     outer = card.real(2)
     wall = card.real(3, 0.0) or outer / 2
     end = card.real(5, outer)
-    if not 0 < wall <= outer / 2:
+    if wall > outer / 2:
         card.refuse(f"OD = {outer:g} with T = {wall:g} is no tube; T is at most half of OD", 3)
     if not math.isclose(end, outer, rel_tol=1e-3):
         card.refuse(
@@ -73,17 +68,10 @@ def _tube(card: Card, material: Material, mass_factor: float) -> Member:
     inner = outer - 2 * wall
     area = math.pi / 4 * (outer**2 - inner**2)
     polar = math.pi / 32 * (outer**4 - inner**4)
-    return _checked(card, area, polar, card.real(4, 0.0) * mass_factor, material)
+    return _heavy(area, polar, card.real(4, 0.0) * mass_factor, material)
 
 
-def _checked(
-    card: Card, area: float, torsion: float, line_mass: float, material: Material
-) -> Member:
-    if not 0 < area < math.inf or not 0 <= torsion < math.inf or not 0 <= line_mass < math.inf:
-        card.refuse(
-            f"A = {area:g}, J = {torsion:g}, mass per length {line_mass:g}; the area must be "
-            "positive, the others not negative"
-        )
+def _heavy(area: float, torsion: float, line_mass: float, material: Material) -> Member:
     heavy = replace(material, density=material.density + line_mass / area)
     section = BeamSection(area=area, inertia_y=0.0, inertia_z=0.0, torsion=torsion)
     return section, heavy

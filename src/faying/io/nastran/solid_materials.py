@@ -12,8 +12,6 @@ from faying.io.nastran.coordinates import Systems
 from faying.model.assembly import Material
 from faying.model.elastic_law import orthotropic_law, turned
 
-ANISOTROPIC = ("MAT9", "MAT11")
-
 
 def read_anisotropic(
     cards: Mapping[str, Cards],

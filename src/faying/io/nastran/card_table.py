@@ -1,0 +1,161 @@
+"""What is read of cards: their fields in order, and what numbers must be.
+
+``>0`` marks a number that must be positive, ``>=0`` one that must not be negative; ``.`` is a field
+that is not read. Behind the last name a card goes on with lists or rows that its reader knows.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+_POINTS = "C1 C2 D1 D2 E1 E2 F1 F2"
+
+_ROWS: Mapping[str, str] = {
+    # grid points and systems
+    "GRID": "ID CP X1 X2 X3 CD PS SEID",
+    "GRDSET": ". CP . . . CD PS SEID",
+    "SPOINT": "",
+    **dict.fromkeys(("CORD1R", "CORD1C", "CORD1S"), "CIDA G1A G2A G3A CIDB G1B G2B G3B"),
+    **dict.fromkeys(("CORD2R", "CORD2C", "CORD2S"), "CID RID A1 A2 A3 B1 B2 B3 C1 C2 C3"),
+    # materials
+    "MAT1": "MID E G NU RHO A TREF GE",
+    "MAT2": "MID G11 G12 G13 G22 G23 G33 RHO>=0 A1 A2 A3 TREF",
+    "MAT8": "MID E1>0 E2>0 NU12 G12>=0 G1Z>=0 G2Z>=0 RHO>=0 A1 A2 TREF",
+    "MAT9": "MID",
+    "MAT11": "MID E1 E2 E3 NU12 NU13 NU23 G12 G13 G23 RHO A1 A2 A3 TREF",
+    # properties
+    "PSOLID": "PID MID CORDM IN STRESS ISOP FCTN",
+    "PCOMPS": "PID CORDM PSDIR",
+    "PSHELL": "PID MID1 T>0 MID2 12I/T**3>0 MID3 TS/T>0 NSM>=0 Z1 Z2 MID4",
+    "PSHEAR": "PID MID T>0 NSM>=0 F1>=0 F2>=0",
+    "PCOMP": "PID Z0 NSM SB FT TREF GE LAM",
+    "PCOMPG": "PID Z0 NSM SB FT TREF GE LAM",
+    "PBAR": f"PID MID A>0 I1>=0 I2>=0 J>=0 NSM>=0 . {_POINTS} K1 K2 I12",
+    "PBARL": "PID MID GROUP TYPE . . . . DIM1",
+    "PBEAM": "PID MID A>0 I1>=0 I2>=0 I12 J>=0 NSM>=0",
+    "PBEAML": "PID MID GROUP TYPE . . . . DIM1",
+    "PROD": "PID MID A>0 J>=0 C NSM>=0",
+    "PTUBE": "PID MID OD>0 T>=0 NSM>=0 OD2",
+    "PBEND": f"PID MID A>0 I1>0 I2>0 J>0 RB THETAB {_POINTS} K1>=0 K2>=0 NSM>=0 RC ZC DELTAN",
+    "PELAS": "PID1 K1 GE1 S1 PID2 K2 GE2 S2",
+    "PMASS": "PID1 M1 PID2 M2 PID3 M3 PID4 M4",
+    "PBUSH": "PID",
+    "PBUSH1D": "PID K>=0 C M>=0",
+    # elements
+    "CHEXA": "EID PID",
+    "CPENTA": "EID PID",
+    "CPYRAM": "EID PID",
+    "CTETRA": "EID PID",
+    **dict.fromkeys(("CTRIA3", "CTRIAR"), "EID PID G1 G2 G3 THETA ZOFFS . . TFLAG T1 T2 T3"),
+    **dict.fromkeys(("CQUAD4", "CQUADR"), "EID PID G1 G2 G3 G4 THETA ZOFFS . TFLAG T1 T2 T3 T4"),
+    "CTRIA6": "EID PID G1 G2 G3 G4 G5 G6 THETA ZOFFS T1 T2 T3 TFLAG",
+    "CQUAD8": "EID PID G1 G2 G3 G4 G5 G6 G7 G8 T1 T2 T3 T4 THETA ZOFFS TFLAG",
+    "CSHEAR": "EID PID G1 G2 G3 G4",
+    "CBAR": "EID PID GA GB X1 X2 X3 OFFT PA PB W1A W2A W3A W1B W2B W3B",
+    "CBEAM": "EID PID GA GB X1 X2 X3 OFFT PA PB W1A W2A W3A W1B W2B W3B SA SB",
+    "BAROR": ". PID . . X1 X2 X3 OFFT",
+    "BEAMOR": ". PID . . X1 X2 X3 OFFT",
+    "CROD": "EID PID G1 G2",
+    "CTUBE": "EID PID G1 G2",
+    "CONROD": "EID G1 G2 MID A>0 J>=0 C NSM>=0",
+    "CBEND": "EID PID GA GB X1 X2 X3 GEOM",
+    "CBUSH": "EID PID GA GB X1 X2 X3 CID S OCID S1 S2 S3",
+    "CBUSH1D": "EID PID GA GB CID",
+    "GENEL": "EID",
+    **{f"C{kind}{n}": "EID PID G1 C1 G2 C2" for kind in ("ELAS", "MASS") for n in "13"},
+    "CELAS2": "EID K G1 C1 G2 C2 GE S",
+    "CELAS4": "EID K S1 S2",
+    "CMASS2": "EID M G1 C1 G2 C2",
+    "CMASS4": "EID M S1 S2",
+    "CONM1": "EID G CID",
+    "CONM2": "EID G CID M X1 X2 X3 . I11 I21 I22 I31 I32 I33",
+    # rigid elements and constraints
+    "RBE1": "EID",
+    "RBE2": "EID GN CM",
+    "RBE3": "EID . REFGRID REFC",
+    "RBAR": "EID GA GB CNA CNB CMA CMB",
+    "RROD": "EID GA GB CMA CMB",
+    "RTRPLT": "EID GA GB GC CNA CNB CNC . CMA CMB CMC",
+    "RSSCON": "EID TYPE ES1 EA1 EB1",
+    "MPC": "SID",
+    "MPCADD": "SID",
+    "SPC": "SID G1 C1 D1 G2 C2 D2",
+    "SPC1": "SID C",
+    "SPCADD": "SID",
+    "SPCD": "SID G1 C1 D1 G2 C2 D2",
+    # loads and temperatures
+    "FORCE": "SID G CID F N1 N2 N3",
+    "MOMENT": "SID G CID M N1 N2 N3",
+    **dict.fromkeys(("FORCE1", "MOMENT1"), "SID G F G1 G2"),
+    **dict.fromkeys(("FORCE2", "MOMENT2"), "SID G F G1 G2 G3 G4"),
+    "SLOAD": "SID S1 F1 S2 F2 S3 F3",
+    "PLOAD": "SID P G1 G2 G3 G4",
+    "PLOAD1": "SID EID TYPE SCALE X1 P1 X2 P2",
+    "PLOAD2": "SID P",
+    "PLOAD4": "SID EID P1 P2 P3 P4 G1 G3 CID N1 N2 N3",
+    "GRAV": "SID CID A N1 N2 N3",
+    "RFORCE": "SID G CID A R1 R2 R3 METHOD RACC",
+    "LOAD": "SID S",
+    "TEMP": "SID G1 T1 G2 T2 G3 T3",
+    "TEMPD": "SID1 T1 SID2 T2 SID3 T3 SID4 T4",
+    "TEMPP1": "SID EID1 TBAR TPRIME",
+    "TEMPRB": "SID EID1 TA TB",
+    "DEFORM": "SID EID1 D1 EID2 D2 EID3 D3",
+    # sets, contact and bolts, read behind the structure
+    "PARAM": "N V1",
+    "SET1": "SID",
+    "BSURF": "ID",
+    "BSURFS": "ID",
+    "BCPROP": "ID",
+    "BCPROPS": "ID",
+    "BCTSET": "CSID SID1 TID1 FRIC1 MIND1 MAXD1",
+    "BGSET": "GSID SID1 TID1 SDIST1",
+    **dict.fromkeys(("BCTADD", "BGADD"), "ID"),
+    **dict.fromkeys(("BCTPARM", "BCTPARA", "BGPARM", "BGPARA"), "ID"),
+    "BCRPARA": "CRID SURF OFFSET TYPE",
+    "BCTABLE": "ID IDSECND IDPRIM NGROUP",
+    "BCTABL1": "BCID",
+    "BCONECT": "ID BCPGID BCPPID IDSECND IDPRIM",
+    "BCBODY": "BID DIM BEHAV BSID ISTYP FRIC",
+    "BCBODY1": "BID BPID DIM BEHAV BSID",
+    "BCSURF": "BID",
+    **dict.fromkeys(("BCBDPRP", "BCONPRG", "BCONPRP", "BCPARA"), "ID"),
+    "BOLT": "ID ETYPE",
+    "BOLTFOR": "SID LOAD>=0",
+    "BOLTLD": "SID S",
+    "BOLTFRC": "SID",
+    "BOLTSEQ": "SID",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Field:
+    """A field of a card: its name, and whether it must be positive, or not negative."""
+
+    name: str
+    positive: bool = False
+    not_negative: bool = False
+
+    def fault(self, value: float) -> str:
+        """Return what is wrong with a number; nothing if it may be there."""
+        if self.positive and not value > 0:
+            return "must be positive"
+        return "must not be negative" if self.not_negative and not value >= 0 else ""
+
+
+def _field(text: str) -> Field:
+    name, _, bound = text.partition(">")
+    return Field(name=name, positive=bound == "0", not_negative=bound == "=0")
+
+
+FIELDS: Mapping[str, tuple[Field, ...]] = {
+    name: tuple(map(_field, fields.split())) for name, fields in _ROWS.items()
+}
+"""Cards that are read, with the fields in front of their lists and rows."""
+
+_UNKNOWN = Field(name="")
+
+
+def field_of(card: str, number: int) -> Field:
+    """Return a field of a card, without a name where the table does not go so far."""
+    fields = FIELDS.get(card, ())
+    return fields[number] if number < len(fields) and fields[number].name != "." else _UNKNOWN
