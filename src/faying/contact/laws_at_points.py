@@ -65,6 +65,16 @@ class LawsAtPoints:
             forces[:n, points], stiffness[points, :n, :n] = answer
         return forces, stiffness
 
+    def side_by_side(self, gaps: Matrix) -> tuple[Matrix, Matrix]:
+        """Return normal forces at gaps (n_point, n_case), and −∂λ/∂gap, of the same shape."""
+        forces, stiffness = np.empty_like(gaps), np.empty_like(gaps)
+        for law, points in self._members:
+            weights = np.repeat(self.contact.weights[points], gaps.shape[1])
+            answer, slope = law.normal.respond(gaps[points].reshape(1, -1), weights)
+            forces[points] = answer.reshape(-1, gaps.shape[1])
+            stiffness[points] = slope.reshape(-1, gaps.shape[1])
+        return forces, stiffness
+
     def yielded(self, forces: Matrix) -> Matrix:
         """Return what the laws yield to forces (components, n_point) [length]."""
         whole = np.zeros((3, self.contact.n_points))

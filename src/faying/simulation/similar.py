@@ -1,41 +1,25 @@
-"""Warm starts for many contact problems of one flexibility: the most similar problem before."""
-
-from typing import Generic, TypeVar
+"""Which of many problems are similar."""
 
 import numpy as np
 
-from faying._typing import Vector
-
-Found = TypeVar("Found")
-
-REMEMBERED = 256
-"""Solved problems kept; more of them save few further iterations (10.4 cold, 5.5 with these)."""
+from faying._typing import Indices, Matrix
 
 
-class SimilarProblems(Generic[Found]):
-    """Free gaps of one campaign, and what they led to.
+def similar_groups(vectors: Matrix, size: int) -> list[Indices]:
+    """Divide vectors (n, k) into groups of at most a size, similar groups after each other.
 
-    Contact is a question of the shape of the free gap, not of its size, so similarity is the
-    cosine between free gaps.
+    They are halved again and again across the line between two that are far from each other.
     """
 
-    def __init__(self, n_point: int) -> None:
-        self._shapes = np.empty((REMEMBERED, n_point))
-        self._found: list[Found] = []
-        self._next = 0
+    def divided(rows: Indices) -> list[Indices]:
+        count = -(-len(rows) // size)
+        if count <= 1:
+            return [rows] if len(rows) else []
+        own = vectors[rows]
+        end = own[((own - own.mean(axis=0)) ** 2).sum(axis=1).argmax()]
+        other = own[((own - end) ** 2).sum(axis=1).argmax()]
+        order = rows[np.argsort(own @ (other - end), kind="stable")]
+        middle = len(rows) * (count // 2) // count
+        return divided(order[:middle]) + divided(order[middle:])
 
-    def nearest(self, g_free: Vector) -> Found | None:
-        """Return what the most similar problem led to, or None where there is none yet."""
-        if not self._found:
-            return None
-        similarity = self._shapes[: len(self._found)] @ g_free
-        return self._found[int(similarity.argmax())]
-
-    def remember(self, g_free: Vector, result: Found) -> None:
-        """Keep a solved problem, in place of the oldest where there are too many."""
-        self._shapes[self._next] = g_free / max(float(np.linalg.norm(g_free)), 1e-300)
-        if len(self._found) < REMEMBERED:
-            self._found.append(result)
-        else:
-            self._found[self._next] = result
-        self._next = (self._next + 1) % REMEMBERED
+    return divided(np.arange(len(vectors)))

@@ -1,0 +1,194 @@
+"""Similar cases without friction side by side: a Newton step of all of them is two products.
+
+With U = (Σ + B₀)⁻¹, made with the points closed that most of the cases begin with, R of (F8), and
+ΔK the springs of the points c that are otherwise in some case, a step is
+
+    (1 + U_cc ΔK) z_c = −(G U R)_c,   d = −U (R + G_cᵀ ΔK z_c),   U_cc = G_c U G_cᵀ.          (F13)
+"""
+
+from dataclasses import dataclass
+from typing import TypeGuard, final
+
+import numpy as np
+from scipy.linalg import LinAlgError, lapack
+
+from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying.contact.increment_solver import IncrementSolver
+from faying.contact.laws_at_points import LawsAtPoints
+from faying.contact.yielding import (
+    COUNTS,
+    ENOUGH,
+    FLAT,
+    MOST_STEPS,
+    MOST_TRIALS,
+    ROUND_OFF,
+    SOLVED,
+    YieldingContact,
+)
+
+FEWEST = 8
+"""Cases from which an inverse of their own is worth it: it takes as long as two cases alone."""
+
+
+def side_by_side(solver: IncrementSolver | None, count: int) -> TypeGuard[YieldingContact]:
+    """Say whether so many cases are solved by :func:`solve_similar`."""
+    if not isinstance(solver, YieldingContact) or solver.shapes is not None or count < FEWEST:
+        return False
+    return solver.contact.forgets and solver.contact.proportional
+
+
+def solve_similar(
+    solver: YieldingContact, free: Matrix, moved: Matrix
+) -> tuple[Matrix, Matrix, Indices]:
+    """Solve (F8) of cases whose pressures are in proportion to closure.
+
+    Parameters
+    ----------
+    free : (n_case, n_relative) [length]
+        What pairs move without contact forces.
+    moved : (n_case, n_relative) [length]
+        Relative displacements of similar cases, to begin with.
+
+    Returns
+    -------
+    forces, gaps : (n_case, n_point)
+    steps : (n_case,)
+        Newton steps.
+
+    Raises
+    ------
+    ConvergenceError
+        If a case is not solved side by side, nor alone.
+    """
+    laws, G, S, y_f = solver.laws, solver.pairs.G, solver.S, free.T
+    initial = solver.contact.initial_gap[:, None]
+    z = G @ moved.T + initial
+    springs = laws.springs * (np.count_nonzero(z <= 0, axis=1) > len(free) / 2)
+    try:
+        pairs = solver.pairs.glued_by(springs)
+    except LinAlgError:  # these points hold nothing
+        springs = laws.springs
+        pairs = solver.pairs.glued_by(springs)
+    p, pressed = solver.pairs.structure @ (moved.T - y_f), np.zeros_like(z)
+    floor = np.maximum(COUNTS * np.abs(p).max(axis=0, initial=0.0), np.finfo(float).tiny)
+    steps, previous = np.zeros(len(free), dtype=np.int64), np.full(len(free), np.inf)
+    formed, lost = np.zeros((2, len(free)), dtype=bool)
+    changed, going = (
+        _Changed.of(G, pairs.compliance, np.empty(0, dtype=np.int64)),
+        np.arange(len(free)),
+    )
+    while len(going):
+        pressed[:, going], K = laws.side_by_side(z[:, going])
+        rest = p[:, going] - pairs.transposed @ pressed[:, going]
+        largest = np.maximum(pressed[:, going].max(axis=0, initial=0.0), floor[going])
+        left = np.abs(rest).max(axis=0, initial=0.0) / largest
+        solved = left <= SOLVED
+        # What steps summed up is formed once more, by S.
+        forming = solved & ~formed[going]
+        ended = solved & ((left <= ROUND_OFF) | (left > ENOUGH * previous[going])) & ~forming
+        stuck = ~solved & ((steps[going] >= MOST_STEPS) | ~np.isfinite(left))
+        previous[going] = np.where(forming, np.inf, left)
+        again = going[forming]
+        p[:, again] = pairs.transposed @ pressed[:, again]
+        z[:, again] = G @ (y_f[:, again] + S @ p[:, again]) + initial
+        formed[again], lost[going[stuck]] = True, True
+        walking = ~(forming | ended | stuck)
+        cases, rest, K = going[walking], rest[:, walking], K[:, walking]
+        if len(cases):
+            changed = changed.with_all(G, K - springs.T)
+            d = changed.step(rest, K - springs.T)
+            along = G @ d
+            resisted = -rest - pairs.transposed @ (K * along)
+            length = _lengths(laws, z[:, cases], pressed[:, cases], along, rest, d, resisted)
+            p[:, cases] += length * resisted
+            z[:, cases] += length * along
+            steps[cases] += 1
+        going = going[~(ended | stuck)]
+    for case in np.flatnonzero(lost):
+        alone = solver.solve(free[case], solver.contact.offset())
+        pressed[:, case], z[:, case] = alone.forces[0], alone.gap(laws)
+        steps[case] += alone.iterations
+    return pressed.T, z.T, steps
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class _Changed:
+    """U at the points that are otherwise in some case.
+
+    Attributes
+    ----------
+    U : (n_relative, n_relative) [length/force]
+    points : (n_changed,)
+        c.
+    rows : (n_changed, n_relative)
+        G_c.
+    between : (n_changed, n_changed) [length/force]
+        U_cc.
+    """
+
+    U: Matrix
+    points: Indices
+    rows: SparseMatrix | Matrix
+    between: Matrix
+
+    @classmethod
+    def of(cls, G: SparseMatrix | Matrix, compliance: Matrix, points: Indices) -> "_Changed":
+        """Return U at some points."""
+        rows = G[points]
+        return cls(compliance, points, rows, np.asarray(rows @ np.asarray(rows @ compliance).T))
+
+    def with_all(self, G: SparseMatrix | Matrix, change: Matrix) -> "_Changed":
+        """Return it with all points where K changes (n_point, n_case) as well."""
+        points = np.union1d(self.points, np.flatnonzero(change.any(axis=1)))
+        return self if len(points) == len(self.points) else self.of(G, self.U, points)
+
+    def step(self, rest: Matrix, change: Matrix) -> Matrix:
+        """Return d (n_relative, n_case) of (F13) for R and ΔK."""
+        d = -(self.U @ rest)
+        alone, springs = self.rows @ d, change[self.points]
+        taken = np.zeros_like(springs)
+        for case, spring in enumerate(springs.T):
+            own = np.flatnonzero(spring)
+            system = self.between[own].take(own, axis=1) * spring[own]
+            system.flat[:: len(own) + 1] += 1.0
+            if len(own):
+                taken[own, case] = spring[own] * lapack.dgesv(system, alone[own, case])[2]
+        return np.asarray(d - self.U @ (self.rows.T @ taken))
+
+
+def _lengths(
+    laws: LawsAtPoints,
+    z: Matrix,
+    forces: Matrix,
+    along: Matrix,
+    rest: Matrix,
+    d: Matrix,
+    resisted: Matrix,
+) -> Vector:
+    """Return the length of the step of each case (n_case,): whole, or where dᵀR vanishes."""
+    at_first, curvature = (d * rest).sum(axis=0), (d * resisted).sum(axis=0)
+
+    def slope(cases: Indices, length: Vector) -> Vector:
+        moved = along[:, cases]
+        answers = laws.side_by_side(z[:, cases] + length * moved)[0]
+        left = (moved * (forces[:, cases] - answers)).sum(axis=0)
+        return np.asarray(at_first[cases] + length * curvature[cases] + left)
+
+    lengths = np.ones(len(at_first))
+    above = slope(np.arange(len(lengths)), lengths)
+    cases = np.flatnonzero(np.abs(above) > ENOUGH * np.abs(at_first))
+    low, high, below, above = np.zeros(len(cases)), lengths[cases], at_first[cases], above[cases]
+    for _ in range(MOST_TRIALS):
+        if not len(cases):
+            break
+        # A chord that ends where the slope jumps would stay there: away from both ends.
+        chord = low - below * (high - low) / (above - below)
+        middle = np.clip(chord, low + 0.1 * (high - low), high - 0.1 * (high - low))
+        value, lengths[cases] = slope(cases, middle), middle
+        beyond = value > 0
+        high, above = np.where(beyond, (middle, value), (high, above))
+        low, below = np.where(beyond, (low, below), (middle, value))
+        steep = np.abs(value) > FLAT * np.abs(at_first[cases])
+        cases, low, high, below, above = (part[steep] for part in (cases, low, high, below, above))
+    return lengths
