@@ -1,12 +1,14 @@
-"""Pairs on the springs of points that are all closed and stick: what Newton steps are solved with.
+"""Pairs on the springs of points that are closed and stick: what Newton steps are solved with.
 
 With Σ = S⁻¹, the stiffness of the structure between pairs, and B = Gᵀ K G, that of the points, a
-Newton step is (Σ + B) d = b. One inverse U = (Σ + B₀)⁻¹, with all points closed and stuck, serves
-every step: where only the points of pairs c are otherwise, ΔB = B − B₀ vanishes elsewhere, and
+Newton step is (Σ + B) d = b. Two inverses serve every step: U = (Σ + B₀)⁻¹ with all points closed
+and stuck, and with all open but a few that hold what only weak springs would. Where the points whose ΔB = B − B₀ does not vanish act along
+rows r of it and feel its columns c,
 
-    (I + ΔB_cc U_cc) m = ΔB_cc (U b)_c,   d = U (b − m).                                    (F7)
+    (I + ΔB_rc U_cr) m = ΔB_rc (U b)_c,   d = U (b − m),                                    (F7)
 
-U exists where bolts and contact alone hold a part.
+and of both inverses the one with the fewer such rows is taken. U exists where bolts and contact
+alone hold a part.
 """
 
 from dataclasses import dataclass, replace
@@ -15,7 +17,7 @@ from typing import Any, final
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import LinAlgError, cho_factor, cho_solve, lapack
+from scipy.linalg import LinAlgError, cho_factor, cho_solve, lapack, solve_triangular
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.contact.point_springs import PointSprings
@@ -48,38 +50,77 @@ CHANGED, MOST_CHANGED = 0.1, 20
 MOST_BESIDE = 1.1
 """Pairs that a system may have over those of the factors at hand."""
 
+FREE, MOST_ANCHORS = 100.0, 100
+"""Motion of a pair beside that of its springs, from which a point there is kept closed.
+
+Factors in single precision have seven digits. A body that weak springs alone hold has 1e5.
+"""
+
 ROWS = 256
 """Rows that are mirrored at once."""
 
 
 @final
 @dataclass(frozen=True, eq=False)
+class HeldPairs:
+    """The structure on springs at its points.
+
+    Attributes
+    ----------
+    springs : (components, n_point) [force/length]
+        K₀, diagonal.
+    glue : (n_relative, n_relative), sparse or dense [force/length]
+        B₀.
+    compliance : (n_relative, n_relative) [length/force]
+        U.
+    """
+
+    springs: Matrix
+    glue: SparseMatrix | Matrix
+    compliance: Matrix
+
+    def change_to(self, K: Matrix) -> Matrix:
+        """Return K − K₀ (n_point, components, components), round-off taken for nothing."""
+        change, diagonal = K.copy(), np.arange(K.shape[1])
+        change[:, diagonal, diagonal] -= self.springs.T
+        change[np.abs(change) <= UNCHANGED * np.abs(K).max(initial=0.0)] = 0.0
+        return change
+
+    def loosened(self, shapes: Matrix, yields: Matrix) -> "HeldPairs":
+        """Return them less springs across the structure; see :meth:`GluedPairs.loosened`."""
+        moved = self.compliance @ shapes.T
+        core = yields - shapes @ moved
+        more = moved @ cho_solve(cho_factor((core + core.T) / 2), moved.T)
+        return replace(self, compliance=self.compliance + more)
+
+
+@final
+@dataclass(frozen=True, eq=False)
 class Factors:
-    """LU factors of (I + ΔB_cc U_cc)ᵀ.
+    """LU factors of (I + ΔB_rc U_cr)ᵀ.
 
     Attributes
     ----------
     K : (n_point, components, components) [force/length]
         What it was made of.
-    pairs : (n_changed,)
-        c.
+    held
+        Whose U; None where Σ + B itself is factorized.
+    rows : (n_row,)
+        r.
     lu, pivots
         In single precision, double where that does not do.
     """
 
     K: Matrix
-    pairs: Indices
+    held: HeldPairs | None
+    rows: Indices
     lu: Matrix
     pivots: Indices
 
-    @classmethod
-    def of(cls, K: Matrix, pairs: Indices, product: Matrix) -> "Factors":
-        """Factorize I + ΔB_cc U_cc, given the product, which is overwritten."""
-        product.flat[:: len(product) + 1] += 1.0
-        return cls(K, pairs, *_factorized(product))
-
-    def serve(self, K: Matrix) -> bool:
+    def serve(self, K: Matrix, held: HeldPairs) -> bool:
         """Say whether K is another at few points only."""
+        if self.held is not held:
+            return False
         changed = np.abs(K - self.K).max(axis=(1, 2)) > CHANGED * np.abs(K).max()
         return bool(np.count_nonzero(changed) <= MOST_CHANGED)
 
@@ -87,7 +128,8 @@ class Factors:
         """Return the solution of a right-hand side at the pairs c."""
         single = self.lu.dtype == np.float32
         substitute = lapack.sgetrs if single else lapack.dgetrs
-        return np.asarray(substitute(self.lu, self.pivots, right, trans=1)[0])
+        right = np.asarray(right, dtype=self.lu.dtype)
+        return np.asarray(substitute(self.lu, self.pivots, right, trans=1)[0], dtype=float)
 
 
 @final
@@ -99,21 +141,18 @@ class GluedPairs:
     ----------
     points
         G, displacements at the points (components n_point, n_relative).
-    springs : (components, n_point) [force/length]
-        K of points that are closed and stick.
-    glue : (n_relative, n_relative), sparse or dense [force/length]
-        B₀.
-    compliance : (n_relative, n_relative) [length/force]
-        U.
     structure : (n_relative, n_relative) [force/length]
         Σ.
+    glued
+        Points closed and stuck.
+    open
+        Points open, but for some that hold what is else free; None where nothing does.
     """
 
     points: PointSprings
-    springs: Matrix
-    glue: SparseMatrix | Matrix
-    compliance: Matrix
     structure: Matrix
+    glued: HeldPairs
+    open: HeldPairs | None
 
     @classmethod
     def of(
@@ -123,6 +162,8 @@ class GluedPairs:
 
         Parameters
         ----------
+        springs : (components, n_point) [force/length]
+            K of points that are closed and stick.
         pulled : (n_relative,) or None [length]
             Relative displacements that the bolts alone would cause: points that they do not press
             on are left open, so that fewer change sides afterwards.
@@ -138,18 +179,14 @@ class GluedPairs:
         factorizations to find the points that bolts press on.
         """
         structure = frozen(_inverse(S, REGULAR))
-        points = PointSprings(G=G, components=len(springs))
+        points, glued = PointSprings(G=G, components=len(springs)), springs
         if pulled is not None:
-            springs = springs * _pressed(points, springs, structure, pulled)
-        return cls._held(points, frozen(springs), structure)
-
-    @classmethod
-    def _held(cls, points: PointSprings, springs: Matrix, structure: Matrix) -> "GluedPairs":
-        glue, both = points.of_diagonal(springs), structure.copy()
-        _add(both, glue)
-        compliance = frozen(_inverse(both, 0.0))
+            glued = springs * _pressed(points, springs, structure, pulled)
         return cls(
-            points=points, springs=springs, glue=glue, compliance=compliance, structure=structure
+            points=points,
+            structure=structure,
+            glued=_held(points, glued, structure),
+            open=_anchored(points, springs, S),
         )
 
     def glued_by(self, springs: Matrix) -> "GluedPairs":
@@ -160,7 +197,7 @@ class GluedPairs:
         LinAlgError
             If these and the structure do not hold them.
         """
-        return self._held(self.points, frozen(springs), self.structure)
+        return replace(self, glued=_held(self.points, springs, self.structure))
 
     @property
     def G(self) -> SparseMatrix | Matrix:
@@ -171,11 +208,6 @@ class GluedPairs:
     def transposed(self) -> SparseMatrix | Matrix:
         """Gᵀ, which takes forces at the points to the pairs."""
         return self.points.transposed
-
-    @cached_property
-    def _single(self) -> Matrix:
-        """U in single precision."""
-        return self.compliance.astype(np.float32)
 
     def resisted(self, displacements: Vector) -> Vector:
         """Return Σ w of displacements w (n_relative,)."""
@@ -191,13 +223,15 @@ class GluedPairs:
         yields : (n_spring, n_spring) [length/force]
             What a spring yields to its initial force with the pairs held.
         """
-        moved = self.compliance @ shapes.T
-        core = yields - shapes @ moved
+        try:
+            opened = None if self.open is None else self.open.loosened(shapes, yields)
+        except LinAlgError:  # nothing but these springs holds a part
+            opened = None
         return replace(
             self,
             structure=self.structure - shapes.T @ np.linalg.solve(yields, shapes),
-            compliance=self.compliance
-            + moved @ cho_solve(cho_factor((core + core.T) / 2), moved.T),
+            glued=self.glued.loosened(shapes, yields),
+            open=opened,
         )
 
     def step(
@@ -215,52 +249,38 @@ class GluedPairs:
 
         Notes
         -----
-        Two products with U, and factors of as many rows as points that changed sides touch.
+        Two products with U or S, and factors of as many rows as are changed.
         """
         if len(self.structure) <= DIRECT:
             if factors is None or not np.array_equal(K, factors.K):
                 both = self.structure.copy()
                 self.points.add_to(both, K)
-                factors = Factors(K, np.arange(len(both)), *_factorized(both))
+                factors = Factors(K, None, np.arange(len(both)), *_factorized(both))
             d = factors.solve(right)
             return d, self.structure @ d, factors
-        changed = K.copy()
-        diagonal = np.arange(K.shape[1])
-        changed[:, diagonal, diagonal] -= self.springs.T
-        changed[np.abs(changed) <= UNCHANGED * self.springs.max(initial=0.0)] = 0.0
-        moved = self.compliance @ right
-        if not changed.any():
-            return moved, right - self.glue @ moved, factors
+        changed = self._changed(K, right)
+        if not len(changed.rows):
+            return *changed.moved_by(changed.rows, np.empty(0)), factors
         enough = float(np.clip(0.05 * left, ACCURATE, LOOSE)) * float(np.linalg.norm(right))
-        every, pairs = self.points.between_pairs(changed), self.points.touched(changed)
-        if factors is not None and factors.serve(K):
-            together = np.concatenate([factors.pairs, np.setdiff1d(pairs, factors.pairs)])
-            if len(together) <= MOST_BESIDE * len(factors.pairs):
-                block = every[together][:, together]
-                single, between = block.astype(np.float32), self._between(together)
-                solution = _in_single(single, between, block @ moved[together], enough, factors)
-                answer = self._answer(right, together, block, solution)
+        if factors is not None and factors.serve(K, changed.held):
+            together = np.concatenate([factors.rows, np.setdiff1d(changed.rows, factors.rows)])
+            if len(together) <= MOST_BESIDE * len(factors.rows):
+                answer = changed.solved(together, changed.between(together), enough, factors)
                 if answer is not None:
                     return *answer, factors
-        block = every[pairs][:, pairs]
-        shared = block @ moved[pairs]
+        between = changed.between(changed.rows)
         # What overflows single precision is solved in double.
         with np.errstate(over="ignore", invalid="ignore"):
-            single, between = block.astype(np.float32), self._between(pairs)
             try:
-                factors = Factors.of(K, pairs, single @ between)
-                solution = _in_single(single, between, shared, enough, factors)
+                factors = changed.factors(K, between.astype(np.float32))
+                answer = changed.solved(changed.rows, between, enough, factors)
             except LinAlgError:
-                solution = None
-        answer = self._answer(right, pairs, block, solution)
+                answer = None
         if answer is not None:
             return *answer, factors
-        product = block @ self.compliance[pairs].take(pairs, axis=1)
-        exact = Factors.of(K, pairs, product).solve(shared)
-        forces = right.copy()
-        forces[pairs] -= exact
-        d = self.compliance @ forces
-        return d, forces - self.glue @ d, None
+        shared = changed.block[changed.rows] @ changed.moved[changed.columns]
+        exact = changed.factors(K, between).solve(shared)
+        return *changed.moved_by(changed.rows, exact), None
 
     def solved(self, springs: Matrix, right: Matrix) -> Matrix:
         """Return the solutions (n_relative, k) of right-hand sides, to round-off.
@@ -270,37 +290,95 @@ class GluedPairs:
         springs : (components, n_point) [force/length]
             K, of points that are closed and stick.
         """
-        changed = np.zeros((springs.shape[1], len(springs), len(springs)))
-        diagonal = np.arange(len(springs))
+        K, diagonal = np.zeros((springs.shape[1], len(springs), len(springs))), len(springs)
+        K[:, np.arange(diagonal), np.arange(diagonal)] = springs.T
         if len(self.structure) <= DIRECT:
-            changed[:, diagonal, diagonal] = springs.T
             system = self.structure.copy()
-            self.points.add_to(system, changed)
+            self.points.add_to(system, K)
             return np.asarray(np.linalg.solve(system, right))
-        changed[:, diagonal, diagonal] = (springs - self.springs).T
-        pairs, forces = self.points.touched(changed), right.copy()
-        block = self.points.between_pairs(changed)[pairs][:, pairs]
-        system = block @ self.compliance[pairs].take(pairs, axis=1)
-        system.flat[:: len(pairs) + 1] += 1.0
-        forces[pairs] -= np.linalg.solve(system, block @ (self.compliance[pairs] @ right))
-        return self.compliance @ forces
+        changed = self._changed(K, right)
+        block = changed.block[changed.rows]
+        system = block @ changed.between(changed.rows)
+        system.flat[:: len(system) + 1] += 1.0
+        exact = np.linalg.solve(system, block @ changed.moved[changed.columns])
+        return changed.moved_by(changed.rows, exact)[0]
 
-    def _answer(
-        self, right: Vector, pairs: Indices, block: SparseMatrix, shared: Vector | None
-    ) -> tuple[Vector, Vector] | None:
-        """Return d and Σ d of the solution m at the pairs c, where it is one."""
-        if shared is None:
-            return None
-        forces = right.copy()
-        forces[pairs] -= shared
-        d = self.compliance @ forces
-        residual = shared - block @ d[pairs]
-        exact = np.linalg.norm(residual) <= LOOSE * np.linalg.norm(right)
-        return (d, forces - self.glue @ d) if exact else None
+    def _changed(self, K: Matrix, right: Matrix) -> "_Changed":
+        """Return what K and b change of the pairs that it is nearest to."""
+        candidates = [held for held in (self.glued, self.open) if held is not None]
+        changes = [held.change_to(K) for held in candidates]
+        touched = [self.points.touched(change) for change in changes]
+        nearest = min(range(len(candidates)), key=lambda number: len(touched[number][0]))
+        held, (rows, columns) = candidates[nearest], touched[nearest]
+        block = self.points.between_pairs(changes[nearest])[:, columns]
+        return _Changed(held, rows, columns, block, right, held.compliance @ right)
 
-    def _between(self, pairs: Indices) -> Matrix:
-        """Return U_cc in single precision."""
-        return self._single[pairs].take(pairs, axis=1)
+
+@final
+@dataclass(frozen=True, eq=False)
+class _Changed:
+    """(F7) of some K.
+
+    Attributes
+    ----------
+    held
+        U, B₀.
+    rows, columns
+        r and c.
+    block : (n_relative, n_column) sparse
+        ΔB of columns c.
+    right, moved
+        b and U b.
+    """
+
+    held: HeldPairs
+    rows: Indices
+    columns: Indices
+    block: SparseMatrix
+    right: Matrix
+    moved: Matrix
+
+    def between(self, rows: Indices) -> Matrix:
+        """Return U_cr of some rows."""
+        return self.held.compliance[self.columns].take(rows, axis=1)
+
+    def factors(self, K: Matrix, between: npt.NDArray[Any]) -> Factors:
+        """Factorize I + ΔB_rc U_cr, given U_cr, in its precision."""
+        product = self.block[self.rows].astype(between.dtype) @ between
+        product.flat[:: len(product) + 1] += 1.0
+        return Factors(K, self.held, self.rows, *_factorized(product))
+
+    def moved_by(self, rows: Indices, taken: Matrix) -> tuple[Matrix, Matrix]:
+        """Return d and Σ d of m at some rows."""
+        forces = self.right.copy()
+        forces[rows] -= taken
+        d = self.held.compliance @ forces
+        return d, forces - self.held.glue @ d
+
+    def solved(
+        self, rows: Indices, between: Matrix, enough: float, factors: Factors
+    ) -> tuple[Matrix, Matrix] | None:
+        """Return d and Σ d by factors in single precision of the first of some rows, or nothing.
+
+        Parameters
+        ----------
+        between
+            U_cr of these rows.
+        enough
+            Residual that is left [force].
+        """
+        block, n = self.block[rows], len(factors.rows)
+
+        def solved(right: Vector) -> Vector:
+            return np.concatenate([factors.solve(right[:n]), right[n:]])
+
+        def product(right: Vector) -> Vector:
+            solution = solved(right)
+            return np.asarray(solution + block @ (between @ solution))
+
+        shared = block @ self.moved[self.columns]
+        reduced = corrected(product, shared, enough, MOST_CORRECTIONS)
+        return None if reduced is None else self.moved_by(rows, solved(reduced))
 
 
 def _factorized(matrix: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], Indices]:
@@ -312,36 +390,6 @@ def _factorized(matrix: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], Indices]:
         message = "singular system of a Newton step"
         raise LinAlgError(message)
     return lu, pivots
-
-
-def _in_single(
-    block: SparseMatrix, between: Matrix, shared: Vector, enough: float, factors: Factors
-) -> Vector | None:
-    """Solve (F7) for m in single precision by factors of the first pairs, or not at all.
-
-    Parameters
-    ----------
-    block, between
-        ΔB_cc and U_cc in single precision.
-    shared : (n_changed,) [force]
-        ΔB_cc (U b)_c.
-    enough
-        Residual that is left [force].
-    """
-    n = len(factors.pairs)
-
-    def near(right: npt.NDArray[Any]) -> npt.NDArray[Any]:
-        return np.concatenate([factors.solve(right[:n]), right[n:]])
-
-    def product(right: npt.NDArray[Any]) -> npt.NDArray[Any]:
-        solution = near(right)
-        return np.asarray(solution + block @ (between @ solution))
-
-    right = np.asarray(shared, dtype=np.float32)
-    if not np.isfinite(right).all():
-        return None
-    reduced = corrected(product, right, enough, MOST_CORRECTIONS)
-    return None if reduced is None else np.asarray(near(reduced), dtype=float)
 
 
 def _pressed(points: PointSprings, springs: Matrix, stiffness: Matrix, pulled: Vector) -> Vector:
@@ -359,6 +407,36 @@ def _pressed(points: PointSprings, springs: Matrix, stiffness: Matrix, pulled: V
         if np.array_equal(previous, pressed):
             break
     return pressed if pressed.any() else every
+
+
+def _anchored(points: PointSprings, springs: Matrix, S: Matrix) -> HeldPairs:
+    """Return a structure held at the points that move most, as long as these move far.
+
+    Cholesky's method with pivots finds them, and takes what they hold out of S.
+    """
+    sprung = points.of_diagonal(springs).diagonal()
+    remaining, shapes = sprung * np.diag(S), np.empty((0, len(S)))
+    chosen = list[int]()
+    n = springs.shape[1]
+    while len(chosen) < MOST_ANCHORS and remaining.max(initial=0.0) > FREE:
+        pivot = int(remaining.argmax())
+        column = S[pivot] - shapes[:, pivot] @ shapes
+        shapes = np.vstack([shapes, column / np.sqrt(column[pivot])])
+        remaining -= sprung * shapes[-1] ** 2
+        chosen.append(int(points.strongest(pivot)) % n)
+    anchors = springs * np.isin(np.arange(n), chosen)
+    rows = np.flatnonzero(anchors)
+    felt = np.asarray((points.G[rows] @ S))
+    core = np.diag(1.0 / anchors.ravel()[rows]) + np.asarray(points.G[rows] @ felt.T)
+    half = solve_triangular(np.linalg.cholesky((core + core.T) / 2), felt, lower=True)
+    return HeldPairs(anchors, points.of_diagonal(anchors), S - half.T @ half)
+
+
+def _held(points: PointSprings, springs: Matrix, structure: Matrix) -> HeldPairs:
+    """Return a structure on springs at its points."""
+    glue, both = points.of_diagonal(springs), structure.copy()
+    _add(both, glue)
+    return HeldPairs(frozen(springs), glue, frozen(_inverse(both, 0.0)))
 
 
 def _add(matrix: npt.NDArray[Any], entries: SparseMatrix | Matrix) -> None:

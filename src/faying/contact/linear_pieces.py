@@ -69,7 +69,7 @@ class OnSprings:
 
     def near(self, active: Mask) -> "OnSprings":
         """Return what solves contact of about these closed points."""
-        changed = np.count_nonzero((self.pairs.springs[0] > 0) != active)
+        changed = np.count_nonzero((self.pairs.glued.springs[0] > 0) != active)
         if changed <= MOST_CHANGED * len(self.pairs.structure):
             return self
         return replace(self, pairs=self.pairs.glued_by(self._springs(active)))

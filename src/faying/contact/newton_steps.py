@@ -121,9 +121,9 @@ class NewtonSteps:
 
     def _between_pairs(self, K: Matrix, right: Vector) -> Vector:
         """Solve (I + B S) q = b."""
-        touched = self.springs.touched(K)
-        B = self.springs.between_pairs(K)[touched][:, touched]
-        system = B @ self.S.take(touched, axis=0).take(touched, axis=1)
+        touched, feeling = self.springs.touched(K)
+        B = self.springs.between_pairs(K)[touched][:, feeling]
+        system = B @ self.S.take(feeling, axis=0).take(touched, axis=1)
         system.flat[:: len(system) + 1] += 1.0
         # Forces between pairs that no closed point touches are known, and move the others.
         forces = right.copy()

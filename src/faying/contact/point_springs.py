@@ -57,16 +57,24 @@ class PointSprings:
         places, indices, _ = self._assembly
         matrix[self._row_of_entry, indices] += places @ K.ravel()
 
-    def touched(self, K: Matrix) -> Indices:
-        """Return the pairs that points with springs touch."""
-        return np.flatnonzero(self._touching @ K.any(axis=(1, 2)))
+    def strongest(self, pair: int) -> int:
+        """Return the row of G that feels a displacement of the pairs most."""
+        felt = self.transposed[[pair]]
+        felt = felt if isinstance(felt, np.ndarray) else felt.toarray()
+        return int(np.abs(felt[0]).argmax())
+
+    def touched(self, K: Matrix) -> tuple[Indices, Indices]:
+        """Return the rows of B that springs K act on, and the columns that they feel.
+
+        The forces of a point that begins to slip change along its tangents alone.
+        """
+        acting, feeling = (K.any(axis=axis).ravel(order="F") for axis in (2, 1))
+        return np.flatnonzero(self._pattern @ acting), np.flatnonzero(self._pattern @ feeling)
 
     @cached_property
-    def _touching(self) -> SparseMatrix:
-        """Which pairs a point touches (n_relative, n_point)."""
-        n = self.G.shape[0] // self.components
-        pattern = abs(self.G)
-        return sum(pattern[i * n : (i + 1) * n] for i in range(self.components)).T.tocsr()
+    def _pattern(self) -> SparseMatrix:
+        """Which displacements of pairs a component at a point feels (n_relative, k n_point)."""
+        return abs(self.transposed)
 
     @cached_property
     def _row_of_entry(self) -> Indices:

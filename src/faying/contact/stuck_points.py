@@ -78,7 +78,7 @@ class StuckPoints:
         sprung = closed & (yields > 0)
         springs = np.where(sprung, 1.0 / np.where(sprung, yields, 1.0), 0.0)
         if isinstance(solver, YieldingContact) and solver.shapes is None:
-            compliance = solver.pairs.glued_by(springs).compliance
+            compliance = solver.pairs.glued_by(springs).glued.compliance
         else:
             block = (contact.rows.T @ sp.diags_array(springs.ravel()) @ contact.rows).tocsr()
             compliance = np.linalg.solve(np.eye(len(moved)) + solver.S @ block, solver.S)

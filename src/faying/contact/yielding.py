@@ -111,7 +111,7 @@ class YieldingContact:
             pairs = GluedPairs.of(contact.rows, springs, S, pulled)
         except LinAlgError:
             return cls._of_singular(contact, springs, S)
-        if (pairs.glue.diagonal() > STIFFEST * np.diag(pairs.structure)).any():
+        if (pairs.glued.glue.diagonal() > STIFFEST * np.diag(pairs.structure)).any():
             message = "contact is far stiffer than the structure"
             raise LinAlgError(message)
         return cls(contact=contact, S=S, pairs=pairs)
@@ -232,15 +232,18 @@ def solve_yielding(
 
     pulled = np.zeros(len(free)) if pull is None else pull
     state = _begun(laws, pairs, free, law_offset, start, pulled)
-    steps, short, bounded = 0, 0, False
+    steps, short, bounded, formed = 0, 0, False, False
     factors: Factors | None = None
     previous = np.inf
     while steps < MOST_STEPS and short < MOST_SHORT and np.isfinite(state.left):
-        if state.left <= SOLVED and compliance is not None:
-            # What Newton's method summed up step by step is formed once more, by S.
+        if state.left <= SOLVED and not formed:
+            # What Newton's method summed up step by step is formed once more, by S or by Σ.
             # Beside rigid motions on weak springs this alone balances forces to round-off.
-            state = _formed(laws, pairs, free, law_offset, state, compliance)
-            compliance, previous = None, np.inf
+            if compliance is None:
+                state = replace(state, p=pairs.resisted(state.y - free) + pulled)
+            else:
+                state = _formed(laws, pairs, free, law_offset, state, compliance)
+            formed, previous = True, np.inf
         if state.left <= ROUND_OFF or (state.left <= SOLVED and state.left > 0.5 * previous):
             break
         previous = state.left
@@ -301,9 +304,10 @@ def _begun(
     G, shape = pairs.G, offset.shape
     if start is None:
         # As if every point were closed and stuck: what then pulls opens in the steps that follow.
-        pressed = pull + pairs.transposed @ (pairs.springs * _at(G, free, offset)).ravel()
-        moved = pairs.compliance @ -pressed
-        y, p = free + moved, -pressed - pairs.glue @ moved + pull
+        glued = pairs.glued
+        pressed = pull + pairs.transposed @ (glued.springs * _at(G, free, offset)).ravel()
+        moved = glued.compliance @ -pressed
+        y, p = free + moved, -pressed - glued.glue @ moved + pull
     else:
         y = start.moved
         p = pairs.resisted(y - free) + pull

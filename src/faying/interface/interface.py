@@ -14,11 +14,12 @@ import scipy.sparse as sp
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
 from faying.contact.contact import Contact
 from faying.contact.laws import Coulomb, Curve, Law, normal_law
+from faying.digits import ROUND_OFF
 from faying.display.facts import Shown, with_unit
 from faying.exceptions import naming
 from faying.interface.averaging import averaging_operator, facet_columns
 from faying.interface.coupling import Coupling
-from faying.interface.relative_displacement import all_axes, axes_of, tangents_of, times_normals
+from faying.interface.relative_displacement import axes_of, tangents_of, times_normals
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -146,9 +147,7 @@ class Interface(Shown):
         One where all points of a pair have one normal, two on an edge between planes, three where
         the surface is curved or tangential forces act, none where no point is.
         """
-        if self.law.components > 1:
-            return all_axes(self.point_shape)
-        return axes_of(self.point_shape, self.normals)
+        return axes_of(self.point_shape, self.normals, tangential=self.law.components > 1)
 
     @cached_property
     def relative_operator(self) -> SparseMatrix:
@@ -178,7 +177,11 @@ class Interface(Shown):
 
     def _felt(self, directions: Matrix) -> SparseMatrix:
         """Return rows (n_point, n_relative): motion of points along directions (n_point, 3)."""
-        return (times_normals(self.point_shape, directions) @ self.pair_axes.T).tocsr()
+        felt = (times_normals(self.point_shape, directions) @ self.pair_axes.T).tocsr()
+        # Normals along an axis have no more than round-off along the others.
+        felt.data[np.abs(felt.data) <= ROUND_OFF * np.abs(felt.data).max(initial=0.0)] = 0.0
+        felt.eliminate_zeros()
+        return felt
 
     @cached_property
     def gap_operator(self) -> SparseMatrix:

@@ -59,7 +59,7 @@ def common_normal(
     )
 
 
-def axes_of(shape: SparseMatrix, normals: Matrix) -> SparseMatrix:
+def axes_of(shape: SparseMatrix, normals: Matrix, *, tangential: bool = False) -> SparseMatrix:
     """Return orthonormal rows (n_axis, 3 n_pair) that span the normals each pair is felt along.
 
     Parameters
@@ -67,6 +67,8 @@ def axes_of(shape: SparseMatrix, normals: Matrix) -> SparseMatrix:
     shape : (n_point, n_pair) sparse
         Which pairs a point feels.
     normals : (n_point, 3)
+    tangential
+        Whether pairs are felt along tangents too: three rows then, a normal first.
 
     Notes
     -----
@@ -97,6 +99,10 @@ def axes_of(shape: SparseMatrix, normals: Matrix) -> SparseMatrix:
         spread = np.repeat(axis, counts, axis=0)
         remainder = remainder - np.einsum("kd,kd->k", remainder, spread)[:, None] * spread
     every = np.stack(axes, axis=1)
+    if tangential:
+        alone = ~every[:, 1].any(axis=1)
+        every[alone, 1] = tangents_of(every[alone, 0])
+        every[:, 2] = np.cross(every[:, 0], every[:, 1])
     owners, which = np.nonzero(every.any(axis=2))
     rows = np.repeat(np.arange(len(owners)), 3)
     columns = (3 * pairs[owners][:, None] + np.arange(3)).ravel()
@@ -104,14 +110,6 @@ def axes_of(shape: SparseMatrix, normals: Matrix) -> SparseMatrix:
     result = sp.csr_array((data, (rows, columns)), shape=(len(owners), 3 * shape.shape[1]))
     result.eliminate_zeros()
     return result
-
-
-def all_axes(shape: SparseMatrix) -> SparseMatrix:
-    """Return unit rows (n_axis, 3 n_pair) of all components of the pairs that points feel."""
-    felt = np.flatnonzero(abs(shape).sum(axis=0))
-    columns = (3 * felt[:, None] + np.arange(3)).ravel()
-    n = len(columns)
-    return sp.csr_array((np.ones(n), (np.arange(n), columns)), shape=(n, 3 * shape.shape[1]))
 
 
 def times_normals(shape: SparseMatrix, normals: Matrix) -> SparseMatrix:

@@ -165,7 +165,7 @@ class CompiledSteps:
             solver = self.solver
             if len(self.supported) == MOST_SETS:
                 del self.supported[next(iter(self.supported))]
-            E = solver.pairs.glued_by(solver.laws.springs * closed).compliance
+            E = solver.pairs.glued_by(solver.laws.springs * closed).glued.compliance
             Y = solver.shapes
             self.supported[key] = E.copy() if Y is None else np.ascontiguousarray(Y @ E @ Y.T)
         return self.supported[key]
