@@ -11,7 +11,8 @@ so that Σ becomes Σ − z M⁻¹ zᵀ: a change of rank one for each bolt.
 """
 
 from dataclasses import dataclass
-from typing import final
+from functools import cached_property
+from typing import cast, final
 
 import numpy as np
 from scipy.linalg import LinAlgError
@@ -99,7 +100,7 @@ class BoltsByForce:
         free = -others @ ports.contact_columns[ports.bolts]
         rows = ports.input_rows[ports.bolts, ports.bolts]
         elongations = forces / self._stiffness + rows[self.bolts] @ others
-        pairs, shapes, yields = self._loosened(solver.pairs)
+        pairs, shapes, yields = self._loosened
         pull = shapes.T @ np.linalg.solve(yields, elongations)
         offset = self.joint.contact.offset(slip)
         increment = solve_yielding(solver.laws, pairs, free, offset, start, pull=pull)
@@ -184,8 +185,10 @@ class BoltsByForce:
         rows = ports.input_rows[ports.bolts, ports.bolts]
         return np.asarray(np.diag(1.0 / self._stiffness) - rows[np.ix_(self.bolts, self.bolts)])
 
-    def _loosened(self, pairs: GluedPairs) -> tuple[GluedPairs, Matrix, Matrix]:
-        """Return the pairs without the springs of the known bolts, z and M."""
+    @cached_property
+    def _loosened(self) -> tuple[GluedPairs, Matrix, Matrix]:
+        """The pairs without the springs of the known bolts, z and M."""
+        pairs = cast("YieldingContact", self.joint.static_contact.cases).pairs
         columns = self._columns
         shapes = np.array([pairs.resisted(column) for column in columns])
         yields = self._core + columns @ shapes.T

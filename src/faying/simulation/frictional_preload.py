@@ -1,7 +1,7 @@
 """Pretension with friction: bolts tightened along a path that remembers its slip."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -86,10 +86,16 @@ def tighten_with_friction(
             system.static_contact.increments, moved_alone(system, inputs[-1][None]), path[-1]
         )
     reached: list[tuple[str, Vector]] = []
+    problem, alike = BoltsByForce(joint=system, bolts=np.empty(0, dtype=np.int64)), 0
     for stage, chosen, goal in _stages(names, forces, increments):
         step = path[-1]
         start = step.increment if step.increment.begun else None
-        problem = BoltsByForce(joint=system, bolts=chosen)
+        if not np.array_equal(problem.bolts, chosen):
+            problem, alike = BoltsByForce(joint=system, bolts=chosen), 0
+        if start is not None and (alike > 1 or (alike and not path[-2].increment.begun)):
+            # What the bolt moved in its increment before, it moves about once more.
+            start = replace(start, moved=2.0 * start.moved - path[-2].increment.moved)
+        alike += 1
         increment, state = problem.solve(goal, state, step.slip, start)
         inputs.append(_inputs(system, state))
         path.append(_step(system, inputs[-1], increment, step.slip + increment.slack[1:]))
