@@ -429,7 +429,7 @@ def _anchored(points: PointSprings, springs: Matrix, S: Matrix) -> HeldPairs:
     felt = np.asarray((points.G[rows] @ S))
     core = np.diag(1.0 / anchors.ravel()[rows]) + np.asarray(points.G[rows] @ felt.T)
     half = solve_triangular(np.linalg.cholesky((core + core.T) / 2), felt, lower=True)
-    return HeldPairs(anchors, points.of_diagonal(anchors), S - half.T @ half)
+    return HeldPairs(anchors, points.of_diagonal(anchors), S - half.T @ half if chosen else S)
 
 
 def _held(points: PointSprings, springs: Matrix, structure: Matrix) -> HeldPairs:
