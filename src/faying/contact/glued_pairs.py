@@ -2,8 +2,8 @@
 
 With Σ = S⁻¹, the stiffness of the structure between pairs, and B = Gᵀ K G, that of the points, a
 Newton step is (Σ + B) d = b. Two inverses serve every step: U = (Σ + B₀)⁻¹ with all points closed
-and stuck, and with all open but a few that hold what only weak springs would. Where the points whose ΔB = B − B₀ does not vanish act along
-rows r of it and feel its columns c,
+and stuck, and with all open but a few that hold what only weak springs would. Where the points
+whose ΔB = B − B₀ does not vanish act along rows r of it and feel its columns c,
 
     (I + ΔB_rc U_cr) m = ΔB_rc (U b)_c,   d = U (b − m),                                    (F7)
 
@@ -12,7 +12,6 @@ alone hold a part.
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any, final
 
 import numpy as np
@@ -103,7 +102,7 @@ class Factors:
     ----------
     K : (n_point, components, components) [force/length]
         What it was made of.
-    held
+    reference
         Whose U; None where Σ + B itself is factorized.
     rows : (n_row,)
         r.
@@ -112,14 +111,14 @@ class Factors:
     """
 
     K: Matrix
-    held: HeldPairs | None
+    reference: HeldPairs | None
     rows: Indices
     lu: Matrix
     pivots: Indices
 
-    def serve(self, K: Matrix, held: HeldPairs) -> bool:
+    def serve(self, K: Matrix, reference: HeldPairs) -> bool:
         """Say whether K is another at few points only."""
-        if self.held is not held:
+        if self.reference is not reference:
             return False
         changed = np.abs(K - self.K).max(axis=(1, 2)) > CHANGED * np.abs(K).max()
         return bool(np.count_nonzero(changed) <= MOST_CHANGED)
@@ -262,7 +261,7 @@ class GluedPairs:
         if not len(changed.rows):
             return *changed.moved_by(changed.rows, np.empty(0)), factors
         enough = float(np.clip(0.05 * left, ACCURATE, LOOSE)) * float(np.linalg.norm(right))
-        if factors is not None and factors.serve(K, changed.held):
+        if factors is not None and factors.serve(K, changed.reference):
             together = np.concatenate([factors.rows, np.setdiff1d(changed.rows, factors.rows)])
             if len(together) <= MOST_BESIDE * len(factors.rows):
                 answer = changed.solved(together, changed.between(together), enough, factors)
@@ -290,8 +289,9 @@ class GluedPairs:
         springs : (components, n_point) [force/length]
             K, of points that are closed and stick.
         """
-        K, diagonal = np.zeros((springs.shape[1], len(springs), len(springs))), len(springs)
-        K[:, np.arange(diagonal), np.arange(diagonal)] = springs.T
+        k, n = springs.shape
+        K = np.zeros((n, k, k))
+        K[:, np.arange(k), np.arange(k)] = springs.T
         if len(self.structure) <= DIRECT:
             system = self.structure.copy()
             self.points.add_to(system, K)
@@ -305,13 +305,13 @@ class GluedPairs:
 
     def _changed(self, K: Matrix, right: Matrix) -> "_Changed":
         """Return what K and b change of the pairs that it is nearest to."""
-        candidates = [held for held in (self.glued, self.open) if held is not None]
-        changes = [held.change_to(K) for held in candidates]
+        candidates = [reference for reference in (self.glued, self.open) if reference is not None]
+        changes = [reference.change_to(K) for reference in candidates]
         touched = [self.points.touched(change) for change in changes]
         nearest = min(range(len(candidates)), key=lambda number: len(touched[number][0]))
-        held, (rows, columns) = candidates[nearest], touched[nearest]
+        reference, (rows, columns) = candidates[nearest], touched[nearest]
         block = self.points.between_pairs(changes[nearest])[:, columns]
-        return _Changed(held, rows, columns, block, right, held.compliance @ right)
+        return _Changed(reference, rows, columns, block, right, reference.compliance @ right)
 
 
 @final
@@ -321,7 +321,7 @@ class _Changed:
 
     Attributes
     ----------
-    held
+    reference
         U, B₀.
     rows, columns
         r and c.
@@ -331,7 +331,7 @@ class _Changed:
         b and U b.
     """
 
-    held: HeldPairs
+    reference: HeldPairs
     rows: Indices
     columns: Indices
     block: SparseMatrix
@@ -340,20 +340,20 @@ class _Changed:
 
     def between(self, rows: Indices) -> Matrix:
         """Return U_cr of some rows."""
-        return self.held.compliance[self.columns].take(rows, axis=1)
+        return self.reference.compliance[self.columns].take(rows, axis=1)
 
     def factors(self, K: Matrix, between: npt.NDArray[Any]) -> Factors:
         """Factorize I + ΔB_rc U_cr, given U_cr, in its precision."""
         product = self.block[self.rows].astype(between.dtype) @ between
         product.flat[:: len(product) + 1] += 1.0
-        return Factors(K, self.held, self.rows, *_factorized(product))
+        return Factors(K, self.reference, self.rows, *_factorized(product))
 
     def moved_by(self, rows: Indices, taken: Matrix) -> tuple[Matrix, Matrix]:
         """Return d and Σ d of m at some rows."""
         forces = self.right.copy()
         forces[rows] -= taken
-        d = self.held.compliance @ forces
-        return d, forces - self.held.glue @ d
+        d = self.reference.compliance @ forces
+        return d, forces - self.reference.glue @ d
 
     def solved(
         self, rows: Indices, between: Matrix, enough: float, factors: Factors
@@ -426,7 +426,7 @@ def _anchored(points: PointSprings, springs: Matrix, S: Matrix) -> HeldPairs:
         chosen.append(int(points.strongest(pivot)) % n)
     anchors = springs * np.isin(np.arange(n), chosen)
     rows = np.flatnonzero(anchors)
-    felt = np.asarray((points.G[rows] @ S))
+    felt = np.asarray(points.G[rows] @ S)
     core = np.diag(1.0 / anchors.ravel()[rows]) + np.asarray(points.G[rows] @ felt.T)
     half = solve_triangular(np.linalg.cholesky((core + core.T) / 2), felt, lower=True)
     return HeldPairs(anchors, points.of_diagonal(anchors), S - half.T @ half if chosen else S)

@@ -48,6 +48,29 @@ def test_steps_are_those_of_the_whole_matrix(seed, direct, monkeypatch):
         np.testing.assert_allclose(forces, stiffness @ d, rtol=0, atol=1e-11)
 
 
+def test_few_closed_points_are_solved_beside_open_ones(monkeypatch):
+    """What weak springs alone would hold is held at points, so that single precision does."""
+    monkeypatch.setattr("faying.contact.glued_pairs.DIRECT", 0)
+    plain, _ = joint(1, ELASTIC)
+    rows, springs = plain.contact.rows, plain.laws.springs
+    random = np.random.default_rng(1)
+    motions = random.normal(size=(3 * PAIRS, 2))
+    S = plain.S + 1e6 * motions @ motions.T
+    pairs, stiffness = GluedPairs.of(rows, springs, S), np.linalg.inv(S)
+    assert 0 < np.count_nonzero(pairs.open.springs[0]) < N
+    # The largest of S is 1e7 times as much.
+    assert np.abs(pairs.open.compliance).max() < 10.0
+    K, diagonal = np.zeros((N, 3, 3)), np.arange(3)
+    K[:2, diagonal, diagonal] = springs[:, :2].T
+    right = random.normal(size=3 * PAIRS)
+    d, forces, factors = pairs.step(K, right, 0.0)
+    assert factors.reference is pairs.open
+    exact = np.linalg.solve(stiffness + dense(rows.toarray(), K), right)
+    np.testing.assert_allclose(d, exact, rtol=0, atol=10 * ACCURATE * np.abs(exact).max())
+    # S and its inverse agree to 1e-9, as 1e7 beside round-off leaves.
+    np.testing.assert_allclose(forces, stiffness @ d, rtol=0, atol=1e-7)
+
+
 def test_pairs_less_the_springs_of_bolts():
     pairs, _, glue, stiffness = glued(0)
     random = np.random.default_rng(5)
@@ -58,7 +81,9 @@ def test_pairs_less_the_springs_of_bolts():
     rest = stiffness - shapes.T @ np.linalg.solve(yields, shapes)
     moved = random.normal(size=3 * PAIRS)
     np.testing.assert_allclose(found.resisted(moved), rest @ moved, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(found.glued.compliance, np.linalg.inv(rest + glue), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        found.glued.compliance, np.linalg.inv(rest + glue), rtol=0, atol=1e-12
+    )
 
 
 @pytest.mark.parametrize("ratio", [0.0, 1e-13])
