@@ -15,18 +15,10 @@ from typing import Any
 
 from faying.exceptions import CampaignError
 from faying.execution.executor import FATAL_DEATHS, Function, LostTasksError, Prepare, Results
+from faying.linalg.threads import limit_threads
 
 # Spawned, not forked: a fork copies the locks of threads that do not exist in the copy.
 CONTEXT = get_context("spawn")
-
-THREAD_VARIABLES = (
-    "OMP_NUM_THREADS",
-    "MKL_NUM_THREADS",
-    "OPENBLAS_NUM_THREADS",
-    "VECLIB_MAXIMUM_THREADS",
-    "NUMBA_NUM_THREADS",
-)
-"""Where the libraries below NumPy look, when they are loaded, how many threads they may use."""
 
 
 @dataclass(frozen=True)
@@ -80,11 +72,10 @@ class ProcessExecutor:
         while waiting:
             ready, running = CONTEXT.Event(), dict[Future[Any], int]()
             try:
-                with _pool(min(size, len(waiting)), payload, ready) as pool:
+                with self._pool(min(size, len(waiting)), payload, ready) as pool:
                     while waiting or running:
                         while waiting and len(running) < size:
-                            with _threads_of_children(self.threads):
-                                future = pool.submit(_computed, tasks[waiting[0]])
+                            future = pool.submit(_computed, tasks[waiting[0]])
                             running[future] = waiting.popleft()
                         for future in wait(running, return_when=FIRST_COMPLETED).done:
                             result = future.result()
@@ -104,19 +95,18 @@ class ProcessExecutor:
                     raise CampaignError(message) from None
         return sorted(suspects)
 
-
-@contextmanager
-def _pool(size: int, payload: bytes, ready: Any) -> Iterator[ProcessPoolExecutor]:
-    """Yield a pool whose processes end with it, whatever they are at."""
-    pool = ProcessPoolExecutor(size, CONTEXT, _begin, (payload, ready))
-    try:
-        yield pool
-        pool.shutdown()
-    finally:
-        # What terminate_workers of Python 3.14 does; after a shutdown there are none.
-        for process in list((pool._processes or {}).values()):
-            process.terminate()
-        pool.shutdown(cancel_futures=True)
+    @contextmanager
+    def _pool(self, size: int, payload: bytes, ready: Any) -> Iterator[ProcessPoolExecutor]:
+        """Yield a pool whose processes end with it, whatever they are at."""
+        pool = ProcessPoolExecutor(size, CONTEXT, _begin, (payload, ready, self.threads))
+        try:
+            yield pool
+            pool.shutdown()
+        finally:
+            # What terminate_workers of Python 3.14 does; after a shutdown there are none.
+            for process in list((pool._processes or {}).values()):
+                process.terminate()
+            pool.shutdown(cancel_futures=True)
 
 
 def pickled(value: object) -> bytes:
@@ -137,28 +127,18 @@ def pickled(value: object) -> bytes:
         raise CampaignError(message) from None
 
 
-@contextmanager
-def _threads_of_children(threads: int) -> Iterator[None]:
-    """Set how many threads processes started meanwhile may use: read before NumPy is there."""
-    variables = {name: os.environ.get(name) for name in THREAD_VARIABLES}
-    os.environ.update(dict.fromkeys(THREAD_VARIABLES, str(threads)))
-    try:
-        yield
-    finally:
-        for name, value in variables.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
-
-
 _SENT: dict[str, Any] = {}
 """In a worker: what it prepares from, and the function that came of it."""
 
 
-def _begin(payload: bytes, ready: Any) -> None:
-    """Begin a worker, which ends with its parent and leaves Ctrl-C to it."""
+def _begin(payload: bytes, ready: Any, threads: int) -> None:
+    """Begin a worker, which ends with its parent and leaves Ctrl-C to it.
+
+    Threads are set here and not by variables of the parent's environment, which its other threads
+    may read at that moment.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    limit_threads(threads)
     Thread(target=_end_with_parent, daemon=True).start()
     _SENT.update(payload=payload, ready=ready)
 

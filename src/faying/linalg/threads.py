@@ -21,6 +21,11 @@ _FOUND: ContextVar[dict[str, int] | None] = ContextVar("threads before", default
 """Threads of each library outside :func:`one_thread`."""
 
 
+def limit_threads(threads: int) -> None:
+    """Limit the threads of each library in this process from now on."""
+    _controller().limit(limits=threads)
+
+
 @contextmanager
 def one_thread() -> Iterator[None]:
     """Keep dense linear algebra on one thread, except where :func:`threads_for` says otherwise.
