@@ -7,25 +7,25 @@ import socket
 import threading
 import uuid
 from collections import OrderedDict
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from concurrent.futures import CancelledError
 from contextlib import ExitStack
+from functools import partial
 from importlib import import_module
-from math import ceil
 from pathlib import Path
-from queue import Empty, Queue
 from time import perf_counter
 from types import TracebackType
 from typing import Any, Self
 
 from faying.exceptions import CampaignError
-from faying.execution.executor import FATAL_DEATHS, Function, LostTasksError, Prepare, Results
-
-BATCH_SECONDS = 0.1
-"""Work a batch holds at least; Dask needs about a millisecond for each."""
-
-PROBES = 64
-"""Tasks that are sent one by one, from whose times the size of batches follows."""
+from faying.execution.executor import (
+    FATAL_DEATHS,
+    Function,
+    LostTasksError,
+    Prepare,
+    Results,
+    results_of,
+)
 
 CONNECT_SECONDS = 15.0
 """How long a scheduler may take to answer."""
@@ -52,7 +52,7 @@ class DaskExecutor:
         self._client = client
         self._owned = ExitStack()
         # Workers of a batch system may come hours later; those of this machine are there.
-        self._patient = True
+        self._patient, self._seen = True, 0.0
 
     @classmethod
     def local(cls, n_workers: int) -> Self:
@@ -124,17 +124,44 @@ class DaskExecutor:
         return len(self._client.nthreads())
 
     def map(self, prepare: Prepare, tasks: Sequence[Any]) -> Results:
-        """Yield place and result of each task as they come; tiny ones are sent in batches."""
-        if not tasks:
-            return
-        campaign = _Map(
-            self._client,
-            prepare,
-            tasks,
-            n_workers=max(self.n_workers, 1),
-            patient=self._patient,
-        )
-        yield from campaign.results()
+        """Yield place and result of each task as they come."""
+        # By value where a module is a script, which workers do not have.
+        payload: bytes = import_module("cloudpickle").dumps(prepare)
+        # A task rather than scattered data: computed again where its worker dies.
+        sent = self._client.submit(bytes, payload, key=f"faying-prepare-{uuid.uuid4().hex}")
+        pool = self._client.get_executor(pure=False, retries=2)
+        submit = partial(pool.submit, compute, sent, hashlib.sha256(payload).hexdigest())
+        death = _package().KilledWorker
+        tried = partial(results_of, submit, tasks, death=death, watch=self._watch)
+        self._seen, lost = perf_counter(), list[int]()
+        try:
+            suspects = yield from tried(range(len(tasks)), together=len(tasks))
+            # Dask blames all that a worker had before it, so that each is tried alone.
+            for task in suspects if len(suspects) > 1 else ():
+                lost += yield from tried([task], together=1)
+        except ModuleNotFoundError as error:
+            message = f"a Dask worker lacks a package: {error}; install the same ones everywhere"
+            raise CampaignError(message) from None
+        except (CancelledError, OSError) as error:
+            message = (
+                f"the Dask cluster dropped the campaign ({type(error).__name__}); "
+                "look at its scheduler's log and resume"
+            )
+            raise CampaignError(message) from None
+        if lost or len(suspects) == 1:
+            raise LostTasksError(lost or suspects)
+
+    def _watch(self) -> float:
+        """Wait as long as there are workers, or may be."""
+        if self._patient or self._client.nthreads():
+            self._seen = perf_counter()
+        if perf_counter() - self._seen > WITHOUT_WORKERS:
+            message = (
+                "all Dask workers of this machine have died and were not replaced; "
+                "one that runs out of memory dies like this, use fewer"
+            )
+            raise CampaignError(message)
+        return POLL_SECONDS
 
     def close(self) -> None:
         """Disconnect, and end a cluster that :meth:`local` started."""
@@ -200,140 +227,14 @@ def _address(scheduler: str) -> str:
     raise CampaignError(message)
 
 
-class _Map:
-    """One campaign on a cluster: what was sent and what came back."""
-
-    def __init__(
-        self,
-        client: Any,
-        prepare: Prepare,
-        tasks: Sequence[Any],
-        *,
-        n_workers: int,
-        patient: bool,
-    ) -> None:
-        self.client, self.tasks = client, tasks
-        self.n_workers, self.patient = n_workers, patient
-        # By value where a module is a script, which workers do not have.
-        payload: bytes = import_module("cloudpickle").dumps(prepare)
-        self.digest = hashlib.sha256(payload).hexdigest()
-        # A task rather than scattered data: computed again where its worker dies.
-        self.payload = client.submit(bytes, payload, key=f"faying-prepare-{uuid.uuid4().hex}")
-        self.sent: dict[str, tuple[Any, tuple[int, ...]]] = {}
-        self.done: Queue[Any] = Queue()
-        self.unsent: Sequence[int] = ()
-        self.suspects: list[int] = []
-
-    def results(self) -> Iterator[tuple[int, Any]]:
-        """Send tasks, some first, and yield what comes back."""
-        places = range(len(self.tasks))
-        probes = min(len(places), max(PROBES, 2 * self.n_workers))
-        self.unsent = places[probes:]
-        try:
-            yield from self._answers(places[:probes])
-            unsent, self.unsent = self.unsent, ()
-            yield from self._answers(unsent)  # only where every probe was fatal
-            yield from self._suspected()
-        finally:
-            self.client.cancel([future for future, _ in self.sent.values()])
-
-    def _answers(self, singly: Sequence[int]) -> Iterator[tuple[int, Any]]:
-        """Send tasks one by one, what was not sent as soon as one is back, and yield results."""
-        for task in singly:
-            self._send((task,))
-        while self.sent:
-            future = self._next()
-            _, batch = self.sent.pop(future.key)
-            outcome = self._outcome(future, batch)
-            if outcome is None:
-                continue
-            results, seconds = outcome
-            unsent, self.unsent = self.unsent, ()
-            for part in self._batches(unsent, seconds):
-                self._send(part)
-            yield from zip(batch, results, strict=True)
-
-    def _next(self) -> Any:
-        """Wait for the next future that is done, as long as there can be one."""
-        alone = perf_counter()
-        while True:
-            try:
-                return self.done.get(timeout=POLL_SECONDS)
-            except Empty:
-                if self.patient or self.client.nthreads():
-                    alone = perf_counter()
-            if perf_counter() - alone > WITHOUT_WORKERS:
-                message = (
-                    "all Dask workers of this machine have died and were not replaced; "
-                    "one that runs out of memory dies like this, use fewer"
-                )
-                raise CampaignError(message)
-
-    def _suspected(self) -> Iterator[tuple[int, Any]]:
-        """Try tasks whose workers died alone: Dask blames all that a worker had before it."""
-        suspects, lost = sorted(self.suspects), list[int]()
-        if len(suspects) == 1:
-            raise LostTasksError(suspects)
-        for task in suspects:
-            self.suspects = []
-            yield from self._answers([task])
-            lost += self.suspects
-        if lost:
-            raise LostTasksError(lost)
-
-    def _batches(self, places: Sequence[int], seconds: float) -> Iterator[tuple[int, ...]]:
-        """Divide tasks that take some time each, without leaving a worker idle for it."""
-        worthwhile = ceil(BATCH_SECONDS / max(seconds, 1e-6))
-        size = max(1, min(worthwhile, ceil(len(places) / self.n_workers)))
-        for start in range(0, len(places), size):
-            yield tuple(places[start : start + size])
-
-    def _send(self, places: tuple[int, ...]) -> None:
-        future = self.client.submit(
-            compute_batch,
-            self.payload,
-            self.digest,
-            [self.tasks[task] for task in places],
-            key=f"faying-task-{uuid.uuid4().hex}",
-            pure=False,
-            retries=2,
-        )
-        self.sent[future.key] = future, places
-        future.add_done_callback(self.done.put)
-
-    def _outcome(self, future: Any, batch: tuple[int, ...]) -> Any:
-        """Return results and mean time of a batch; None where it killed its workers."""
-        try:
-            # Where the worker that has it dies meanwhile, it is computed again.
-            return future.result()
-        except _package().KilledWorker:
-            self.suspects.extend(batch)
-            return None
-        except ModuleNotFoundError as error:
-            message = f"a Dask worker lacks a package: {error}; install the same ones everywhere"
-            raise CampaignError(message) from None
-        except (CancelledError, OSError) as error:
-            message = (
-                f"the Dask cluster dropped the campaign ({type(error).__name__}); "
-                "look at its scheduler's log and resume"
-            )
-            raise CampaignError(message) from None
-
-
 _PREPARED: OrderedDict[str, Function] = OrderedDict()
 _TURN = threading.Lock()
 
 
-def compute_batch(payload: bytes, digest: str, tasks: Sequence[Any]) -> tuple[list[Any], float]:
-    """Compute tasks on a worker; return results and the mean time of one.
-
-    Threads of a worker take turns: factorizations are not for two at once.
-    """
+def compute(payload: bytes, digest: str, task: Any) -> Any:
+    """Compute a task on a worker; its threads take turns, for a factorization is for one."""
     with _TURN:
-        function = _prepared(payload, digest)
-        start = perf_counter()
-        results = [function(task) for task in tasks]
-        return results, (perf_counter() - start) / len(tasks)
+        return _prepared(payload, digest)(task)
 
 
 def _prepared(payload: bytes, digest: str) -> Function:

@@ -1,6 +1,8 @@
 """What every executor offers: prepare once per worker, then one function call per task."""
 
-from collections.abc import Callable, Generator, Sequence
+from collections import deque
+from collections.abc import Callable, Generator, Iterable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from typing import Any, Protocol
 
 from faying.exceptions import CampaignError
@@ -50,6 +52,49 @@ class Executor(Protocol):
             Whatever ``prepare`` or its function raise, at once.
         """
         ...
+
+
+def results_of(
+    submit: Callable[[Any], "Future[Any]"],
+    tasks: Sequence[Any],
+    places: Iterable[int],
+    *,
+    together: int,
+    death: type[Exception],
+    watch: Callable[[], float | None] = lambda: None,
+) -> Generator[tuple[int, Any], None, list[int]]:
+    """Yield place and result of some tasks as they come; return those whose workers died.
+
+    Parameters
+    ----------
+    submit
+        Sends a task to a worker.
+    together
+        Tasks that are with workers at a time.
+    death
+        What the future of a task raises whose worker died.
+    watch
+        Called before each waiting; returns how many seconds to wait at most before it is called
+        again, or raises where there is nothing to wait for.
+    """
+    waiting, running, suspects = deque(places), dict[Future[Any], int](), list[int]()
+    try:
+        while waiting or running:
+            while waiting and len(running) < together:
+                place = waiting.popleft()
+                running[submit(tasks[place])] = place
+            for future in wait(running, watch(), FIRST_COMPLETED).done:
+                place = running.pop(future)
+                try:
+                    result = future.result()
+                except death:
+                    suspects.append(place)
+                    continue
+                yield place, result
+    finally:
+        for future in running:
+            future.cancel()
+    return sorted(suspects)
 
 
 class LostTasksError(CampaignError):

@@ -3,18 +3,25 @@
 import os
 import pickle
 import signal
-from collections import deque
-from collections.abc import Generator, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from collections.abc import Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import closing
 from dataclasses import dataclass
+from functools import partial
 from multiprocessing import get_context, parent_process
 from threading import Thread
 from typing import Any
 
 from faying.exceptions import CampaignError
-from faying.execution.executor import FATAL_DEATHS, Function, LostTasksError, Prepare, Results
+from faying.execution.executor import (
+    FATAL_DEATHS,
+    Function,
+    LostTasksError,
+    Prepare,
+    Results,
+    results_of,
+)
 from faying.linalg.threads import limit_threads
 
 # Spawned, not forked: a fork copies the locks of threads that do not exist in the copy.
@@ -53,60 +60,64 @@ class ProcessExecutor:
         A pool whose process dies is lost as a whole: what was being computed in it is computed
         again at the end, each task alone, so that only those are given up that kill by themselves.
         """
-        payload, lost = pickled(prepare), list[int]()
-        suspects = yield from self._tried(payload, tasks, range(len(tasks)), self.n_workers)
-        for task in suspects:
-            for _ in range(FATAL_DEATHS - 1):
-                if not (yield from self._tried(payload, tasks, [task], 1)):
-                    break
-            else:
-                lost.append(task)
+        lost = list[int]()
+        with closing(_Workers(pickled(prepare), self.threads)) as workers:
+            tried = partial(results_of, workers.submit, tasks, death=BrokenProcessPool)
+            workers.count = min(self.n_workers, len(tasks))
+            suspects = yield from tried(range(len(tasks)), together=self.n_workers)
+            workers.count = 1
+            for task in suspects:
+                deaths = 1
+                while deaths < FATAL_DEATHS and (yield from tried([task], together=1)):
+                    deaths += 1
+                lost += [task] * (deaths == FATAL_DEATHS)
         if lost:
             raise LostTasksError(lost)
 
-    def _tried(
-        self, payload: bytes, tasks: Sequence[Any], places: Sequence[int], size: int
-    ) -> Generator[tuple[int, Any], None, list[int]]:
-        """Yield results of some tasks; return those that were at work when a process died."""
-        waiting, suspects, unprepared = deque(places), list[int](), 0
-        while waiting:
-            ready, running = CONTEXT.Event(), dict[Future[Any], int]()
-            try:
-                with self._pool(min(size, len(waiting)), payload, ready) as pool:
-                    while waiting or running:
-                        while waiting and len(running) < size:
-                            future = pool.submit(_computed, tasks[waiting[0]])
-                            running[future] = waiting.popleft()
-                        for future in wait(running, return_when=FIRST_COMPLETED).done:
-                            result = future.result()
-                            yield running.pop(future), result
-            except BrokenProcessPool:
-                if ready.is_set():
-                    suspects += running.values()
-                    continue
-                waiting.extendleft(reversed(running.values()))
-                unprepared += 1
-                if unprepared == FATAL_DEATHS:
-                    message = (
-                        f"{unprepared} worker processes died before they were ready (often for "
-                        "lack of memory: use fewer); a script must call this below "
-                        "'if __name__ == \"__main__\":'"
-                    )
-                    raise CampaignError(message) from None
-        return sorted(suspects)
 
-    @contextmanager
-    def _pool(self, size: int, payload: bytes, ready: Any) -> Iterator[ProcessPoolExecutor]:
-        """Yield a pool whose processes end with it, whatever they are at."""
-        pool = ProcessPoolExecutor(size, CONTEXT, _begin, (payload, ready, self.threads))
+class _Workers:
+    """Processes of a pool, which is made anew where one of them has died."""
+
+    def __init__(self, payload: bytes, threads: int) -> None:
+        self.payload, self.threads, self.count, self.unprepared = payload, threads, 1, 0
+        self.ready = CONTEXT.Event()
+        self.pool: ProcessPoolExecutor | None = None
+
+    def submit(self, task: Any) -> "Future[Any]":
+        """Send a task to a process; make them anew where one has died."""
         try:
-            yield pool
-            pool.shutdown()
-        finally:
-            # What terminate_workers of Python 3.14 does; after a shutdown there are none.
-            for process in list((pool._processes or {}).values()):
+            return self._pool().submit(_computed, task)
+        except BrokenProcessPool:
+            self._replace()
+            return self._pool().submit(_computed, task)
+
+    def _pool(self) -> ProcessPoolExecutor:
+        if self.pool is None:
+            self.ready.clear()
+            arguments = self.payload, self.ready, self.threads
+            self.pool = ProcessPoolExecutor(self.count, CONTEXT, _begin, arguments)
+        return self.pool
+
+    def _replace(self) -> None:
+        """Give up a pool in which a process died; refuse to go on where none is ever ready."""
+        self.unprepared = 0 if self.ready.is_set() else self.unprepared + 1
+        if self.unprepared == FATAL_DEATHS:
+            message = (
+                f"{self.unprepared} worker processes died before they were ready (often for lack "
+                "of memory: use fewer); a script must call this below "
+                "'if __name__ == \"__main__\":'"
+            )
+            raise CampaignError(message) from None
+        self.close()
+
+    def close(self) -> None:
+        """End the processes, whatever they are at."""
+        if self.pool is not None:
+            # What terminate_workers of Python 3.14 does.
+            for process in list((self.pool._processes or {}).values()):
                 process.terminate()
-            pool.shutdown(cancel_futures=True)
+            self.pool.shutdown(cancel_futures=True)
+        self.pool = None
 
 
 def pickled(value: object) -> bytes:
