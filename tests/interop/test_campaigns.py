@@ -32,6 +32,7 @@ from faying.execution import (
 from faying.study.keys.schema import read_study
 from faying.study.stages.worker_tasks import pieces, prepare_pieces
 from faying.workflow.run import run
+from small_study import BEND, JUMP, NO_REPORT, SMALL_JOINT, reduction, step, training
 
 pytestmark = [
     # Sockets and processes that Dask leaves to the garbage collector when a worker was killed.
@@ -39,63 +40,18 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore::ResourceWarning"),
 ]
 
-STUDY = """
-[model]
-source = "lap-joint"
-lap_joint = { element_size = 5.0 }
-
-[[bolt]]
-name = "bolt"
-preload = 5e3
-
-[sticking]
-stiffness = 1e6
-
-[damping]
-beta = 1e-6
-
-[reduction]
-normal_modes = 4
-joint_modes = [2]
-methods = ["jim-b"]
-
-[reduction.training]
-box = [{ boundary = "tip", component = "Fz", min = -200.0, max = 200.0 }]
-levels = 3
-steps_per_period = 20
-
-[validation]
-unseen_loads = 5
-
-[[load_case]]
-name = "bend"
-kind = "static"
-forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
-
-[[load_case]]
-name = "jump"
-kind = "step"
-forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
-periods = 0.5
-steps_per_period = 20
-
-[[load_case]]
-name = "twist"
-kind = "step"
-forces = [{ boundary = "tip", component = "Mx", value = 2e3 }]
-periods = 0.6
-steps_per_period = 20
-
-[[load_case]]
-name = "turn"
-kind = "step"
-forces = [{ boundary = "tip", component = "Mx", value = -1e3 }]
-periods = 0.6
-steps_per_period = 20
-
-[output]
-report = false
-"""
+LONGER = "periods = 0.6\nsteps_per_period = 20\n"
+STUDY = (
+    SMALL_JOINT
+    + "[sticking]\nstiffness = 1e6\n\n[validation]\nunseen_loads = 5\n\n"
+    + reduction("jim-b", joint_modes=[2])
+    + training(levels=3)
+    + BEND
+    + JUMP
+    + step("twist", "Mx", 2e3, LONGER)
+    + step("turn", "Mx", -1e3, LONGER)
+    + NO_REPORT
+)
 STEP = 2e-5
 LOADS = {
     name: fy.Load({"tip.Fz": force, "tip.Mx": 2e4}, name=name)

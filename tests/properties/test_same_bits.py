@@ -11,54 +11,28 @@ import numpy as np
 import pytest
 
 import faying as fy
+from small_study import BEND, FINE_JUMP, NO_REPORT, SMALL_JOINT, reduction, training
 
-SMALL = """
-[model]
-source = "lap-joint"
-lap_joint = { element_size = 5.0 }
-
+SMALL = (
+    SMALL_JOINT
+    + """
 [[interface]]
 name = "joint"
 penalty = PENALTY
 
-[[bolt]]
-name = "bolt"
-preload = 5e3
-
 [sticking]
 stiffness = 1e6
-
-[damping]
-beta = 1e-6
-
-[reduction]
-normal_modes = 4
-joint_modes = [4]
-methods = ["craig-bampton", "jim-b", "compliance"]
-
-[reduction.training]
-box = [{ boundary = "tip", component = "Fz", min = -200.0, max = 200.0 }]
-levels = 2
-steps_per_period = 20
-
-[[load_case]]
-name = "bend"
-kind = "static"
-forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
-
-[[load_case]]
-name = "jump"
-kind = "step"
-forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
-periods = 0.5
-steps_per_period = 40
 
 [validation]
 unseen_loads = 4
 
-[output]
-report = false
 """
+    + reduction("craig-bampton", "jim-b", "compliance", joint_modes=[4])
+    + training(levels=2)
+    + BEND
+    + FINE_JUMP
+    + NO_REPORT
+)
 """Every stage of a run that solves contact problems, in seconds."""
 
 CLOCKED = ("/timings/", "/provenance/date", "/seconds")

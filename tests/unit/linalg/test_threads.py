@@ -10,7 +10,7 @@ from faying.study.keys.schema import read_study
 from faying.workflow.reduce import reduce_study
 from faying.workflow.run import run
 from faying.workflow.solve import solve_loads
-from small_study import SMALL_JOINT
+from small_study import BEND, NO_REPORT, SMALL_JOINT, reduction
 
 
 @pytest.fixture(autouse=True)
@@ -54,20 +54,7 @@ class Watch:
         pass
 
 
-STUDY = (
-    SMALL_JOINT
-    + """
-[reduction]
-methods = ["compliance"]
-normal_modes = 3
-[[load_case]]
-name = "bend"
-kind = "static"
-forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
-[output]
-report = false
-"""
-)
+STUDY = SMALL_JOINT + reduction("compliance", normal_modes=3) + BEND + NO_REPORT
 
 
 @pytest.mark.long

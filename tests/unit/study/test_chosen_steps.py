@@ -11,32 +11,15 @@ from faying.exceptions import StudyError
 from faying.study.keys.schema import parse_study
 from faying.study.results.store import read_results
 from faying.workflow.run import run
-from small_study import TINY_JOINT
+from small_study import NO_REPORT, TINY_JOINT, reduction, step
 
 STUDY = (
     TINY_JOINT
-    + """
-[damping]
-beta = 1e-6
-
-[reduction]
-normal_modes = 4
-methods = ["compliance"]
-
-[validation]
-reference = "REFERENCE"
-
-[output]
-report = false
-
-[[load_case]]
-name = "push"
-kind = "step"
-rise_time = 4e-4
-forces = [{ boundary = "tip", component = "Fz", value = -100.0 }]
-duration = 4e-4
-STEP
-"""
+    + "[damping]\nbeta = 1e-6\n"
+    + reduction("compliance")
+    + '[validation]\nreference = "REFERENCE"\n'
+    + NO_REPORT
+    + step("push", "Fz", -100.0, "rise_time = 4e-4\nduration = 4e-4\nSTEP\n")
 )
 AUTO = 'step = "auto"\ntolerance = 0.05\nsteps_per_period = 50'
 

@@ -12,43 +12,17 @@ from faying.study.keys.schema import parse_study
 from faying.study.results.store import read_results
 from faying.study.stages import inertia
 from faying.workflow.run import run
-from small_study import TINY_JOINT
+from small_study import TINY_JOINT, reduction, static, step
 
+TIMES = "step = 2e-5\nduration = 4e-4\n"
 STUDY = (
     TINY_JOINT
-    + """
-[reduction]
-normal_modes = MODES
-methods = ["compliance"]
-INERTIA
-
-[validation]
-half_step = false
-reference = "REFERENCE"
-
-[output]
-report = REPORT
-
-[[load_case]]
-name = "bend"
-kind = "static"
-forces = [{ boundary = "tip", component = "Fz", value = -100.0 }]
-
-[[load_case]]
-name = "jump"
-kind = "step"
-forces = [{ boundary = "tip", component = "Fz", value = -100.0 }]
-step = 2e-5
-duration = 4e-4
-
-[[load_case]]
-name = "push"
-kind = "step"
-rise_time = 4e-4
-forces = [{ boundary = "tip", component = "Fz", value = -100.0 }]
-step = 2e-5
-duration = 4e-4
-"""
+    + reduction("compliance", normal_modes="MODES")
+    + 'INERTIA\n[validation]\nhalf_step = false\nreference = "REFERENCE"\n'
+    + "[output]\nreport = REPORT\n"
+    + static("bend", "Fz", -100.0)
+    + step("jump", "Fz", -100.0, TIMES)
+    + step("push", "Fz", -100.0, f"rise_time = 4e-4\n{TIMES}")
 )
 
 

@@ -12,24 +12,10 @@ from faying.study.inputs.jumps import load_jumps
 from faying.study.inputs.loads import case_load
 from faying.study.keys.schema import parse_study
 from faying.study.results.store import read_results
-from small_study import SMALL_JOINT
+from small_study import NO_REPORT, SMALL_JOINT, UNCHECKED, reduction
 
 PERIOD = 1.0
-STUDY = (
-    SMALL_JOINT
-    + """
-[reduction]
-normal_modes = 4
-methods = ["compliance"]
-
-[validation]
-reference = "none"
-half_step = false
-
-[output]
-report = false
-"""
-)
+STUDY = SMALL_JOINT + reduction("compliance") + UNCHECKED + 'reference = "none"\n' + NO_REPORT
 
 
 def case(folder, forces, keys):

@@ -6,35 +6,17 @@ from faying.exceptions import StudyError
 from faying.study.keys.schema import parse_study
 from faying.study.results.store import read_results
 from faying.workflow.run import run
-from small_study import SMALL_JOINT
+from small_study import NO_REPORT, SMALL_JOINT, UNCHECKED, reduction, static
 
 STUDY = (
     SMALL_JOINT.replace(
         "5e3\n", '5e3\nsize = "M6"\ngrade = "8.8"\ngamma = 0.2\nthread_friction = 0.12\n', 1
     )
-    + """
-[reduction]
-normal_modes = 4
-methods = ["compliance"]
-
-[validation]
-half_step = false
-
-[requirement]
-slip_friction = 0.15
-
-[requirement.margins]
-FACTORS
-
-[[load_case]]
-name = "bend"
-kind = "static"
-forces = [{ boundary = "tip", component = "Fz", value = 150.0 }]
-REPETITIONS
-
-[output]
-report = false
-"""
+    + reduction("compliance")
+    + f"{UNCHECKED}[requirement]\nslip_friction = 0.15\n[requirement.margins]\nFACTORS\n"
+    + static("bend", "Fz", 150.0)
+    + "REPETITIONS\n"
+    + NO_REPORT
 )
 NASA = 'standard = "nasa-std-5020b"\nFF = 1.1\nFS_u = 1.4\nFS_y = 1.25\nFS_sep = 1.2'
 

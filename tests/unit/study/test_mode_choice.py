@@ -22,42 +22,18 @@ from faying.study.results.store import read_results
 from faying.study.stages import normal_modes
 from faying.units import units_of
 from faying.workflow.run import run
-from small_study import TINY_JOINT
+from small_study import NO_REPORT, TINY_JOINT, reduction, step
 
+TIMES = "step = 2e-5\nduration = 4e-4\n"
 STUDY = (
     TINY_JOINT
-    + """
-[damping]
-beta = 1e-6
-
-[reduction]
-normal_modes = "auto"
-transient_tolerance = 0.01
-methods = ["compliance", "craig-bampton"]
-
-[validation]
-reference = "none"
-
-[output]
-report = false
-
-[[load_case]]
-name = "push"
-kind = "step"
-rise_time = 4e-4
-forces = [{ boundary = "tip", component = "Fz", value = -100.0 }]
-step = 2e-5
-duration = 4e-4
-"""
+    + "[damping]\nbeta = 1e-6\n"
+    + reduction("compliance", "craig-bampton", normal_modes='"auto"')
+    + 'transient_tolerance = 0.01\n[validation]\nreference = "none"\n'
+    + NO_REPORT
+    + step("push", "Fz", -100.0, f"rise_time = 4e-4\n{TIMES}")
 )
-JUMP = """
-[[load_case]]
-name = "jump"
-kind = "step"
-forces = [{ boundary = "tip", component = "Fz", value = -100.0 }]
-step = 2e-5
-duration = 4e-4
-"""
+JUMP = step("jump", "Fz", -100.0, TIMES)
 
 
 def computed(text, folder):

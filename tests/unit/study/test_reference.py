@@ -12,48 +12,18 @@ from faying.study.results.store import read_results
 from faying.study.stages import reference
 from faying.study.stages.worker_tasks import pieces
 from faying.workflow.run import run
-from small_study import SMALL_JOINT
+from small_study import BEND, FINE_JUMP, NO_REPORT, PULL, SMALL_JOINT, reduction, static
 
 STUDY = (
     SMALL_JOINT
-    + """
-[reduction]
-normal_modes = 4
-methods = ["craig-bampton", "compliance"]
-
-[validation]
-REFERENCE
-
-[[load_case]]
-name = "bend"
-kind = "static"
-forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
-
-[[load_case]]
-name = "pull"
-kind = "static"
-forces = [{ boundary = "tip", component = "Fx", value = 900.0 }]
-
-[[load_case]]
-name = "twist"
-kind = "static"
-forces = [{ boundary = "tip", component = "Mx", value = 9e3 }]
-
-[[load_case]]
-name = "still"
-kind = "static"
-forces = [{ boundary = "tip", component = "Fy", value = 1e-3 }]
-
-[[load_case]]
-name = "jump"
-kind = "step"
-forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
-periods = 0.5
-steps_per_period = 40
-
-[output]
-report = false
-"""
+    + reduction("craig-bampton", "compliance")
+    + "[validation]\nREFERENCE\n\n"
+    + BEND
+    + PULL
+    + static("twist", "Mx", 9e3)
+    + static("still", "Fy", 1e-3)
+    + FINE_JUMP
+    + NO_REPORT
 )
 
 

@@ -16,37 +16,16 @@ from faying.study.keys.schema import parse_study
 from faying.study.results.store import read_results
 from faying.study.stages import requirements as assessing
 from faying.workflow.run import run
-from small_study import SMALL_JOINT
+from small_study import BEND, JUMP, NO_REPORT, SMALL_JOINT, UNCHECKED, reduction
 from table_cells import cells
 
 STUDY = (
     SMALL_JOINT
-    + """
-[reduction]
-normal_modes = 4
-methods = ["compliance"]
-
-[validation]
-half_step = false
-
-[requirement]
-REQUIREMENT
-
-[[load_case]]
-name = "bend"
-kind = "static"
-forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
-
-[[load_case]]
-name = "jump"
-kind = "step"
-forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
-periods = 0.5
-steps_per_period = 20
-
-[output]
-report = false
-"""
+    + reduction("compliance")
+    + f"{UNCHECKED}[requirement]\nREQUIREMENT\n\n"
+    + BEND
+    + JUMP
+    + NO_REPORT
 )
 
 

@@ -33,49 +33,19 @@ from faying.study.stages.checkpoint import open_checkpoint
 from faying.study.stages.kept_preload import check_same_joint
 from faying.workflow import run as runs
 from faying.workflow.run import run
+from small_study import BEND, JUMP, NO_REPORT, SMALL_JOINT, TINY_JOINT, reduction, training
 
-STUDY = """
-title = "Tiny joint"
-
-[model]
-source = "lap-joint"
-lap_joint = { element_size = 5.0 }
-
-[[bolt]]
-name = "bolt"
-preload = 5e3
-
-[sticking]
-stiffness = 1e6
-
-[damping]
-beta = 1e-6
-
-[reduction]
-normal_modes = 4
-joint_modes = [2, 4]
-methods = ["craig-bampton", "jim-a", "jim-b", "compliance", "nmf"]
-
-[reduction.training]
-box = [{ boundary = "tip", component = "Fz", min = -200.0, max = 200.0 }]
-levels = 3
-steps_per_period = 20
-
-[[load_case]]
-name = "bend"
-kind = "static"
-forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
-
-[[load_case]]
-name = "jump"
-kind = "step"
-forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
-periods = 0.5
-steps_per_period = 20
-
-[output]
-report = false
-"""
+METHODS = '"craig-bampton", "jim-a", "jim-b", "compliance", "nmf"'
+STUDY = (
+    'title = "Tiny joint"\n'
+    + SMALL_JOINT
+    + "[sticking]\nstiffness = 1e6\n\n"
+    + reduction("craig-bampton", "jim-a", "jim-b", "compliance", "nmf", joint_modes=[2, 4])
+    + training(levels=3)
+    + BEND
+    + JUMP
+    + NO_REPORT
+)
 
 
 @pytest.fixture(scope="module")
@@ -224,7 +194,7 @@ def test_a_study_may_leave_the_time_step_unchecked(tmp_path):
     path.write_text(
         STUDY.replace(
             "[[load_case]]", "[validation]\nhalf_step = false\n\n[[load_case]]", 1
-        ).replace('"craig-bampton", "jim-a", "jim-b", "compliance", "nmf"', '"compliance"')
+        ).replace(METHODS, '"compliance"')
     )
     assert run(read_study(path), tmp_path / "out").converged
     jump = read_results(tmp_path / "out" / "results.h5").cases["jump"]
@@ -326,7 +296,7 @@ def test_hard_contact_of_quadratic_elements_runs_to_the_end(tmp_path):
     )
     text = text[: text.index("[reduction.training]")] + text[text.index("[[load_case]]") :]
     text = text[: text.index('[[load_case]]\nname = "jump"')] + "[output]\nreport = false\n"
-    text = text.replace('"craig-bampton", "jim-a", "jim-b", "compliance", "nmf"', '"compliance"')
+    text = text.replace(METHODS, '"compliance"')
     path = tmp_path / "hard.toml"
     path.write_text(text)
     outcome = run(read_study(path), tmp_path / "out")
@@ -367,22 +337,12 @@ def test_an_interrupted_run_resumes_without_solving_again(study, tmp_path, monke
     assert not (tmp_path / "unfinished").exists()
 
 
-PLAIN = """
-[model]
-source = "lap-joint"
-lap_joint = { element_size = 10.0, hole_radius = 0.0, washer_radius = 11.0 }
-[[bolt]]
-name = "bolt"
-preload = 5e3
-"""
-
-
 @pytest.mark.parametrize(
     "more", ["[sticking]\nstiffness = 1e6", '[[interface]]\nname = "joint"\nfriction = 0.3']
 )
 def test_a_resumed_run_does_not_tighten_again(tmp_path, monkeypatch, more):
     path = tmp_path / "plain.toml"
-    path.write_text(PLAIN + more)
+    path.write_text(TINY_JOINT + more)
     study, stages = read_study(path), progress.Stages(None)
     before = offline.prepare_joint(study, stages, open_checkpoint(tmp_path, "", resume=False))
     for name in ("tighten", "tighten_with_friction", "solve_static", "rest_state"):
@@ -416,8 +376,7 @@ def test_resuming_with_another_deck_is_refused(tmp_path):
 @pytest.mark.long
 def test_a_resumed_run_repeats_the_warnings_of_what_it_takes_over(tmp_path, monkeypatch):
     path = tmp_path / "tiny.toml"
-    methods = '"craig-bampton", "jim-a", "jim-b", "compliance", "nmf"'
-    path.write_text(STUDY.replace(methods, '"compliance"'))
+    path.write_text(STUDY.replace(METHODS, '"compliance"'))
     study, original = read_study(path), runs.validate
     monkeypatch.setattr(
         transient_judge, "recover_pressure", _raise(ValueError("nobody foresaw this"))

@@ -31,51 +31,17 @@ from faying.workflow import solve_cases
 from faying.workflow.reduce import reduce_study
 from faying.workflow.run import run
 from faying.workflow.solve import SolveOptions, solve_loads
+from small_study import BEND, JUMP, NO_REPORT, PULL, SMALL_JOINT, UNCHECKED, reduction
 
-LOADS = """
-[[load_case]]
-name = "bend"
-kind = "static"
-forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
-
-[[load_case]]
-name = "pull"
-kind = "static"
-forces = [{ boundary = "tip", component = "Fx", value = 900.0 }]
-
-[[load_case]]
-name = "jump"
-kind = "step"
-forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
-periods = 0.5
-steps_per_period = 20
-"""
-
-STUDY = f"""
-title = "Tiny joint"
-
-[model]
-source = "lap-joint"
-lap_joint = {{ element_size = 5.0 }}
-
-[[bolt]]
-name = "bolt"
-preload = 5e3
-
-[damping]
-beta = 1e-6
-
-[reduction]
-normal_modes = 4
-joint_modes = [2]
-methods = ["jim-a", "compliance"]
-
-[validation]
-half_step = false
-
-[output]
-report = false
-{LOADS}"""
+LOADS = BEND + PULL + JUMP
+STUDY = (
+    'title = "Tiny joint"\n'
+    + SMALL_JOINT
+    + reduction("jim-a", "compliance", joint_modes=[2])
+    + UNCHECKED
+    + NO_REPORT
+    + LOADS
+)
 
 EQUAL = 1e-12
 """Of pressures over the largest: each is solved to round-off, from wherever it starts."""
@@ -389,7 +355,7 @@ def test_comments_names_with_commas_and_empty_lines_are_read(tmp_path):
     [
         ("[[bolt]]\nname = 'b'", "unknown key 'bolt' at the top of loads.toml"),
         ("title = 'none'", "no .*load_case"),
-        (LOADS.replace('"Fz"', '"Fq"'), "(?s)'component' in .*load_case.* number 1.*line 5"),
+        (LOADS.replace('"Fz"', '"Fq"'), "(?s)'component' in .*load_case.* number 1.*line 4"),
         (LOADS + "step = 1e-6", "say the same twice"),
         (LOADS + "forces = [{ value = 1.0,", "loads.toml is not valid TOML: "),
     ],

@@ -19,55 +19,18 @@ from faying.study.results.store import read_results
 from faying.workflow.reduce import reduce_study
 from faying.workflow.run import run
 from faying.workflow.solve import SolveOptions, bolt_loads, solve_loads
+from small_study import BEND, NO_REPORT, TINY_JOINT, UNCHECKED, reduction, static, step
 
-LOADS = """
-[[load_case]]
-name = "bend"
-kind = "static"
-forces = [{ boundary = "tip", component = "Fz", value = -150.0 }]
-
-[[load_case]]
-name = "pull"
-kind = "static"
-forces = [{ boundary = "tip", component = "Fx", value = 1500.0 }]
-
-[[load_case]]
-name = "jump"
-kind = "step"
-forces = [{ boundary = "tip", component = "Fx", value = 900.0 }]
-periods = 0.25
-steps_per_period = 20
-"""
-
-STUDY = f"""
-friction_during_preload = SWITCH
-
-[model]
-source = "lap-joint"
-lap_joint = {{ element_size = 10.0, hole_radius = 0.0, washer_radius = 11.0 }}
-
-[[interface]]
-name = "joint"
-penalty = 1e6
-friction = 0.2
-
-[[bolt]]
-name = "bolt"
-preload = 8e3
-
-[damping]
-beta = 1e-6
-
-[reduction]
-normal_modes = 4
-methods = ["compliance"]
-
-[validation]
-half_step = false
-
-[output]
-report = false
-{LOADS}"""
+LOADS = BEND + static("pull", "Fx", 1500.0) + step("jump", "Fx", 900.0).replace("0.5", "0.25")
+STUDY = (
+    "friction_during_preload = SWITCH\n"
+    + TINY_JOINT.replace("5e3", "8e3")
+    + '[damping]\nbeta = 1e-6\n[[interface]]\nname = "joint"\npenalty = 1e6\nfriction = 0.2\n'
+    + reduction("compliance")
+    + UNCHECKED
+    + NO_REPORT
+    + LOADS
+)
 
 EQUAL = 1e-9
 """Of the largest: both solve the same increments, each to 1e-11 of the largest force."""
