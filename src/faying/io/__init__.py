@@ -1,1 +1,1 @@
-"""Readers and writers, one file per format."""
+"""Readers and writers, one file per format; readers refuse files by :class:`FormatError`."""

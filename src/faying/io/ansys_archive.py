@@ -83,11 +83,6 @@ def read_archive(path: Path, *, materials: Mapping[str, Material]) -> Assembly:
     ----------
     materials
         ``"material 1"``, … or ``"default"``; they override those of the archive.
-
-    Raises
-    ------
-    FormatError
-        If the file is damaged, has no solids, or a material has no constants.
     """
     parts = read_isolated(_SCRIPT, path, "Ansys archive", "ansys")
     rows, kinds = _elements(path, parts), dict(parts["kinds"].tolist())

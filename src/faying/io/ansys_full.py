@@ -38,12 +38,6 @@ def read_full(path: Path, name: str) -> LabelledMatrix:
     ----------
     name
         ``"K"`` or ``"M"``; the file holds both.
-
-    Raises
-    ------
-    FormatError
-        If the file is damaged, has other degrees of freedom than displacements and rotations, or
-        the extra ``faying[ansys]`` is not installed.
     """
     if name not in MATRICES:
         message = f"matrix {name}: an Ansys .full holds K and M only; leave {name} away"

@@ -98,13 +98,7 @@ class _Section:
 
 
 def read_mail(path: Path) -> MailMesh:
-    """Read nodes, cells and groups; solids that no group holds are in one named ``"solids"``.
-
-    Raises
-    ------
-    FormatError
-        With file and line, if the mesh is plane, or names or numbers are not what they should be.
-    """
+    """Read nodes, cells and groups; solids that no group holds are in one named ``"solids"``."""
     sections = _sections(path)
     nodes = [section for section in sections if section.keyword.startswith("COOR_")]
     if len(nodes) != 1 or nodes[0].keyword != "COOR_3D":

@@ -74,13 +74,7 @@ class DeckFiles:
         self._kind, self._include, self._size = kind, include, 0
 
     def read(self, path: Path, included_from: str) -> bytes:
-        """Return the text of the next file, included from a place unless that is empty.
-
-        Raises
-        ------
-        FormatError
-            If it cannot be read, or the deck grows beyond the memory or :data:`MOST_FILES`.
-        """
+        """Return the text of the next file, included from a place unless that is empty."""
         try:
             data = deck_text(file_bytes(path), path)
             self._size += len(data)
@@ -103,13 +97,7 @@ class DeckFiles:
 
 
 def deck_text(data: bytes, path: str | PathLike[str]) -> bytes:
-    """Return the text of a deck without the byte order mark that some editors put before it.
-
-    Raises
-    ------
-    FormatError
-        If it is UTF-16 text, in which every other byte is zero.
-    """
+    """Return the text of a deck without the byte order mark that some editors put before it."""
     if data.startswith(_UTF16_MARKS):
         message = f"{fspath(path)} is UTF-16 text; save it as UTF-8 or ASCII"
         raise FormatError(message)

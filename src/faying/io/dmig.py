@@ -48,12 +48,6 @@ def read_dmig_matrices(path: str | PathLike[str]) -> dict[str, LabelledMatrix]:
         Name to matrix, rows and columns labelled alike, in ascending order of grid and component.
         Of a symmetric matrix (form 6) both triangles are filled in.
 
-    Raises
-    ------
-    FormatError
-        With file and line: a missing file, a malformed field, a matrix that is complex or
-        rectangular, an entry or header given twice, a column without header.
-
     Notes
     -----
     Card: DMIG in any Nastran's quick reference guide. A value has ten digits in a punch file
@@ -67,11 +61,6 @@ def read_dmig(path: Path, name: str) -> LabelledMatrix:
     """Read the matrix ``"M"``, ``"C"`` or ``"K"`` of a file with DMIG cards.
 
     It is chosen by its name, see :func:`faying.io.named_matrices.chosen_name`.
-
-    Raises
-    ------
-    FormatError
-        If there is none, or several; and as :func:`read_dmig_matrices`.
     """
     cards, headers = _cards(path)
     try:

@@ -22,11 +22,6 @@ def read_extrn(path: Path) -> Indices:
     path
         The ``.pch`` that Nastran wrote beside the OP4 file (EXTSEOUT with MATOP4 or DMIGOP4).
         Scalar points get component 1.
-
-    Raises
-    ------
-    FormatError
-        With file and line: no EXTRN card, several, a malformed one, or a row named twice.
     """
     text = split_lines(file_bytes(path).upper())
     lines = Lines(

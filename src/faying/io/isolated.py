@@ -53,11 +53,6 @@ def read_isolated(script: str, path: Path, what: str, extra: str) -> dict[str, n
         What is read, for messages.
     extra
         The extra of faying that installs the reader.
-
-    Raises
-    ------
-    FormatError
-        If the file is not there or cannot be read, or the reader is not installed.
     """
     if not path.is_file():
         message = f"{what}: '{path}' is not there; check the path"

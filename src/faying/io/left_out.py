@@ -72,13 +72,7 @@ class Handling:
     def notes(
         self, occurrences: Iterable[Occurrence], ignore: Collection[str], path: Path
     ) -> list[str]:
-        """Return what is left out and what that means, a note for each meaning.
-
-        Raises
-        ------
-        FormatError
-            Naming all that is refused, with its number, the first place, and what to do.
-        """
+        """Return what is left out and what that means, a note for each meaning."""
         left_out: dict[str, list[Occurrence]] = defaultdict(list)
         refused: dict[str, list[Occurrence]] = defaultdict(list)
         for entry in occurrences:
@@ -123,13 +117,7 @@ def request(word: str) -> str:
 
 
 def checked_ignore(words: Iterable[str]) -> frozenset[str]:
-    """Return the words of an ``ignore`` argument.
-
-    Raises
-    ------
-    FormatError
-        If one of them is not known.
-    """
+    """Return the words of an ``ignore`` argument."""
     chosen = frozenset([words] if isinstance(words, str) else words)
     unknown = sorted(chosen - IGNORABLE.keys())
     if unknown:

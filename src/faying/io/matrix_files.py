@@ -43,11 +43,6 @@ def read_matrix(path: str | PathLike[str], name: str) -> LabelledMatrix:
         A file of one of the kinds in :data:`READERS`, told by its suffix.
     name
         ``"M"``, ``"C"`` or ``"K"``: the variable to take where a file holds several.
-
-    Raises
-    ------
-    FormatError
-        If the file is missing, of another kind, damaged, or holds no such matrix.
     """
     path = Path(path)
     if not path.is_file():

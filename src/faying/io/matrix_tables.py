@@ -19,11 +19,6 @@ def read_node_table(path: str | PathLike[str]) -> tuple[Indices, Matrix]:
 
     Text files (``.csv``, ``.txt``, ``.dat``) separate by commas, semicolons or blanks and may
     have a heading line and comments after ``#``. An ``.npz`` holds one array (n, 4).
-
-    Raises
-    ------
-    FormatError
-        Naming the file and line.
     """
     table = _numbers(Path(path), "node table", ("id", "x", "y", "z"))
     return _whole(table[:, :1], Path(path), "node id")[:, 0], table[:, 1:]
@@ -34,11 +29,6 @@ def read_dof_table(path: str | PathLike[str]) -> Indices:
 
     Files are those of :func:`read_node_table`, or the ``.pch`` of an external superelement of
     Nastran with its EXTRN card.
-
-    Raises
-    ------
-    FormatError
-        Naming the file and line.
     """
     if Path(path).suffix.lower() == ".pch" and Path(path).is_file():
         return read_extrn(Path(path))
@@ -47,13 +37,7 @@ def read_dof_table(path: str | PathLike[str]) -> Indices:
 
 
 def read_id_sets(path: str | PathLike[str], what: str) -> dict[str, list[Indices]]:
-    """Return named rows of node ids, from rows of name, id, id, … or an ``.npz`` of named arrays.
-
-    Raises
-    ------
-    FormatError
-        Naming the file and line.
-    """
+    """Return named rows of node ids, from rows of name, id, … or an ``.npz`` of named arrays."""
     path = Path(path)
     if path.suffix.lower() == ".npz":
         return {

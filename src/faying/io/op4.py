@@ -57,11 +57,6 @@ def read_op4(path: Path, name: str) -> LabelledMatrix:
 
     It is the one of that name; else the only one; else the only one whose name begins with the
     letter Nastran uses (M, B for damping, K). Other matrices of the file may be of any kind.
-
-    Raises
-    ------
-    FormatError
-        If there is none, or several; and as :func:`read_op4_matrices`.
     """
     return LabelledMatrix(matrix=next(iter(_read(path, name).values())))
 

@@ -97,13 +97,7 @@ class Cut:
 
 
 def cut_mesh(mesh: Mesh, section: Section) -> tuple[Mesh, Cut]:
-    """Give the elements that own the facets of a section nodes of their own.
-
-    Raises
-    ------
-    FormatError
-        If the facets do not cut the body in two.
-    """
+    """Give the elements that own the facets of a section nodes of their own."""
     owners = _owning_side(mesh, section)
     n_node, first_id = len(mesh.nodes), int(mesh.node_ids.max()) + 1
     originals = section.nodes

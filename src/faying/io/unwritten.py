@@ -5,13 +5,7 @@ from faying.model.assembly import Assembly
 
 
 def refuse_unwritten(assembly: Assembly) -> None:
-    """Refuse an assembly with elements that no deck writer knows.
-
-    Raises
-    ------
-    FormatError
-        Naming them.
-    """
+    """Refuse an assembly with elements that no deck writer knows."""
     kinds = {
         "shells": assembly.shells,
         "bushes": assembly.bushes,
