@@ -45,7 +45,7 @@ def _per_node(
     nodes = [dofs.find(keyword, row, label).tolist() for row, (label, _, _) in fields]
     count = len(nodes[0])
     for (row, _), members in zip(fields, nodes, strict=True):
-        if len(members) not in (1, count) or (count > 1 and not deck_sorted(members)):
+        if len(members) not in (1, count) or (count > 1 and members != sorted(members)):
             keyword.refuse(f"a set of {len(members)} nodes where the first term has {count}", row)
     for i in range(count):
         terms: list[Term] = []
@@ -54,11 +54,6 @@ def _per_node(
             value = real(keyword, row, text, "a coefficient")
             terms += _term(node, component(keyword, row, dof), value, dofs)
         yield tuple(terms)
-
-
-def deck_sorted(members: list[int]) -> bool:
-    """Whether nodes are in ascending order, as sets are sorted unless told otherwise."""
-    return members == sorted(members)
 
 
 def _term(node: int, c: int, value: float, dofs: Dofs) -> list[Term]:

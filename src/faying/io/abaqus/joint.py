@@ -80,8 +80,9 @@ def step_before_changes(deck: Deck, ignored: list[str]) -> int | None:
     earlier = [number for number in range(1, first.step) if number not in aside]
     if not earlier:
         return None
+    called = "BOUNDARY, FIXED" if first.name == "BOUNDARY" else first.name
     ignored.append(
-        f"steps from {first.step} on: *{_called(first)} ({first.where()}) changes the structure "
+        f"steps from {first.step} on: *{called} ({first.where()}) changes the structure "
         f"there; "
         f"step {earlier[-1]} is read"
     )
@@ -100,10 +101,6 @@ def _changes(keyword: Keyword, locks: frozenset[str]) -> bool:
 
 def _name(label: str) -> str:
     return label.strip("\"' ").upper()
-
-
-def _called(keyword: Keyword) -> str:
-    return "BOUNDARY, FIXED" if keyword.name == "BOUNDARY" else keyword.name
 
 
 def _pretension_nodes(deck: Deck) -> frozenset[str]:

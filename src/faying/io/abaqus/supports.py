@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying._typing import Indices
 from faying.io.abaqus.amplitudes import Amplitudes
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs, component_range
@@ -171,7 +170,7 @@ def _supports(dofs_of_supports: list[Place], dofs: Dofs) -> Iterator[Support]:
             )
             number += 1
     for key, nodes in groups.items():
-        yield Support(id=number, nodes=_sorted(nodes), components=key)
+        yield Support(id=number, nodes=np.unique(nodes), components=key)
         number += 1
 
 
@@ -179,7 +178,3 @@ def _placed(dofs: Dofs, node: int, components: list[int]) -> list[tuple[tuple[in
     places = [dofs.place(node, c) for c in components]
     owners = dict.fromkeys(owner for owner, _ in places)
     return [(tuple(c for dof_owner, c in places if dof_owner == owner), owner) for owner in owners]
-
-
-def _sorted(nodes: list[int]) -> Indices:
-    return np.unique(np.array(nodes, dtype=np.int64))

@@ -114,7 +114,9 @@ def _lines(
     yield from _line_elements(assembly, nodes, beams)
     equations = [*equation_terms(rows, nodes, fixed), *(e for b in beams for e in b.equations)]
     yield from _equations([terms for terms in equations if len(terms) > 1])
-    yield from _boundary([*held(nodes, fixed), *_grounded(equations)])
+    # What depends on nothing but what is held is held as well.
+    grounded = [(terms[0][0], [terms[0][1]]) for terms in equations if len(terms) == 1]
+    yield from _boundary([*held(nodes, fixed), *grounded])
     if modes is not None:
         yield from ("*STEP", "*FREQUENCY", str(modes), "*NODE FILE", "U", "*END STEP")
         return
@@ -303,11 +305,6 @@ def _equations(equations: Sequence[Sequence[Term]]) -> Iterator[str]:
         for i in range(0, len(terms), 3):
             part = terms[i : i + 3]
             yield ",".join(f"{node},{dof},{_reals([value])}" for node, dof, value in part)
-
-
-def _grounded(equations: Sequence[Sequence[Term]]) -> list[tuple[int, list[int]]]:
-    """Return dependent degrees of freedom that all others leave alone: held as well."""
-    return [(terms[0][0], [terms[0][1]]) for terms in equations if len(terms) == 1]
 
 
 def _boundary(supports: Iterable[tuple[int, list[int]]]) -> Iterator[str]:

@@ -14,15 +14,9 @@ from faying.interface.penalty import automatic_penalty
 from faying.io.abaqus.written_nodes import real_text
 from faying.model.assembly import Assembly
 from faying.model.description import JointDescription
+from faying.model.elements import SOLIDS
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import triangular
-
-# Corners of S1, S2, … counted from zero.
-_FACES = {
-    "hex": ((0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)),
-    "tet": ((0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)),
-    "wedge": ((0, 1, 2), (3, 5, 4), (0, 3, 4, 1), (1, 4, 5, 2), (2, 5, 3, 0)),
-}
 
 
 def contact_lines(description: JointDescription) -> Iterator[str]:
@@ -95,12 +89,11 @@ def _facets(assembly: Assembly, facets: Indices) -> Iterator[str]:
     touched = np.zeros(len(assembly.mesh.nodes), dtype=bool)
     touched[facets] = True
     for block in assembly.mesh.blocks:
-        family = next(name for name in _FACES if block.kind.startswith(name))
-        for face, corners in enumerate(_FACES[family]):
-            if len(corners) == n_corner:
-                nodes = block.nodes[:, list(corners)]
+        for number, (face, local) in enumerate(SOLIDS[block.kind].faces, start=1):
+            if face.n_corners == n_corner:
+                nodes = block.nodes[:, list(local[:n_corner])]
                 touching = np.flatnonzero(touched[nodes].all(axis=1))
                 rows = np.sort(nodes[touching], axis=1).tolist()
                 for element, row in zip(block.ids[touching].tolist(), rows, strict=True):
                     if tuple(row) in corner_sets:
-                        yield f"{element},S{face + 1}"
+                        yield f"{element},S{number}"

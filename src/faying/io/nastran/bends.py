@@ -69,7 +69,7 @@ def read_bends(
     Parameters
     ----------
     factors
-        As :func:`faying.io.nastran.materials.shear_factors`.
+        As :func:`faying.io.nastran.materials.read_materials`.
     """
     bushes: list[Bush] = []
     properties = by_id(cards, "PBEND", what="property")

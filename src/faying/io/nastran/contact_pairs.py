@@ -88,7 +88,7 @@ def spec_of(pair: Pair, assembly: Assembly, ignored: dict[str, None]) -> Interfa
     """
     distance = pair.search_distance
     if pair.minus.facets is None and pair.plus.facets is None:
-        distance = min(distance, _facet_size(pair.minus, assembly.mesh))
+        distance = min(distance, float(_edges(pair.minus, assembly.mesh).mean()))
         ignored[
             f"faces of {pair.name} that lie farther apart than the size of a face, {distance:.3g}"
         ] = None
@@ -121,10 +121,6 @@ def glue_distance(pair: Pair, mesh: Mesh) -> float:
     if np.isfinite(pair.search_distance):
         return pair.search_distance
     return float(pair.parameters.error or DEFAULT_ERROR * _edges(pair.minus, mesh).min())
-
-
-def _facet_size(region: Region, mesh: Mesh) -> float:
-    return float(_edges(region, mesh).mean())
 
 
 def _edges(region: Region, mesh: Mesh) -> Vector:

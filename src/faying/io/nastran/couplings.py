@@ -1,12 +1,10 @@
 """RBE3: averaging couplings."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from faying._typing import Indices
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.cards import Card
 from faying.io.nastran.components import components, frame_independent
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
@@ -24,12 +22,8 @@ def _check_frames(card: Card, grids: Grids, nodes: Indices, tied: tuple[int, ...
             )
 
 
-def read_average_couplings(cards: Mapping[str, Cards], grids: Grids) -> list[AverageCoupling]:
-    """Read RBE3."""
-    return [_average(card, grids) for card in cards.get("RBE3", ())]
-
-
-def _average(card: Card, grids: Grids) -> AverageCoupling:
+def read_average_coupling(card: Card, grids: Grids) -> AverageCoupling:
+    """Read an RBE3."""
     card.refuse_given([1])
     reference = grids.one(card, 2)
     tied = components(card.text(3), card.error)

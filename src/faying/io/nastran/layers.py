@@ -1,6 +1,6 @@
 """PSHELL, PSHEAR and laminates as lists of what they name: materials, layers, where they are."""
 
-from collections.abc import Mapping
+from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass
 
 from faying.io.nastran import fields as numbers
@@ -73,3 +73,27 @@ def materials_of_shells(cards: Mapping[str, Cards]) -> frozenset[int]:
         texts += [card.text(first) for card in cards.get(name, ()) for first in _places(card)]
     ids = (numbers.integer(text) for text in texts)
     return frozenset(number for number in ids if number is not None)
+
+
+def named_materials(
+    cards: Mapping[str, Cards],
+    name: str,
+    named: Container[int],
+    defined: Container[int],
+    ignored: list[str],
+) -> Iterator[tuple[int, Card]]:
+    """Yield the materials that properties name by id, and note the others.
+
+    ``defined`` are those that exist already; what is read of this name is to be added to it.
+    """
+    unnamed = 0
+    for card in cards.get(name, ()):
+        number = card.integer(0)
+        if number not in named:
+            unnamed += 1
+            continue
+        if number in defined:
+            card.refuse(f"material {number} is defined twice; renumber one")
+        yield number, card
+    if unnamed:
+        ignored.append(f"{unnamed} {name} that no property names")

@@ -27,14 +27,17 @@ MATERIALS = frozenset(
 
 def read_materials(
     cards: Mapping[str, Cards], mass_factor: float, ignored: list[str]
-) -> dict[int, Material]:
+) -> tuple[dict[int, Material], dict[int, float]]:
     """Return the materials that are used, by id; densities are multiplied by PARAM,WTMASS.
 
     Two of E, G, NU are given, or E alone with NU = 0. Where all three are and contradict each
     other, solids and the membranes of shells take E and NU, lines and transverse shear of shells
-    G: see :func:`shear_factors`.
+    G. Also returned is G over E / (2 (1 + NU)) of materials in which they differ: the torsion and
+    shear of lines and the transverse shear of shells are multiplied by it. Materials that only
+    lines name are read with NU = 0 where no Poisson's ratio explains them.
     """
     materials: dict[int, Material] = {}
+    factors: dict[int, float] = {}
     origin: dict[int, str] = {}
     damped = 0
     contradicting: list[int] = []
@@ -45,14 +48,19 @@ def read_materials(
         number = card.integer(0)
         if number not in named:
             continue
-        if number in materials:
+        if number in origin:
             card.refuse(f"material {number} is already defined at {origin[number]}; renumber one")
+        origin[number] = card.where()
         lines = _line_constants(card) if number in only_lines else None
         youngs, poisson = _constants(card, number, shells) if lines is None else (lines[0], 0.0)
-        if lines is None and _contradict(card):
+        if lines is not None:
+            factors[number] = 2 * lines[1] / lines[0]
+        elif _contradict(card):
             contradicting.append(number)
-        if not (card.text(2) or card.text(3)):
+            factors[number] = card.real(2) / _consistent(card)
+        elif not (card.text(2) or card.text(3)):
             single.append(number)
+            factors[number] = 0.0
         if not math.isfinite(youngs + poisson):
             card.refuse(
                 f"material {number}: E, G and NU are too large for a number; check the units"
@@ -67,7 +75,6 @@ def read_materials(
             )
         except ModelError as error:
             raise card.error(str(error)) from error
-        origin[number] = card.where()
         damped += card.real(7, 0.0) != 0.0
     if damped:
         ignored.append(f"structural damping GE of {damped} MAT1 (give [damping] in the study)")
@@ -82,33 +89,12 @@ def read_materials(
             f"MAT1 {_listed(single)} with E alone: as in Nastran NU is 0, and G is 0 for torsion "
             "and shear of lines"
         )
-    return materials
+    return materials, factors
 
 
 def _listed(numbers: list[int]) -> str:
     shown = ", ".join(map(str, numbers[:5]))
     return shown if len(numbers) <= 5 else f"{shown} and {len(numbers) - 5} more"
-
-
-def shear_factors(cards: Mapping[str, Cards]) -> dict[int, float]:
-    """Return G over E / (2 (1 + NU)) of materials in which they differ.
-
-    Lines use E and G each on its own, and transverse shear of shells uses G: the torsion and shear
-    of their sections are multiplied by this. Materials that only lines name are read with NU = 0
-    where no Poisson's ratio explains them.
-    """
-    only_lines = materials_named(cards) - _named_by_bodies(cards)
-    factors = {}
-    for card in cards.get("MAT1", ()):
-        number = card.integer(0)
-        lines = _line_constants(card) if number in only_lines else None
-        if lines is not None:
-            factors[number] = 2 * lines[1] / lines[0]
-        elif _contradict(card):
-            factors[number] = card.real(2) / _consistent(card)
-        elif not (card.text(2) or card.text(3)):
-            factors[number] = 0.0
-    return factors
 
 
 def _line_constants(card: Card) -> tuple[float, float] | None:

@@ -7,7 +7,7 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.io.nastran.cards import Card, Cards
-from faying.io.nastran.layers import materials_of_shells
+from faying.io.nastran.layers import materials_of_shells, named_materials
 from faying.model.assembly import Material
 from faying.model.shells import plane_stress
 
@@ -42,7 +42,7 @@ def read_plane_materials(
     Parameters
     ----------
     factors
-        Of the transverse shear, as :func:`faying.io.nastran.materials.shear_factors`.
+        Of the transverse shear, as :func:`faying.io.nastran.materials.read_materials`.
     """
     by_number = {
         number: PlaneMaterial(
@@ -54,17 +54,8 @@ def read_plane_materials(
     }
     named = materials_of_shells(cards)
     for name, read in (("MAT2", _anisotropic), ("MAT8", _orthotropic)):
-        unnamed = 0
-        for card in cards.get(name, ()):
-            number = card.integer(0)
-            if number not in named:
-                unnamed += 1
-                continue
-            if number in by_number:
-                card.refuse(f"material {number} is defined twice; renumber one")
+        for number, card in named_materials(cards, name, named, by_number, ignored):
             by_number[number] = read(card, mass_factor)
-        if unnamed:
-            ignored.append(f"{unnamed} {name} that no property names")
     return by_number
 
 

@@ -18,7 +18,7 @@ from faying.io.nastran.card_table import FIELDS
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.case_control import CaseControl, parameter_lines, read_case_control
 from faying.io.nastran.coordinates import ON_AXIS
-from faying.io.nastran.couplings import read_average_couplings
+from faying.io.nastran.couplings import read_average_coupling
 from faying.io.nastran.equations import read_equations
 from faying.io.nastran.general_elements import read_general_elements
 from faying.io.nastran.grids import Grids, read_grids
@@ -30,7 +30,6 @@ from faying.io.nastran.materials import (
     materials_named,
     materials_of_solids,
     read_materials,
-    shear_factors,
 )
 from faying.io.nastran.moved_supports import Moved, with_moving
 from faying.io.nastran.panel_sides import read_panel_sides
@@ -145,8 +144,7 @@ def read_parts(
         if not np.isfinite(grids.nodes).all():
             message = f"{path}: coordinates are too large for a number; check the units"
             raise FormatError(message)
-        materials = read_materials(cards, factor, ignored)
-        factors = shear_factors(cards)
+        materials, factors = read_materials(cards, factor, ignored)
         directed = read_anisotropic(cards, materials_of_solids(cards), materials, factor, ignored)
         straight = StraightSides(places=grids.nodes, ids=grids.ids)
         solids = read_solids(cards, grids, {**materials, **directed}, straight, ignored)
@@ -193,7 +191,7 @@ def read_parts(
             ),
             scalar_masses=tuple(read_scalar_masses(cards, grids, factor)),
             rigid_couplings=(*rigid, *ends.couplings),
-            average_couplings=tuple(read_average_couplings(cards, grids)),
+            average_couplings=tuple(read_average_coupling(c, grids) for c in cards.get("RBE3", ())),
             equations=(
                 *straight.equations(),
                 *rigid_equations,

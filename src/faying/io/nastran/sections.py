@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from faying.io.axes import rectangular_section, round_section
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.principal_axes import principal
 from faying.io.nastran.solids import material_of
 from faying.io.nastran.walled_sections import ESTIMATED, SHAPES, walled_section
@@ -50,31 +50,24 @@ def read_sections(
     Parameters
     ----------
     factors
-        As :func:`faying.io.nastran.materials.shear_factors`.
+        As :func:`faying.io.nastran.materials.read_materials`.
     """
     result: dict[str, dict[int, Property]] = {"CBAR": {}, "CBEAM": {}}
-    origin: dict[tuple[str, int], Card] = {}
     heavy = 0
-    readers = (
-        ("PBAR", "CBAR", _pbar),
-        ("PBARL", "CBAR", _pbarl),
-        ("PBEAM", "CBEAM", _pbeam),
-        ("PBEAML", "CBEAM", _pbeaml),
-    )
+    readers = {
+        "CBAR": {"PBAR": _pbar, "PBARL": _pbarl},
+        "CBEAM": {"PBEAM": _pbeam, "PBEAML": _pbeaml},
+    }
     lines = [card for name in ("CBAR", "CBEAM", "BAROR", "BEAMOR") for card in cards.get(name, ())]
     used = {card.integer(1, 0) or card.integer(0, 0) for card in lines}
-    for name, element, read in readers:
-        for card in cards.get(name, ()):
-            number = card.integer(0)
-            if number in result[element]:
-                earlier = origin[element, number].where()
-                card.refuse(f"property {number} is already defined at {earlier}; renumber one")
-            origin[element, number] = card
+    for element, read in readers.items():
+        for number, card in by_id(cards, *read, what="property").items():
+            name = card.cards.name
             if number not in used and card.integer(1) not in materials:
                 ignored.append(f"{name} {number}, without a MAT1, that no element names")
                 continue
             material = material_of(card, 1, materials)
-            section, angle = principal(card, _checked(card, read(card, material)))
+            section, angle = principal(card, _checked(card, read[name](card, material)))
             factor = factors.get(card.integer(1), 1.0)
             line_mass = card.real(_mass_field(card), 0.0) * mass_factor
             if not 0 <= line_mass < math.inf:

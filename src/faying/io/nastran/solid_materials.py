@@ -1,5 +1,6 @@
 """MAT9, MAT11: materials of solids whose directions differ."""
 
+from collections import ChainMap
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -9,6 +10,7 @@ from faying._typing import Matrix
 from faying.exceptions import ModelError
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.coordinates import Systems
+from faying.io.nastran.layers import named_materials
 from faying.model.assembly import Material
 from faying.model.elastic_law import orthotropic_law, turned
 
@@ -25,15 +27,9 @@ def read_anisotropic(
     Those that no PSOLID names are left out with a note.
     """
     anisotropic: dict[int, Material] = {}
-    kinds: list[str] = []
     for name, law, density in (("MAT9", _general, 22), ("MAT11", _orthotropic, 10)):
-        for card in cards.get(name, ()):
-            number = card.integer(0)
-            if number not in named:
-                continue
-            if number in anisotropic or number in materials:
-                card.refuse(f"material {number} is already defined; renumber one")
-            kinds.append(name)
+        defined = ChainMap(anisotropic, dict(materials))
+        for number, card in named_materials(cards, name, named, defined, ignored):
             try:
                 anisotropic[number] = Material.anisotropic(
                     law(card), density=card.real(density, 0.0) * mass_factor, name=str(number)
@@ -41,8 +37,6 @@ def read_anisotropic(
             except (ModelError, ValueError) as error:
                 text = f"material {number}: {error}"
                 raise card.error(text) from error
-        if unnamed := len(cards.get(name, ())) - sum(name == kind for kind in kinds):
-            ignored.append(f"{unnamed} {name} that no property names")
     return anisotropic
 
 
