@@ -449,13 +449,23 @@ def two_interfaces(results):
 @pytest.mark.long
 def test_three_cases_and_two_interfaces_take_few_screens(browser, results, tmp_path):
     """Seconds, for pictures are as large as in use: what is measured is what they take."""
-    path = write_report(two_interfaces(results), tmp_path)
+    both = two_interfaces(results)
+    (bolt,) = both.assessment.bolts.values()
+    bolts = {f"bolt-{number}": bolt for number in range(1, 9)}
+    joint = replace(both, assessment=replace(both.assessment, bolts=bolts))
+    path = write_report(joint, tmp_path)
     opened = Visit(browser, path.as_uri(), viewport={"width": 1280, "height": 800})
     height = opened.page.evaluate("document.documentElement.scrollHeight")
     assert height <= 8 * 800
     for name in ("#joint", "#view [data-part=stage]"):
         box = opened.page.locator(name).bounding_box()
         assert box["y"] + box["height"] <= 800, name
+    # Ten rows, of which five are on the first screen and all are printed.
+    rows = opened.page.locator("#joint tbody tr")
+    assert (rows.count(), rows.filter(visible=True).count()) == (10, 5)
+    opened.page.locator(".unfold input").check()
+    assert rows.filter(visible=True).count() == 10
+    opened.page.locator(".unfold input").uncheck()
     printed = opened.page.pdf(format="A4")
     assert len(re.findall(rb"/Type\s*/Page[^s]", printed)) <= 5
     opened.page.set_viewport_size({"width": 390, "height": 844})

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 from datetime import datetime
+from math import inf
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -10,7 +11,13 @@ from urllib.parse import quote
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from faying.assessment.check import Check
-from faying.assessment.joint_verdict import JointVerdict, share_used, shown_quantity, verdict_rows
+from faying.assessment.joint_verdict import (
+    JointVerdict,
+    PartVerdict,
+    share_used,
+    shown_quantity,
+    verdict_rows,
+)
 from faying.files.atomic import write_text
 from faying.report.certified import sharpness
 from faying.report.errors import (
@@ -71,6 +78,25 @@ def write_report(results: Results, folder: Path) -> Path:
     return path
 
 
+SHOWN = 5
+"""Rows of the verdict above the view on the first screen; others are unfolded."""
+
+
+def _folded(parts: Sequence[PartVerdict]) -> list[bool]:
+    """Say which rows are folded: all but the worst, one bolt and one interface at least."""
+    severity = {"not met": 2, "unknown": 1, "met": 0}
+
+    def used(part: PartVerdict) -> tuple[int, float]:
+        share = 0.0 if part.worst is None else part.worst.utilisation
+        return severity[part.outcome], inf if share is None else share
+
+    order = sorted(range(len(parts)), key=lambda number: used(parts[number]), reverse=True)
+    first = {parts[number].kind: number for number in reversed(order)}
+    others = [number for number in order if number not in first.values()]
+    shown = {*first.values(), *others[: SHOWN - len(first)]}
+    return [number not in shown for number in range(len(parts))]
+
+
 def render(results: Results, figures: Sequence[FigureEntry], folder: Path) -> str:
     """Return the page on the joint as text; it links figures relative to its folder."""
     verdict = run_verdict(results)
@@ -82,7 +108,7 @@ def render(results: Results, figures: Sequence[FigureEntry], folder: Path) -> st
         results,
         folder,
         verdict=verdict,
-        rows=list(zip(verdict.parts, verdict_rows(verdict), strict=True)),
+        rows=list(zip(verdict.parts, verdict_rows(verdict), _folded(verdict.parts), strict=True)),
         checks=check_table(verdict),
         doubts=[
             *results.doubts,

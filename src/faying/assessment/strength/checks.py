@@ -234,7 +234,8 @@ def _endurance_check(
     amplitude, end = amplitudes[worst], ends[worst]
     amplitude_of = {case: largest_amplitude(_stresses(bolt, thread, end, case)) for case in cases}
     endures = amplitude <= limit
-    borne = f"{ENDURANCE_CYCLES * (limit / max(amplitude, limit)) ** EXPONENT:.1g}"
+    cycles = ENDURANCE_CYCLES * (limit / max(amplitude, limit)) ** EXPONENT
+    borne = f"{float(f'{cycles:.1g}'):.0f}"
     return Check(
         part=bolt,
         kind="bolt",
