@@ -74,7 +74,7 @@ def solve_similar(
     steps, previous = np.zeros(len(free), dtype=np.int64), np.full(len(free), np.inf)
     formed, lost = np.zeros((2, len(free)), dtype=bool)
     changed, going = (
-        _Changed.of(G, pairs.compliance, np.empty(0, dtype=np.int64)),
+        _Changed.of(G, pairs.glued.compliance, np.empty(0, dtype=np.int64)),
         np.arange(len(free)),
     )
     while len(going):
