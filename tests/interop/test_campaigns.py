@@ -5,6 +5,8 @@ import importlib
 import inspect
 import json
 import logging
+import os
+import signal
 import sys
 from functools import partial
 from pathlib import Path
@@ -218,6 +220,18 @@ def test_a_task_that_kills_its_workers_is_named_and_the_others_are_kept(executor
     with pytest.raises(CampaignError, match=r"^task 'b': every worker that tried it died"):
         run_campaign(campaign_tasks.mixed, tasks, executor, keep=tmp_path)
     assert len(list(tmp_path.iterdir())) == 2
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGPIPE"), reason="this system has no such signal")
+def test_a_broken_pipe_does_not_end_the_process_after_gmsh():
+    """``gmsh.initialize`` resets the signal to its default, which ends a process."""
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    run_campaign(campaign_tasks.mixed, {"a": "fine"})
+    reading, writing = os.pipe()
+    os.close(reading)
+    with pytest.raises(BrokenPipeError):
+        os.write(writing, b"to nobody")
+    os.close(writing)
 
 
 @pytest.mark.long

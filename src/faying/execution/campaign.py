@@ -1,6 +1,8 @@
 """A campaign: named tasks, computed by an executor, kept as they come, resumable."""
 
 import hashlib
+import signal
+import threading
 import traceback
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence, Set
 from contextlib import closing
@@ -110,6 +112,7 @@ def run_grouped_campaign(
     other company their last digits would differ. Where a task of a group fails, each of the group
     is computed alone, so that the others are kept.
     """
+    _ignore_broken_pipes()
     tasks = _ungrouped(groups)
     store = _store(keep)
     keys = dict(_keys(prepare, tasks, plain=not isinstance(keep, (Path, str))))
@@ -131,6 +134,16 @@ def run_grouped_campaign(
     if failures:
         raise _raised(failures, [name for name in missing if name in failures])
     return _Kept(store, keys)
+
+
+def _ignore_broken_pipes() -> None:
+    """Let a pipe to a worker that died be an error, as Python does from its start.
+
+    ``gmsh.initialize`` takes that back: what is written to such a pipe would then end this process
+    without a word. Only the main thread may say it.
+    """
+    if hasattr(signal, "SIGPIPE") and threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN)
 
 
 @dataclass(frozen=True)
