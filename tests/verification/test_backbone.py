@@ -149,7 +149,7 @@ def test_what_lies_on_its_bound_sticks_once_small_cycles_repeat():
     weights = rubbing.contact.weights
     share = weights[on].sum() / weights[normal > 0].sum()
     assert share > 0
-    assert f"{100 * share:.2g} % of the area in contact lies on its friction" in found.remarks[-1]
+    assert f"{share:.0%} of the area in contact lies on its friction" in found.remarks[-1]
 
 
 def test_energies_stand_for_amplitudes(slider):

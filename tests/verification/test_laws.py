@@ -12,7 +12,8 @@ from test_bolts import HOLDING, STEEL, squeezed_blocks
 
 import faying as fy
 from faying.assessment.stuck_stiffness import stuck_springs
-from faying.contact.laws import Coulomb, Curve, Hard, Penalty
+from faying.contact import laws
+from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.exceptions import ModelError, StudyError
 from faying.export.formats import export
 from faying.joint.system import input_forces
@@ -27,7 +28,7 @@ LOADS = [fy.Load({"tip.Fz": -300.0 * f, "tip.Mx": 1e4 * f}) for f in (0.0, 0.5, 
 
 
 @dataclass(frozen=True)
-class Rough(Curve):
+class Curve(laws.Curve):
     """A law that faying does not have: p = c δ + k δ² where closed by δ."""
 
     initial: float
@@ -49,7 +50,7 @@ class Rough(Curve):
 LAWS = {
     "penalty": Penalty(STIFFNESS),
     "hard": Hard(),
-    "rough": Rough(STIFFNESS, 1e10),
+    "rough": Curve(STIFFNESS, 1e10),
     "table": fy.TableClosure((0.0, 1e-5, 1e-4), (0.0, 2.0, 60.0)),
     "exponential": fy.ExponentialClosure(pressure=5.0, clearance=2e-5),
     "power": fy.PowerClosure(pressure=20.0, depth=5e-5, exponent=2.0),
@@ -143,8 +144,8 @@ def check_law(law, found, friction):
     assert largest > 1.0
     if law.normal.yields:
         deepest = -np.inf + np.zeros(gap.shape) if found.deepest is None else found.deepest
-        laws = [law.normal.after(one) for one in np.atleast_2d(deepest)]
-        every = [one.respond(g[None], weights)[0][0] for one, g in zip(laws, gap, strict=True)]
+        states = [law.normal.after(one) for one in np.atleast_2d(deepest)]
+        every = [one.respond(g[None], weights)[0][0] for one, g in zip(states, gap, strict=True)]
         expected = np.array(every) / weights
         # Natural residual 1e-13 of the largest force, times what the steepest slope makes of it.
         np.testing.assert_allclose(forces / weights, expected, rtol=0, atol=1e-9 * largest)
@@ -168,7 +169,7 @@ def with_law(model, law):
 
 
 def test_a_straight_curve_is_the_penalty(smooth):
-    path = fy.solve_path(with_law(smooth, Rough(STIFFNESS, 0.0)), LOADS)
+    path = fy.solve_path(with_law(smooth, Curve(STIFFNESS, 0.0)), LOADS)
     straight = fy.solve_path(smooth, LOADS)
     largest = straight.max_pressure.max()
     np.testing.assert_allclose(path.pressure, straight.pressure, rtol=0, atol=1e-10 * largest)

@@ -299,7 +299,7 @@ def _remarks(
     bound = 1.0 - swing.sticking(swing.start)[0]
     if bound > 0 and stuck.contact_share >= SMALLEST_CONTACT_SHARE:
         remarks.append(
-            f"{100 * bound:.2g} % of the area in contact lies on its friction bound before the "
+            f"{bound:.0%} of the area in contact lies on its friction bound before the "
             "first load, which is softer for it than small vibrations are; their frequency is that "
             "of small cycles once they repeat"
         )
