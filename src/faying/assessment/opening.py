@@ -158,6 +158,7 @@ def opening_margins(
     factor: float,
     *,
     open_below: float = OPEN_BELOW,
+    forces: Matrix | None = None,
 ) -> Vector:
     """Return how deep the area nearest to opening is pressed at a factor of each load (n_case,).
 
@@ -170,34 +171,28 @@ def opening_margins(
         As of :func:`opening_factors`.
     inputs : (n_case, n_input)
         Of the loads.
+    forces : (n_case, n_point) or None [force]
+        Contact forces under the loads, to begin with.
     """
-    pieces = [inputs[first : first + PIECE] for first in range(0, len(inputs), PIECE)]
-    margins = [_margins(system, piece, areas, factor, enough(open_below)) for piece in pieces]
-    return np.concatenate([np.empty(0), *margins])
-
-
-PIECE = 500
-"""Cases whose gaps are held at a time."""
-
-
-def _margins(
-    system: Joint, inputs: Matrix, areas: Mapping[str, Mask], factor: float, least: float
-) -> Vector:
     contact = system.contact
     rows = np.array([growing_displacements(system, row) for row in inputs])
     fixed, growing = np.moveaxis(rows, 0, 1)
-    rests, which = np.unique(fixed, axis=0, return_inverse=True)
+    rests, one, which = np.unique(fixed, axis=0, return_index=True, return_inverse=True)
     touching = SOLVED * np.abs(contact.free_gap(rests)).max(axis=1, initial=0.0)
-    before = solved_cases(system, rests)[1]
+    begun, solver = None, system.static_contact.cases
+    if forces is not None and solver is not None:
+        moved = fixed + growing + (solver.S @ contact.at_pairs(forces)).T
+        begun = np.vstack([moved[one], moved])
+    gaps = solved_cases(system, np.vstack([rests, fixed + factor * growing]), begun)[1]
     shares = [
         pressed_shares(areas, pressed_depth(contact, gap, close) > 0, contact.weights)
-        for gap, close in zip(before, touching, strict=True)
+        for gap, close in zip(gaps, touching, strict=False)
     ]
     margins = np.full(len(inputs), np.inf)
-    for number, gap in enumerate(solved_cases(system, fixed + factor * growing)[1]):
+    for number, gap in enumerate(gaps[len(rests) :]):
         depth = pressed_depth(contact, gap, touching[which[number]])
         for share in shares[which[number]].values():
-            margins[number] = min(margins[number], _pressed_at(depth, share, least))
+            margins[number] = min(margins[number], _pressed_at(depth, share, enough(open_below)))
     return margins
 
 

@@ -75,6 +75,14 @@ def solved_inputs(system: System, touching: Joint, inputs: Matrix, name: str) ->
     )
 
 
+def similar_loads(system: System, inputs: Matrix, size: int) -> list[Indices]:
+    """Divide loads (n_case, n_input) into groups that move the pairs alike, of at most a size."""
+    columns = system.port_compliance.contact_columns
+    sizes, shapes = np.linalg.eigh(columns @ columns.T)
+    scaled = shapes * np.sqrt(np.maximum(sizes, 0.0))
+    return similar_groups(port_forces(system.port_compliance, inputs) @ scaled, size)
+
+
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SolvedCase:

@@ -18,6 +18,7 @@ from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import InputRow
 from faying.simulation.static import solve_static_inputs
 from faying.study.inputs.load_set import LoadSet
+from faying.workflow.solve_cases import Opening
 from faying.workflow.solved_cases import SolvedCases
 
 ALL_JUDGED = 50
@@ -59,29 +60,38 @@ def not_judged(loads: LoadSet, static: SolvedCases | None, *, rubs: bool) -> lis
     ]
 
 
-def followed_loads(
-    requirements: Requirements, rom: ReducedModel, loads: LoadSet, deciding: Sequence[InputRow]
-) -> list[InputRow]:
-    """Return the static cases that open the first, which are followed to their openings."""
-    limit = requirements.min_opening_factor
-    every = (
-        deciding
-        if limit is None
-        else [
-            InputRow(name=name, row=row)
-            for name, row in zip(loads.names, loads.inputs, strict=True)
-        ]
-    )
-    if len(every) <= FOLLOWED:
-        return list(every)
-    margins = opening_margins(
-        rom.joint,
-        np.array([load.row for load in every]),
-        areas_that_open(rom.interfaces, rom.contact.slices, rom.bolts),
-        1.0 if limit is None else limit,
+def opening_of(requirements: Requirements, rom: ReducedModel) -> Opening | None:
+    """Return what must not open at which factor; None where it is not asked or not known."""
+    if requirements.min_opening_factor is None or len(rom.contact.rubbing):
+        return None
+    return Opening(
+        areas=areas_that_open(rom.interfaces, rom.contact.slices, rom.bolts),
+        factor=requirements.min_opening_factor,
         open_below=requirements.open_share,
     )
-    return [every[case] for case in np.argsort(margins, kind="stable")[:FOLLOWED]]
+
+
+def followed_loads(
+    requirements: Requirements,
+    rom: ReducedModel,
+    loads: LoadSet,
+    static: SolvedCases,
+    deciding: Sequence[InputRow],
+) -> list[InputRow]:
+    """Return the static cases that open the first, which are followed to their openings."""
+    if opening_of(requirements, rom) is not None:
+        first = np.argsort(static.margins(), kind="stable")[:FOLLOWED]
+        return [InputRow(name=loads.names[case], row=loads.inputs[case]) for case in first]
+    if len(deciding) <= FOLLOWED:
+        return list(deciding)
+    margins = opening_margins(
+        rom.joint,
+        np.array([load.row for load in deciding]),
+        areas_that_open(rom.interfaces, rom.contact.slices, rom.bolts),
+        1.0,
+        open_below=requirements.open_share,
+    )
+    return [deciding[case] for case in np.argsort(margins, kind="stable")[:FOLLOWED]]
 
 
 def judged_loads(

@@ -36,13 +36,18 @@ from faying.study.stages.checkpoint import open_checkpoint
 from faying.study.stages.optional import Extras
 from faying.study.stages.progress import ProgressBar, Stages
 from faying.units import Units
-from faying.workflow.deciding_cases import not_judged
+from faying.workflow.deciding_cases import not_judged, opening_of
 from faying.workflow.outcome import Outcome
 from faying.workflow.solve_cases import CaseSolver
 from faying.workflow.solve_workers import compute_pieces
 from faying.workflow.solved_cases import SolvedCases
 from faying.workflow.solved_strength import BoltStrengths
-from faying.workflow.solved_verdicts import areas_of, rings_of, sliding_checks, solved_assessment
+from faying.workflow.solved_verdicts import (
+    areas_of,
+    rings_of,
+    sliding_checks,
+    solved_assessment,
+)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -134,9 +139,9 @@ def solve_loads(
 
     Notes
     -----
-    Memory, of each worker as well, is that of a piece of the cases, of the model and of the loads
-    themselves. The pieces are the same whatever ran before and whoever computes them, and so are
-    their numbers.
+    Memory, of each worker as well, is that of a piece of the cases, of the model, of the loads and
+    of the table of static cases. The pieces are the same whatever ran before and whoever computes
+    them, and so are their numbers.
     """
     chosen = options or SolveOptions()
     check_table_format(chosen.table)
@@ -171,6 +176,7 @@ def solve_loads(
             certificates=chosen.certificates,
             rings=rings_of(chosen.requirements, rom),
             areas=areas_of(chosen.requirements, rom),
+            opening=opening_of(chosen.requirements, rom),
             tightening=path,
         )
         named = [loads.names.index(name) for name in chosen.named]

@@ -1,15 +1,17 @@
 """Many static cases, or a transient, solved on a reduced model a part at a time."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 
 import numpy as np
 
-from faying._typing import Indices, Matrix
+from faying._typing import Indices, Mask, Matrix, Vector
 from faying.assessment.case_metrics import Metric, metrics_of
 from faying.assessment.certificate import Certifier, certifier
 from faying.assessment.friction_metrics import friction_metrics
+from faying.assessment.opening import opening_margins
 from faying.assessment.sealing import Ring
 from faying.exceptions import ConvergenceError
 from faying.execution.checkpoint import Arrays, Checkpoint
@@ -20,7 +22,7 @@ from faying.simulation.load import Load
 from faying.simulation.ramps import solve_ramps
 from faying.simulation.restart import kept_restart, restart_from
 from faying.simulation.solution import Solution
-from faying.simulation.static import solve_static_inputs
+from faying.simulation.static import similar_loads, solve_static_inputs
 from faying.simulation.stepping import transient_solver
 from faying.simulation.transient_pieces import transient_pieces
 from faying.study.inputs.load_set import LoadSet, TimedLoad
@@ -28,7 +30,7 @@ from faying.study.keys.tables import DEFAULT_INCREMENTS
 from faying.study.stages.optional import Extras
 from faying.study.stages.path_cases import rest_state
 from faying.study.stages.progress import Stages
-from faying.workflow.solved_cases import SolvedCases, piece_of
+from faying.workflow.solved_cases import OPENING, SolvedCases, piece_of
 
 PIECE_NUMBERS = 2**18
 """Numbers of one field of all cases solved together: 2 MB, of which some twenty are at hand."""
@@ -38,6 +40,24 @@ FEWEST, MOST = 16, 2000
 
 FAILED = "failed"
 """Name of the sentences about what went wrong, beside the arrays of a piece."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Opening:
+    """A load factor at which areas must not have opened.
+
+    Attributes
+    ----------
+    areas
+        Name to the points (n_point,) of what opens.
+    factor
+    open_below
+        Share of the area pressed at rest.
+    """
+
+    areas: Mapping[str, Mask]
+    factor: float
+    open_below: float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -58,6 +78,8 @@ class CaseSolver:
         Around holes that are judged, by name.
     areas
         What is carried along interfaces whose slip is judged in static cases.
+    opening
+        What must not open at which factor of static cases.
     tightening
         How a joint with friction was tightened; None without.
     """
@@ -70,6 +92,7 @@ class CaseSolver:
     certificates: bool
     rings: Mapping[str, Ring] = field(default_factory=dict)
     areas: Mapping[str, TangentialRows] = field(default_factory=dict)
+    opening: Opening | None = None
     tightening: tuple[Load, ...] | None = None
 
     @cached_property
@@ -79,18 +102,19 @@ class CaseSolver:
 
     def static(self, loads: LoadSet, named: Sequence[int]) -> SolvedCases:
         """Solve static cases, or take what an interrupted call has finished."""
-        ranges, failed = self.static_pieces(len(loads.names)), list[str]()
+        groups, failed = self.static_pieces(loads), list[str]()
         with self.stages.stage("static cases", len(loads.names)) as advance:
-            for key, rows in ranges.items():
+            for key, rows in groups.items():
                 arrays = self.checkpoint.bundle(key, partial(self.static_piece, loads, rows, named))
                 failed += arrays[FAILED].tolist()
                 advance(len(rows))
         return SolvedCases(
             checkpoint=self.checkpoint,
-            keys=list(ranges),
+            keys=list(groups),
             metrics=self._static_metrics,
             label=loads.names.__getitem__,
             failed=failed,
+            ordered=False,
         )
 
     def transient(self, load: TimedLoad) -> SolvedCases:
@@ -104,10 +128,10 @@ class CaseSolver:
             failed=end[FAILED].tolist(),
         )
 
-    def static_pieces(self, total: int) -> dict[str, range]:
-        """Return the rows of each piece of so many static cases, by the key it is kept under."""
-        starts = range(0, total, self._length)
-        return {f"static {first}": range(total)[first : first + self._length] for first in starts}
+    def static_pieces(self, loads: LoadSet) -> dict[str, Indices]:
+        """Return the rows of each piece of similar static cases, by the key it is kept under."""
+        groups = similar_loads(self.rom, loads.inputs, self._length) if loads.names else []
+        return {f"static {number}": np.sort(rows) for number, rows in enumerate(groups)}
 
     @property
     def _metrics(self) -> list[Metric]:
@@ -139,10 +163,10 @@ class CaseSolver:
             return certifier(self.rom.joint)
         return None
 
-    def static_piece(self, loads: LoadSet, rows: range, named: Sequence[int]) -> Arrays:
+    def static_piece(self, loads: LoadSet, rows: Indices, named: Sequence[int]) -> Arrays:
         """Solve one piece of the static cases; return what is kept of it."""
         judge = self._judge
-        solved, failed = self._solved(loads, np.asarray(rows))
+        solved, failed = self._solved(loads, rows)
         with self.stages.timed("certificates"):
             judged = [
                 (
@@ -162,7 +186,27 @@ class CaseSolver:
             rings=self.rings,
             areas=self.areas,
         )
+        if self.opening is not None:
+            with self.stages.timed("openings"):
+                arrays |= {OPENING: self._margins(self.opening, rows, solved)}
         return arrays | {FAILED: np.array(failed, dtype=str)}
+
+    def _margins(
+        self, opening: Opening, rows: Indices, solved: Sequence[tuple[Indices, Solution]]
+    ) -> Vector:
+        """Return how deep what must not open is pressed at the demanded factor of each case."""
+        margins = np.full(len(rows), -np.inf)
+        for numbers, state in solved:
+            with suppress(ConvergenceError):  # followed increment by increment, which says so
+                margins[np.searchsorted(rows, numbers)] = opening_margins(
+                    self.rom.joint,
+                    state.inputs,
+                    opening.areas,
+                    opening.factor,
+                    open_below=opening.open_below,
+                    forces=state.contact_forces,
+                )
+        return margins
 
     def _solved(
         self, loads: LoadSet, rows: Indices
@@ -211,18 +255,17 @@ class CaseSolver:
             )
             try:
                 for (solution,), (end,) in parts:
-                    rows = range(first, first + len(solution.states))
-                    numbers = np.arange(rows.start, rows.stop)
+                    numbers = np.arange(first, first + len(solution.states))
                     arrays = piece_of(
                         [(numbers, solution, None)],
                         self.rom.interfaces,
                         metrics,
-                        rows=rows,
+                        rows=numbers,
                         count=self.worst,
                         rings=self.rings,
                     )
                     self.checkpoint.put(_piece_key(load, count), arrays)
-                    first, count, gain = rows.stop, count + 1, solution.energy_gain
+                    first, count, gain = first + len(numbers), count + 1, solution.energy_gain
                     stand = kept_restart(end) | {"count": np.asarray(count)}
                     self.checkpoint.put(_stand_key(load), stand)
             except ConvergenceError as error:

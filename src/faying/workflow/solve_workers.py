@@ -9,6 +9,7 @@ from dataclasses import replace
 from functools import partial
 
 from faying import __version__
+from faying._typing import Indices
 from faying.exceptions import StudyError
 from faying.execution.campaign import run_grouped_campaign
 from faying.execution.checkpoint import Arrays, Checkpoint
@@ -18,7 +19,7 @@ from faying.study.stages.optional import Extras
 from faying.study.stages.progress import Stages
 from faying.workflow.solve_cases import CaseSolver, end_key, n_steps
 
-Piece = range | TimedLoad
+Piece = Indices | TimedLoad
 """Rows of static cases, or a transient."""
 
 
@@ -35,7 +36,7 @@ def compute_pieces(
     FayingError
         As the call without workers would raise, or if workers fail; what is finished is kept.
     """
-    static = solver.static_pieces(len(loads.names))
+    static = solver.static_pieces(loads)
     transients = {end_key(load): load for load in loads.transients}
     jobs: dict[str, Piece] = {**transients, **static}  # what takes longest first
     weights = {key: len(rows) for key, rows in static.items()}
@@ -82,7 +83,7 @@ def _computed(
     solver: CaseSolver, loads: LoadSet, named: Sequence[int], group: Sequence[Piece]
 ) -> Iterator[Arrays]:
     for job in group:
-        if isinstance(job, range):
-            yield solver.static_piece(loads, job, named)
-        else:
+        if isinstance(job, TimedLoad):
             yield solver.walked(job)
+        else:
+            yield solver.static_piece(loads, job, named)

@@ -21,6 +21,9 @@ from faying.simulation.solution import Solution
 BENDING = "bending "
 """What begins the names of arrays of bending moments, before that of the bolt."""
 
+OPENING = "opening margin"
+"""Name of the array of what is left to an opening."""
+
 _EXTREMES = tuple(field.name for field in fields(Envelope))
 
 
@@ -43,7 +46,7 @@ class Worst:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SolvedCases:
-    """The pieces of one set of static cases, or of one transient, in order.
+    """The pieces of one set of static cases, or of one transient.
 
     Attributes
     ----------
@@ -57,6 +60,8 @@ class SolvedCases:
         Takes the number of a case or instant to what people call it.
     failed
         What went wrong, a sentence each.
+    ordered
+        Whether the pieces follow each other; those of static cases are similar ones instead.
     """
 
     checkpoint: Checkpoint
@@ -64,6 +69,7 @@ class SolvedCases:
     metrics: Sequence[Metric]
     label: Callable[[int], str]
     failed: Sequence[str] = ()
+    ordered: bool = True
 
     def __iter__(self) -> Iterator[Arrays]:
         """Yield the arrays of one piece after the other."""
@@ -81,21 +87,24 @@ class SolvedCases:
 
     def rows(self) -> Iterator[tuple[list[str], Matrix]]:
         """Yield labels and metrics of one piece after the other."""
-        for arrays in self:
-            first, table = int(arrays["first"]), arrays["metrics"]
-            yield [self.label(first + row) for row in range(len(table))], table
+        if self.ordered:
+            for arrays in self:
+                yield [self.label(row) for row in arrays["rows"].tolist()], arrays["metrics"]
+            return
+        table = self._of_all("metrics")
+        yield [self.label(row) for row in range(len(table))], table
 
     def worst(self, count: int) -> list[Worst]:
         """Return the worst cases of each metric that has a worst value, the worst first."""
         worst: dict[str, list[Worst]] = {entry.name: [] for entry in self.metrics if entry.worst}
         for arrays in self:
-            table, first = arrays["metrics"], int(arrays["first"])
+            table, rows = arrays["metrics"], arrays["rows"]
             for column, metric in enumerate(self.metrics):
                 if metric.worst is None:
                     continue
                 values = table[:, column]
                 best = worst[metric.name] + [
-                    Worst(metric=metric.name, row=first + row, value=float(values[row]))
+                    Worst(metric=metric.name, row=int(rows[row]), value=float(values[row]))
                     for row in _worst_rows(metric, values, count).tolist()
                 ]
                 sign = _sign(metric)
@@ -112,8 +121,9 @@ class SolvedCases:
             values = (1 if largest else -1) * arrays["metrics"][:, column]
             if not np.isnan(values).all():
                 row = int(np.nanargmax(values))
-                extremes.append((int(arrays["first"]) + row, float(arrays["metrics"][row, column])))
-        return (max if largest else min)(extremes, key=lambda entry: entry[1], default=None)
+                extremes.append((int(arrays["rows"][row]), float(arrays["metrics"][row, column])))
+        sign = -1 if largest else 1
+        return min(extremes, key=lambda entry: (sign * entry[1], entry[0]), default=None)
 
     def named(self, history: str, row: int) -> str:
         """Return what a static case is called, or an instant of a history."""
@@ -122,11 +132,26 @@ class SolvedCases:
     def column(self, metric: str) -> Vector:
         """Return a metric of all cases or instants, NaN where there is no solution."""
         column = [metric_entry.name for metric_entry in self.metrics].index(metric)
-        return np.concatenate([arrays["metrics"][:, column] for arrays in self])
+        return self._of_all("metrics", column)
 
     def bending(self, bolt: str) -> Matrix:
         """Return the bending moments of a bolt (n_row, 2, 2), NaN where there is no solution."""
-        return np.concatenate([arrays[f"{BENDING}{bolt}"] for arrays in self])
+        return self._of_all(f"{BENDING}{bolt}")
+
+    def margins(self) -> Vector:
+        """Return how deep what must not open is pressed at the demanded factor (n_row,) [length].
+
+        Minus infinity where there is no solution.
+        """
+        return self._of_all(OPENING)
+
+    def _of_all(self, name: str, column: int | None = None) -> Matrix:
+        """Return an array of all cases or instants, or a column of it, in their order."""
+        parts, rows = [], []
+        for arrays in self:
+            parts.append(arrays[name] if column is None else arrays[name][:, column])
+            rows.append(arrays["rows"])
+        return np.concatenate(parts)[np.argsort(np.concatenate(rows), kind="stable")]
 
     def fields(self, rows: Sequence[int]) -> tuple[list[int], Matrix, Matrix]:
         """Return those of some rows that were kept, with pressures and gaps (n_row, n_point)."""
@@ -145,20 +170,20 @@ def piece_of(
     interfaces: Mapping[str, ContactSurface],
     metrics: Sequence[Metric],
     *,
-    rows: range,
+    rows: Indices,
     count: int,
     named: Collection[int] = (),
     rings: Mapping[str, Ring] = MappingProxyType({}),
     areas: Mapping[str, TangentialRows] = MappingProxyType({}),
-) -> dict[str, Matrix]:
+) -> dict[str, np.ndarray]:
     """Return the arrays that are kept of some cases or instants.
 
     Parameters
     ----------
     solved
         Solutions with the rows of their cases, increasing; rows without one did not converge.
-    rows
-        Of the piece.
+    rows : (n_row,)
+        Of the piece, increasing.
     count
         Cases of each metric whose fields may be wanted.
     named
@@ -173,15 +198,15 @@ def piece_of(
         own_metrics = case_metrics(solution, interfaces, certificate, rings, areas)
         if solution.shear_forces is not None:
             own_metrics = np.hstack([own_metrics, friction_figures(solution, interfaces)])
-        table[numbers - rows.start] = own_metrics
+        table[np.searchsorted(rows, numbers)] = own_metrics
     chosen_rows = {
-        rows.start + row
+        int(rows[row])
         for column, metric in enumerate(metrics)
         if metric.worst is not None
         for row in _worst_rows(metric, table[:, column], count).tolist()
     }
-    chosen_rows |= set(named) & set(rows)
-    arrays: dict[str, Matrix] = {"first": np.asarray(rows.start), "metrics": table}
+    chosen_rows |= set(named) & set(rows.tolist())
+    arrays: dict[str, np.ndarray] = {"rows": rows, "metrics": table}
     chosen: list[int] = []
     pressure: list[Vector] = []
     gap: list[Vector] = []
@@ -201,7 +226,7 @@ def piece_of(
     for bolt in bent:
         moments = np.full((len(rows), 2, 2), np.nan)
         for numbers, solution, _ in solved:
-            moments[numbers - rows.start] = solution.bolt_bending(bolt)
+            moments[np.searchsorted(rows, numbers)] = solution.bolt_bending(bolt)
         arrays[f"{BENDING}{bolt}"] = moments
     n_point = len(next(iter(solved))[1].system.contact.weights) if solved else 0
     arrays["kept"] = np.array(chosen, dtype=np.int64)

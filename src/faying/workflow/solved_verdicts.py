@@ -131,7 +131,9 @@ def solved_assessment(
     rest, rubs = rest_of(rom, preloaded), bool(len(rom.contact.rubbing))
     coefficients = strength.rubbing(rom.interfaces) | _coefficients(requirements, rom)
     deciding = [] if rubs else deciding_loads(loads, static)
-    followed = followed_loads(requirements, rom, loads, deciding) if deciding else []
+    followed = []
+    if static is not None and deciding:
+        followed = followed_loads(requirements, rom, loads, static, deciding)
     names = {load.name for load in deciding}
     each = [*deciding, *(load for load in followed if load.name not in names)]
     nominal = None
