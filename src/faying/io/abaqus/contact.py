@@ -1,18 +1,19 @@
 """``*SURFACE INTERACTION`` and ``*CONTACT PAIR``: interfaces."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from faying._typing import Matrix
+from faying.contact.laws import Curve
 from faying.interface.gap_pairing import declared
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import parameter
 from faying.io.abaqus.friction import FRICTIONLESS, DeckFriction, read_friction, tied_slopes
 from faying.io.abaqus.keyword import Keyword, named
-from faying.io.abaqus.overclosure import Normal, curve_of, read_behaviour, stiffness_of
+from faying.io.abaqus.overclosure import Normal, read_behaviour
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.solid_sections import is_of_abaqus
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, removed_sides, slave_and_master
@@ -26,25 +27,6 @@ MEMBERS = ("SURFACE BEHAVIOR", "FRICTION", "CONTACT DAMPING", "GAP CONDUCTANCE")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Pair:
-    """A contact pair: the slave is our minus side, which carries the points and the normals.
-
-    Pairs that are ``tied`` neither open nor slide; ``lone`` ones are of a single point.
-    """
-
-    keyword: Keyword
-    row: int
-    slave: DeckSurface
-    master: DeckSurface
-    penalty: Normal
-    adjusted: GapRule | None
-    interaction: str
-    friction: DeckFriction = FRICTIONLESS
-    tied: bool = False
-    lone: bool = False
-
-
-@dataclass(frozen=True, kw_only=True)
 class Interaction:
     """A ``*SURFACE INTERACTION``; what is ``tied`` neither opens nor slides."""
 
@@ -53,26 +35,33 @@ class Interaction:
     friction: DeckFriction = FRICTIONLESS
     tied: bool = False
 
-    def between(
-        self,
-        keyword: Keyword,
-        row: int,
-        sides: tuple[DeckSurface, DeckSurface],
-        adjusted: GapRule | None,
-    ) -> Pair:
-        """Return the pair of a slave and a master that have this interaction."""
-        slave, master = sides
-        return Pair(
-            keyword=keyword,
-            row=row,
-            slave=slave,
-            master=master,
-            penalty=self.penalty,
-            adjusted=adjusted,
-            interaction=self.name,
-            friction=self.friction,
-            tied=self.tied,
+    def spec(self, name: str, minus: str, plus: str) -> InterfaceSpec:
+        """Return an interface of two sides that has this interaction."""
+        return InterfaceSpec(
+            name=name,
+            minus=minus,
+            plus=plus,
+            penalty="auto" if isinstance(self.penalty, Curve) else self.penalty,
+            closure=self.penalty if isinstance(self.penalty, Curve) else None,
+            friction=self.friction.coefficient,
+            tangential_penalty=self.friction.tangential_penalty,
         )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pair:
+    """A contact pair: the slave is our minus side, which carries the points and the normals.
+
+    ``lone`` pairs are of a single point.
+    """
+
+    keyword: Keyword
+    row: int
+    slave: DeckSurface
+    master: DeckSurface
+    interaction: Interaction
+    adjusted: GapRule | None
+    lone: bool = False
 
 
 def read_interactions(deck: Deck, ignored: list[str]) -> dict[str, Interaction]:
@@ -150,7 +139,16 @@ def _pairs(
             ignored.append(
                 f"slave surface {slave.name} of nodes: taken as the facets between these nodes"
             )
-        pairs.append(interaction.between(keyword, row, (slave, master), adjusted))
+        pairs.append(
+            Pair(
+                keyword=keyword,
+                row=row,
+                slave=slave,
+                master=master,
+                interaction=interaction,
+                adjusted=adjusted,
+            )
+        )
     return pairs
 
 
@@ -168,7 +166,7 @@ def _adjust(keyword: Keyword, sets: NamedSets) -> GapRule | None:
 
 def interface_names(pairs: list[Pair]) -> list[str]:
     """Names of interfaces: that of the interaction, with both surfaces where it is used twice."""
-    names = [pair.interaction for pair in pairs]
+    names = [pair.interaction.name for pair in pairs]
     return [
         name if names.count(name) == 1 else f"{name} {pair.slave.name} {pair.master.name}"
         for name, pair in zip(names, pairs, strict=True)
@@ -202,21 +200,13 @@ def specs(assembly: Assembly, pairs: list[Pair], ignored: list[str]) -> tuple[In
     """Return the pairs as interfaces; those whose meshes do not match are so marked."""
     interfaces = []
     for name, pair in zip(interface_names(pairs), pairs, strict=True):
-        spec = declared(
-            assembly,
-            InterfaceSpec(
-                name=name,
-                minus=pair.slave.name,
-                plus=pair.master.name,
-                penalty=stiffness_of(pair.penalty),
-                closure=curve_of(pair.penalty),
-                friction=pair.friction.coefficient,
-                tangential_penalty=pair.friction.tangential_penalty,
-                search_distance=np.inf,
-                quadrature="gauss" if pair.lone else None,
-                order=1 if pair.lone else None,
-            ),
+        spec = replace(
+            pair.interaction.spec(name, pair.slave.name, pair.master.name),
+            search_distance=np.inf,
+            quadrature="gauss" if pair.lone else None,
+            order=1 if pair.lone else None,
         )
+        spec = declared(assembly, spec)
         if spec.meshes == "non-matching":
             # Whatever else is wrong, the mortar interface will say when the model is built.
             ignored.append(

@@ -1,6 +1,7 @@
 """``*CONTACT``: interfaces between bodies that face each other, or between listed surfaces."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -12,7 +13,6 @@ from faying.interface.mortar import find_couplings
 from faying.io.abaqus.contact import Interaction, Pair
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.overclosure import curve_of, stiffness_of
 from faying.io.abaqus.surfaces import Surfaces, find_surface, slave_and_master
 from faying.io.solid_cuts import Cut
 from faying.model.assembly import Assembly
@@ -61,15 +61,13 @@ def read_general_contact(
     ignored.append(EVERYTHING)
     names = body_names(assembly.mesh)
     specs = (
-        InterfaceSpec(
-            name=f"{interaction.name} {names[pair.minus]} {names[pair.plus]}",
-            minus=f"body {pair.minus}",
-            plus=f"body {pair.plus}",
-            penalty=stiffness_of(interaction.penalty),
-            closure=curve_of(interaction.penalty),
+        replace(
+            interaction.spec(
+                f"{interaction.name} {names[pair.minus]} {names[pair.plus]}",
+                f"body {pair.minus}",
+                f"body {pair.plus}",
+            ),
             meshes="matching" if pair.matching else "non-matching",
-            friction=interaction.friction.coefficient,
-            tangential_penalty=interaction.friction.tangential_penalty,
             search_distance=None if pair.touching else SEEN_ACROSS * pair.gap[1],
         )
         for pair in facing_bodies(assembly)
@@ -108,8 +106,16 @@ def read_listed(
                 keyword.refuse(
                     "*CONTACT PROPERTY ASSIGNMENT gives this pair no *SURFACE INTERACTION", row
                 )
-            touching = GapRule(closed_up_to=0.0)
-            pairs.append(interaction.between(keyword, row, (slave, master), touching))
+            pairs.append(
+                Pair(
+                    keyword=keyword,
+                    row=row,
+                    slave=slave,
+                    master=master,
+                    interaction=interaction,
+                    adjusted=GapRule(closed_up_to=0.0),
+                )
+            )
     if pairs:
         ignored.append(LISTED)
     if pairs and chosen:

@@ -89,7 +89,7 @@ def _points(assembly: Assembly, pair: Pair) -> tuple[Assembly, list[Pair]]:
         sides = _sides(pair, number, minus, plus)
         named = {side.name: FaceSet(kind="tri3", nodes=side.facets["tri3"]) for side in sides}
         assembly = replace(assembly, face_sets={**assembly.face_sets, **named})
-        interaction = f"{pair.interaction} node {number}"
+        interaction = replace(pair.interaction, name=f"{pair.interaction.name} node {number}")
         points.append(
             replace(pair, slave=sides[0], master=sides[1], interaction=interaction, lone=True)
         )

@@ -102,8 +102,8 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     declared = contact.read_pairs(deck, interactions, surfaces, by_node, ignored)
     declared += read_listed(deck, interactions, surfaces, ignored)
     deck, declared = without_removed_pairs(deck, declared, ignored)
-    pairs = [pair for pair in declared if not pair.tied]
-    ties = read_ties(deck, surfaces, [pair for pair in declared if pair.tied], ignored)
+    pairs = [pair for pair in declared if not pair.interaction.tied]
+    ties = read_ties(deck, surfaces, [pair for pair in declared if pair.interaction.tied], ignored)
     assembly = Assembly(
         mesh=mesh,
         materials=of_property,

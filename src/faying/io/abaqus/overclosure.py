@@ -15,16 +15,6 @@ Normal = float | Literal["hard"] | Curve
 _FLAGS = ("PENALTY", "DIRECT", "AUGMENTED LAGRANGE", "NO SEPARATION")
 
 
-def stiffness_of(normal: Normal) -> float | Literal["auto", "hard"]:
-    """Return the penalty of an interface; a curve has none."""
-    return "auto" if isinstance(normal, Curve) else normal
-
-
-def curve_of(normal: Normal) -> Curve | None:
-    """Return the curve of an interface that has one."""
-    return normal if isinstance(normal, Curve) else None
-
-
 def read_behaviour(
     head: Keyword, members: list[Keyword], abaqus: bool, ignored: list[str]
 ) -> Normal:

@@ -11,6 +11,7 @@ from faying.io.abaqus.fields import check_count, is_integer, table
 from faying.io.abaqus.keyword import Keyword, add, named
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.shells import Shells
+from faying.io.element_faces import on_blocks
 from faying.model.assembly import FaceSet
 from faying.model.elements import SOLIDS
 from faying.model.mesh import Mesh
@@ -163,10 +164,7 @@ def facets_of_faces(
     """Return facet kind to nodes (n_facet, n_node_per_facet) of faces 1 … 6 of solids."""
     _check_all_solid(keyword, mesh, ids, rows)
     facets: dict[str, list[Indices]] = {}
-    for block in mesh.blocks:
-        order = np.argsort(block.ids, kind="stable")
-        cell = order[np.minimum(np.searchsorted(block.ids[order], ids), len(order) - 1)]
-        members = np.flatnonzero(block.ids[cell] == ids)
+    for block, members, nodes in on_blocks(mesh.blocks, ids):
         table_of_faces = SOLIDS[block.kind].faces
         over = members[(faces[members] > len(table_of_faces)) | (faces[members] < 1)]
         if over.size:
@@ -175,10 +173,9 @@ def facets_of_faces(
                 f"element {ids[bad]} ({block.kind}) has no face {faces[bad]}", int(rows[bad])
             )
         for number, (face, local) in enumerate(table_of_faces, start=1):
-            of_face = members[faces[members] == number]
-            if of_face.size:
-                corners = block.nodes[cell[of_face]][:, list(local)]
-                facets.setdefault(face.name, []).append(corners)
+            of_face = faces[members] == number
+            if of_face.any():
+                facets.setdefault(face.name, []).append(nodes[of_face][:, list(local)])
     return {kind: np.concatenate(parts) for kind, parts in facets.items()}
 
 

@@ -39,7 +39,7 @@ def read_ties(
     ties = [
         Tie(
             keyword=pair.keyword,
-            name=pair.interaction,
+            name=pair.interaction.name,
             slave=pair.slave,
             master=pair.master,
             tolerance=None,
@@ -122,7 +122,8 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
 
 
 def _stiffness(pair: Pair) -> tuple[float, float] | None:
-    normal, along = pair.penalty, pair.friction.tangential_penalty
+    normal = pair.interaction.penalty
+    along = pair.interaction.friction.tangential_penalty
     return (normal, along) if isinstance(normal, float) and isinstance(along, float) else None
 
 

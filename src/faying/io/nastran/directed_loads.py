@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from faying._typing import Matrix
+from faying.io.element_faces import on_blocks
 from faying.io.nastran.cards import Cards
-from faying.io.nastran.faces import on_blocks
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.pressures import (

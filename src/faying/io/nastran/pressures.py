@@ -12,8 +12,8 @@ import numpy as np
 
 from faying._typing import Indices, Mask, Matrix
 from faying.interface.facets import area_vectors, gauss_rule, shape_functions
+from faying.io.element_faces import find_faces, on_blocks
 from faying.io.nastran.cards import Cards
-from faying.io.nastran.faces import find_faces, on_blocks
 from faying.io.nastran.grids import Grids
 from faying.model.assembly import Assembly
 from faying.model.cells import CellBlock

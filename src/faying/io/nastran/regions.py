@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from faying._typing import Indices, Mask
+from faying.io.element_faces import find_faces, numbered_faces
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, Cards
-from faying.io.nastran.faces import find_faces, on_blocks
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.solids import SOLID_CARDS, Solids
@@ -62,11 +62,8 @@ class Region:
         return FaceSet(kind=kinds[0], nodes=self.facets[:, : FACES[kinds[0]].n_nodes])
 
 
-_SIDES = {
-    **{"S1": (0, 1, 2), "S2": (4, 5, 6), "S3": (0, 1, 5)},
-    **{"S4": (1, 2, 6), "S5": (2, 3, 7), "S6": (3, 0, 4)},
-}
-"""Three corners of the sides of CHEXA that BCSURF names."""
+_SIDES = {f"S{number}": number for number in range(1, 7)}
+"""Sides of CHEXA that BCSURF names."""
 
 
 def read_regions(
@@ -123,23 +120,14 @@ def _sides(card: Card, solids: Solids) -> Indices:
                 "S6 and ELEM, behind FACE; name faces by BSURFS",
                 8,
             )
-    sides = np.array([list(_SIDES[row[1]]) for row in named], dtype=np.int64).reshape(-1, 3)
     elements = np.array(element_ids, dtype=np.int64)
-    nodes = np.full((len(elements), 3), -1, dtype=np.int64)
-    for _, members, corners in on_blocks(bricks, elements):
-        nodes[members] = np.take_along_axis(corners, sides[members], axis=1)
-    missing = np.flatnonzero(nodes[:, 0] < 0)
+    numbers_of = np.array([_SIDES[row[1]] for row in named], dtype=np.int64)
+    faces = numbered_faces(bricks, elements, numbers_of)
+    missing = np.flatnonzero(faces[:, 0] < 0)
     if missing.size:
         card.refuse(
             f"element {elements[missing[0]]} is no CHEXA of the deck; name faces by BSURFS", 8
         )
-
-    def fits(members: Indices, _: str, kind: str, corners: Indices) -> Mask:
-        del kind
-        among = (nodes[members][:, :, None] == corners[:, None, :]).any(axis=2).all(axis=1)
-        return np.asarray(among)
-
-    faces, _ = find_faces(bricks, elements, fits)
     return np.unique(faces, axis=0)
 
 

@@ -1,4 +1,4 @@
-"""Faces of solid elements, found by element id and corner grids, many at a time."""
+"""Faces of solid elements, found by element id and number or corner nodes, many at a time."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
@@ -27,6 +27,16 @@ def on_blocks(blocks: Sequence[_Block], ids: Indices) -> Iterator[tuple[_Block, 
         members = np.flatnonzero(block.ids[row] == ids)
         if len(members):
             yield block, members, block.nodes[row[members]]
+
+
+def numbered_faces(blocks: Sequence[CellBlock], elements: Indices, numbers: Indices) -> Indices:
+    """Return the faces (n, 8) S1, S2, ... of elements by id, -1 behind the last and without any."""
+    faces = np.full((len(elements), WIDTH), -1, dtype=np.int64)
+    for block, members, nodes in on_blocks(blocks, elements):
+        for number, (_, local) in enumerate(SOLIDS[block.kind].faces, start=1):
+            chosen = numbers[members] == number
+            faces[members[chosen]] = padded(nodes[chosen][:, list(local)])
+    return faces
 
 
 def find_faces(blocks: Sequence[CellBlock], elements: Indices, fits: Fits) -> tuple[Indices, Mask]:
