@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 from faying.exceptions import FormatError
 from faying.io.deck_lines import Lines
@@ -11,7 +12,11 @@ from faying.io.line_texts import joined
 _STATEMENT = re.compile(r"^([A-Z][A-Z0-9]*)\s*(?:\(([^)]*)\))?\s*(?:=\s*(.*)|\s(.*))?$")
 _MATRICES = frozenset(("K2GG", "M2GG", "B2GG", "K42GG", "P2G", "K2PP", "M2PP", "B2PP", "TFL"))
 _HEAT = re.compile(rb"^\s*(SOL\s+(HEAT|53|61|74|89|153|159)\b|APP\s+HEAT)")
-_SETS = frozenset(("SPC", "MPC", "LOAD", "DEFORM", "BCSET", "BGSET", "BOLTLD", "NSM"))
+_SETS: Mapping[str, str] = {
+    **{"SPC": "spc", "MPC": "mpc", "LOAD": "load", "BCSET": "contact", "BGSET": "glue"},
+    **{"BOLTLD": "bolts", "DEFORM": "deform", "NSM": "added_mass"},
+}
+"""Commands that select a set, and the selections of :class:`CaseControl`."""
 _ABBREVIATED = ("SUBCASE", "TEMPERATURE", "DEFORM", "BCONTACT", "BOLTLD", "ANALYSIS")
 _TEMPERATURES = {
     **{"": ("load", "material"), "BOTH": ("load", "material"), "LOAD": ("load",)},
@@ -161,22 +166,11 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
 
 def _control(chosen: dict[str, int | str], *, present: bool) -> CaseControl:
     numbers = {name: value for name, value in chosen.items() if isinstance(value, int)}
+    uses = ("load", "initial", "material")
+    temperatures = {use: numbers[key] for use in uses if (key := f"temperature {use}") in numbers}
+    selected: dict[str, Any] = {_SETS[name]: n for name, n in numbers.items() if name in _SETS}
     return CaseControl(
-        spc=numbers.get("SPC"),
-        mpc=numbers.get("MPC"),
-        load=numbers.get("LOAD"),
-        contact=numbers.get("BCSET"),
-        bcontact=chosen.get("BCONTACT"),
-        bolts=numbers.get("BOLTLD"),
-        glue=numbers.get("BGSET"),
-        temperatures={
-            use: numbers[f"temperature {use}"]
-            for use in ("load", "initial", "material")
-            if f"temperature {use}" in numbers
-        },
-        deform=numbers.get("DEFORM"),
-        added_mass=numbers.get("NSM"),
-        present=present,
+        bcontact=chosen.get("BCONTACT"), temperatures=temperatures, present=present, **selected
     )
 
 
