@@ -10,9 +10,6 @@ from faying.digits import ROUND_OFF
 from faying.exceptions import ModelError
 from faying.linalg.compressed import Compliance
 
-GRAM_RANK = 1e-7
-"""The same for the eigenproblem, whose eigenvalues are squares: √(round-off)."""
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Pod:
@@ -63,7 +60,12 @@ def pod(
     >>> pod(np.array([[3.0, 0.0], [0.0, 2.0], [0.0, 0.0]])).singular_values
     array([3., 2.])
     """
-    Y = _checked(snapshots)
+    Y = np.asarray(snapshots, dtype=float)
+    if Y.ndim != 2 or not np.isfinite(Y).all() or not Y.any():
+        message = (
+            f"POD needs a finite, nonzero matrix with one snapshot a column; got shape {Y.shape}"
+        )
+        raise ModelError(message)
     basis, triangle = la.qr(Y, mode="economic")
     if inner is not None:
         try:
@@ -74,41 +76,10 @@ def pod(
         basis = la.solve_triangular(factor, basis.T, lower=True).T
         triangle = factor.T @ triangle
     left, values, _ = la.svd(triangle, full_matrices=False)
-    return _truncated(basis @ left, values, count, ROUND_OFF)
-
-
-def pod_of_gram_matrix(
-    snapshots: Matrix, *, inner: SparseMatrix | Compliance | None = None, count: int | None = None
-) -> Pod:
-    """Find the same modes by the method of snapshots, the eigenproblem (15.22).
-
-    Cheaper where snapshots are long and few; modes below √(round-off) of the first are lost.
-
-    Parameters and errors are those of :func:`pod`.
-    """
-    Y = _checked(snapshots)
-    gram = Y.T @ (Y if inner is None else inner @ Y)
-    eigenvalues, eigenvectors = la.eigh((gram + gram.T) / 2)
-    values = np.sqrt(np.maximum(eigenvalues[::-1], 0.0))
-    scaled = eigenvectors[:, ::-1] / np.where(values > 0, values, 1.0)
-    return _truncated(Y @ scaled, values, count, GRAM_RANK)
-
-
-def _checked(snapshots: Matrix) -> Matrix:
-    Y = np.asarray(snapshots, dtype=float)
-    if Y.ndim != 2 or not np.isfinite(Y).all() or not Y.any():
-        message = (
-            f"POD needs a finite, nonzero matrix with one snapshot a column; got shape {Y.shape}"
-        )
-        raise ModelError(message)
-    return Y
-
-
-def _truncated(vectors: Matrix, values: Vector, count: int | None, rank: float) -> Pod:
-    significant = int(np.count_nonzero(values > rank * values[0]))
+    significant = int(np.count_nonzero(values > ROUND_OFF * values[0]))
     n_kept = significant if count is None else min(count, significant)
     return Pod(
-        vectors=vectors[:, :n_kept],
+        vectors=(basis @ left)[:, :n_kept],
         singular_values=values[:n_kept],
         discarded=float((values[n_kept:] ** 2).sum() / (values**2).sum()),
     )
