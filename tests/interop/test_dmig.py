@@ -7,7 +7,7 @@ import pytest
 from witness import pyyeti_nastran
 
 from faying.exceptions import FormatError
-from faying.io.dmig import read_dmig, read_dmig_matrices
+from faying.io.dmig import read_dmig
 from faying.io.dmig_writer import dmig_text
 from faying.io.matrix_files import read_matrix
 
@@ -62,7 +62,7 @@ DMIG,STIF,2,3,,2,3,7.0
 def test_free_field_with_scalar_point(tmp_path: Path) -> None:
     path = tmp_path / "k.dmig"
     path.write_text(HAND_WRITTEN)
-    found = read_dmig_matrices(path)["STIF"]
+    found = read_dmig(path, "K")
     assert found.dofs is not None
     assert found.dofs.tolist() == [[2, 3], [2, 4], [27, 1], [50, 1]]
     wanted = [[7, 0, 3e5, 0], [0, 0, 2.5e10, 0], [3e5, 2.5e10, 0, 1], [0, 0, 1, 0]]

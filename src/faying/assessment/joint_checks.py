@@ -146,8 +146,9 @@ def _interface_checks(
         if ring.place == name:
             share = ring.limit / ring.value if ring.value > 0 and ring.limit > 0 else None
             yield _judged(ring, "interface", "pressure on the ring", share, units.pressure)
-    if interface.preload > 0:
-        yield from _opening(name, interface, demands.get("min_opening_factor", ()))
+    factors = demands.get("min_opening_factor", ())
+    if interface.preload > 0 or any(demand.met is None for demand in factors):
+        yield from _opening(name, interface, factors)
     yield from _slip(name, interface, demands, reserves)
 
 

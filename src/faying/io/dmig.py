@@ -7,7 +7,6 @@ component 1 here.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from os import PathLike
 from pathlib import Path
 
 import numpy as np
@@ -39,28 +38,12 @@ class _Entries:
     position: Indices
 
 
-def read_dmig_matrices(path: str | PathLike[str]) -> dict[str, LabelledMatrix]:
-    """Read all DMIG matrices of a file; other cards are passed over.
-
-    Returns
-    -------
-    dict
-        Name to matrix, rows and columns labelled alike, in ascending order of grid and component.
-        Of a symmetric matrix (form 6) both triangles are filled in.
-
-    Notes
-    -----
-    Card: DMIG in any Nastran's quick reference guide. A value has ten digits in a punch file
-    (sixteen columns); OP4 keeps them all.
-    """
-    cards, headers = _cards(Path(path))
-    return {name: _matrix(cards, name, headers) for name in headers}
-
-
 def read_dmig(path: Path, name: str) -> LabelledMatrix:
     """Read the matrix ``"M"``, ``"C"`` or ``"K"`` of a file with DMIG cards.
 
-    It is chosen by its name, see :func:`faying.io.named_matrices.chosen_name`.
+    It is chosen by its name, see :func:`faying.io.named_matrices.chosen_name`. Rows and columns are
+    in ascending order of grid and component; of a symmetric matrix (form 6) both triangles are
+    filled in. A value has ten digits in a punch file (sixteen columns); OP4 keeps them all.
     """
     cards, headers = _cards(path)
     try:

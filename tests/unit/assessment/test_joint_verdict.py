@@ -125,6 +125,14 @@ def test_slip_safety_of_a_joint_without_bolts_is_demanded_of_its_path(joint, lim
     assert joint_verdict(checks, UNITS).holds is verdict.met
 
 
+def test_an_opening_that_is_demanded_of_what_nothing_presses_is_unknown(joint):
+    found, _ = judged(joint, fy.Requirements(min_opening_factor=2.0), paths=False)
+    loose = replace(found.interfaces["joint"], preload=0.0)
+    checks = joint_checks(replace(found, interfaces={"joint": loose}), UNITS)
+    assert [one.quantity for one in checks if one.required] == ["opening"]
+    assert not joint_verdict(checks, UNITS).holds
+
+
 @pytest.mark.parametrize(
     ("second", "holds", "said"),
     [
