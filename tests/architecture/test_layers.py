@@ -42,7 +42,7 @@ def test_scripts_beside_figures_import_what_is_there():
         for name in ("benchmarks", "docs", "examples")
         for path in (repository / name).rglob("*.py")
     ]
-    taken = [
+    imported = [
         (path.name, node.module, alias.name)
         for path in paths
         for node in ast.walk(ast.parse(path.read_text()))
@@ -52,7 +52,7 @@ def test_scripts_beside_figures_import_what_is_there():
     assert len(paths) > 40
     missing = [
         row
-        for row in taken
+        for row in imported
         if not hasattr(importlib.import_module(row[1]), row[2])
         and importlib.util.find_spec(".".join(row[1:])) is None
     ]

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import overload
+from typing import Any
 
 import numpy as np
 
@@ -43,12 +43,8 @@ class RowNumbers(Sequence[str]):
     def __len__(self) -> int:
         return self.n_row
 
-    @overload
-    def __getitem__(self, place: int) -> str: ...
-    @overload
-    def __getitem__(self, place: slice) -> list[str]: ...
-    def __getitem__(self, place: int | slice) -> str | list[str]:
-        numbers = range(1, self.n_row + 1)[place]
+    def __getitem__(self, row: Any) -> Any:
+        numbers = range(1, self.n_row + 1)[row]
         return str(numbers) if isinstance(numbers, int) else list(map(str, numbers))
 
 
@@ -73,11 +69,6 @@ class LoadTable:
     columns: Mapping[str, Vector]
     times: Vector | None
     repetitions: Vector | None = None
-
-    @property
-    def n_row(self) -> int:
-        """Number of rows."""
-        return len(next(iter(self.columns.values())))
 
 
 def read_load_table(path: Path) -> LoadTable:
@@ -152,8 +143,9 @@ def table_inputs(table: LoadTable, joint: Joint) -> Matrix:
     n_boundary = sum(len(boundary.dofs) for boundary in joint.boundaries.values())
     bolts, patterns = list(joint.bolts), list(joint.load_patterns)
     first = n_boundary + len(bolts)
-    check_room(table.n_row * 8 * (first + len(patterns)), table.path)
-    inputs = np.zeros((table.n_row, first + len(patterns)))
+    shape = len(table.names), first + len(patterns)
+    check_room(8 * shape[0] * shape[1], table.path)
+    inputs = np.zeros(shape)
     locked = initial_bolt_forces(joint)
     inputs[:, n_boundary:first] = locked
     if FACTOR in table.columns:
