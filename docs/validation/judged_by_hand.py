@@ -29,10 +29,10 @@ FLANGE = {"circle": 130.0, "inner": 40.0, "outer": 85.0, "pipe": 50.0, "thick": 
 BRACKET = {"base": 20.0, "foot": 12.0, "rows": 40.0, "height": 80.0, "wall": -34.0}
 
 
-def meshed(path: Path, size: float) -> None:
+def meshed(path: Path, size: float, around: int = 10) -> None:
     """Mesh what was drawn with curved tetrahedra, and write it."""
     gmsh.option.setNumber("Mesh.MeshSizeMax", size)
-    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 10)
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", around)
     gmsh.option.setNumber("Mesh.ElementOrder", 2)
     gmsh.option.setNumber("Mesh.HighOrderOptimize", 2)
     gmsh.model.mesh.generate(3)
@@ -64,7 +64,7 @@ def flange_places() -> list[tuple[float, float]]:
     return [(FLANGE["circle"] / 2 * cos(a), FLANGE["circle"] / 2 * sin(a)) for a in angles]
 
 
-def mesh_flange(path: Path) -> None:
+def mesh_flange(path: Path, size: float = 12.0, around: int = 10) -> None:
     """Draw and mesh two pipe stubs with flanges."""
     occ, t, end = start(), FLANGE["thick"], FLANGE["thick"] + FLANGE["stub"]
     halves = []
@@ -77,7 +77,7 @@ def mesh_flange(path: Path) -> None:
         halves.append(occ.cut(body, tools)[0])
     _, parts = occ.fragment(*halves)
     named({"lower": parts[0], "upper": parts[1]}, {"clamp": -end, "end": end})
-    meshed(path, 12.0)
+    meshed(path, size, around)
 
 
 def bracket_places() -> list[tuple[float, float]]:

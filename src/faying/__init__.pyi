@@ -32,6 +32,7 @@ from faying.assessment.requirements import Requirements as Requirements
 from faying.assessment.ring_down import ring_down as ring_down
 from faying.assessment.sensitivity import sensitivity as sensitivity
 from faying.assessment.slip_reserve import slip_reserve as slip_reserve
+from faying.assessment.strength.margins import torque_tests as torque_tests
 from faying.assessment.strength.thread import Thread as Thread
 from faying.assessment.transient_error import transient_error as transient_error
 from faying.assessment.tresca import certify_increments as certify_increments

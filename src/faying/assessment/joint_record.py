@@ -69,7 +69,7 @@ class BoltAssessment:
         Interface to the clamp force of its points nearest to this bolt; empty where the axes of
         several bolts are not all known.
     bending
-        How far the bolt is bent; None where it is not seen, as of springs.
+        How far the bolt is bent; None where it is unknown, as of springs.
     thread
         Stress in the thread, where that is known.
     slip_around

@@ -77,5 +77,5 @@ def progress_bar(
     columns = [TextColumn("{task.description}", markup=False), BarColumn(), TaskProgressColumn()]
     if remaining:
         columns.append(TimeRemainingColumn())
-    # A bar that is not seen would leave an empty line among the messages.
+    # A hidden bar would leave an empty line among the messages.
     return Progress(*columns, console=console, transient=True, disable=not console.is_terminal)

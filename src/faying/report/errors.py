@@ -49,7 +49,12 @@ ERRORS = (
     Column("certified: energy error", lambda one: _share(one.certified_energy_error), "%", 3),
     Column("certified: clamp force error", lambda one: _share(one.certified_force_error), "%", 3),
     Column("certified: max error", lambda one: _share(one.certified_bound), "%", 3),
-    Column("certified: increment", lambda one: _share(one.response.increment_error), "%", 3),
+    Column(
+        "certified: energy, increment",
+        lambda one: _share(one.response.increment_error),
+        "%",
+        3,
+    ),
     Column("residual of friction", lambda one: _share(one.response.law_residual), "%", 3),
     Column("coordinates", lambda one: one.n_modes),
 )

@@ -228,7 +228,7 @@ class Solution(ContactFields, Shown):
         bolt_of_name = self._bolt(bolt)
         if bolt_of_name.bending is None:
             message = (
-                f"bending of bolt '{bolt}' is not seen: it is no beam, or came with a file that "
+                f"bending of bolt '{bolt}' is not known: it is no beam, or came with a file that "
                 "does not tell; model its shank by beams with bending stiffness"
             )
             raise ModelError(message)

@@ -2,6 +2,7 @@
 
 Where linear theory adds n φ P_t to the preload (8), a contact model gives the bolt's force P_tb
 under the factored load itself: φ is then (P_tb − P_p) / P_t, and (10) and (7) give MS of (7).
+Clamp force that a load takes stands for P_tL in (19).
 """
 
 from dataclasses import dataclass
@@ -25,45 +26,6 @@ TOLERANCE_FACTORS = {
 """Two-sided 90/95 tolerance factors s of a normal distribution by the number of tests, Table 5."""
 
 
-def stiffness_factor(bolt: float, clamped: float) -> float:
-    """Return φ = k_b / (k_b + k_c), (9)."""
-    return bolt / (bolt + clamped)
-
-
-def bolt_tension(preload: float, share: float, load: float) -> float:
-    """Return P_tb = P_p + n φ P_t before separation, (8)."""
-    return preload + share * load
-
-
-def separation_load(preload: float, share: float) -> float:
-    """Return P'_sep = P_p / (1 − n φ), (11)."""
-    return preload / (1 - share)
-
-
-def load_at(allowed: float, preload: float, share: float) -> float:
-    """Return the load at which a bolt has the force allowed before separation, (10) and (17)."""
-    return (allowed - preload) / share
-
-
-def tension_margin(allowed: float, preload: float, share: float, design_load: float) -> float:
-    """Return MS_u or MS_y by (6) or (15) if the joint separates first, else by (7) or (16).
-
-    Parameters
-    ----------
-    allowed : [force]
-        P_tu,allow or P_ty,allow.
-    preload : [force]
-        P_p,max.
-    share
-        n φ.
-    design_load : [force]
-        FF FS P_tL.
-    """
-    first = load_at(allowed, preload, share)
-    apart = separation_load(preload, share) < first
-    return (allowed if apart else first) / design_load - 1
-
-
 def contact_margin(allowed: float, preload: float, tension: float) -> float:
     """Return MS_u or MS_y by (7, 10) or (16, 17) with a tension from a contact model.
 
@@ -84,16 +46,6 @@ def contact_margin(allowed: float, preload: float, tension: float) -> float:
     if preload >= allowed:
         return -1.0
     return (allowed - preload) / (tension - preload) - 1 if tension > preload else np.inf
-
-
-def yield_allowable(ultimate_allowable: float, yields: float, ultimate: float) -> float:
-    """Return P_ty,allow = P_tu,allow F_ty / F_tu, (18)."""
-    return yields / ultimate * ultimate_allowable
-
-
-def separation_margin(least_preload: float, design_load: float) -> float:
-    """Return MS_sep = P_p,min / (FF FS_sep P_tL) − 1 of axial loads, (19)."""
-    return least_preload / design_load - 1
 
 
 def interaction(
@@ -166,6 +118,13 @@ def torque_tests(preloads: Vector, torque: float, diameter: float) -> TorqueTest
     ------
     ModelError
         If there are fewer than two tests.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> import numpy as np
+    >>> fy.torque_tests(np.array([9.1e3, 10.2e3, 10.9e3, 9.8e3]), 15e3, 8.0).nominal
+    10000.0
     """
     if len(preloads) < 2:
         message = f"found {len(preloads)} measured preloads, and two are the least that scatter"

@@ -207,7 +207,7 @@ class ThreadStress:
     axial : [force/length²]
         Axial stress σ_z = F_S / A_S, with bending at the instant where both are worst together.
     bending : [force/length²]
-        Bending stress σ_b = M_b / W_S of the outer fibre at that instant; None where not seen.
+        Bending stress σ_b = M_b / W_S of the outer fibre at that instant; None where unknown.
     torsion : [force/length²]
         Shear stress τ that tightening leaves; zero where the friction of the thread is not given.
     reduced : [force/length²]
