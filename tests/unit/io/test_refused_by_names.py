@@ -20,22 +20,21 @@ ENDS = ("\n", "\r\n", "\r")
 
 
 @pytest.mark.parametrize("end", ENDS, ids=["LF", "CRLF", "CR"])
-def test_nastran_decks(tmp_path, end):
-    path = tmp_path / "deck.bdf"
-    path.write_bytes(NASTRAN.replace("\n", end).encode())
+@pytest.mark.parametrize(
+    ("read", "text", "parts"),
+    [
+        (read_nastran, NASTRAN, ("2 kinds of cards", "deck:5: CGAP (1)", "deck:8: PLSOLID (1)")),
+        (
+            read_abaqus,
+            ABAQUS,
+            ("2 kinds of keywords", "deck:7: *NGEN (2)", "deck:16: *SUBMODEL (1)"),
+        ),
+    ],
+)
+def test_decks(tmp_path, end, read, text, parts):
+    path = tmp_path / "deck"
+    path.write_bytes(text.replace("\n", end).encode())
     with pytest.raises(FormatError) as caught:
-        read_nastran(path)
-    assert "2 kinds of cards" in str(caught.value)
-    assert "deck.bdf:5: CGAP (1)" in str(caught.value)
-    assert "deck.bdf:8: PLSOLID (1)" in str(caught.value)
-
-
-@pytest.mark.parametrize("end", ENDS, ids=["LF", "CRLF", "CR"])
-def test_abaqus_decks(tmp_path, end):
-    path = tmp_path / "deck.inp"
-    path.write_bytes(ABAQUS.replace("\n", end).encode())
-    with pytest.raises(FormatError) as caught:
-        read_abaqus(path)
-    assert "2 kinds of keywords" in str(caught.value)
-    assert "deck.inp:7: *NGEN (2)" in str(caught.value)
-    assert "deck.inp:16: *SUBMODEL (1)" in str(caught.value)
+        read(path)
+    for part in parts:
+        assert part in str(caught.value)

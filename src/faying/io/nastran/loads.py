@@ -43,10 +43,10 @@ def read_loads(
     """
     places = structure.mesh.nodes
     spoiled = {**moving.unread, **_unsupported(cards)}
-    before = [*_on_grids(cards, grids), *_on_scalar_points(cards, grids, spoiled)]
-    before += read_pressures(cards, grids, structure)
-    before += read_directed_loads(cards, grids, structure)
-    loads = [load for part in before for load in _by_set(*part)]
+    nodal = [*_on_grids(cards, grids), *_on_scalar_points(cards, grids, spoiled)]
+    nodal += read_pressures(cards, grids, structure)
+    nodal += read_directed_loads(cards, grids, structure)
+    loads = [load for part in nodal for load in _by_set(*part)]
     loads += [(number, *_loaded(forces)) for number, forces in moving.by_load.items()]
     along = read_line_loads(cards, places, structure.beams, spoiled)
     loads += [load for part in along for load in _by_set(*part)]
