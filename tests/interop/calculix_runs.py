@@ -6,10 +6,8 @@ import subprocess
 
 import numpy as np
 import pytest
-import scipy.sparse.linalg as spl
 
-from faying.model.constraints import constrain
-from faying.model.matrices import assemble_matrices, used_components
+from linear_solution import displacements_of
 
 needs_calculix = pytest.mark.skipif(
     shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed"
@@ -39,11 +37,5 @@ def displacements(folder, text):
 
 def solved(assembly):
     """Linear displacements (n_node, 6) of an assembly under its loads, without any contact."""
-    used = used_components(assembly)
-    dofs = constrain(assembly, used)
-    T = dofs.transformation
-    K = (T.T @ assemble_matrices(assembly).K @ T).tocsc()
     (load,) = assembly.loads.values()
-    forces = np.zeros((len(assembly.mesh.nodes), 6))
-    forces[load.nodes] = load.forces
-    return (T @ spl.spsolve(K, T.T @ forces.ravel())).reshape(-1, 6)
+    return displacements_of(assembly, load)

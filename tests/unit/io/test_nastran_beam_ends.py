@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-import scipy.sparse.linalg as spla
 
 from faying.exceptions import FormatError
 from faying.io.nastran import read_deck
-from faying.model.constraints import constrain
-from faying.model.matrices import assemble_matrices, used_components
+from faying.model.assembly import NodalLoads
+from linear_solution import displacements_of
 
 E, A, I1, I2, L, F = 2e5, 400.0, 2e4, 1e4, 1000.0, 100.0
 HEAD = f"PBAR,5,1,{A},{I1},{I2},3.+4\nPBEAM,6,1,{A},{I1},{I2},,3.+4\n,,,,,,,,\nMAT1,1,2.+5,,.3\n"
@@ -19,11 +18,8 @@ def moved(tmp_path, text, place, force):
     path = tmp_path / "beam.bdf"
     path.write_text(f"{HEAD}{text}ENDDATA\n")
     assembly = read_deck(path)
-    T = constrain(assembly, used_components(assembly)).transformation
-    K = T.T @ assemble_matrices(assembly).K @ T
-    f = np.zeros((len(assembly.mesh.nodes), 6))
-    f[place] = force
-    return (T @ spla.spsolve(K.tocsc(), T.T @ f.ravel())).reshape(-1, 6)
+    load = NodalLoads(nodes=np.array([place]), forces=np.array([force]))
+    return displacements_of(assembly, load)
 
 
 @pytest.mark.parametrize(

@@ -6,13 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from faying._typing import Matrix
 from faying.io.nastran import read_joint
-from faying.linalg.factorization import factorize
 from faying.model.assembly import Assembly
-from faying.model.constraints import constrain
-from faying.model.matrices import assemble_matrices, used_components
 from faying.model.temperature import Temperature, expansion_of
+from linear_solution import displacements_of
 
 LENGTH, ALPHA, YOUNGS = 8.0, 1.2e-5, 210000.0
 PLACES = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 4, 8)]
@@ -40,16 +37,6 @@ def deck(tmp_path: Path) -> Deck:
     return read
 
 
-def solved(assembly: Assembly, load: str) -> Matrix:
-    """Displacements (n_node, 6)."""
-    dofs = constrain(assembly, used_components(assembly), keep=np.empty(0, dtype=np.int64))
-    T = dofs.transformation
-    forces = np.zeros((len(assembly.mesh.nodes), 6))
-    forces[assembly.loads[load].nodes] = assembly.loads[load].forces
-    stiffness = (T.T @ assemble_matrices(assembly).K @ T).tocsc()
-    return np.asarray(T @ factorize(stiffness).solve(T.T @ forces.ravel())).reshape(-1, 6)
-
-
 FORCE = 100 * LENGTH / YOUNGS
 
 
@@ -69,7 +56,7 @@ def test_bar_grows_by_its_temperature(
     deck: Deck, control: str, cards: str, load: str, tip: float
 ) -> None:
     assembly = deck(f"SOL 101\nCEND\nSPC=1\n{control}\nBEGIN BULK\n{BAR}{STEEL}{cards}\nENDDATA\n")
-    motion = solved(assembly, load)
+    motion = displacements_of(assembly, assembly.loads[load])
     np.testing.assert_allclose(motion[assembly.mesh.nodes[:, 0] == LENGTH, 0], tip, **SOLVED)
     assert any(f"part of load '{load}'" in note for note in assembly.ignored)
 
@@ -92,7 +79,7 @@ def test_reference_temperature_counts_unless_there_is_an_initial_one(deck: Deck)
             f"SOL 101\nCEND\nSPC=1\nTEMP(LOAD)=3\n{control}BEGIN BULK\n"
             f"{BAR}{warm}TEMPD,3,80.,4,20.\nENDDATA\n"
         )
-        motion = solved(assembly, "temperature")
+        motion = displacements_of(assembly, assembly.loads["temperature"])
         np.testing.assert_allclose(motion[2, 0], ALPHA * degrees * LENGTH, **SOLVED)
 
 
@@ -103,7 +90,7 @@ def test_expansion_along_directions_of_a_solid(deck: Deck) -> None:
     assembly = deck(
         f"SOL 101\nCEND\nSPC=1\nTEMP(LOAD)=3\nBEGIN BULK\n{BAR}{solid}TEMPD,3,10.\nENDDATA\n"
     )
-    motion = solved(assembly, "temperature")
+    motion = displacements_of(assembly, assembly.loads["temperature"])
     np.testing.assert_allclose(motion[2, 0], 2e-5 * 10 * LENGTH, **SOLVED)
     np.testing.assert_allclose(motion[3, 1], 1e-5 * 10, **SOLVED)
     np.testing.assert_allclose(motion[6, 2], 3e-5 * 10, **SOLVED)
@@ -149,7 +136,9 @@ def test_line_elements_grow(
     start, end = assembly.mesh.nodes[list(beam.nodes)]
     load = "deform" if change is None else "temperature"
     growth = 0.01 if change is None else change * np.linalg.norm(end - start)
-    np.testing.assert_allclose(solved(assembly, load)[1, 0], growth, **SOLVED)
+    np.testing.assert_allclose(
+        displacements_of(assembly, assembly.loads[load])[1, 0], growth, **SOLVED
+    )
 
 
 PLATE = (
@@ -184,7 +173,7 @@ def test_shells_grow(deck: Deck, shells: str, material: str, strains: tuple[floa
     )
     used = np.unique(np.concatenate([block.nodes.ravel() for block in assembly.shells]))
     place = assembly.mesh.nodes[used]
-    motion = solved(assembly, "temperature")[used]
+    motion = displacements_of(assembly, assembly.loads["temperature"])[used]
     a, b, shear = 80 * np.array(strains)
     # Node 1 does not turn, and what shears keeps the drilling of the node beside it: rotations are
     # those of the field (0, 0, 0), so that both displacements have half the angle.
@@ -202,7 +191,7 @@ def test_laminate_grows_as_its_layers_together(deck: Deck) -> None:
     )
     first, second, cross = 140000.0, 9000.0, 0.3 * 9000.0
     mean = (first * 1e-5 + second * 3e-5 + cross * 4e-5) / (first + second + 2 * cross)
-    motion = solved(assembly, "temperature")
+    motion = displacements_of(assembly, assembly.loads["temperature"])
     np.testing.assert_allclose(motion[8, :2], 80 * mean * 4.0, rtol=1e-8)
 
 
@@ -228,10 +217,14 @@ def test_temperatures_left_out(tmp_path: Path, deck: Deck) -> None:
     text = "SOL 101\nCEND\nSPC=1\nLOAD=2\n{}BEGIN BULK\n" + f"{BAR}{STEEL}TEMPD,3,80.\nENDDATA\n"
     assembly = deck(text.format(""))
     assert any("1 TEMPD: case control selects none" in note for note in assembly.ignored)
-    np.testing.assert_allclose(solved(assembly, "2")[2, 0], FORCE, **SOLVED)
+    np.testing.assert_allclose(
+        displacements_of(assembly, assembly.loads["2"])[2, 0], FORCE, **SOLVED
+    )
     (tmp_path / "b.bdf").write_text(text.format("TEMP(LOAD)=3\n"))
     assembly = read_joint(tmp_path / "b.bdf", ignore=["temperature"]).assembly
-    np.testing.assert_allclose(solved(assembly, "2")[2, 0], FORCE, **SOLVED)
+    np.testing.assert_allclose(
+        displacements_of(assembly, assembly.loads["2"])[2, 0], FORCE, **SOLVED
+    )
 
 
 def test_bolt_of_one_beam_that_expands_is_refused(deck: Deck) -> None:
@@ -252,7 +245,7 @@ def test_force_in_a_bolt_of_solids_that_cannot_grow(tmp_path: Path) -> None:
     joint = read_joint(path)
     (bolt,) = joint.bolts
     (spring,) = [one for one in joint.assembly.springs if one.id in bolt.elements]
-    motion = solved(joint.assembly, "temperature")
+    motion = displacements_of(joint.assembly, joint.assembly.loads["temperature"])
     first, second = (motion[end] for end in spring.ends)
     # The spring itself gives way by some 10⁻⁵ of the elongation that is prevented.
     force = spring.stiffness * (second - first)

@@ -4,13 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import scipy.sparse.linalg as spla
 
 from faying._typing import Matrix
 from faying.exceptions import ModelError
 from faying.io.nastran import read_joint
-from faying.model.constraints import constrain
-from faying.model.matrices import assemble_matrices, used_components
+from linear_solution import displacements_of
 
 SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
 REGIONS = "BSURFS,5,,,,1,5,6,7\nBSURFS,6,,,,2,11,13,12\n"
@@ -49,13 +47,7 @@ def top_moves(path: Path, deck: str) -> Matrix:
     joint = read_joint(path)
     assembly = joint.assembly
     assert not joint.interfaces
-    dofs = constrain(assembly, used_components(assembly))
-    T = dofs.transformation
-    load = assembly.loads["3"]
-    f = np.zeros((len(assembly.mesh.nodes), 6))
-    f[load.nodes] = load.forces
-    K = (T.T @ assemble_matrices(assembly).K @ T).tocsc()
-    moved = (T @ spla.spsolve(K, T.T @ f.ravel())).reshape(-1, 6)
+    moved = displacements_of(assembly, assembly.loads["3"])
     return moved[np.isin(assembly.mesh.node_ids, [15, 16, 17, 18]), :3]
 
 

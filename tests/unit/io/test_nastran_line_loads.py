@@ -2,12 +2,10 @@
 
 import numpy as np
 import pytest
-import scipy.sparse.linalg as spla
 
 from faying.exceptions import FormatError
 from faying.io.nastran import read_joint
-from faying.model.constraints import constrain
-from faying.model.matrices import assemble_matrices, used_components
+from linear_solution import displacements_of
 
 E, G, A, I1, I2, J, L = 2e5, 8e4, 400.0, 2e4, 1e4, 3e4, 1000.0
 HEAD = f"PBAR,5,1,{A},{I1},{I2},{J}\nPBAR,6,1,{A},{I1},{I2},{J}\n,,,,,,,,\n,.8,.8\nMAT1,1,{E},{G}\n"
@@ -22,11 +20,7 @@ def moved(tmp_path, text, load="9"):
     path = tmp_path / "beam.bdf"
     path.write_text(f"{HEAD}{text}ENDDATA\n")
     assembly = read_joint(path).assembly
-    T = constrain(assembly, used_components(assembly)).transformation
-    K = T.T @ assemble_matrices(assembly).K @ T
-    f = np.zeros((len(assembly.mesh.nodes), 6))
-    np.add.at(f, assembly.loads[load].nodes, assembly.loads[load].forces)
-    u = (T @ spla.spsolve(K.tocsc(), T.T @ f.ravel())).reshape(-1, 6)
+    u = displacements_of(assembly, assembly.loads[load])
     return dict(zip(assembly.mesh.node_ids.tolist(), u, strict=True))
 
 
