@@ -19,7 +19,7 @@ from threadpoolctl import threadpool_limits
 
 import faying as fy
 from faying import cli
-from faying.exceptions import CampaignError, ModelError, StudyError
+from faying.exceptions import CampaignError, ModelError
 from faying.execution import (
     Checkpoint,
     DaskExecutor,
@@ -31,8 +31,9 @@ from faying.execution import (
     run_grouped_campaign,
     transient_campaign,
 )
+from faying.execution.campaign import _guarded
 from faying.study.keys.schema import read_study
-from faying.study.stages.worker_tasks import pieces, prepare_pieces
+from faying.study.stages.worker_tasks import pieces
 from faying.workflow.run import run
 from small_study import BEND, JUMP, NO_REPORT, SMALL_JOINT, reduction, step, training
 
@@ -498,9 +499,10 @@ def test_an_interrupted_study_resumes_with_what_workers_have_finished(study, tmp
     assert counts == [3]  # of five groups
 
 
-def test_another_version_on_a_worker_is_refused(study):
-    with pytest.raises(StudyError, match=r"a worker has faying .*, this run is of 0\.0\.1"):
-        prepare_pieces(STUDY, study.path, "0.0.1")
+def test_another_version_on_a_worker_is_refused():
+    (failure,) = _guarded(campaign_tasks.mixed, "0.0.1")((["fine"], [0]))
+    assert failure.preparing
+    assert "this call is of 0.0.1; install the same version everywhere" in failure.message
 
 
 # Command line -------------------------------------------------------------------------------------

@@ -11,6 +11,7 @@ from rich.text import Text
 
 from faying.cli.load_rows import case_rows, frequency_rows
 from faying.contact.laws import Coulomb, Penalty
+from faying.display.facts import MOST_SHOWN
 from faying.interface.interface import Interface
 from faying.joint.diagnosis import AS_A_WHOLE, FreeParts
 from faying.joint.expected_memory import expected_memory
@@ -30,12 +31,6 @@ from faying.study.judgement.model_warnings import kept_share
 from faying.study.keys.deck_study import is_bare, quoted
 from faying.study.keys.tables import Study
 from faying.study.keys.threads import forced_bolts
-
-MOST_IDS = 6
-"""Elements of a bolt that are named."""
-
-MOST_LOADS = 8
-"""Loads of the source for which a load case is written out."""
 
 
 def described(study: Study, loaded: LoadedModel, preview: ModelPreview) -> Iterator[Table]:
@@ -293,7 +288,7 @@ def _tightened(spec: BoltSpec) -> str:
     """Say what a bolt is made of."""
     if spec.elements is not None:
         ids = list(spec.elements)
-        shown = ", ".join(map(str, ids[:MOST_IDS])) + (", ..." if len(ids) > MOST_IDS else "")
+        shown = ", ".join(map(str, ids[:MOST_SHOWN])) + (", ..." if len(ids) > MOST_SHOWN else "")
         return f"element{'s' * (len(ids) > 1)} {shown}"
     if spec.nodes is not None:
         return f"nodes {spec.nodes[0]}, {spec.nodes[1]}"
@@ -332,7 +327,7 @@ def _unused_loads(study: Study, loaded: LoadedModel) -> Iterator[Table]:
     if not unused:
         return
     lines = []
-    for name in unused[:MOST_LOADS]:
+    for name in unused[:MOST_SHOWN]:
         text = quoted(name)
         lines += ["[[load_case]]", f"name = {json.dumps(_case_name(study, name))}"]
         lines += ['kind = "static"', f"forces = [{{ deck_load = {text}, value = 1.0 }}]", ""]

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from faying.cli.model_sizes import model_sizes
+from faying.display.facts import MOST_SHOWN
 
 
 def export(
@@ -47,14 +48,10 @@ def export(
         typer.echo(f"Wrote {path}")
 
 
-FEW = 8
-"""Files of one folder that are listed one by one."""
-
-
 def _shown(paths: tuple[Path, ...]) -> Iterator[str]:
     for folder in dict.fromkeys(path.parent for path in paths):
         inside = [path for path in paths if path.parent == folder]
-        if len(inside) > FEW:
+        if len(inside) > MOST_SHOWN:
             yield f"{folder} ({len(inside)} files)"
         else:
             yield from map(str, inside)

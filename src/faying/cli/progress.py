@@ -9,9 +9,6 @@ import typer
 if TYPE_CHECKING:
     from rich.console import Console
 
-SELDOM = 30.0
-"""Seconds between lines of one stage that tell how much of it is done."""
-
 
 @final
 class Lines:
@@ -34,7 +31,7 @@ class Lines:
         """Tell now and then how much of a stage is done."""
         description, total, done = self._tasks[task]
         self._tasks[task] = description, total, done + advance
-        if total and monotonic() - self._last > SELDOM:
+        if total and monotonic() - self._last > 30.0:  # seconds
             self._tell(f"{description}: {done + advance:.0f} of {total:.0f}")
 
     def update(self, task: int, *, description: str, **_: Any) -> None:

@@ -48,10 +48,10 @@ def counted(names: Mapping[str, object]) -> str:
     >>> counted({"left": 1, "right": 2}), counted({})
     ('2 (left, right)', '0')
     """
-    shown = list(names)[:MOST_NAMES]
+    shown = list(names)[:MOST_SHOWN]
     more = ", …" if len(names) > len(shown) else ""
     return f"{len(names)} ({', '.join(shown)}{more})" if shown else "0"
 
 
-MOST_NAMES = 5
-"""Names that are written out."""
+MOST_SHOWN = 8
+"""Names, mistakes or files that are written out; the others are counted."""

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from faying.display.facts import MOST_SHOWN
 from faying.draft.bolts import DIAMETER, Hole, size_of
 from faying.draft.model_file import ModelFile
 from faying.draft.supports_and_loads import Pin
@@ -30,9 +31,6 @@ WASHER = 1.5
 
 GRADE = "8.8"
 """Of a bolt until it is decided."""
-
-MOST_LOADS = 10
-"""Loads of a deck that become load cases."""
 
 WIDTH = 96
 
@@ -335,15 +333,15 @@ def _loads(findings: Findings) -> Iterator[str]:
     loads = [*described.assembly.loads]
     if described.selected_load in loads:
         loads.sort(key=lambda name: name != described.selected_load)
-    for name in loads[:MOST_LOADS]:
+    for name in loads[:MOST_SHOWN]:
         yield "[[load_case]]"
         case = name if name.startswith("step") else f"load {name}"
         yield f"name = {quoted(case)}"
         yield 'kind = "static"'
         yield f"forces = [{{ deck_load = {quoted(name)}, value = 1.0 }}]"
         yield ""
-    if len(loads) > MOST_LOADS:
-        more = ", ".join(map(quoted, loads[MOST_LOADS:][:20]))
+    if len(loads) > MOST_SHOWN:
+        more = ", ".join(map(quoted, loads[MOST_SHOWN:][:20]))
         yield from _comment(f"{MARK} loads of the file without a load case: {more}")
     if loads or (findings.loaded_set is None and findings.loaded_node is None):
         return

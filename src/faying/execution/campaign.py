@@ -190,7 +190,7 @@ def _outcomes(
     sent: list[Group] = [
         (list(group.values()), places) for group, places in zip(todo, asked, strict=True)
     ]
-    results = executor.map(partial(_guarded, prepare), sent)
+    results = executor.map(partial(_guarded, prepare, __version__), sent)
     with closing(results):
         try:
             for number, outcomes in results:
@@ -213,9 +213,15 @@ def _lost(n_together: int) -> Failure:
     return Failure("CampaignError", text)
 
 
-def _guarded(prepare: Prepare) -> Callable[[Group], list[Arrays | Failure]]:
+def _guarded(prepare: Prepare, version: str) -> Callable[[Group], list[Arrays | Failure]]:
     """Prepare on a worker, with errors that come back as values: others' results go on."""
     try:
+        if version != __version__:
+            message = (
+                f"a worker has faying {__version__}, this call is of {version}; "
+                "install the same version everywhere"
+            )
+            raise CampaignError(message)
         function = prepare()
     except Exception as error:
         failure = _failure(error, preparing=True)

@@ -30,13 +30,8 @@ from faying.execution.executor import (
 CONNECT_SECONDS = 15.0
 """How long a scheduler may take to answer."""
 
-POLL_SECONDS = 5.0
-
 WITHOUT_WORKERS = 120.0
 """Seconds a cluster of this machine may be without workers; a restart takes 2 to 20."""
-
-KEPT = 2
-"""Prepared functions a worker keeps, those it used last."""
 
 
 class DaskExecutor:
@@ -161,7 +156,7 @@ class DaskExecutor:
                 "one that runs out of memory dies like this, use fewer"
             )
             raise CampaignError(message)
-        return POLL_SECONDS
+        return 5.0
 
     def close(self) -> None:
         """Disconnect, and end a cluster that :meth:`local` started."""
@@ -240,7 +235,7 @@ def compute(payload: bytes, digest: str, task: Any) -> Any:
 def _prepared(payload: bytes, digest: str) -> Function:
     """Prepare once, whatever the number of tasks."""
     if digest not in _PREPARED:
-        while len(_PREPARED) >= KEPT:
+        while len(_PREPARED) >= 2:  # the last two are kept
             _PREPARED.popitem(last=False)
         _PREPARED[digest] = pickle.loads(payload)()
     _PREPARED.move_to_end(digest)

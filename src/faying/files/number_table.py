@@ -9,12 +9,10 @@ from typing import Any
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
+from faying.display.facts import MOST_SHOWN
 from faying.exceptions import FormatError
 from faying.files.contents import file_text
 from faying.files.csv_rows import csv_rows
-
-MOST_SHOWN = 8
-"""Mistakes listed in one message."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -16,6 +16,7 @@ from mpl_toolkits.mplot3d.art3d import (  # type: ignore[import-untyped]
 
 from faying._typing import Indices, Matrix, Vector
 from faying.display.axes import new_axes
+from faying.display.facts import MOST_SHOWN
 from faying.display.style import BODY_COLOURS, BOLT_COLOUR, INTERFACE_COLOUR, heading, plain
 from faying.interface.interface import Interface
 from faying.model.assembly import Assembly
@@ -173,8 +174,6 @@ def plot_bolt_axis(axes: Any, ends: Matrix, name: str) -> Any:
 BOUNDARY_COLOUR = "#0072B2"
 SUPPORT_COLOUR = "0.25"
 LABEL_BOX = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1.0}
-MOST_NAMES = 8
-"""Bodies that are named in a legend."""
 
 
 class Pictured(Protocol):
@@ -262,7 +261,7 @@ def _rightmost(points: Matrix) -> Vector:
 def _add_legend(model: Pictured, axes: Any) -> None:
     """Say what the colours and marks are."""
     names = body_names(model.assembly.mesh)
-    shown = names[:MOST_NAMES]
+    shown = names[:MOST_SHOWN]
     handles: list[Any] = [
         Patch(facecolor=BODY_COLOURS[number % len(BODY_COLOURS)], label=plain(name))
         for number, name in enumerate(shown)

@@ -3,10 +3,8 @@
 import numpy as np
 
 from faying.display.quantities import number
+from faying.report.style import NOTHING
 from faying.study.results.values import Results
-
-ROUND_OFF = 1e-6
-"""True errors below this fraction are left out: both figures are then rounding."""
 
 
 def sharpness(results: Results) -> str:
@@ -16,7 +14,7 @@ def sharpness(results: Results) -> str:
         for case in results.cases.values()
         for sizes in case.methods.values()
         for result in sizes.values()
-        if result.certified_bound is not None and result.accuracy.max_relative_error > ROUND_OFF
+        if result.certified_bound is not None and result.accuracy.max_relative_error > NOTHING
     ]
     if not ratios:
         return ""

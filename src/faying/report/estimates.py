@@ -13,11 +13,9 @@ from faying.assessment.transient_error import (
 )
 from faying.display.quantities import number, percent
 from faying.report.methods import GOOD
+from faying.report.style import NOTHING
 from faying.study.results.second_solution import remedy_sentence, shapes_seconds
 from faying.study.results.values import Results
-
-ROUND_OFF = 1e-6
-"""True errors below this fraction are left out of ratios: both figures are then rounding."""
 
 
 def estimate_note(results: Results) -> str:
@@ -45,7 +43,7 @@ def estimate_note(results: Results) -> str:
     ratios = [
         estimate.max_relative_error / true.max_relative_error
         for full, _, estimate, true in estimates
-        if full and true.max_relative_error > ROUND_OFF
+        if full and true.max_relative_error > NOTHING
     ]
     if not ratios:
         return said

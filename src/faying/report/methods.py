@@ -18,8 +18,6 @@ GOOD = 0.05
 """Largest relative pressure error that counts as trustworthy: the paper's method B, 20 modes."""
 FAIR = 0.10
 """Largest one that counts as usable with care; the paper rejects method A above it."""
-STEP_MATTERS = 0.05
-"""A change of the pressure with half the time step that a reader must know of."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -206,7 +204,7 @@ def coarse_steps(results: Results) -> list[str]:
         f"({percent(check.change.rms_relative_error)} root mean square), the peak itself by "
         f"{percent(check.peak_change)}"
         for name, case in results.cases.items()
-        if (check := step_check(case)) is not None and check.largest > STEP_MATTERS
+        if (check := step_check(case)) is not None and check.largest > GOOD
     ]
 
 

@@ -45,10 +45,10 @@ GAP_MAP = "Purples"
 SLIP_MAP = "magma_r"
 OPEN_COLOUR = "#E4E4E4"
 
+NOTHING = 1e-6
+"""Share of the largest that no picture shows and no ratio is formed of: next to round-off."""
+
 DPI = 150
-MARGIN = 18
-"""Pixels left around a picture."""
-WHITE = 250
 
 
 @contextmanager
@@ -71,7 +71,7 @@ def save(figure: Figure, path: Path) -> tuple[int, int]:
     canvas: Any = FigureCanvasAgg(figure)  # its methods are not typed
     canvas.draw()
     pixels = np.asarray(canvas.buffer_rgba())
-    inked: Mask = pixels[..., :3].min(axis=-1) < WHITE
+    inked: Mask = pixels[..., :3].min(axis=-1) < 250
     rows, columns = (_extent(inked.max(axis=axis)) for axis in (1, 0))
     with replacing(path) as temporary:
         imsave(temporary, pixels[rows, columns], format="png", dpi=DPI)
@@ -83,7 +83,8 @@ def _extent(inked: Mask) -> slice:
     lines = np.flatnonzero(inked)
     if not len(lines):
         return slice(0, len(inked))
-    return slice(max(int(lines[0]) - MARGIN, 0), min(int(lines[-1]) + 1 + MARGIN, len(inked)))
+    margin = 18
+    return slice(max(int(lines[0]) - margin, 0), min(int(lines[-1]) + 1 + margin, len(inked)))
 
 
 def colour(method: str) -> str:

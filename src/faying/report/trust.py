@@ -6,13 +6,11 @@ import numpy as np
 
 from faying.display.quantities import number, percent, quantity
 from faying.interface.surface import curve_of
+from faying.report.methods import GOOD
 from faying.study.judgement.step_check import step_check
 from faying.study.judgement.step_choice import choice_sentence, step_choice
 from faying.study.results.values import CaseResult, InterfaceRecord, Results
 from faying.units import Units
-
-SMOOTH = 0.05
-"""Excess of the largest point pressure over the largest nodal average that is not worth a word."""
 
 
 def trust(results: Results) -> dict[str, str]:
@@ -46,7 +44,7 @@ def _resolution(results: Results, units: Units) -> Iterator[str]:
     )
     yield (
         "So much of the peak hangs on where the rule puts its points."
-        if excess > SMOOTH
+        if excess > GOOD
         else "Where the rule puts its points hardly shows."
     )
 

@@ -8,7 +8,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
-from faying import __version__
 from faying._typing import Indices
 from faying.exceptions import StudyError
 from faying.execution.campaign import run_grouped_campaign
@@ -43,7 +42,7 @@ def compute_pieces(
     weights |= {key: n_steps(load) for key, load in transients.items()}
     checkpoint = Checkpoint(solver.checkpoint.folder.resolve())
     sent = replace(solver, checkpoint=checkpoint, stages=Stages(None), extras=Extras())
-    prepare = partial(prepare_pieces, sent, loads, tuple(named), __version__)
+    prepare = partial(prepare_pieces, sent, loads, tuple(named))
     with solver.stages.stage("workers", sum(weights.values())) as advance:
         run_grouped_campaign(
             prepare,
@@ -54,22 +53,14 @@ def compute_pieces(
         )
 
 
-def prepare_pieces(
-    solver: CaseSolver, loads: LoadSet, named: Sequence[int], version: str
-) -> Function:
+def prepare_pieces(solver: CaseSolver, loads: LoadSet, named: Sequence[int]) -> Function:
     """Take the model and the loads on a worker.
 
     Raises
     ------
     StudyError
-        If the worker has another version of faying, or does not see the folder of the results.
+        If the worker does not see the folder of the results.
     """
-    if version != __version__:
-        message = (
-            f"a worker has faying {__version__}, this call is of {version}; "
-            "install the same version everywhere"
-        )
-        raise StudyError(message)
     if loads.transients and not solver.checkpoint.folder.is_dir():
         message = (
             f"a worker does not see {solver.checkpoint.folder}, where it keeps what it finishes of "

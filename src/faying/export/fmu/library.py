@@ -10,9 +10,6 @@ from pathlib import Path
 
 COMPILERS = ("cc", "gcc", "clang")
 OPTIONS = ("-std=c99", "-O3", "-shared", "-fvisibility=hidden", "-DFMI2_OVERRIDE_FUNCTION_PREFIX")
-TIMEOUT = 300
-"""Seconds after which a compiler is taken to hang."""
-
 _log = logging.getLogger("faying")
 
 SYSTEMS = {"linux": ("linux", ".so"), "win32": ("win", ".dll"), "darwin": ("darwin", ".dylib")}
@@ -55,9 +52,7 @@ def compile_library(source: Path, library: Path) -> bool:
     position = () if sys.platform == "win32" else ("-fPIC",)
     arguments = [command, *OPTIONS, *position, str(source), "-o", str(library), "-lm"]
     try:
-        done = subprocess.run(
-            arguments, capture_output=True, text=True, check=False, timeout=TIMEOUT
-        )
+        done = subprocess.run(arguments, capture_output=True, text=True, check=False, timeout=300)
     except (OSError, subprocess.TimeoutExpired) as error:
         _log.warning("%s failed (%s), so the FMU has sources but no binary", command, error)
         return False

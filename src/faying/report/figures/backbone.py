@@ -10,13 +10,10 @@ from faying.assessment.measured_curve import MeasuredCurve
 from faying.display.quantities import quantity
 from faying.display.style import heading
 from faying.report.figures.entry import Drawn
-from faying.report.style import new_figure
+from faying.report.style import NOTHING, new_figure
 from faying.study.keys.measurements import sentence
 from faying.study.results.values import CaseResult, Results
 from faying.units import Units
-
-NEXT_TO_NONE = 1e-6
-"""Damping below this share of the largest is drawn as none: a logarithm has no zero."""
 
 
 def abscissa(backbone: Backbone) -> Vector:
@@ -41,7 +38,7 @@ def plot_damping(
     curves = case.reference.backbones
     largest = max(float(backbone.damping_ratio.max()) for backbone in curves.values())
     for i, (mode, backbone) in enumerate(curves.items()):
-        seen = backbone.damping_ratio > NEXT_TO_NONE * largest
+        seen = backbone.damping_ratio > NOTHING * largest
         label = f"mode {mode}, {quantity(backbone.small_frequency, units.of('1/time'))}"
         along = abscissa(backbone)
         axes.plot(along[seen], backbone.damping_ratio[seen], "o-", color=f"C{i}", label=label)
@@ -49,7 +46,7 @@ def plot_damping(
             axes.plot(along, backbone.linear_damping, ":", color=f"C{i}")
         if backbone.masing_damping is not None:
             masing = backbone.masing_damping + backbone.linear_damping
-            seen = masing > NEXT_TO_NONE * largest
+            seen = masing > NOTHING * largest
             axes.plot(along[seen], masing[seen], "x--", color=f"C{i}", linewidth=0.8)
     for test in measured:
         if test.damping_ratio is not None:

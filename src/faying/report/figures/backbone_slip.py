@@ -10,11 +10,8 @@ from faying.display.style import heading, plain
 from faying.report.figures.backbone import abscissa, unit_of
 from faying.report.figures.entry import Drawn
 from faying.report.figures.surface_map import draw_map, map_panels
-from faying.report.style import SLIP_MAP
+from faying.report.style import NOTHING, SLIP_MAP
 from faying.study.results.values import CaseResult, Results
-
-NEXT_TO_NONE = 1e-6
-"""Slip below this share of the largest is the residual of an increment."""
 
 
 def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
@@ -43,7 +40,7 @@ def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
             largest = float(distance[index].max(initial=0.0))
             draw_map(
                 record,
-                np.where(distance[index] > NEXT_TO_NONE * largest, distance[index], np.nan),
+                np.where(distance[index] > NOTHING * largest, distance[index], np.nan),
                 axes,
                 units,
                 colours=SLIP_MAP,

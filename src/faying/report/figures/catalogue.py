@@ -80,12 +80,8 @@ def _saved(drawn: Drawn, folder: Path, stems: dict[str, str]) -> FigureEntry:
         caption=drawn.caption,
         section=drawn.section,
         stem=drawn.stem,
-        wide=width > WIDE * height,
+        wide=width > 2.4 * height,
     )
-
-
-WIDE = 2.4
-"""Width over height of pictures with several panels side by side."""
 
 
 SHARED = ("model", "preload", "tightening", "convergence")

@@ -6,11 +6,9 @@ from matplotlib.ticker import FuncFormatter
 from faying.display.style import plain
 from faying.report.figures.entry import Drawn
 from faying.report.reference import against
-from faying.report.style import colour, marker, new_figure
+from faying.report.style import NOTHING, colour, marker, new_figure
 from faying.study.results.values import CaseResult, Results
 
-FLOOR = 1e-6
-"""Bottom of the picture, as a fraction: better is better than anyone needs."""
 MARK = 0.05
 """The paper's verdict on method B at 20 modes: less than 5 %."""
 
@@ -24,7 +22,7 @@ def plot_convergence(case: CaseResult, axes: Axes) -> Axes:
     counts = sorted({n for sizes in case.methods.values() for n in sizes if n > 0}) or [1]
     for rank, (name, sizes) in enumerate(case.methods.items()):
         sizes_tried = sorted(sizes)
-        errors = [max(sizes[n].accuracy.max_relative_error, FLOOR) for n in sizes_tried]
+        errors = [max(sizes[n].accuracy.max_relative_error, NOTHING) for n in sizes_tried]
         percents = [100 * error for error in errors]
         if sizes_tried == [0]:
             axes.axhline(percents[0], color=colour(name), ls="--", label=plain(name))
@@ -32,9 +30,8 @@ def plot_convergence(case: CaseResult, axes: Axes) -> Axes:
             axes.plot(
                 sizes_tried, percents, color=colour(name), marker=marker(name), label=plain(name)
             )
-        below = [
-            (n, 100 * FLOOR) for n in sizes_tried if sizes[n].accuracy.max_relative_error <= FLOOR
-        ]
+        exact = [n for n in sizes_tried if sizes[n].accuracy.max_relative_error <= NOTHING]
+        below = [(n, 100 * NOTHING) for n in exact]
         for n, level in below:
             # Nested, so that none hides the others.
             size = 4 + 3 * (len(case.methods) - 1 - rank)
@@ -44,7 +41,7 @@ def plot_convergence(case: CaseResult, axes: Axes) -> Axes:
         0.01, 120 * MARK, "5 %", color="0.45", fontsize=8, transform=axes.get_yaxis_transform()
     )
     axes.set_yscale("log")
-    axes.set_ylim(bottom=100 * FLOOR)
+    axes.set_ylim(bottom=100 * NOTHING)
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.set_xticks(counts)
     axes.set_xlabel("joint modes")

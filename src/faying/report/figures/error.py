@@ -10,19 +10,13 @@ from faying._typing import Vector
 from faying.display.quantities import ROUND_OFF, percent, place
 from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
+from faying.report.figures.response import COUNTS
 from faying.report.figures.surface_map import draw_map, map_panels
 from faying.report.style import ERROR_MAP, label
 from faying.study.results.values import CaseResult, InterfaceRecord, MethodResult, Results
 from faying.units import Units
 
-JOINT_MODES = 20
-"""Count of the paper's Fig. 15.6."""
 SHOWN = ("jim-a", "jim-b", "compliance")
-VISIBLE = 0.01
-"""Least end of the colour scale, as a fraction: round-off in full colours looks like errors."""
-SATURATED = 1.0
-"""Errors beyond the largest reference pressure get the end colours, or one bad point of one method
-would blanch all other maps."""
 
 
 def plot_error(
@@ -54,7 +48,7 @@ def shown_methods(case: CaseResult) -> Iterator[tuple[str, MethodResult]]:
     """Yield the methods whose maps are drawn, each with its joint mode count of Fig. 15.6."""
     chosen = [name for name in SHOWN if name in case.methods] or list(case.methods)[:3]
     for name in chosen:
-        count = available(case.methods[name], JOINT_MODES)
+        count = available(case.methods[name], COUNTS[1])
         if count is not None:
             yield name, case.methods[name][count]
 
@@ -80,7 +74,8 @@ def error_figure(results: Results, case: CaseResult) -> Drawn | None:
     units, records = results.unit_set, results.interfaces
     errors = [(result.response.pressure - reference) / top for _, result in methods]
     worst = max(float(np.abs(error).max()) for error in errors)
-    largest = min(max(worst, VISIBLE), SATURATED)
+    # Round-off in full colours looks like errors, and one bad point would blanch all other maps.
+    largest = min(max(worst, 0.01), 1.0)
     width, room = max(5.4 * len(methods), 7.0), 0.3 * len(records)
     figure, grid = map_panels(records.values(), len(methods), width, room)
     notes = []

@@ -11,7 +11,7 @@ from faying._typing import Vector
 from faying.display.quantities import percent, quantity
 from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
-from faying.report.style import REFERENCE, colour, label, new_figure
+from faying.report.style import NOTHING, REFERENCE, colour, label, new_figure
 from faying.study.results.values import CaseResult, MethodResult, Response, Results
 from faying.units import Units
 
@@ -19,8 +19,6 @@ COUNTS = (5, 20)
 """Joint modes of the paper's Fig. 15.7 (five) and Fig. 15.6 (twenty)."""
 HEADROOM = 1.6
 """Pressures beyond this multiple of the reference's leave the picture."""
-FLOOR = 1e-6
-"""Bottom of the error panel, as a fraction."""
 
 
 def shown_results(case: CaseResult) -> Iterator[tuple[str, MethodResult]]:
@@ -105,9 +103,9 @@ def plot_error_over_time(case: CaseResult, axes: Axes) -> Axes:
         return axes
     for name, result in shown_results(case):
         error = np.abs(result.response.pressure - case.reference.pressure).max(axis=-1) / top
-        axes.plot(case.times, 100 * np.maximum(error, FLOOR), **_line(name, result))
+        axes.plot(case.times, 100 * np.maximum(error, NOTHING), **_line(name, result))
     axes.set_yscale("log")
-    axes.set_ylim(bottom=100 * FLOOR)
+    axes.set_ylim(bottom=100 * NOTHING)
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.set_ylabel("max relative\npressure error [%]")
     return axes
@@ -161,5 +159,5 @@ def _caption(case: CaseResult, units: Units) -> str:
         f"all at the same time step. {case.reference_model.capitalize()}: "
         f"max {quantity(top, units.pressure)} at "
         f"{quantity(float(times[instant]), units.time)}.{left}{half} Dashed: few joint modes; "
-        f"errors below {percent(FLOOR)} lie on the lower edge."
+        f"errors below {percent(NOTHING)} lie on the lower edge."
     )

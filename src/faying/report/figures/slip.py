@@ -18,12 +18,6 @@ from faying.units import Units
 STATES = {"open": OPEN_COLOUR, "sticks": "#7FA6C9", "slips": "#D95F02"}
 """States of a contact point and their colours, in the order of their numbers."""
 
-LONGEST_ARROW = 1.4
-"""Length of the longest arrow over the distance of neighbouring pairs."""
-
-WEAKEST_ARROW = 0.02
-"""Traction over the largest one from which an arrow is drawn."""
-
 
 def plot_traction(
     record: InterfaceRecord,
@@ -49,12 +43,12 @@ def plot_traction(
     averages = record.nodal_average(traction)
     size = float(np.linalg.norm(averages, axis=1).max(initial=0.0))
     if size > 0:
-        strong = np.linalg.norm(averages, axis=1) > WEAKEST_ARROW * size
+        strong = np.linalg.norm(averages, axis=1) > 0.02 * size
         x, y = plane.project(record.pair_points[strong]).T
         right, up = plane.directions(record.pair_points[strong], averages[strong]).T
         edge = np.sqrt(float(record.weights.sum()) / max(len(record.pairs), 1))
         arrows = axes.quiver(
-            x, y, right, up, angles="xy", scale_units="xy", scale=size / (LONGEST_ARROW * edge),
+            x, y, right, up, angles="xy", scale_units="xy", scale=size / (1.4 * edge),
             color="white", edgecolor="black", linewidth=0.6, width=0.005, zorder=4, pivot="mid",
         )  # fmt: skip
         axes.quiverkey(

@@ -11,9 +11,6 @@ from faying.report.figures.entry import Drawn
 from faying.report.style import new_figure
 from faying.study.results.values import Results
 
-NAMED = 14
-"""Up to this many stages are named on the axis."""
-
 
 def plot_tightening(results: Results, axes: Axes) -> Axes:
     """Draw the force of each bolt after each stage; dotted lines are nominal preloads."""
@@ -23,7 +20,7 @@ def plot_tightening(results: Results, axes: Axes) -> Axes:
         shade = colours[number % len(colours)]
         axes.plot(np.arange(len(bolt.history)), bolt.history, "o-", color=shade, label=plain(name))
         axes.axhline(bolt.preload, color=shade, ls=":", lw=1.0)
-    if 0 < len(stages) <= NAMED:
+    if 0 < len(stages) <= 14:  # as many names as fit
         axes.set_xticks(np.arange(len(stages)), [plain(s) for s in stages], rotation=35, ha="right")
     else:
         axes.set_xlabel("stage of tightening, one bolt after the other")

@@ -7,9 +7,6 @@ import numpy as np
 from faying._typing import Indices, Matrix
 from faying.interface.surface import ContactSurface
 
-WEAKEST = 0.1
-"""Mean normal below which an interface closes on itself, like a pin in its hole."""
-
 
 def explosion(interfaces: Mapping[str, ContactSurface], body: Indices) -> Matrix:
     """Return a direction to move each body in, so that every interface opens by one.
@@ -33,7 +30,8 @@ def explosion(interfaces: Mapping[str, ContactSurface], body: Indices) -> Matrix
             continue
         normal = record.weights @ record.normals / total
         minus, plus = (int(np.bincount(body[side] + 1).argmax()) - 1 for side in record.pairs.T)
-        if minus == plus or min(minus, plus) < 0 or np.linalg.norm(normal) < WEAKEST:
+        # Where normals cancel an interface closes on itself, like a pin in its hole.
+        if minus == plus or min(minus, plus) < 0 or np.linalg.norm(normal) < 0.1:
             continue
         row = np.zeros(n_body)
         row[[minus, plus]] = -1.0, 1.0

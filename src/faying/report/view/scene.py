@@ -32,9 +32,6 @@ ROOM = 4_000_000
 MOST_NODES = 150_000
 """Nodes of an outer surface beyond which only its edges are drawn."""
 
-COLOURS = 33
-"""Colours of a scale, between which the page interpolates."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class SceneText:
@@ -145,7 +142,7 @@ def _thinned(results: Results) -> list[str]:
 
 
 def _scale(name: str) -> list[str]:
-    return [to_hex(colour) for colour in mpl.colormaps[name](np.linspace(0.0, 1.0, COLOURS))]
+    return [to_hex(colour) for colour in mpl.colormaps[name](np.linspace(0.0, 1.0, 33))]
 
 
 def _bodies(results: Results, surface: OuterSurface) -> dict[str, Any]:

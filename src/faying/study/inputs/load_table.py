@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.display.facts import MOST_SHOWN
 from faying.exceptions import StudyError
 from faying.files.contents import check_room
-from faying.files.number_table import MOST_SHOWN, check_times, read_numbers
+from faying.files.number_table import check_times, read_numbers
 from faying.joint.system import Joint, boundary_slices, initial_bolt_forces
 from faying.model.boundary import FORCE_NAMES
 from faying.study.keys.errors import nearest

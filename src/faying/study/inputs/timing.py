@@ -3,9 +3,6 @@
 from faying.study.keys.history import read_history
 from faying.study.keys.tables import LoadCaseSection, Timed
 
-DEFAULT_PERIODS = 1.0
-"""Length of training runs: "at least one period of the dominant vibration" (seed §15.3.4.2)."""
-
 DEFAULT_STEPS_PER_PERIOD = 100
 
 
@@ -24,7 +21,8 @@ def time_span(timed: Timed, period: float) -> float:
         files = [force.file for force in timed.forces if force.file]
         if files:
             return min(float(read_history(file).times[-1]) for file in files)
-    return period * (timed.periods or DEFAULT_PERIODS)
+    # "At least one period of the dominant vibration" (seed §15.3.4.2).
+    return period * (timed.periods or 1.0)
 
 
 def instants(timed: Timed) -> tuple[float, ...]:

@@ -8,8 +8,8 @@ from typing import Any
 
 from pydantic_core import PydanticCustomError
 
+from faying.display.facts import MOST_SHOWN
 from faying.exceptions import StudyError
-from faying.files.number_table import MOST_SHOWN
 from faying.study.keys.positions import Location
 
 OWN_TYPE = "faying"

@@ -7,10 +7,8 @@ from pydantic import Field
 
 from faying._typing import Vector
 from faying.study.keys.loading_table import Loading
+from faying.study.keys.ranges import MOST_SOLVED
 from faying.study.keys.section import Count, Name, Number, Positive, Section
-
-MOST_POINTS = 10_000
-"""Frequencies of a range: each takes a second and more."""
 
 MOST_HARMONICS = 50
 """Harmonics: each adds as many unknowns as modes take part."""
@@ -52,7 +50,7 @@ class FrequencySection(Section):
     levels: Annotated[tuple[Positive, ...], Field(min_length=1)] = (1.0,)
     lowest: Positive = Field(alias="from")
     highest: Positive = Field(alias="to")
-    points: Annotated[Count, Field(ge=2, le=MOST_POINTS)] = 40
+    points: Annotated[Count, Field(ge=2, le=MOST_SOLVED)] = 40
     harmonics: Annotated[Count, Field(le=MOST_HARMONICS)] | None = None
     samples: Count | None = None
     at: Name | None = None

@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from faying.display.facts import MOST_SHOWN
 from faying.exceptions import StudyError
 from faying.files.contents import check_room, file_size
-from faying.files.number_table import MOST_SHOWN, NumberTable
+from faying.files.number_table import NumberTable
 
 
 def pyarrow_for(what: str, otherwise: str) -> tuple[Any, Any]:

@@ -15,14 +15,14 @@ stay between 1e-308 and 1e308, where double precision ends."""
 MOST = 1_000_000
 """Modes, levels, steps per period or loads: no memory holds a vector of a structure for each."""
 
+MOST_SOLVED = 10_000
+"""Increments, points of a sweep or samples: each is solved with what was found before it."""
+
 LARGEST_ID = 2**53
 """Ids of nodes and elements: whole numbers that tables of numbers hold exactly."""
 
 LONGEST_NAME = 200
 """Characters of a name: it becomes part of file names, which end at 255 bytes, and of tables."""
-
-MOST_LOADS = 1_000_000
-"""Loads of a training box, which are kept until they are solved: each takes about a kilobyte."""
 
 MOST_STEPS = 100_000_000
 """Time steps of a response: at a microsecond each, the least that a step takes, two minutes; at the

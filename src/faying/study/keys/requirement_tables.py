@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from faying.study.keys.ranges import MOST_SOLVED
 from faying.study.keys.section import (
     Count,
     Name,
@@ -15,9 +16,6 @@ from faying.study.keys.section import (
     Section,
     Switch,
 )
-
-MOST_SAMPLES = 10_000
-"""Tightenings of one load case: their fields are in memory together."""
 
 
 class ScatterSection(Section):
@@ -34,7 +32,7 @@ class ScatterSection(Section):
     thread_friction: tuple[NotNegative, NotNegative] | None = None
     head_friction: tuple[NotNegative, NotNegative] | None = None
     surface_friction: tuple[NotNegative, NotNegative] | None = None
-    samples: Annotated[Count, Field(le=MOST_SAMPLES)] = 200
+    samples: Annotated[Count, Field(le=MOST_SOLVED)] = 200
     temperatures: tuple[Name, ...] = ()
 
 

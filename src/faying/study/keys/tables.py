@@ -32,7 +32,7 @@ from faying.study.keys.model_tables import (
 from faying.study.keys.output_tables import OutputSection, ValidationSection
 from faying.study.keys.parameter_tables import BandSection, ParameterSection
 from faying.study.keys.positions import Location
-from faying.study.keys.ranges import showable
+from faying.study.keys.ranges import MOST_SOLVED, showable
 from faying.study.keys.requirement_tables import RequirementSection, ScatterSection
 from faying.study.keys.section import (
     Count,
@@ -186,9 +186,6 @@ DEFAULT_INSTANTS = 100
 DEFAULT_INCREMENTS = 10
 """Increments from the preload to a static load, and of a quarter of a cycle."""
 
-MOST_INCREMENTS = 10_000
-"""Increments of a path: each takes milliseconds and keeps its fields."""
-
 
 class LoadCaseSection(Timed):
     """[[load_case]].
@@ -247,7 +244,7 @@ class LoadCaseSection(Timed):
     masing: bool = False
     modes: tuple[Count, ...] = ()
     at: Name | None = None
-    increments: Annotated[Count, Field(le=MOST_INCREMENTS)] | None = None
+    increments: Annotated[Count, Field(le=MOST_SOLVED)] | None = None
     slip_share: Annotated[Positive, Field(le=1)] | None = None
     integrator: Annotated[str, name_in(INTEGRATORS)] | None = None
     rho_infinity: Annotated[Number, Field(ge=0, le=1)] | None = None

@@ -20,9 +20,6 @@ A step of the full model takes some tenths of a second there, a response of some
 minutes.
 """
 
-MORE_MODES = 2
-"""Normal modes of the reduced reference over those of the study."""
-
 Kind = Literal["full", "worst", "none"]
 
 
@@ -111,7 +108,7 @@ def reference_of(
     if kind == "full":
         return Reference(kind=kind, reason=reason, system=joint.model)
     model: Model = joint.model
-    modes = min(MORE_MODES * normal_modes, len(model.structure.interior))
+    modes = min(2 * normal_modes, len(model.structure.interior))
     with stages.stage("reduced reference"):
         rom = projected(model, craig_bampton(model, normal_modes=modes), compliance=True)
         (rom,) = completed(model, [rom])

@@ -22,9 +22,6 @@ from faying.study.stages.progress import Stages
 
 Models = Mapping[str, Mapping[int, System]]
 
-SEED = 1
-"""Of the random loads, fixed so that runs repeat."""
-
 
 def validate(
     study: Study,
@@ -51,7 +48,7 @@ def _load_space(
     model: Model, box: LoadBox, count: int, models: Models, extras: Extras
 ) -> LoadSpaceRecord:
     """Return errors at random loads of the training box."""
-    unseen = box.random_loads(model, count, SEED)
+    unseen = box.random_loads(model, count, seed=1)
     exact = solve_static_cases(model, unseen)
     results: dict[str, dict[int, LoadSpaceResult]] = {}
     for name, sizes in models.items():

@@ -11,8 +11,7 @@ from contextlib import suppress
 from functools import partial
 from pathlib import Path
 
-from faying import __version__
-from faying.exceptions import ConvergenceError, StudyError
+from faying.exceptions import ConvergenceError
 from faying.execution.campaign import run_grouped_campaign
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.execution.executor import Executor, Function
@@ -64,26 +63,20 @@ def compute_pieces(
     groups = pieces(study, full=full)
     total = sum(map(len, groups))
     with stages.stage("workers", total) as advance, suppress(ConvergenceError):
-        prepare = partial(prepare_pieces, study.source.text, study.source.path, __version__)
+        prepare = partial(prepare_pieces, study.source.text, study.source.path)
         run_grouped_campaign(
             prepare, groups, executor, keep=checkpoint, progress=lambda _: advance(1)
         )
 
 
-def prepare_pieces(text: str, path: Path, version: str) -> Function:
+def prepare_pieces(text: str, path: Path) -> Function:
     """Prepare the joint of a study on a worker, which sees its files under the same path.
 
     Raises
     ------
     StudyError
-        If the worker has another version of faying, or lacks a file of the study.
+        If the worker lacks a file of the study.
     """
-    if version != __version__:
-        message = (
-            f"a worker has faying {__version__}, this run is of {version}; "
-            "install the same version everywhere"
-        )
-        raise StudyError(message)
     study = parse_study(text, path)
     joint = prepare_joint(study, Stages(None))
     return partial(_computed, joint, step_training(study, joint, None))
