@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import scipy.sparse as sp
 
 import faying as fy
 from faying.contact.active_set import solve_complementarity
@@ -18,18 +17,6 @@ from faying.simulation.integrators import ImplicitEuler
 LC2 = fy.Load({"tip.Fz": -20.0, "tip.Mx": 500.0}, name="LC2")
 TINY = 1e5
 """Budget in bytes that no dense matrix of these models fits into."""
-
-
-def random_parts(rng, n_pair, points_per_pair=4):
-    """S of full rank, an interpolation with four pairs a point, and penalty springs."""
-    n_point = points_per_pair * n_pair
-    factor = rng.standard_normal((n_pair, n_pair)) / np.sqrt(n_pair)
-    columns = np.array([rng.choice(n_pair, 4, replace=False) for _ in range(n_point)])
-    shares = rng.uniform(0.05, 1.0, (n_point, 4))
-    shares /= shares.sum(axis=1, keepdims=True)
-    rows = np.repeat(np.arange(n_point), 4)
-    N = sp.csr_array((shares.ravel(), (rows, columns.ravel())), shape=(n_point, n_pair))
-    return N, factor @ factor.T + 0.1 * np.eye(n_pair), rng.uniform(0.1, 1.0, n_point)
 
 
 def dense_points(N, S, D):

@@ -15,7 +15,6 @@ from faying.units import units_of
 
 UNITS = units_of("mm-t-s")
 BOLT = Check(part="b", kind="bolt", quantity="yield", outcome="met", utilisation=0.5)
-DEMANDED = replace(BOLT, outcome="unknown", reason="no", required=True)
 
 
 @pytest.fixture(scope="module")

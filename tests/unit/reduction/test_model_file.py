@@ -20,7 +20,6 @@ from faying.reduction.projection import for_moving_supports
 
 LOAD = fy.Load({"tip.Fz": -500.0, "tip.Mx": 20e3}, name="LC2")
 TIMES = {"step": 2e-5, "duration": 30 * 2e-5}
-BITS = 64
 
 
 def models(joint):
