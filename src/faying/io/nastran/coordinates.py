@@ -11,6 +11,8 @@ from faying.io.nastran.cards import Card, Cards
 
 _ON_AXIS = 1e-12
 _ON_LINE = 1e-10
+_ROUNDING = 1e-13
+"""Direction cosines this small come from rounding of a system."""
 CARDS = "CORD2R, ..."
 """Cards of coordinate systems."""
 
@@ -265,6 +267,14 @@ class Systems:
             return None
         axes = self.frames[system].directions(self.nodes[node][None])[0]
         return None if np.allclose(axes, np.eye(3), rtol=0, atol=1e-14) else axes
+
+    def basic_parts(self, node: int, component: int) -> list[tuple[int, float]]:
+        """Return the basic components of a node, with factors, that make up one of its own."""
+        axes = self.axes(node)
+        if axes is None:
+            return [(component, 1.0)]
+        first, row = 3 * (component // 3), axes[component % 3].tolist()
+        return [(first + k, cosine) for k, cosine in enumerate(row) if abs(cosine) > _ROUNDING]
 
     def axes_of(self, nodes: Indices) -> Matrix:
         """Directions (n, 3, 3) of the components of several nodes."""

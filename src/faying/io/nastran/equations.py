@@ -10,9 +10,6 @@ from faying.io.nastran.grids import Grids
 from faying.io.nastran.selection import selected_sets
 from faying.model.assembly import Equation
 
-# Direction cosines this small come from rounding of the coordinate system.
-_NEGLIGIBLE = 1e-14
-
 
 def read_equations(
     cards: Mapping[str, Cards], grids: Grids, control: CaseControl, ignored: list[str]
@@ -64,12 +61,5 @@ def _term(card: Card, grids: Grids, field: int) -> dict[tuple[int, int], float]:
     if len(chosen) != 1:
         card.refuse(f"a term has one component; found '{card.text(field + 1)}'", field + 1)
     coefficient = card.real(field + 2, 0.0)
-    axes = grids.systems.axes(node)
-    if axes is None:
-        return {(node, chosen[0]): coefficient}
-    direction = axes[chosen[0] % 3]
-    first = 3 * (chosen[0] // 3)
-    return {
-        (node, first + int(k)): coefficient * float(direction[k])
-        for k in np.flatnonzero(np.abs(direction) > _NEGLIGIBLE)
-    }
+    parts = grids.systems.basic_parts(node, chosen[0])
+    return {(node, c): coefficient * factor for c, factor in parts}

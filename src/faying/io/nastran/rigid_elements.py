@@ -174,7 +174,7 @@ def rigid_equations(
         threshold = _ROUNDING * float(np.abs(row).max())
         for dof, value in ((dependent, 1.0), *zip(free, (-row).tolist(), strict=True)):
             if abs(value) > threshold:
-                for c, factor in _factors(dof, grids):
+                for c, factor in grids.systems.basic_parts(*dof):
                     rows[number, column_of[dof[0], c]] += value * factor
     candidates = np.array(sorted(column_of[basic] for basic in set(_supports(tied, grids))))
     yield from solved(card, rows, candidates, columns)
@@ -182,12 +182,11 @@ def rigid_equations(
 
 def _supports(places: Sequence[Place], grids: Grids) -> list[Place]:
     """Return the basic components that make up components."""
-    return [(node, c) for node, component in places for c, _ in _factors((node, component), grids)]
-
-
-def _factors(dof: Place, grids: Grids) -> list[tuple[int, float]]:
-    direction = _direction(*dof, grids)
-    return [(c, float(direction[c])) for c in np.flatnonzero(direction).tolist()]
+    return [
+        (node, c)
+        for node, component in places
+        for c, _ in grids.systems.basic_parts(node, component)
+    ]
 
 
 def solved(
@@ -212,27 +211,16 @@ def solved(
         )
 
 
-def _direction(node: int, component: int, grids: Grids) -> Vector:
-    """Six factors of the basic components of a node that make one of its own."""
-    axes = grids.systems.axes(node)
-    result = np.zeros(6)
-    if axes is None:
-        result[component] = 1.0
-    else:
-        first = 3 * (component // 3)
-        result[first : first + 3] = np.where(
-            np.abs(axes[component % 3]) > _ROUNDING, axes[component % 3], 0.0
-        )
-    return result
-
-
 def _motions(places: Sequence[Place], grids: Grids, origin: Vector, size: float) -> Matrix:
     """Components (n, 6) in the six rigid motions, rotations counted at the distance ``size``."""
     nodes = np.array([node for node, _ in places], dtype=np.int64)
     every = rigid_body_motions(grids.nodes[nodes], origin).reshape(-1, 6, 6)
     every[:, :, 3:] /= size
     every[:, 3:, :] *= size
-    rows = np.array([_direction(node, component, grids) for node, component in places])
+    rows = np.zeros((len(places), 6))
+    for row, place in zip(rows, places, strict=True):
+        for c, factor in grids.systems.basic_parts(*place):
+            row[c] = factor
     return np.asarray(np.einsum("nc,ncm->nm", rows, every))
 
 
