@@ -9,7 +9,7 @@ import numpy as np
 from faying._typing import Matrix
 from faying.exceptions import FormatError
 from faying.io.abaqus.file_spans import Body, TextFile
-from faying.io.abaqus.keyword_names import PARAMETERS, without_blanks
+from faying.io.abaqus.keyword_table import PARAMETERS, without_blanks
 
 T = TypeVar("T")
 

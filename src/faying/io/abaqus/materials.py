@@ -11,7 +11,7 @@ from faying.io.abaqus.anisotropic import ISOTROPIC, read_law
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import optional_real, real
 from faying.io.abaqus.keyword import Keyword, add
-from faying.io.abaqus.keyword_names import READ
+from faying.io.abaqus.keyword_table import READ
 from faying.io.abaqus.left_out import KEYWORDS
 from faying.io.abaqus.temperatures import (
     Expansion,

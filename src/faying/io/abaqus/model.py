@@ -28,7 +28,7 @@ from faying.io.abaqus.general_contact import (
 )
 from faying.io.abaqus.instances import with_distinct_ids
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.keyword_names import READ, without_blanks
+from faying.io.abaqus.keyword_table import READ, without_blanks
 from faying.io.abaqus.left_out import KEYWORDS
 from faying.io.abaqus.loads import nodal_forces, read_concentrated
 from faying.io.abaqus.lone_nodes import with_lone_nodes

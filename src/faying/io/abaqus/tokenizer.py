@@ -9,7 +9,7 @@ from itertools import zip_longest
 from faying.exceptions import FormatError
 from faying.io.abaqus.file_spans import Body, Span, TextFile, is_content
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.keyword_names import keyword_name, without_blanks
+from faying.io.abaqus.keyword_table import keyword_name, without_blanks
 
 _PARTS = re.compile(r"\"[^\"]*\"|'[^']*'|[^,]")
 
