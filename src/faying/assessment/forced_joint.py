@@ -7,14 +7,15 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import ComplexMatrix, ComplexVector, Matrix, Vector
+from faying._typing import ComplexMatrix, ComplexVector, Indices, Mask, Matrix, SparseMatrix, Vector
 from faying.assessment.backbone_response import LinearResponse
 from faying.assessment.response_curve import ContactInMotion, ResponseCurve, boundary_components
 from faying.assessment.slip import ON_THE_BOUND
-from faying.assessment.stuck_modes import StuckModes, stuck_modes
+from faying.assessment.stuck_modes import StuckModes, stuck_modes, with_released_modes
+from faying.assessment.stuck_stiffness import slipping_stiffness
 from faying.contact.stuck_points import StuckPoints
 from faying.exceptions import ConvergenceError
-from faying.joint.system import System
+from faying.joint.system import System, input_forces
 from faying.simulation.harmonic_load import harmonic_inputs
 from faying.simulation.path import path_start
 from faying.simulation.periodic import ModalLoads, PeriodicProblem
@@ -53,6 +54,11 @@ class ForcedJoint:
         Rising.
     modes
         Number of harmonics to the modes that take part, found once for all levels.
+    slipping : (n_dof, n_dof)
+        Stiffness of the joint of which all that is closed slips.
+    loads
+        Number of harmonics, and whether a level slides and opens as a whole, to the loads of the
+        modes: what a level that does needs is added to them (F11).
     """
 
     system: System
@@ -60,6 +66,8 @@ class ForcedJoint:
     inputs: ComplexVector
     frequencies: Vector
     modes: Callable[[int], StuckModes]
+    slipping: SparseMatrix | Matrix
+    loads: Callable[[int, "Released"], ModalLoads]
 
     @classmethod
     def of(
@@ -77,8 +85,27 @@ class ForcedJoint:
         solver = system.static_contact.increments
         stuck = StuckPoints.of(solver, start.increment.forces, start.slip, start.increment.moved)
         highest = float(frequencies[-1])
+        slipping = slipping_stiffness(system, state)
         modes = cache(lambda harmonics: stuck_modes(system, state, SPAN * harmonics * highest))
-        return cls(system=system, stuck=stuck, inputs=inputs, frequencies=frequencies, modes=modes)
+
+        @cache
+        def loads(harmonics: int, released: Released) -> ModalLoads:
+            shapes, between = modes(harmonics).shapes, (frequencies[0], SPAN * harmonics * highest)
+            if released.slides:
+                shapes = with_released_modes(system, shapes, slipping, between)
+            if released.opens:
+                shapes = with_released_modes(system, shapes, system.K, between)
+            return ModalLoads.of(system, stuck, inputs, shapes)
+
+        return cls(
+            system=system,
+            stuck=stuck,
+            inputs=inputs,
+            frequencies=frequencies,
+            modes=modes,
+            slipping=slipping,
+            loads=loads,
+        )
 
     def linear(self, level: float, frequencies: Vector) -> ResponseCurve:
         """Return the curve of the stuck joint."""
@@ -104,20 +131,28 @@ class ForcedJoint:
             Called with 1 after each frequency asked for.
         """
         order, remarks = harmonics or self._first_order(), list[str]()
-        traced = self._traced(level, order, samples, progress)
-        finer, change = self._finer(traced.points, samples)
+        begun = self._begun(level, order, samples)
+        traced = self._traced(level, order, samples, begun, progress)
+        released = begun.joined(_drawn(self.system, level, traced))
+        if not traced.missed and released != begun:
+            more = self.loads(order, released).n_mode > self.loads(order, begun).n_mode
+            _, change = self._changed(traced.points if more else [], order, samples, released)
+            released = released if change > tolerance else begun
+        if released != begun:
+            traced = self._traced(level, order, samples, released, None)
+        finer, change = self._changed(traced.points, order + MORE, samples, released)
         first = order
         while harmonics is None and change > tolerance and finer and order + MORE <= MOST:
             order += MORE
-            finer, change = self._finer([finer], samples)
+            finer, change = self._changed([finer], order + MORE, samples, released)
         if order > first:
-            traced = self._traced(level, order, samples, None)
-            finer, change = self._finer(traced.points, samples)
+            traced = self._traced(level, order, samples, released, None)
+            finer, change = self._changed(traced.points, order + MORE, samples, released)
         if traced.points and finer is None:
             remarks.append(f"no motion was found at the peak with {order + MORE} harmonics")
         elif change > tolerance:
             remarks.append(f"{MORE} harmonics more than {order} change the peak by {change:.1%}")
-        curve = _drawn(self.system, level, traced.points, traced.missed)
+        curve = _drawn(self.system, level, traced)
         if curve.contact is not None and len(curve.frequency):
             imbalance = np.abs(curve.contact.imbalance)
             if (imbalance > BALANCED).any():
@@ -129,9 +164,8 @@ class ForcedJoint:
             sliding = curve.frequency[curve.contact.stick_share == 0]
             if len(sliding):
                 remarks.append(
-                    f"all that is closed slips at once between {sliding.min():.6g} and "
-                    f"{sliding.max():.6g}: modes of the stuck joint know little of the inertia of "
-                    "what then moves; compare with a transient"
+                    "all that is closed on an interface slips at once between "
+                    f"{sliding.min():.6g} and {sliding.max():.6g}"
                 )
         return replace(curve, remarks=tuple(remarks))
 
@@ -140,23 +174,55 @@ class ForcedJoint:
         level: float,
         order: int,
         samples: int | None,
+        released: "Released",
         progress: Callable[[int], object] | None,
     ) -> Traced:
         """Return the motions with so many harmonics."""
-        problem = self._problem(level, order, samples)
-        linear = LinearResponse.of(self.system, self.modes(order), self.inputs)
+        problem = self._problem(level, order, samples, released)
+        starts = self._starts(problem, released)
+        return trace(problem, starts, self.frequencies, progress)
+
+    def _begun(self, level: float, order: int, samples: int | None) -> "Released":
+        """Return that the joint may slide where the motion of the stuck one leads nowhere."""
+        problem = self._problem(level, order, samples, Released())
+        (start,) = self._starts(problem, Released())
+        try:
+            solve_motion(problem, start, 2 * np.pi * float(self.frequencies[0]))
+        except ConvergenceError:
+            return Released(slides=True)
+        return Released()
+
+    def _starts(self, problem: PeriodicProblem, released: "Released") -> list[Vector]:
+        """Return unknowns to begin the curve with: what is nearest first."""
+        linear = LinearResponse.of(self.system, self.modes(problem.n_harmonic), self.inputs)
         driven = 2 * np.pi * float(self.frequencies[0])
         modal = linear.circular**2 - driven**2 + 1j * driven * linear.damping
-        first = np.zeros((order, len(modal)), dtype=complex)
-        first[0] = level * linear.forced / modal
-        return trace(problem, problem.packed(first), self.frequencies, progress)
+        first = np.zeros((problem.n_harmonic + 1, problem.loads.n_mode), dtype=complex)
+        first[1, : len(modal)] = problem.level * linear.forced / modal
+        starts = [problem.packed(first)]
+        if released.slides:
+            # Where much more slips than sticks, the motion without friction is closer.
+            shapes, C = problem.loads.shapes, self.system.C
+            slipping = shapes.T @ (self.slipping @ shapes) + 1j * driven * (shapes.T @ (C @ shapes))
+            slipping = slipping - driven**2 * np.eye(len(slipping))
+            parts = input_forces(self.system, np.array([self.inputs.real, self.inputs.imag])).T
+            forced = shapes.T @ (parts[:, 0] + 1j * parts[:, 1])
+            first[1] = problem.level * np.linalg.solve(slipping, forced)
+            starts.insert(0, problem.packed(first))
+        return starts
 
-    def _problem(self, level: float, order: int, samples: int | None) -> PeriodicProblem:
-        shapes = self.modes(order).shapes
-        return PeriodicProblem(
-            stuck=self.stuck,
-            local=self.stuck.local(self.stuck.first()),
-            loads=ModalLoads.of(self.system, self.stuck, self.inputs, shapes),
+    def _problem(
+        self,
+        level: float,
+        order: int,
+        samples: int | None,
+        released: "Released",
+        points: Indices | None = None,
+    ) -> PeriodicProblem:
+        return PeriodicProblem.of(
+            self.stuck,
+            self.stuck.first() if points is None else points,
+            self.loads(order, released),
             level=level,
             n_harmonic=order,
             samples=samples or max(FEWEST_SAMPLES, PER_HARMONIC * order),
@@ -172,28 +238,45 @@ class ForcedJoint:
                 return max(FEWEST, k + 2)
         return FEWEST
 
-    def _finer(
-        self, points: list[CurvePoint], samples: int | None
+    def _changed(
+        self, points: list[CurvePoint], order: int, samples: int | None, released: "Released"
     ) -> tuple[CurvePoint | None, float]:
-        """Return the highest point with more harmonics, and how much it changes, over it."""
+        """Return the highest point with other harmonics or modes, and its change, over it."""
         if not points:
             return None, 0.0
         worked = [_fundamental(point, slice(0, 2)) for point in points]
         size = [float(np.linalg.norm(work)) for work in worked]
         top = int(np.argmax(size))
         point, coarse = points[top], points[top].motion.harmonics
-        order = point.problem.n_harmonic + MORE
-        problem = replace(
-            self._problem(point.problem.level, order, samples), local=point.problem.local
-        )
-        begun = np.zeros((order, problem.loads.n_mode), dtype=complex)
-        begun[: len(coarse), : coarse.shape[1]] = coarse
+        watched, level = point.problem.local.points, point.problem.level
+        problem = self._problem(level, order, samples, released, watched)
+        shapes = problem.loads.shapes
+        begun = np.zeros((order + 1, shapes.shape[1]), dtype=complex)
+        begun[: len(coarse)] = coarse @ (point.problem.loads.shapes.T @ (self.system.M @ shapes))
         try:
             fine = solve_motion(problem, problem.packed(begun), point.motion.circular)
         except ConvergenceError:
             return None, float("inf")
         change = _fundamental(fine, slice(0, 2)) - worked[top]
         return fine, float(np.linalg.norm(change)) / size[top]
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Released:
+    """What of a joint slides as a whole in a motion, or opens as a whole."""
+
+    slides: bool = False
+    opens: bool = False
+
+    def joined(self, curve: ResponseCurve) -> "Released":
+        """Return it for all motions of a curve besides; those that were not found may slide."""
+        contact = curve.contact
+        if contact is None:
+            return self
+        slides = bool(curve.missed) or bool((contact.stick_share == 0).any())
+        opens = bool((contact.open_share == 1).any())
+        return Released(slides=self.slides or slides, opens=self.opens or opens)
 
 
 def linear_range(frequencies: Vector) -> Vector:
@@ -214,11 +297,9 @@ def _harmonics(values: Matrix, count: int) -> ComplexMatrix:
     return np.asarray((weights[:, None] * np.exp(-1j * angle)) @ values.T)
 
 
-def _drawn(
-    system: System, level: float, points: list[CurvePoint], missed: tuple[str, ...]
-) -> ResponseCurve:
+def _drawn(system: System, level: float, traced: Traced) -> ResponseCurve:
     """Return the curve of motions."""
-    names = boundary_components(system)
+    names, points = boundary_components(system), traced.points
     rows = [_row(system, point) for point in points]
     parts = {
         name: np.array([row[name] for row in rows]) for name in ContactInMotion.__dataclass_fields__
@@ -230,7 +311,7 @@ def _drawn(
         components=names,
         frequency=np.array([point.motion.circular for point in points]) / (2 * np.pi),
         harmonics=np.array(harmonics).reshape(len(points), count + 1, len(names)),
-        missed=missed,
+        missed=traced.missed,
         contact=ContactInMotion(**parts),
     )
 
@@ -259,12 +340,17 @@ def _row(system: System, point: CurvePoint) -> dict[str, float | Vector]:
     bound = (1 - ON_THE_BOUND) * contact.coefficients[:, None] * forces[0]
     sticks = closed & (np.hypot(forces[1], forces[2]) < bound)
     weights = contact.weights
-    area = np.maximum(weights @ closed, np.finfo(float).tiny)
     ever, at_rest = closed.any(axis=1), stuck.forces[0] > 0
+    rubs = at_rest & (contact.coefficients > 0)
+    shares = [
+        _share(weights[at], sticks[at], closed[at])
+        for at in contact.slices.values()
+        if rubs[at].any()
+    ]
     inputs, damping = motion.outputs[:2], motion.outputs[2 + loads.n_mode : loads.n_column]
     # f du and q̇ Φᵀ C du over a period, by the first harmonics and those of the modes.
     orders = np.arange(1, problem.n_harmonic + 1)[:, None]
-    velocity = 1j * orders * motion.harmonics
+    velocity = 1j * orders * motion.harmonics[1:]
     damped = _harmonics(damping, problem.n_harmonic)[1:]
     first = _harmonics(inputs, 1)[1]
     bolts = motion.outputs[loads.n_column + loads.n_boundary :]
@@ -274,9 +360,9 @@ def _row(system: System, point: CurvePoint) -> dict[str, float | Vector]:
         * motion.circular
         * float((velocity.conj() * 1j * orders * damped).real.sum()),
         "friction_energy": float(path.dissipation[-N:].sum()),
-        "motion_energy": (motion.circular * np.linalg.norm(motion.harmonics[0])) ** 2 / 2,
+        "motion_energy": (motion.circular * np.linalg.norm(motion.harmonics[1])) ** 2 / 2,
         "peak_pressure": float((forces[0] / weights[:, None]).max(initial=0.0)),
-        "stick_share": float((weights @ sticks / area).min()),
+        "stick_share": min(shares, default=1.0),
         "slip_share": float(weights[slips].sum() / max(weights[ever].sum(), 1e-300)),
         "open_share": float(
             (weights[at_rest] @ ~closed[at_rest]).max() / max(weights[at_rest].sum(), 1e-300)
@@ -284,3 +370,9 @@ def _row(system: System, point: CurvePoint) -> dict[str, float | Vector]:
         "bolt_force_range": loads.bolt_stiffness * np.ptp(bolts, axis=1),
         "error": point.error,
     }
+
+
+def _share(weights: Vector, chosen: Mask, of: Mask) -> float:
+    """Return the least share (n, N) of an area that is chosen; none of no area."""
+    area = np.maximum(weights @ of, np.finfo(float).tiny)
+    return float((weights @ chosen / area).min())

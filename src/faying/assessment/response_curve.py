@@ -58,7 +58,7 @@ class ContactInMotion:
     peak_pressure : (n,) [force/length²]
         Largest of all points.
     stick_share : (n,) [1]
-        Least share of the closed area that sticks.
+        Least share of the closed area of an interface with friction that sticks.
     slip_share : (n,) [1]
         Share of the area ever closed that slips at some time.
     open_share : (n,) [1]

@@ -4,15 +4,19 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+import scipy.linalg as la
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.assessment.stuck_stiffness import stuck_stiffness
 from faying.joint.system import System
-from faying.linalg.factorization import Factorization
+from faying.linalg.factorization import Factorization, factorize
 from faying.linalg.inertia import count_negative
 from faying.linalg.relief import factorize_relieved
 from faying.reduction.normal_modes import lowest_modes
 from faying.simulation.solution import Solution
+
+MISSED_MASS = 1e-4
+"""Part of the mass of a motion that shapes may miss: its frequency is then 5e-5 too high."""
 
 
 @final
@@ -100,3 +104,41 @@ def stuck_modes(system: System, state: Solution, highest: float, at_least: int =
         stiffness=tangent,
         factor=factor,
     )
+
+
+def with_released_modes(
+    system: System,
+    shapes: Matrix,
+    stiffness: SparseMatrix | Matrix,
+    frequencies: tuple[float, float],
+) -> Matrix:
+    """Return shapes and, M-orthogonal to them, what they miss of modes of a released joint.
+
+    Parameters
+    ----------
+    shapes : (n_dof, n)
+        With ΦᵀMΦ = I.
+    stiffness : (n_dof, n_dof)
+        Of the joint without springs of contact that some motion overcomes; it may be singular.
+    frequencies : [1/time]
+        One that shifts (above 0), and the highest of its modes.
+
+    Returns
+    -------
+    (n_dof, n or more)
+
+    Notes
+    -----
+    Two factorizations and one Lanczos run of a full model; dense matrices of a reduced one.
+    """
+    shift, highest = (2 * np.pi * np.array(frequencies)) ** 2
+    count = count_negative(stiffness - highest * system.M)
+    if not count:
+        return shapes
+    raised = stiffness + shift * system.M
+    _, released = lowest_modes(raised, system.M, factorize(raised), count)
+    basis = np.column_stack([system.rigid_motions, shapes])
+    outside = released - basis @ (basis.T @ (system.M @ released))
+    mass, ways = la.eigh(outside.T @ (system.M @ outside))
+    joins = mass > MISSED_MASS
+    return np.column_stack([shapes, outside @ ways[:, joins] / np.sqrt(mass[joins])])

@@ -36,8 +36,18 @@ def stuck_stiffness(system: System, state: Solution) -> SparseMatrix | Matrix:
     -----
     Where a law is hard the compliance between the pairs is needed, which a system computes once.
     """
-    contact = system.contact
+    return _on_springs(system, *stuck_springs(system, state))
+
+
+def slipping_stiffness(system: System, state: Solution) -> SparseMatrix | Matrix:
+    """Return the same with the springs along normals alone: all that is closed slips."""
     rows, flexibility = stuck_springs(system, state)
+    closed = int((np.atleast_2d(state.contact_forces)[-1] > 0).sum())
+    return _on_springs(system, rows[:closed], flexibility[:closed])
+
+
+def _on_springs(system: System, rows: SparseMatrix, flexibility: Vector) -> SparseMatrix | Matrix:
+    contact = system.contact
     B = (rows.T @ sp.diags_array(1 / flexibility) @ rows).tocsr()
     P = contact.relative_operator
     if contact.residual_compliance is None:

@@ -45,7 +45,9 @@ class StuckPoints:
     springs : (components, n_point) [force/length]
         B.
     compliance : (n_relative, n_relative) [length/force]
-        T₀.
+        T₀, but for what is prescribed.
+    prescribed : (n_relative, n)
+        Columns h whose h hᵀ prescribed motions take from T₀.
     """
 
     contact: Contact
@@ -54,6 +56,7 @@ class StuckPoints:
     moved: Vector
     springs: Matrix
     compliance: Matrix
+    prescribed: Matrix
 
     @classmethod
     def of(
@@ -89,7 +92,18 @@ class StuckPoints:
             moved=moved,
             springs=springs,
             compliance=compliance,
+            prescribed=np.zeros((len(moved), 0)),
         )
+
+    def between(self, pairs: Indices, others: Indices) -> Matrix:
+        """Return T₀ (n_pair, n_other) between some relative displacements."""
+        taken = self.prescribed[pairs] @ self.prescribed[others].T
+        return np.asarray(self.compliance[np.ix_(pairs, others)] - taken)
+
+    def shared(self, pairs: Indices, forces: Matrix) -> Matrix:
+        """Return T₀ times forces (n_pair, k) at some relative displacements (n_relative, k)."""
+        taken = self.prescribed @ (self.prescribed[pairs].T @ forces)
+        return np.asarray(self.compliance[:, pairs] @ forces - taken)
 
     def held_back(self, moved: Matrix) -> Matrix:
         """Return Bᵀ-forces of the springs between the pairs under displacements (n_relative, k)."""
@@ -228,8 +242,12 @@ class LocalContact:
     @cached_property
     def compliance(self) -> Matrix:
         """G_c T₀ G_cᵀ (components n_local, components n_local) [length/force]."""
-        T = self.whole.compliance[np.ix_(self.pairs, self.pairs)]
-        return np.asarray(self.rows @ (self.rows @ T).T)
+        return np.asarray(self.rows @ (self.rows @ self._between).T)
+
+    @cached_property
+    def _between(self) -> Matrix:
+        """T₀ of the pairs that are touched (n_touched, n_touched) [length/force]."""
+        return self.whole.between(self.pairs, self.pairs)
 
     @cached_property
     def laws(self) -> LawsAtPoints:
@@ -239,8 +257,7 @@ class LocalContact:
     @cached_property
     def released(self) -> CondensedContact:
         """The contact problem between the pairs without the springs of these points."""
-        block = self.block
-        T = self.whole.compliance[np.ix_(self.pairs, self.pairs)]
+        block, T = self.block, self._between
         free = np.linalg.solve(np.eye(len(self.pairs)) - T @ block, T)
         return CondensedContact(contact=self.contact, compliance=(free + free.T) / 2)
 
@@ -259,8 +276,8 @@ class LocalContact:
         excess : (components n_local,) [force]
             μ.
         """
-        T = self.whole.compliance[np.ix_(self.pairs, self.pairs)]
-        return np.asarray(self.whole.moved[self.pairs] + restrained + T @ (self.rows.T @ excess))
+        moved = restrained + self._between @ (self.rows.T @ excess)
+        return np.asarray(self.whole.moved[self.pairs] + moved)
 
 
 def _blocks(rows: SparseMatrix, points: Indices, n: int) -> SparseMatrix:

@@ -1,22 +1,25 @@
 """Periodic motion of a joint under harmonic loads, in modal coordinates on the exact statics.
 
-The unknowns are the harmonics q_k, k = 1 … H, of a few modes φ of small vibrations, in which every
-closed point sticks. Their inertia and damping load the joint, and everything else follows
-quasi-statically along two periods of N increments, of which the second one counts:
+The unknowns are the harmonics q_k, k = 0 … H, of a few M-orthonormal shapes φ, such as modes of
+small vibrations with every closed point stuck. Their motion q(t) = φᵀ M (u − u₀) is prescribed, and
+everything else follows quasi-statically along two periods of N increments, of which the second one
+counts: under forces M φ a(t) that make the shapes move so, and f(t) − C φ q̇(t), with
 
-    f(t) − M φ q̈ − C φ q̇,   q_k = φᵀ M (u − u₀)_k.                                        (F11)
+    a_k = k² ω² q_k.                                                                        (F11)
 
-Contact is that of paths: increments (F12) of the points that slip, open or close, all others being
-springs (F10), and no force of contact is cut at H.
+Harmonics past H are none of these shapes, whose inertia holds them, and the static ones of all
+else. Contact is that of paths: increments (F12) of the points that slip, open or close, all others
+being springs (F10), and no force of contact is cut at H.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import final
+from typing import Any, final
 
 import numpy as np
 import numpy.typing as npt
+import scipy.linalg as la
 
 from faying._typing import ComplexMatrix, ComplexVector, Indices, Matrix, Vector
 from faying.contact.stuck_points import LocalContact, StuckPoints
@@ -30,22 +33,28 @@ PERIODS = 2
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ModalLoads:
-    """Loads in columns: both parts of f, M φ and C φ of every mode; what they do is stored once.
+    """What is given in columns: both parts of f, then q and C φ q̇ of every shape.
+
+    What it moves is stored once, and so is what it asks for: a force −a at q.
 
     Attributes
     ----------
-    n_mode
+    shapes : (n_dof, n_mode)
+        φ.
     restrained : (n_relative, n_column + n_output)
-        What they move the pairs with all closed points stuck, and what forces at outputs do.
+        What it moves the pairs with all closed points stuck, and what forces at outputs do.
     answers : (n_column + n_output, n_column)
-        What they move where loads and outputs are, likewise.
+        What loads and outputs move, and −a at q, likewise.
+    prescribed : (n_relative, n_mode)
+        What prescribed shapes take from the compliance of the pairs.
     bolt_stiffness : (n_bolt,) [force/length]
     n_boundary
     """
 
-    n_mode: int
+    shapes: Matrix
     restrained: Matrix
     answers: Matrix
+    prescribed: Matrix
     bolt_stiffness: Vector
     n_boundary: int
 
@@ -53,7 +62,7 @@ class ModalLoads:
     def of(
         cls, system: System, stuck: StuckPoints, inputs: ComplexVector, shapes: Matrix
     ) -> "ModalLoads":
-        """Return them for amplitudes of inputs (n_input,) and modes (n_dof, n_mode)."""
+        """Return them for amplitudes of inputs (n_input,) and shapes (n_dof, n_mode)."""
         parts = input_forces(system, np.array([inputs.real, inputs.imag])).T
         forces = np.column_stack([parts, system.M @ shapes, system.C @ shapes])
         still = system.factorize_static().solve(forces)
@@ -75,13 +84,32 @@ class ModalLoads:
             ]
         )
         restrained = stuck.restrained(moved)
+        answers = outputs - moved.T @ stuck.held_back(restrained[:, :n])
+        # Exchange a, so far given, for the q that it makes.
+        shape = slice(2, 2 + shapes.shape[1])
+        root = la.cholesky(answers[shape, shape], lower=True)
+        unit = la.solve_triangular(root, np.eye(len(root)), lower=True)
+        prescribed = restrained[:, shape] @ unit.T
+        coupled = answers[:, shape] @ unit.T
+        restrained = restrained - prescribed @ coupled.T
+        restrained[:, shape] = prescribed @ unit
+        answers = answers - coupled @ coupled[:n].T
+        answers[:, shape] = coupled @ unit
+        answers[shape] = answers[:n, shape].T
+        answers[shape, shape] = -unit.T @ unit
         return cls(
-            n_mode=shapes.shape[1],
+            shapes=shapes,
             restrained=restrained,
-            answers=outputs - moved.T @ stuck.held_back(restrained[:, :n]),
+            answers=answers,
+            prescribed=prescribed,
             bolt_stiffness=np.array([bolt.stiffness for bolt in bolts]),
             n_boundary=ports.n_boundary,
         )
+
+    @property
+    def n_mode(self) -> int:
+        """Number of shapes."""
+        return int(self.shapes.shape[1])
 
     @property
     def n_column(self) -> int:
@@ -96,13 +124,13 @@ class Motion:
 
     Attributes
     ----------
-    harmonics : (H, n_mode) complex
-        q_k.
+    harmonics : (H + 1, n_mode) complex
+        q_k, the mean first.
     circular : [1/time]
     path
         Increments of all periods.
     outputs : (n_output, N)
-        Loads, boundaries and bolts, along the last period.
+        −a at q, what loads, boundaries and bolts move, along the last period.
     """
 
     harmonics: ComplexMatrix
@@ -154,35 +182,44 @@ class PeriodicProblem:
     n_harmonic: int
     samples: int
 
+    @classmethod
+    def of(
+        cls, stuck: StuckPoints, points: Indices, loads: ModalLoads, **numbers: Any
+    ) -> "PeriodicProblem":
+        """Return it for points (n,) to watch; numbers are level, n_harmonic and samples."""
+        driven = replace(stuck, prescribed=loads.prescribed)
+        return cls(stuck=driven, local=driven.local(points), loads=loads, **numbers)
+
     @property
     def size(self) -> int:
         """Number of real unknowns."""
-        return 2 * self.n_harmonic * self.loads.n_mode
+        return (2 * self.n_harmonic + 1) * self.loads.n_mode
 
     @cached_property
     def _angles(self) -> Matrix:
-        """kθ (N, H) at the samples of a period."""
+        """kθ (N, H + 1) at the samples of a period."""
         theta = 2 * np.pi * np.arange(1, self.samples + 1) / self.samples
-        return theta[:, None] * np.arange(1, self.n_harmonic + 1)
+        return theta[:, None] * np.arange(self.n_harmonic + 1)
 
     def packed(self, harmonics: ComplexMatrix) -> Vector:
-        """Return harmonics (H, n_mode) as real unknowns, real parts first."""
-        return np.concatenate([harmonics.real.ravel(), harmonics.imag.ravel()])
+        """Return harmonics (H + 1, n_mode) as real unknowns, real parts first."""
+        return np.concatenate([harmonics.real.ravel(), harmonics[1:].imag.ravel()])
 
     def unpacked(self, unknowns: Vector) -> ComplexMatrix:
         """Return the harmonics of real unknowns."""
-        real, imaginary = unknowns.reshape(2, self.n_harmonic, self.loads.n_mode)
-        return np.asarray(real + 1j * imaginary)
+        H, m = self.n_harmonic, self.loads.n_mode
+        harmonics = unknowns[: (H + 1) * m].reshape(H + 1, m).astype(complex)
+        harmonics[1:] += 1j * unknowns[(H + 1) * m :].reshape(H, m)
+        return harmonics
 
     def _columns(self, harmonics: ComplexMatrix, circular: float) -> Matrix:
         """Return factors of the load columns along a period (N, n_column)."""
         wave = np.exp(1j * self._angles)
-        order = circular * np.arange(1, self.n_harmonic + 1)[:, None]
-        first = wave[:, 0]
+        order = circular * np.arange(self.n_harmonic + 1)[:, None]
+        first = wave[:, 1]
         force = self.level * np.column_stack([first.real, -first.imag])
-        inertia = (wave @ (order**2 * harmonics)).real
         damping = (wave @ (-1j * order * harmonics)).real
-        return np.hstack([force, inertia, damping])
+        return np.hstack([force, (wave @ harmonics).real, damping])
 
     @cached_property
     def _at_points(self) -> Matrix:
@@ -217,33 +254,37 @@ class PeriodicProblem:
         outputs += self._at_points.T @ path.excess(local)[:, -self.samples :]
         return Motion(harmonics=harmonics, circular=circular, path=path, outputs=outputs)
 
-    def _modal(self, outputs: Matrix) -> Matrix:
-        """Return the rows q = φᵀ M (u − u₀) of outputs (n_mode, ...)."""
-        return outputs[2 : 2 + self.loads.n_mode]
+    def _harmonics(self, values: Matrix) -> ComplexMatrix:
+        """Return harmonics 0 … H (H + 1, n) of samples (N, n)."""
+        wave = np.exp(-1j * self._angles) / self.samples
+        wave[:, 1:] *= 2
+        return np.asarray(np.tensordot(wave, values, (0, 0)))
 
     def residual(self, motion: Motion) -> Vector:
-        """Return q_k less that of the path, as real unknowns."""
-        wave = 2 / self.samples * np.exp(-1j * self._angles)
-        return self.packed(motion.harmonics - wave.T @ self._modal(motion.outputs).T)
+        """Return k² ω² q_k less a_k of the path, as real unknowns."""
+        order = motion.circular * np.arange(self.n_harmonic + 1)[:, None]
+        given = self._harmonics(motion.outputs[2 : 2 + self.loads.n_mode].T)
+        return self.packed(order**2 * motion.harmonics + given)
 
     def derivatives(self, motion: Motion) -> "Derivatives":
         """Return those of the residual and of the path, exact along it."""
         H, m, N = self.n_harmonic, self.loads.n_mode, self.samples
         size, n = self.size, self.loads.n_column
         # What one unknown adds to the load columns (N, n_column, size + 1).
-        order = motion.circular * np.arange(1, H + 1)
+        order = motion.circular * np.arange(H + 1)
         cosine, sine = np.cos(self._angles), np.sin(self._angles)
-        added = np.zeros((N, n, 2, H, m))
+        added = np.zeros((N, n, 2, H + 1, m))
         mode = np.arange(m)
-        for k in range(H):
-            added[:, 2 + mode, 0, k, mode] = order[k] ** 2 * cosine[:, [k]]
-            added[:, 2 + mode, 1, k, mode] = -(order[k] ** 2) * sine[:, [k]]
+        for k in range(H + 1):
+            added[:, 2 + mode, 0, k, mode] = cosine[:, [k]]
+            added[:, 2 + mode, 1, k, mode] = -sine[:, [k]]
             added[:, 2 + m + mode, 0, k, mode] = order[k] * sine[:, [k]]
             added[:, 2 + m + mode, 1, k, mode] = order[k] * cosine[:, [k]]
         columns = np.zeros((N, n, size + 1))
-        columns[:, :, :size] = added.reshape(N, n, size)
+        columns[:, :, :size] = np.delete(
+            added.reshape(N, n, size + m), np.s_[(H + 1) * m : (H + 2) * m], axis=2
+        )
         per_frequency = self._columns(motion.harmonics, motion.circular) / motion.circular
-        columns[:, 2 : 2 + m, size] = 2 * per_frequency[:, 2 : 2 + m]
         columns[:, 2 + m :, size] = per_frequency[:, 2 + m :]
         modal = slice(2, 2 + m)
         change = np.einsum("mc,ncx->nmx", self.loads.answers[modal], columns)
@@ -251,10 +292,12 @@ class PeriodicProblem:
         derivatives = local_derivatives(self.local, motion.path, shapes, columns)
         for number, (rows, excess) in enumerate(derivatives.excess[-N:]):
             change[number] += shapes[rows, modal].T @ excess
-        wave = 2 / N * np.exp(-1j * self._angles)
-        answer = np.einsum("nk,nmx->kmx", wave, change).reshape(H * m, size + 1)
-        result = -np.concatenate([answer.real, answer.imag])
-        result[:, :size] += np.eye(size)
+        answer = self._harmonics(change).reshape((H + 1) * m, size + 1)
+        result = np.concatenate([answer.real, answer[m:].imag])
+        squares = np.repeat(order**2, m)
+        result[:, :size] += np.diag(np.concatenate([squares, squares[m:]]))
+        inertia = 2 * (order**2 / motion.circular)[:, None] * motion.harmonics
+        result[:, size] += self.packed(inertia)
         return Derivatives(residual=result, moved=derivatives.moved)
 
     def displaced(self, motion: Motion) -> Matrix:
@@ -262,7 +305,7 @@ class PeriodicProblem:
         columns = np.tile(self._columns(motion.harmonics, motion.circular), (PERIODS, 1))
         restrained = self.loads.restrained[:, : self.loads.n_column]
         pairs = self.local.rows.T @ motion.path.excess(self.local)
-        shared = self.stuck.compliance[:, self.local.pairs] @ pairs
+        shared = self.stuck.shared(self.local.pairs, pairs)
         return np.asarray(restrained @ columns.T + shared)
 
     def begun(

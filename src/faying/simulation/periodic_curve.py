@@ -184,7 +184,7 @@ def _factors(derivatives: Derivatives, border: Vector) -> tuple[Matrix, Indices]
 
 def trace(
     problem: PeriodicProblem,
-    first: Vector,
+    starts: Sequence[Vector],
     frequencies: Vector,
     progress: Callable[[int], object] | None = None,
 ) -> "Traced":
@@ -192,8 +192,8 @@ def trace(
 
     Parameters
     ----------
-    first : (size,)
-        Unknowns to begin with.
+    starts : (n,) of (size,)
+        Unknowns to begin with, one after the other.
     progress
         Called with 1 after each frequency.
     """
@@ -205,7 +205,7 @@ def trace(
     while number < len(targets):
         try:
             if point is None:
-                point = _started(problem, first, float(targets[number]))
+                point = _started(problem, starts, float(targets[number]))
                 points.append(point)
             else:
                 passed = _onward(point, float(targets[number]))
@@ -222,15 +222,17 @@ def trace(
     return Traced(points=points, missed=tuple(missed))
 
 
-def _started(problem: PeriodicProblem, unknowns: Vector, circular: float) -> CurvePoint:
-    """Solve for a first motion, by rising levels where it is too far from the linear one."""
-    try:
-        return solve_motion(problem, unknowns, circular)
-    except ConvergenceError:
-        reached, rise, point = 0.0, RISE, None
+def _started(problem: PeriodicProblem, starts: Sequence[Vector], circular: float) -> CurvePoint:
+    """Solve for a first motion, by rising levels where it is too far from all starts."""
+    for unknowns in starts:
+        try:
+            return solve_motion(problem, unknowns, circular)
+        except ConvergenceError:
+            continue
+    reached, rise, point = 0.0, RISE, None
     while reached < 1.0:
         share = min(reached + rise, 1.0)
-        begun = unknowns * share if point is None else point.unknowns * share / reached
+        begun = starts[-1] * share if point is None else point.unknowns * share / reached
         rising = problem if point is None else point.problem
         try:
             point = solve_motion(replace(rising, level=share * problem.level), begun, circular)
