@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from faying._typing import Matrix
 from faying.io.abaqus.contact import Pair, with_mixed_sides
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import parameter
@@ -63,7 +64,7 @@ def read_ties(
             "*TIE, TIED: slave and master move together where facets see each other within the "
             "position tolerance, node by node where meshes match and else in the mean (mortar), "
             "which gives way more on coarse meshes (0.1 % on blocks of two and three linear "
-            "bricks, 4 % of quadratic ones); no node is adjusted"
+            "bricks, 4 % of quadratic ones); unless ADJUST=NO slave nodes are moved there"
         )
     return ties
 
@@ -113,12 +114,28 @@ def with_ties(assembly: Assembly, ties: Sequence[Tie], ignored: list[str]) -> As
     for tie in of_nodes:
         first = max((equation.id for equation in all_equations), default=0) + 1
         all_equations += _following(named, tie, first, ignored)
-    named = replace(named, equations=all_equations)
+    moved = _adjusted(assembly.mesh.nodes, ties, all_equations[len(assembly.equations) :])
+    named = replace(named, equations=all_equations, mesh=replace(named.mesh, nodes=moved))
     for tie, spec in specs.items():
         if tie.stiffness is not None:
             named = with_elastic_layer(named, spec, *tie.stiffness)
     node_sets = dict(assembly.mesh.node_sets)
     return replace(named, mesh=replace(named.mesh, node_sets=node_sets))
+
+
+def _adjusted(nodes: Matrix, ties: Sequence[Tie], equations: Sequence[Equation]) -> Matrix:
+    """Return places (n_node, 3) with slave nodes where their equations have them, but ADJUST=NO.
+
+    Across a gap an equation of translations holds rotations of the whole.
+    """
+    moving = [tie for tie in ties if tie.keyword.value("ADJUST", "YES").upper() != "NO"]
+    slaves = {node for tie in moving for node in tie.slave.nodes.tolist()}
+    places = nodes.copy()
+    for equation in equations:
+        (node, c, mine), *others = equation.terms
+        if node in slaves:
+            places[node, c] = -sum(value * places[other, c] for other, _, value in others) / mine
+    return places
 
 
 def _stiffness(pair: Pair) -> tuple[float, float] | None:
