@@ -293,7 +293,6 @@ def test_a_gasket_that_would_give_back_more_than_it_took_is_refused(slopes, mess
     "solve",
     [
         lambda model: fy.solve_static_cases(model, LOADS[:2]),
-        lambda model: fy.backbone(model, 1, [1e-3]),
         lambda model: fy.frequency_response(model, {"tip.Fz": 1.0}, [640.0], [1.0]),
         lambda model: fy.certify(model, LOADS[1], np.zeros(model.contact.n_points)),
     ],
@@ -301,6 +300,33 @@ def test_a_gasket_that_would_give_back_more_than_it_took_is_refused(slopes, mess
 def test_what_does_not_follow_closures_refuses_a_gasket(solve):
     with pytest.raises(ModelError, match="'joint' has the law 'gasket'"):
         solve(jointed("gasket", 0.0))
+
+
+@pytest.mark.long
+def test_a_gasket_vibrates_along_its_lines():
+    """Where a bolt was loosened: as an elastic layer, flat where pressure ends on them."""
+    slope = 3e6
+    gasket = fy.GasketClosure((0.0, 1e-5, 1e-4), (0.0, 2.0, 60.0), (slope, slope, slope))
+    joint = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    tight, loose = (
+        joint.with_bolt_forces({"bolt": force}).with_closure(gasket).with_friction(0.3, 3e5)
+        for force in (PRELOAD, PRELOAD / 4)
+    )
+    rest = fy.solve_path(loose, [fy.Load()], initial=fy.solve_path(tight, [fy.Load()]))
+    deepest = np.maximum(rest.deepest[-1], 0.0)
+    gap = joint.interfaces["joint"].initial_gap + deepest - gasket.pressure_of(deepest)[0] / slope
+    layer = loose.with_closure(fy.TableClosure((0.0, 1.0), (0.0, slope)))
+    layer = layer.with_initial_gap("joint", gap)
+    gasketed = fy.backbone(loose, 1, [1e-3, 1e-2], initial=rest, increments=24)
+    start = replace(rest, deepest=None)
+    elastic = fy.backbone(layer, 1, [1e-3], initial=start, increments=8)
+    # Nothing slips, and nothing goes on along the table.
+    assert gasketed.friction_damping[0] == 0
+    assert gasketed.small_frequency == pytest.approx(elastic.small_frequency, rel=1e-9)
+    assert gasketed.frequency[0] == pytest.approx(elastic.frequency[0], rel=1e-9)
+    # Once cycles repeat friction alone takes energy, to the chords of 24 increments.
+    assert gasketed.friction_damping[1] > 1e-4
+    assert abs(gasketed.energy_difference[1]) < 0.02
 
 
 def test_a_gasket_stays_flat_where_a_path_goes_on():

@@ -267,7 +267,6 @@ def _checked(
     increments: int,
     over: str,
 ) -> Vector:
-    system.contact.check_forgetful("cycles of vibration", "solve_cycles")
     wrong = []
     levels = np.atleast_1d(np.asarray(amplitudes, dtype=float))
     if not len(system.contact.rubbing):

@@ -141,8 +141,8 @@ def _with_gasket(study: Study, interface: str) -> Iterator[Problem]:
     """Find what does not carry how far a gasket was closed."""
     reason = f"interface '{interface}' has the closure 'gasket', which remembers how far it was"
     for i, case in enumerate(study.load_cases):
-        if case.transient or case.kind == "backbone":
-            text = f"{reason} closed: take 'static', 'path' or 'cycle', or the closure 'table'"
+        if case.transient:
+            text = f"{reason} closed: take another kind of case, or the closure 'table'"
             yield study.problem(("load_case", i, "kind"), text)
     for name in study.reduction.methods:
         if METHODS[name].trained:
