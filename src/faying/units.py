@@ -6,6 +6,7 @@ from dataclasses import dataclass
 DERIVED = {
     "mm-t-s": ("N", "MPa"),
     "mm-kg-ms": ("kN", "GPa"),
+    "mm-kg-s": ("mN", "kPa"),
     "mm-g-ms": ("N", "MPa"),
     "m-kg-s": ("N", "Pa"),
     "cm-g-s": ("dyn", "Ba"),

@@ -347,7 +347,7 @@ def test_what_no_solid_and_no_bolt_bears_is_said(tmp_path):
         said[units, force] = " ".join(found)
     assert said["mm-t-s", "10e3"] == ""
     assert "E is 0.21 GPa and rho 7.85 kg/m³ in mm-kg-s" in said["mm-kg-s", "10e3"]
-    assert "a preload of 10000" in said["mm-kg-s", "10e3"]
+    assert "a preload of 10000 mN" in said["mm-kg-s", "10e3"]
     assert "as of no tightened bolt" in said["mm-t-s", "1e8"]
 
 
