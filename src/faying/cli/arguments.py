@@ -3,7 +3,7 @@
 from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,6 +13,27 @@ if TYPE_CHECKING:
     from faying.execution import Executor
 
 StudyPath = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study file.")]
+Resume = Annotated[
+    bool, typer.Option("--resume", help="Keep what an interrupted call has finished.")
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(metavar="ADDRESS|FILE", help="Dask cluster in place of such processes."),
+]
+Integrator = Annotated[
+    str | None, typer.Option(help="Integrator, as studies name it.  [default: implicit-euler]", show_default=False)
+]
+
+
+def results_folder(default: str) -> Any:
+    """Return the option of a folder for results, which has a name unless one is given."""
+    text = f"Folder for results.  [default: {default}]"
+    return typer.Option(help=text, show_default=False)
+
+
+def workers_for(work: str) -> Any:
+    """Return the option of how many processes share some work."""
+    return typer.Option(help=f"Processes that share {work}.")
 
 
 def usable_folder(out: Path) -> Path:

@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from faying.cli.arguments import StudyPath, shared_executor, usable_folder
+from faying.cli.arguments import (
+    Scheduler,
+    StudyPath,
+    results_folder,
+    shared_executor,
+    usable_folder,
+    workers_for,
+)
 
 if TYPE_CHECKING:
     from faying.assessment.identification import Identification
@@ -15,21 +22,14 @@ if TYPE_CHECKING:
     from faying.study.keys.tables import Study
     from faying.study.stages.progress import ProgressBar
 
-Out = Annotated[
-    Path | None, typer.Option(help="Folder for results.  [default: STUDY-fit]", show_default=False)
-]
-BandOut = Annotated[
-    Path | None, typer.Option(help="Folder for results.  [default: STUDY-band]", show_default=False)
-]
-Workers = Annotated[int, typer.Option(help="Processes that share the backbones.")]
-Scheduler = Annotated[
-    str | None,
-    typer.Option(metavar="ADDRESS|FILE", help="Dask cluster in place of such processes."),
-]
+Workers = Annotated[int, workers_for("the backbones")]
 
 
 def fit(
-    study: StudyPath, out: Out = None, workers: Workers = 1, scheduler: Scheduler = None
+    study: StudyPath,
+    out: Annotated[Path | None, results_folder("STUDY-fit")] = None,
+    workers: Workers = 1,
+    scheduler: Scheduler = None,
 ) -> None:
     """Find the parameters of a study by its measured curves, with intervals and what stays open.
 
@@ -45,7 +45,10 @@ def fit(
 
 
 def band(
-    study: StudyPath, out: BandOut = None, workers: Workers = 1, scheduler: Scheduler = None
+    study: StudyPath,
+    out: Annotated[Path | None, results_folder("STUDY-band")] = None,
+    workers: Workers = 1,
+    scheduler: Scheduler = None,
 ) -> None:
     """Compute the band of backbones that the ranges of a study's parameters leave open.
 

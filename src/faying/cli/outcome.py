@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import typer
 from rich import box
 from rich.console import Console
 from rich.table import Table
@@ -24,6 +25,7 @@ from faying.study.judgement.step_choice import StepChoice, choice_sentence
 from faying.study.results.second_solution import remedy_from, remedy_sentence, shapes_seconds
 from faying.study.results.values import FULL_MODEL
 from faying.units import units_of
+from faying.workflow.outcome import Outcome
 
 ESTIMATED = "estimated_max_relative_error"
 """Entry of a summary that has the estimated error of a transient's pressures."""
@@ -94,9 +96,22 @@ def show_verdict(summary: Mapping[str, Any], console: Console) -> None:
     console.print(verdict["sentence"], highlight=False, soft_wrap=True)
 
 
-def met(summary: Mapping[str, Any]) -> bool:
-    """Say whether the joint holds: no check fails, and all that is demanded is known."""
-    return bool(summary["verdict"]["holds"])
+def end(done: Outcome, out: Path, console: Console, solved: str) -> None:
+    """Print warnings and the verdict, and exit by them.
+
+    The status is 1 where something did not converge, 3 of a joint that does not hold, or of which
+    what is demanded is not known.
+    """
+    for warning in done.summary["warnings"]:
+        typer.echo(f"Warning: {warning}", err=True)
+    if not done.converged:
+        message = f"Some {solved} did not converge; {out / 'summary.json'} names them"
+        typer.echo(message, err=True)
+    show_verdict(done.summary, console)
+    if not done.converged:
+        raise typer.Exit(1)
+    if not done.summary["verdict"]["holds"]:
+        raise typer.Exit(3)
 
 
 def _row(method: str, cases: list[Mapping[str, Any]]) -> list[str]:

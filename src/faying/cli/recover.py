@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from faying.cli.arguments import Integrator
+
 if TYPE_CHECKING:
     from faying.study.results.recovered import RecoveredRecord
     from faying.study.results.values import Results
@@ -42,13 +44,7 @@ def recover(
             show_default=False,
         ),
     ] = None,
-    integrator: Annotated[
-        str | None,
-        typer.Option(
-            help="Integrator under boundary forces, as studies name it.  [default: implicit-euler]",
-            show_default=False,
-        ),
-    ] = None,
+    integrator: Integrator = None,
 ) -> None:
     """Recover contact pressures from a modal or boundary-force history of another program."""
     from faying.simulation.integrators import named_integrator

@@ -5,35 +5,25 @@ from pathlib import Path
 from time import perf_counter
 from typing import Annotated
 
-import typer
-
-from faying.cli.arguments import StudyPath, shared_executor, usable_folder
+from faying.cli.arguments import (
+    Resume,
+    Scheduler,
+    StudyPath,
+    results_folder,
+    shared_executor,
+    usable_folder,
+    workers_for,
+)
 from faying.cli.interruption import resumable
 from faying.exceptions import StudyError
-
-NOT_CONVERGED = 1
-"""Exit status of a study that ran but did not converge somewhere."""
-
-NOT_MET = 3
-"""Exit status of a joint that does not hold, or of which what is demanded is not known."""
 
 
 def run(
     study: StudyPath,
-    out: Annotated[
-        Path | None,
-        typer.Option(help="Folder for results.  [default: STUDY-results]", show_default=False),
-    ] = None,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Keep what an interrupted run has finished.")
-    ] = False,
-    workers: Annotated[
-        int, typer.Option(help="Processes that share transients of the full model.")
-    ] = 1,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS|FILE", help="Dask cluster in place of such processes."),
-    ] = None,
+    out: Annotated[Path | None, results_folder("STUDY-results")] = None,
+    resume: Resume = False,
+    workers: Annotated[int, workers_for("transients of the full model")] = 1,
+    scheduler: Scheduler = None,
 ) -> None:
     """Run a study: every method on every load case; results, pictures and a report in a folder."""
     folder = out or Path(f"{study.stem}-results")
@@ -62,7 +52,7 @@ def _compute(path: Path, out: Path, *, resume: bool, workers: int, scheduler: st
     usable_folder(out)
     from rich.console import Console
 
-    from faying.cli.outcome import met, show_outcome, show_verdict
+    from faying.cli.outcome import end, show_outcome
     from faying.cli.progress import progress_bar
     from faying.study.keys.naming_tables import naming_tables
     from faying.workflow.run import run as run_study
@@ -76,13 +66,4 @@ def _compute(path: Path, out: Path, *, resume: bool, workers: int, scheduler: st
         )
     console = Console(markup=False)
     show_outcome(result.summary, out, console)
-    for warning in result.summary["warnings"]:
-        typer.echo(f"Warning: {warning}", err=True)
-    if not result.converged:
-        message = f"Some solutions did not converge; {out / 'summary.json'} names them"
-        typer.echo(message, err=True)
-    show_verdict(result.summary, console)
-    if not result.converged:
-        raise typer.Exit(NOT_CONVERGED)
-    if not met(result.summary):
-        raise typer.Exit(NOT_MET)
+    end(result, out, console, "solutions")

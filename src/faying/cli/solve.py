@@ -6,9 +6,16 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from faying.cli.arguments import shared_executor, usable_folder
+from faying.cli.arguments import (
+    Integrator,
+    Resume,
+    Scheduler,
+    results_folder,
+    shared_executor,
+    usable_folder,
+    workers_for,
+)
 from faying.cli.interruption import resumable
-from faying.cli.run import NOT_CONVERGED, NOT_MET
 from faying.exceptions import StudyError
 
 if TYPE_CHECKING:
@@ -28,10 +35,7 @@ def solve(
             "column time; or a folder of such histories.",
         ),
     ],
-    out: Annotated[
-        Path | None,
-        typer.Option(help="Folder for results.  [default: LOADS-solved]", show_default=False),
-    ] = None,
+    out: Annotated[Path | None, results_folder("LOADS-solved")] = None,
     worst: Annotated[
         int, typer.Option(min=1, help="Worst cases of each metric whose fields are kept.")
     ] = 1,
@@ -50,20 +54,10 @@ def solve(
             help="Time step of tables over time.  [default: smallest interval]", show_default=False
         ),
     ] = None,
-    integrator: Annotated[
-        str | None,
-        typer.Option(help="Their integrator.  [default: implicit-euler]", show_default=False),
-    ] = None,
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Keep what an interrupted call has finished.")
-    ] = False,
-    workers: Annotated[
-        int, typer.Option(help="Processes that share static cases and loads over time.")
-    ] = 1,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS|FILE", help="Dask cluster in place of such processes."),
-    ] = None,
+    integrator: Integrator = None,
+    resume: Resume = False,
+    workers: Annotated[int, workers_for("static cases and loads over time")] = 1,
+    scheduler: Scheduler = None,
 ) -> None:
     """Solve many loads on a reduced model: metrics of all, fields of the worst, envelopes."""
     folder = out or Path(f"{loads.stem}-solved")
@@ -71,7 +65,7 @@ def solve(
     with resumable(command, folder, ", and the other options as before"):
         from rich.console import Console
 
-        from faying.cli.outcome import met, show_verdict
+        from faying.cli.outcome import end
         from faying.cli.progress import progress_bar
         from faying.reduction.model_reader import preload_path_of, read_reduced_model, study_of
         from faying.simulation.integrators import named_integrator
@@ -120,14 +114,7 @@ def solve(
                 executor=executor,
             )
     _show(result.summary, folder)
-    if not result.converged:
-        message = f"Some cases did not converge; {folder / 'summary.json'} names them"
-        typer.echo(message, err=True)
-    show_verdict(result.summary, Console(markup=False))
-    if not result.converged:
-        raise typer.Exit(NOT_CONVERGED)
-    if not met(result.summary):
-        raise typer.Exit(NOT_MET)
+    end(result, folder, Console(markup=False), "cases")
 
 
 def _show(summary: "Mapping[str, Any]", folder: Path) -> None:
@@ -152,6 +139,4 @@ def _show(summary: "Mapping[str, Any]", folder: Path) -> None:
                 value = "infinite" if entry["value"] is None else f"{entry['value']:.5g}"
                 table.add_row(label, value, entry["case"])
         console.print(table)
-    for warning in summary["warnings"]:
-        typer.echo(f"Warning: {warning}", err=True)
     console.print(f"Results are in {folder}", soft_wrap=True)
