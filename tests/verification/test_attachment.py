@@ -18,7 +18,7 @@ from faying.simulation.stepping import transient_solver
 from faying.study.keys.schema import read_study
 from faying.study.results.store import read_results
 from faying.workflow.run import run
-from pieces_of_one import pieces_of_one
+from windows_of_one import windows_of_one
 
 LC2 = {"tip.Fz": -500.0, "tip.Mx": 20e3}
 SCHEMES = {
@@ -175,9 +175,9 @@ def test_a_saved_model_moves_to_the_same_bits(rom, tmp_path):
 def test_a_restart_moves_to_the_same_bits(rom):
     solver = transient_solver(rom, step=2e-5, integrator=fy.GeneralizedAlpha(0.8))
     whole = solver.solve(fy.Load(LC2), duration=4e-4)
-    pieces = pieces_of_one(solver, fy.Load(LC2), duration=4e-4, length=7)
+    pieces = windows_of_one(solver, fy.Load(LC2), duration=4e-4, length=7)
     first, middle = next(pieces)
-    rest = list(pieces_of_one(solver, fy.Load(LC2), duration=4e-4, length=None, restart=middle))
+    rest = list(windows_of_one(solver, fy.Load(LC2), duration=4e-4, length=None, restart=middle))
     both = np.concatenate([first.pressure, *(piece.pressure for piece, _ in rest)])
     np.testing.assert_array_equal(both, whole.pressure)
 

@@ -7,7 +7,7 @@ import faying as fy
 from faying.exceptions import ModelError
 from faying.simulation import compiled
 from faying.simulation.stepping import transient_solver
-from pieces_of_one import pieces_of_one
+from windows_of_one import windows_of_one
 
 LC2 = fy.Load({"tip.Fz": -500.0, "tip.Mx": 20e3}, name="LC2")
 SHAKEN = fy.Load(
@@ -113,12 +113,12 @@ def test_cases_pieces_and_restarts(compiled_loop, rom):
     for mine, other in zip(found, expected, strict=True):
         assert_equal_histories(mine, other)
     solver = transient_solver(rom, step=STEP, compiled=True)
-    pieces = list(pieces_of_one(solver, SHAKEN, duration=STEPS * STEP, length=30))
+    pieces = list(windows_of_one(solver, SHAKEN, duration=STEPS * STEP, length=30))
     forces = np.concatenate([piece.contact_forces for piece, _ in pieces])
     small = 1e-9 * expected[1].contact_forces.max()  # as above
     np.testing.assert_allclose(forces, expected[1].contact_forces, rtol=0, atol=small)
     middle = pieces[1][1]
-    again = list(pieces_of_one(solver, SHAKEN, duration=STEPS * STEP, length=30, restart=middle))
+    again = list(windows_of_one(solver, SHAKEN, duration=STEPS * STEP, length=30, restart=middle))
     rest = np.concatenate([piece.contact_forces for piece, _ in again])
     np.testing.assert_array_equal(rest, forces[61:])
 
@@ -159,9 +159,9 @@ def test_long_runs_are_compiled_unasked(monkeypatch, rom):
 def test_a_resumed_run_is_compiled_as_the_whole_was(monkeypatch, compiled_loop, rom):
     monkeypatch.setattr(compiled, "PAYING_STEPS", STEPS)
     solver, duration = transient_solver(rom, step=STEP), STEPS * STEP
-    pieces = list(pieces_of_one(solver, LC2, duration=duration, length=40))
+    pieces = list(windows_of_one(solver, LC2, duration=duration, length=40))
     _, middle = pieces[0]
-    resumed = list(pieces_of_one(solver, LC2, duration=duration, length=40, restart=middle))
+    resumed = list(windows_of_one(solver, LC2, duration=duration, length=40, restart=middle))
     for (mine, _), (other, _) in zip(resumed, pieces[1:], strict=True):
         np.testing.assert_array_equal(mine.contact_forces, other.contact_forces)
 

@@ -11,7 +11,7 @@ import faying as fy
 from faying.exceptions import FormatError, ModelError
 from faying.simulation.divided_steps import FINEST, SAFETY, divided_steps
 from faying.simulation.restart import kept_restart, restart_from
-from faying.simulation.transient_pieces import transient_pieces
+from faying.simulation.transient_windows import transient_windows
 
 LOAD = {"tip.Fz": -500.0}
 PERIOD = 1.6e-3
@@ -164,7 +164,7 @@ def test_tolerances_that_are_none(rom, tolerance):
 
 def test_what_is_handed_on_is_kept(rom):
     steps = divided_steps(rom, step=STEP, tolerance=0.02, integrator=fy.EnergyDecaying(0.0))
-    pieces = transient_pieces(steps, [rising(0.1)], duration=TIMES["duration"], length=7)
+    pieces = transient_windows(steps, [rising(0.1)], duration=TIMES["duration"], length=7)
     for _, (end,) in pieces:
         again = restart_from(kept_restart(end))
         for name in ("active", "forces", "moved"):

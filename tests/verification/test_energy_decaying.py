@@ -8,8 +8,8 @@ from faying.exceptions import ModelError
 from faying.model.bolt import Bolt
 from faying.simulation.integrators import INTEGRATORS, Motion, named_integrator
 from faying.simulation.stepping import transient_solver
-from pieces_of_one import pieces_of_one
 from small_system import small_system
+from windows_of_one import windows_of_one
 
 ROUND_OFF = 1e-12  # of energies of order one, over a thousand steps
 
@@ -199,8 +199,8 @@ def test_it_goes_on_where_it_was(stiff_joint):
     load = fy.Load({"tip.Mx": -30e3})
     whole = fy.solve_transient(rom, load, **options).contact_forces
     solver = transient_solver(rom, step=1e-5, integrator=fy.EnergyDecaying())
-    pieces = list(pieces_of_one(solver, load, duration=6e-4, length=25))
-    rest = list(pieces_of_one(solver, load, duration=6e-4, length=None, restart=pieces[0][1]))
+    pieces = list(windows_of_one(solver, load, duration=6e-4, length=25))
+    rest = list(windows_of_one(solver, load, duration=6e-4, length=None, restart=pieces[0][1]))
     found = np.concatenate([pieces[0][0].contact_forces, rest[0][0].contact_forces])
     # The same steps; contact may be solved from other factors.
     np.testing.assert_allclose(found, whole, atol=1e-9 * whole.max(), rtol=0)

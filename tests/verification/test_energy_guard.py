@@ -16,8 +16,8 @@ from faying.simulation.energy_guard import MOST_GAIN, audited, opened
 from faying.simulation.instants import Instants
 from faying.simulation.integrators import Motion
 from faying.simulation.stepping import transient_solver
-from pieces_of_one import pieces_of_one
 from small_system import small_system
+from windows_of_one import windows_of_one
 
 WILD = fy.GeneralizedAlpha(1.0)
 PULL = fy.Load({"mass.Fx": -2.0}, name="pull")
@@ -146,12 +146,12 @@ def test_pieces_and_restarts_keep_the_ledger(caplog):
     whole = run(system, late).energy_gain
     caplog.clear()
     solver = transient_solver(system, step=0.1, integrator=WILD)
-    pieces = list(pieces_of_one(solver, late, duration=40.0, length=90))
+    pieces = list(windows_of_one(solver, late, duration=40.0, length=90))
     gains = [piece.energy_gain for piece, _ in pieces]
     assert gains[0] < MOST_GAIN < gains[-1] == pytest.approx(whole, rel=1e-12)
     assert gains == sorted(gains)
     assert len(caplog.messages) == 1
-    rest = pieces_of_one(solver, late, duration=40.0, length=None, restart=pieces[1][1])
+    rest = windows_of_one(solver, late, duration=40.0, length=None, restart=pieces[1][1])
     assert next(rest)[0].energy_gain == pytest.approx(whole, rel=1e-12)
 
 

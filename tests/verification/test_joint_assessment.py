@@ -8,8 +8,8 @@ import pytest
 import faying as fy
 from faying.assessment.certificate import certifier
 from faying.assessment.load_path import Walk
+from faying.contact.closed_points import LinearPiece, UnknownForces
 from faying.contact.dense_points import DensePoints
-from faying.contact.linear_pieces import LinearPiece, UnknownForces
 from faying.exceptions import ModelError
 from faying.joint.bolt_surroundings import surroundings
 from faying.joint.build import build_model

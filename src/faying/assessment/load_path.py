@@ -17,8 +17,8 @@ import numpy as np
 
 from faying._typing import Mask, Matrix, Vector, frozen
 from faying.contact.active_set import solve_complementarity
+from faying.contact.closed_points import LinearPiece, closed_points
 from faying.contact.dense_points import DensePoints
-from faying.contact.linear_pieces import LinearPiece, closed_points
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import Joint
 from faying.simulation.load import Load

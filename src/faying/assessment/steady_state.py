@@ -13,7 +13,7 @@ from faying.simulation.integrators import GeneralizedAlpha
 from faying.simulation.load import History, Load
 from faying.simulation.solution import Solution
 from faying.simulation.stepping import transient_solver
-from faying.simulation.transient_pieces import transient_pieces
+from faying.simulation.transient_windows import transient_windows
 
 STEPS = 400
 """Steps of a period: twice as many changed amplitudes by 0.08 % and phases by 0.1°."""
@@ -81,7 +81,7 @@ def steady_state(
     }
     wave = 2 / STEPS * np.exp(-1j * turn[1 : STEPS + 1])
     solver = transient_solver(system, step=period / STEPS, integrator=GeneralizedAlpha())
-    parts = transient_pieces(
+    parts = transient_windows(
         solver,
         [Load(forces, name="harmonic load")],
         duration=float(times[-1]),

@@ -21,7 +21,10 @@ Scheduler = Annotated[
     typer.Option(metavar="ADDRESS|FILE", help="Dask cluster in place of such processes."),
 ]
 Integrator = Annotated[
-    str | None, typer.Option(help="Integrator, as studies name it.  [default: implicit-euler]", show_default=False)
+    str | None,
+    typer.Option(
+        help="Integrator, as studies name it.  [default: implicit-euler]", show_default=False
+    ),
 ]
 
 

@@ -20,7 +20,7 @@ from faying.simulation.restart import Restart, kept_restart, restart_from
 from faying.simulation.solution import Solution
 from faying.simulation.stepping import transient_solver
 from faying.simulation.times import check_times
-from faying.simulation.transient_pieces import Steps, transient_pieces
+from faying.simulation.transient_windows import Steps, transient_windows
 
 FORMAT = "faying transient"
 STEPS_PER_WRITE = 2000
@@ -139,7 +139,7 @@ def stream_transient(
             restart = _resumed(file, system, began) if resume and len(file) else None
             if restart is None:
                 file.attrs.update({**began, "load": load.name, "complete": False})
-            segments = transient_pieces(
+            segments = transient_windows(
                 solver,
                 [load],
                 duration=duration,

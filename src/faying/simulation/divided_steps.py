@@ -24,7 +24,7 @@ from faying.simulation.solution_parts import joined, some_states
 from faying.simulation.start import begun
 from faying.simulation.stepping import TransientSolver, transient_solver
 from faying.simulation.times import check_times
-from faying.simulation.transient_pieces import transient_pieces
+from faying.simulation.transient_windows import transient_windows
 
 FINEST = 6
 """Halvings of an interval at most: 64 steps between two instants."""
@@ -108,7 +108,7 @@ class DividedSteps:
         progress: Callable[[int], object] | None = None,
     ) -> Solution:
         """Integrate one response; with given ``substeps`` by these, without a look at errors."""
-        parts = transient_pieces(
+        parts = transient_windows(
             replace(self, given=substeps),
             [load],
             duration=duration,

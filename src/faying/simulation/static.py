@@ -14,7 +14,7 @@ from faying.joint.system import Joint, PortCompliance, System, input_forces
 from faying.linalg.memory import require_room
 from faying.linalg.threads import threads_for
 from faying.simulation.load import Load
-from faying.simulation.similar import similar_groups
+from faying.simulation.load_groups import similar_groups
 from faying.simulation.solution import Solution
 
 AT_REST = Load(name="preload")

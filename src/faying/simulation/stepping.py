@@ -167,7 +167,7 @@ class TransientSolver:
         last: int,
         progress: Callable[[int], object] | None,
     ) -> tuple[list[Solution], list[Restart]]:
-        """Integrate up to instant ``end``; see :class:`~.transient_pieces.Steps`."""
+        """Integrate up to instant ``end``; see :class:`~.transient_windows.Steps`."""
         times = self.step * np.arange(here[0].done + 1, end + 1, dtype=np.float64)
         return self._advanced(here, loads, times, starts, progress, len(loads) * last)
 

@@ -24,7 +24,7 @@ from faying.simulation.restart import kept_restart, restart_from
 from faying.simulation.solution import Solution
 from faying.simulation.static import similar_loads, solve_static_inputs
 from faying.simulation.stepping import transient_solver
-from faying.simulation.transient_pieces import transient_pieces
+from faying.simulation.transient_windows import transient_windows
 from faying.study.inputs.load_set import LoadSet, TimedLoad
 from faying.study.keys.tables import DEFAULT_INCREMENTS
 from faying.study.stages.optional import Extras
@@ -244,7 +244,7 @@ class CaseSolver:
         with self.stages.stage(name, n_steps(load)) as advance:
             first = 0 if restart is None else restart.done + 1
             advance(max(first - 1, 0))
-            parts = transient_pieces(
+            parts = transient_windows(
                 solver,
                 [load.load],
                 duration=load.duration,

@@ -307,13 +307,13 @@ def test_hard_contact_of_quadratic_elements_runs_to_the_end(tmp_path):
 @pytest.mark.long
 def test_an_interrupted_run_resumes_without_solving_again(study, tmp_path, monkeypatch):
     solved = []
-    original, together = case_solution.solve_transient, full_transients.transient_pieces
+    original, together = case_solution.solve_transient, full_transients.transient_windows
 
     def full(solver, loads, **options):
         solved.extend(load.name for load in loads)
         return together(solver, loads, **options)
 
-    monkeypatch.setattr(full_transients, "transient_pieces", full)
+    monkeypatch.setattr(full_transients, "transient_windows", full)
 
     def interrupted(system, load, **options):
         if len(solved) == 2:

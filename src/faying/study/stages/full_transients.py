@@ -17,7 +17,7 @@ from faying.simulation.side_by_side import runs_at_once
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import joined, some_states, without_states
 from faying.simulation.stepping import transient_solver
-from faying.simulation.transient_pieces import Steps, transient_pieces
+from faying.simulation.transient_windows import Steps, transient_windows
 from faying.study.inputs.loads import case_load
 from faying.study.inputs.timing import instants, time_span, time_step
 from faying.study.keys.tables import LoadCaseSection
@@ -121,7 +121,7 @@ def _side_by_side(
     """Solve some transients a piece at a time, and keep of each piece what a run keeps."""
     model = joint.model
     # The rest is given: solved anew it would depend, in the last digits, on what was solved before.
-    parts_of_runs = transient_pieces(
+    parts_of_runs = transient_windows(
         steps,
         [case_load(run.case) for run in runs],
         duration=duration,

@@ -1,4 +1,4 @@
-"""Transients a piece of their instants at a time: memory is that of one piece."""
+"""Transients a window of their instants at a time: memory is that of one window."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol
@@ -46,12 +46,12 @@ class Steps(Protocol):
         Parameters
         ----------
         end, last
-            Number of the last instant of the piece, and of the run.
+            Number of the last instant of the window, and of the run.
         """
         ...
 
 
-def transient_pieces(
+def transient_windows(
     steps: Steps,
     loads: Sequence[Load],
     *,
@@ -61,12 +61,12 @@ def transient_pieces(
     restarts: Sequence[Restart] | None = None,
     progress: Progress | None = None,
 ) -> Iterator[tuple[list[Solution], list[Restart]]]:
-    """Integrate responses side by side, a piece of their instants at a time.
+    """Integrate responses side by side, a window of their instants at a time.
 
     Parameters
     ----------
     length
-        Intervals of a piece; all that are left unless given.
+        Intervals of a window; all that are left unless given.
     initial
         Static solutions to start from, one for each load; the joint under its bolts unless given.
     restarts
@@ -77,7 +77,7 @@ def transient_pieces(
     Yields
     ------
     solutions, restarts
-        Of each load the instants of the piece, and where it stands after them. Pieces of a run
+        Of each load the instants of the window, and where it stands after them. Windows of a run
         that was resumed are the same, to the bit, as those it would have had.
 
     Raises
