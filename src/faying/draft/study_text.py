@@ -121,7 +121,7 @@ def study_text(
         _bolts(findings),
         _held(findings),
         _loads(findings),
-        _rest(findings, built),
+        _rest(findings),
     )
     for section in sections:
         lines += ["", *section]
@@ -362,17 +362,10 @@ def _loads(findings: Findings) -> Iterator[str]:
     yield f"forces = [{{ {force} }}]  # {MARK} a placeholder"
 
 
-def _rest(findings: Findings, built: Mapping[str, Interface]) -> Iterator[str]:
+def _rest(findings: Findings) -> Iterator[str]:
     yield "[reduction]"
     yield "normal_modes = 10"
-    if any(np.isinf(face.penalty) and face.law.friction > 0 for face in built.values()):
-        yield from _comment(
-            "A basis alone, as that of craig-bampton, has fewer displacements than hard contact "
-            "has points: with friction these may contradict each other, and no solution exists"
-        )
-        yield 'methods = ["compliance"]'
-    else:
-        yield 'methods = ["craig-bampton", "compliance"]'
+    yield 'methods = ["compliance"]'
     yield ""
     yield from _comment(
         f"{MARK} what the joint must hold in every load case; faying run then ends with status 3 "

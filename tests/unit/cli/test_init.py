@@ -132,19 +132,6 @@ def test_what_a_deck_declares_is_not_repeated(tmp_path):
     assert case["forces"] == [{"deck_load": "step 1", "value": 1.0}]
 
 
-def test_hard_contact_with_friction_is_given_a_method_that_solves_it(tmp_path):
-    """Through a basis alone its points may contradict each other."""
-    path = tmp_path / "joint.inp"
-    hard = DECK.replace("LINEAR\n1.E6\n", "HARD\n")
-    for text, methods in (
-        (hard, ["craig-bampton", "compliance"]),
-        (hard.replace("*CONTACT PAIR", "*FRICTION\n0.15\n*CONTACT PAIR"), ["compliance"]),
-    ):
-        path.write_text(text)
-        study = first_study(path, tmp_path / "joint.toml")
-        assert tomllib.loads(study.text)["reduction"]["methods"] == methods
-
-
 def test_beams_that_clamp_bodies_are_bolts(tmp_path):
     lines = DECK.splitlines()
     at = lines.index("*PRE-TENSION SECTION, ELEMENT=3, NODE=104")
