@@ -140,7 +140,8 @@ def one_message(err: str) -> str:
     assert err.count("faying: ") == 1
     assert "Traceback" not in err
     assert err.endswith("\n")
-    assert err.count("\n") == 1  # one line, no empty ones of a progress bar
+    # One line, and one for each fault of a table; no empty ones of a progress bar.
+    assert err.count("\n") == 1 + err.count("\n  - line ")
     return err.removeprefix("faying: ")
 
 
@@ -228,10 +229,10 @@ def test_unconstrained_body_in_a_process_of_its_own(tmp_path):
     ("text", "parts"),
     [
         (b"0,0\n1,1\n0.5,2\n", ["line 3", "0.5 does not come after 1", "must increase"]),
-        (b"time,value\n0,0\n1,abc\n", ["line 3", "'1,abc'", "expected two numbers"]),
-        (b"0,0\n1,nan\n", ["line 2", "not finite", "correct the line"]),
-        (b"", ["found 0 samples", "expected two or more lines"]),
-        (b"\xff\xfe\x00\x81", ["no UTF-8 text", "give lines 'time, value'"]),
+        (b"time,value\n0,0\n1,abc\n", ["line 3", "found 'abc' in column 'value'"]),
+        (b"0,0\n1,nan\n", ["line 2", "found 'nan'", "expected finite numbers"]),
+        (b"", ["push.csv is empty", "give a line of column names"]),
+        (b"\xff\xfe\x00\x81", ["no UTF-8 text", "give a csv file in UTF-8"]),
         (None, ["'push.csv' does not exist", "relative to the study file"]),
     ],
 )
