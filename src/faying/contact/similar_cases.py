@@ -73,15 +73,13 @@ def solve_similar(
     floor = np.maximum(COUNTS * np.abs(p).max(axis=0, initial=0.0), np.finfo(float).tiny)
     steps, previous = np.zeros(len(free), dtype=np.int64), np.full(len(free), np.inf)
     formed, lost = np.zeros((2, len(free)), dtype=bool)
-    changed, going = (
-        _Changed.of(G, pairs.glued.compliance, np.empty(0, dtype=np.int64)),
-        np.arange(len(free)),
-    )
+    changed = _Changed.of(G, pairs.glued.compliance, np.empty(0, dtype=np.int64))
+    going = np.arange(len(free))
     while len(going):
         pressed[:, going], K = laws.side_by_side(z[:, going])
-        rest = p[:, going] - pairs.transposed @ pressed[:, going]
+        residual = p[:, going] - pairs.transposed @ pressed[:, going]
         largest = np.maximum(pressed[:, going].max(axis=0, initial=0.0), floor[going])
-        left = np.abs(rest).max(axis=0, initial=0.0) / largest
+        left = np.abs(residual).max(axis=0, initial=0.0) / largest
         solved = left <= SOLVED
         # What steps summed up is formed once more, by S.
         forming = solved & ~formed[going]
@@ -93,13 +91,13 @@ def solve_similar(
         z[:, again] = G @ (y_f[:, again] + S @ p[:, again]) + initial
         formed[again], lost[going[stuck]] = True, True
         walking = ~(forming | ended | stuck)
-        cases, rest, K = going[walking], rest[:, walking], K[:, walking]
+        cases, residual, K = going[walking], residual[:, walking], K[:, walking]
         if len(cases):
             changed = changed.with_all(G, K - springs.T)
-            d = changed.step(rest, K - springs.T)
+            d = changed.step(residual, K - springs.T)
             along = G @ d
-            resisted = -rest - pairs.transposed @ (K * along)
-            length = _lengths(laws, z[:, cases], pressed[:, cases], along, rest, d, resisted)
+            resisted = -residual - pairs.transposed @ (K * along)
+            length = _lengths(laws, z[:, cases], pressed[:, cases], along, residual, d, resisted)
             p[:, cases] += length * resisted
             z[:, cases] += length * along
             steps[cases] += 1
@@ -143,18 +141,20 @@ class _Changed:
         points = np.union1d(self.points, np.flatnonzero(change.any(axis=1)))
         return self if len(points) == len(self.points) else self.of(G, self.U, points)
 
-    def step(self, rest: Matrix, change: Matrix) -> Matrix:
+    def step(self, residual: Matrix, change: Matrix) -> Matrix:
         """Return d (n_relative, n_case) of (F13) for R and ΔK."""
-        d = -(self.U @ rest)
+        d = -(self.U @ residual)
         alone, springs = self.rows @ d, change[self.points]
-        taken = np.zeros_like(springs)
+        opposed = np.zeros_like(springs)
         for case, spring in enumerate(springs.T):
-            own = np.flatnonzero(spring)
-            system = self.between[own].take(own, axis=1) * spring[own]
-            system.flat[:: len(own) + 1] += 1.0
-            if len(own):
-                taken[own, case] = spring[own] * lapack.dgesv(system, alone[own, case])[2]
-        return np.asarray(d - self.U @ (self.rows.T @ taken))
+            turned = np.flatnonzero(spring)
+            system = self.between[turned].take(turned, axis=1) * spring[turned]
+            system.flat[:: len(turned) + 1] += 1.0
+            if len(turned):
+                opposed[turned, case] = (
+                    spring[turned] * lapack.dgesv(system, alone[turned, case])[2]
+                )
+        return np.asarray(d - self.U @ (self.rows.T @ opposed))
 
 
 def _lengths(
@@ -162,12 +162,12 @@ def _lengths(
     z: Matrix,
     forces: Matrix,
     along: Matrix,
-    rest: Matrix,
+    residual: Matrix,
     d: Matrix,
     resisted: Matrix,
 ) -> Vector:
     """Return the length of the step of each case (n_case,): whole, or where dᵀR vanishes."""
-    at_first, curvature = (d * rest).sum(axis=0), (d * resisted).sum(axis=0)
+    at_first, curvature = (d * residual).sum(axis=0), (d * resisted).sum(axis=0)
 
     def slope(cases: Indices, length: Vector) -> Vector:
         moved = along[:, cases]

@@ -15,10 +15,10 @@ def similar_groups(vectors: Matrix, size: int) -> list[Indices]:
         count = -(-len(rows) // size)
         if count <= 1:
             return [rows] if len(rows) else []
-        own = vectors[rows]
-        end = own[((own - own.mean(axis=0)) ** 2).sum(axis=1).argmax()]
-        other = own[((own - end) ** 2).sum(axis=1).argmax()]
-        order = rows[np.argsort(own @ (other - end), kind="stable")]
+        inside = vectors[rows]
+        end = inside[((inside - inside.mean(axis=0)) ** 2).sum(axis=1).argmax()]
+        opposite = inside[((inside - end) ** 2).sum(axis=1).argmax()]
+        order = rows[np.argsort(inside @ (opposite - end), kind="stable")]
         middle = len(rows) * (count // 2) // count
         return divided(order[:middle]) + divided(order[middle:])
 

@@ -156,10 +156,10 @@ def solved_cases(
             if begun is None:
                 central = ((shapes[cases] - shapes[cases].mean(axis=0)) ** 2).sum(axis=1).argmin()
                 first = solver.solve(free[cases[central]], contact.offset()).moved
-                near = np.broadcast_to(first, (len(cases), len(first)))
+                begin = np.broadcast_to(first, (len(cases), len(first)))
             else:
-                near = begun[cases]
-            solution = solve_similar(solver, free[cases], near)
+                begin = begun[cases]
+            solution = solve_similar(solver, free[cases], begin)
             forces[cases], gaps[cases], iterations[cases] = solution
         return forces, gaps, iterations, errors
     for (case,) in similar_groups(shapes, 1):
