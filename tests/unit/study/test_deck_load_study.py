@@ -239,14 +239,14 @@ ONE = "{ deck_load = 8, value = 1.0 }"
     [
         (
             '{ deck_load = "77", value = 1.0 }',
-            ["'deck_load' in [[load_case]] number 1, forces number 1 of study.toml (line 40)",
+            ["'deck_load' in [[load_case]] number 1, forces number 1 of study.toml (line 39)",
              "joint.bdf has no load '77'; did you mean '7'?"],
         ),
         ('{ deck_load = "gust", value = 1.0 }', ["no load 'gust'; known are '7', '8'"]),
         ('{ deck_load = "9", value = 1.0 }', ["no load '9'; left out: load set 9 (", "ACCEL1"]),
         (
             '{ deck_load = "8", boundary = "tip", value = 1.0 }',
-            ["[[load_case]] number 1, forces number 1 of study.toml (line 40)",
+            ["[[load_case]] number 1, forces number 1 of study.toml (line 39)",
              "found 'deck_load' and 'boundary'; a load is one or the other"],
         ),
         ('{ boundary = "tip", value = 1.0 }', ["missing key 'component'", "or 'deck_load'"]),
