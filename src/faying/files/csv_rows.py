@@ -1,10 +1,11 @@
-"""Rows of csv files, whatever stands in them."""
+"""Rows of csv files, whatever stands in them, and new ones."""
 
 import csv
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from faying.exceptions import FormatError
+from faying.files.atomic import replacing
 
 
 def csv_rows(
@@ -29,3 +30,22 @@ def csv_rows(
         line = first + rows.line_num - 1
         message = f"{path}, line {line}: {error}; close quotes, and separate cells by commas"
         raise FormatError(message) from None
+
+
+def write_rows(path: Path, rows: Iterable[Iterable[object]], number: str = "%.7g") -> None:
+    """Write rows, the names of the columns first, atomically.
+
+    Parameters
+    ----------
+    number
+        Format of numbers that are no whole ones.
+
+    Raises
+    ------
+    FormatError
+        If the file cannot be written.
+    """
+    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        for row in rows:
+            table.writerow(number % value if isinstance(value, float) else value for value in row)

@@ -1,6 +1,5 @@
 """Find the parameters of a study by its measured curves, and the band of what is not known."""
 
-import csv
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -18,7 +17,8 @@ from faying.exceptions import StudyError
 from faying.execution.campaign import run_campaign
 from faying.execution.checkpoint import Checkpoint
 from faying.execution.executor import Executor
-from faying.files.atomic import replacing, write_text
+from faying.files.atomic import write_text
+from faying.files.csv_rows import write_rows
 from faying.files.lock import held
 from faying.files.names import file_names
 from faying.report.figures.measured import draw_band, draw_fit
@@ -199,10 +199,7 @@ def _columns(band: BackboneBand) -> dict[str, list[float]]:
 
 def _write(path: Path, columns: Mapping[str, Sequence[Any]]) -> None:
     """Write columns as csv; what is None stays empty."""
-    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(columns)
-        writer.writerows(zip(*columns.values(), strict=True))
+    write_rows(path, (columns, *zip(*columns.values(), strict=True)), "%s")
 
 
 def _told(result: Identification, measured: Sequence[MeasuredCurve]) -> dict[str, Any]:

@@ -1,13 +1,12 @@
 """Plan how the bolts of a study are tightened."""
 
-import csv
 from collections.abc import Mapping
 from pathlib import Path
 
 from faying.assessment.strength.thread import tightening_stress
 from faying.assessment.strength.tightening import force_of_torque
 from faying.exceptions import StudyError
-from faying.files.atomic import replacing
+from faying.files.csv_rows import write_rows
 from faying.linalg.threads import one_thread
 from faying.simulation.tightening_plan import TighteningPlan, tightening_plan
 from faying.simulation.without_friction import smooth_joint
@@ -100,17 +99,10 @@ def write_plan(plan: TighteningPlan, path: Path, torques: Mapping[str, float]) -
     FormatError
         If it cannot be written.
     """
-    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        force_columns = (f"{name} after" for name in plan.bolts)
-        writer.writerow(
-            ["turn", "pass", "bolt", "tighten to", "share of preload", "torque", *force_columns]
-        )
-        columns = (plan.passes, plan.turned, plan.settings, plan.shares, plan.bolt_forces)
-        for turn, (of_pass, bolt, setting, share, forces) in enumerate(
-            zip(*columns, strict=True), 1
-        ):
-            torque = f"{setting * torques[bolt]:.7g}" if bolt in torques else ""
-            force_texts = (f"{value:.7g}" for value in forces)
-            row = [turn, of_pass, bolt, f"{setting:.7g}", f"{share:.7g}", torque, *force_texts]
-            writer.writerow(row)
+    header = ["turn", "pass", "bolt", "tighten to", "share of preload", "torque"]
+    rows: list[list[object]] = [[*header, *(f"{name} after" for name in plan.bolts)]]
+    columns = (plan.passes, plan.turned, plan.settings, plan.shares, plan.bolt_forces)
+    for turn, (of_pass, bolt, setting, share, forces) in enumerate(zip(*columns, strict=True), 1):
+        torque = setting * torques[bolt] if bolt in torques else ""
+        rows.append([turn, of_pass, bolt, setting, share, torque, *forces])
+    write_rows(path, rows)

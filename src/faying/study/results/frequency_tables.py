@@ -1,13 +1,13 @@
 """Frequency responses of a run as csv files that other programs read."""
 
-import csv
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
 
 from faying.assessment.response_curve import ResponseCurve
-from faying.files.atomic import replacing
+from faying.files.csv_rows import write_rows
 from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.results.metric_table import DIGITS
 
@@ -56,17 +56,10 @@ def write_frequency_tables(records: Mapping[str, FrequencyRecord], folder: Path)
     if not records:
         return
     curves = ((name, curve) for name, record in records.items() for curve in record.response.curves)
-    _write(folder / "frf.csv", RESPONSES, (row for pair in curves for row in _responses(*pair)))
+    responses = (row for pair in curves for row in _responses(*pair))
+    write_rows(folder / "frf.csv", chain([RESPONSES], responses), DIGITS)
     peaks = (row for name, record in records.items() for row in _peaks(name, record))
-    _write(folder / "peaks.csv", PEAKS, peaks)
-
-
-def _write(path: Path, header: tuple[str, ...], rows: Iterable[tuple[object, ...]]) -> None:
-    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(header)
-        for row in rows:
-            table.writerow(DIGITS % value if isinstance(value, float) else value for value in row)
+    write_rows(folder / "peaks.csv", chain([PEAKS], peaks), DIGITS)
 
 
 def _responses(name: str, curve: ResponseCurve) -> Iterator[tuple[object, ...]]:
