@@ -51,12 +51,12 @@ def not_judged(loads: LoadSet, static: SolvedCases | None, *, rubs: bool) -> lis
             "opening and sliding factors, and slip at the ends of the scatter: faying run follows "
             "joints with friction"
         ]
-    few = len(deciding_loads(loads, static))
-    if few == len(loads.names):
+    n_judged = len(deciding_loads(loads, static))
+    if n_judged == len(loads.names):
         return []
     return [
         "opening, clamp around bolts, and ends of the scatter: beyond the "
-        f"{few} of {len(loads.names)} static cases in which some metric is worst"
+        f"{n_judged} of {len(loads.names)} static cases in which some metric is worst"
     ]
 
 
@@ -96,7 +96,7 @@ def followed_loads(
 
 def judged_loads(
     rom: ReducedModel,
-    rest: CaseState,
+    at_rest: CaseState,
     loads: Sequence[InputRow],
     followed: Collection[str],
     requirements: Requirements,
@@ -117,12 +117,12 @@ def judged_loads(
         rom, rom.interfaces, rom.tangential, names, inputs, solution.pressure, coefficients
     )
     states = {name: state_of(solution, row, bent) for row, name in enumerate(names)}
-    return judged(rom.interfaces, rom.bolts, rest, states, requirements, paths, demands=demands)
+    return judged(rom.interfaces, rom.bolts, at_rest, states, requirements, paths, demands=demands)
 
 
 def loosened_checks(
     rom: ReducedModel,
-    rest: CaseState,
+    at_rest: CaseState,
     loads: Sequence[InputRow],
     nominal: Assessment,
     requirements: Requirements,
@@ -130,9 +130,9 @@ def loosened_checks(
     ranges: Mapping[str, PreloadRange],
 ) -> tuple[Check, ...]:
     """Return the checks of opening and slip at P_p,min; none where preloads do not scatter."""
-    initial = loosest_forces(rom, rest, ranges)
+    initial = loosest_forces(rom, at_rest, ranges)
     if initial is None:
         return ()
     opens = opening_cases(nominal)
-    loose = judged_loads(rom, rest, loads, opens, requirements, coefficients, initial)
+    loose = judged_loads(rom, at_rest, loads, opens, requirements, coefficients, initial)
     return loosest_checks(loose, rom.unit_set)

@@ -73,7 +73,7 @@ def solved_strength(
     judged: BoltStrengths,
     rom: ReducedModel,
     sets: Mapping[str, SolvedCases],
-    rest: CaseState,
+    at_rest: CaseState,
     loads: LoadSet,
     deciding: Sequence[InputRow],
     limits: Mapping[str, float],
@@ -87,7 +87,7 @@ def solved_strength(
     ----------
     sets
         Solved cases: static ones under an empty name, and transients by name.
-    rest
+    at_rest
         The preloaded state.
     deciding
         Static cases without friction that are solved anew.
@@ -102,7 +102,7 @@ def solved_strength(
     }
     anew = {load.name: load for load in deciding}
     ends = preload_ends(
-        rom, rest, nominal, anew, judged.ranges, judged.tightened, judged.temperatures
+        rom, at_rest, nominal, anew, judged.ranges, judged.tightened, judged.temperatures
     )
     if ends[0].solved:
         yield from clamp_checks(ends, rom.interfaces, rom.bolts, limits, rom.units)

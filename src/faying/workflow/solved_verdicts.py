@@ -128,18 +128,18 @@ def solved_assessment(
     strength = BoltStrengths() if strengths is None else strengths
     sets = {**({} if static is None else {"": static}), **transients}
     preloaded = solve_static(rom) if preload_state is None else preload_state
-    rest, rubs = rest_of(rom, preloaded), bool(len(rom.contact.rubbing))
+    at_rest, rubs = rest_of(rom, preloaded), bool(len(rom.contact.rubbing))
     coefficients = strength.rubbing(rom.interfaces) | _coefficients(requirements, rom)
     deciding = [] if rubs else deciding_loads(loads, static)
     followed = []
     if static is not None and deciding:
         followed = followed_loads(requirements, rom, loads, static, deciding)
     names = {load.name for load in deciding}
-    each = [*deciding, *(load for load in followed if load.name not in names)]
+    judged_cases = [*deciding, *(load for load in followed if load.name not in names)]
     nominal = None
-    if each:
+    if judged_cases:
         opens = {load.name for load in followed}
-        nominal = judged_loads(rom, rest, each, opens, requirements, coefficients)
+        nominal = judged_loads(rom, at_rest, judged_cases, opens, requirements, coefficients)
     demands = _slip_demands(requirements, rom, static)
     limits = wanted_clamps(requirements.min_clamp_force, rom.interfaces)
     factors = [] if nominal is None else _opening_verdicts(nominal)
@@ -166,10 +166,12 @@ def solved_assessment(
         },
         verdicts=tuple(solved_verdicts(requirements, rom, sets, factors, preload_state)),
         open_below=requirements.open_share,
-        checks=tuple(solved_strength(strength, rom, sets, rest, loads, deciding, limits)),
+        checks=tuple(solved_strength(strength, rom, sets, at_rest, loads, deciding, limits)),
         loosened=()
         if nominal is None
-        else loosened_checks(rom, rest, each, nominal, requirements, coefficients, strength.ranges),
+        else loosened_checks(
+            rom, at_rest, judged_cases, nominal, requirements, coefficients, strength.ranges
+        ),
     )
     factored = deciding_loads(loads, static)
     if strength.margins is None or (strength.margins.standard == NASA and not factored):
@@ -192,7 +194,7 @@ RUBBED_OPENING = "it is followed with friction by faying run alone"
 
 
 def _opening_verdicts(nominal: Assessment) -> list[Verdict]:
-    return [one for one in nominal.verdicts if one.requirement == "min_opening_factor"]
+    return [verdict for verdict in nominal.verdicts if verdict.requirement == "min_opening_factor"]
 
 
 def _bolt(
