@@ -174,13 +174,13 @@ class GluedPairs:
 
         Notes
         -----
-        Two inverses, 2 n³ multiplications for n relative displacements, and up to three
-        factorizations to find the points that bolts press on.
+        Two inverses, 2 n³ multiplications for n relative displacements, and a few factorizations
+        of those along normals to find the points that bolts press on.
         """
         structure = frozen(_inverse(S, REGULAR))
         points, glued = PointSprings(G=G, components=len(springs)), springs
         if pulled is not None:
-            glued = springs * _pressed(points, springs, structure, pulled)
+            glued = springs * _pressed(points, springs, S, pulled)
         return cls(
             points=points,
             structure=structure,
@@ -392,18 +392,22 @@ def _factorized(matrix: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], Indices]:
     return lu, pivots
 
 
-def _pressed(points: PointSprings, springs: Matrix, stiffness: Matrix, pulled: Vector) -> Vector:
-    """Return ones (n_point,) at points that the bolts press on, all of them where none is left."""
+def _pressed(points: PointSprings, springs: Matrix, S: Matrix, pulled: Vector) -> Vector:
+    """Return ones (n_point,) at points that the bolts press on, all of them where none is left.
+
+    Along normals alone: what sticks there makes little difference.
+    """
     every = np.ones(springs.shape[1])
+    gaps = points.G[: len(every)]
+    felt = np.flatnonzero(abs(gaps).sum(axis=0))
+    normal = PointSprings(G=gaps[:, felt], components=1)
+    stiffness, moved = _inverse(S[felt].take(felt, axis=1), 0.0), pulled[felt]
     pressed = every
     for _ in range(ROUNDS):
-        glue = points.of_diagonal(springs * pressed)
-        # Which points they are needs few digits.
-        system = stiffness.astype(np.float32)
+        glue, system = normal.of_diagonal(springs[:1] * pressed), stiffness.copy()
         _add(system, glue)
-        factor = cho_factor(system, overwrite_a=True)
-        moved = pulled - cho_solve(factor, (glue @ pulled).astype(np.float32))
-        previous, pressed = pressed, 1.0 * (points.G[: len(every)] @ moved < 0)
+        lifted = moved - cho_solve(cho_factor(system, overwrite_a=True), glue @ moved)
+        previous, pressed = pressed, 1.0 * (normal.G @ lifted < 0)
         if np.array_equal(previous, pressed):
             break
     return pressed if pressed.any() else every
