@@ -194,10 +194,6 @@ class FrictionalContact:
         slack: Matrix = self.steps.moved(x) + self.laws.closure(x)[0] + z_free
         return slack + added * self.steps.own * x if added else slack
 
-    def trial(self, increment: Increment) -> Matrix:
-        """Return x − r z (3, n_point) of an increment, which says on what side every point is."""
-        return np.asarray(increment.forces - self.scale * increment.slack)
-
     def _residual(self, x: Matrix, z: Matrix, pressing: Vector | None) -> Matrix:
         """F of (F1), with tangential forces held by fixed normal ones where they are given."""
         return np.asarray(x - self.laws.admissible(x - self.scale * z, pressing))

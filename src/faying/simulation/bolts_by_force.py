@@ -172,26 +172,16 @@ class BoltsByForce:
         every = list(self.joint.bolts.values())
         return np.array([every[bolt].stiffness for bolt in self.bolts])
 
-    @property
-    def _columns(self) -> Matrix:
-        """C (n_known, n_relative) [length/force]."""
-        ports = self.joint.port_compliance
-        return ports.contact_columns[ports.bolts][self.bolts]
-
-    @property
-    def _core(self) -> Matrix:
-        """1/k − ι (n_known, n_known) [length/force]."""
-        ports = self.joint.port_compliance
-        rows = ports.input_rows[ports.bolts, ports.bolts]
-        return np.asarray(np.diag(1.0 / self._stiffness) - rows[np.ix_(self.bolts, self.bolts)])
-
     @cached_property
     def _loosened(self) -> tuple[GluedPairs, Matrix, Matrix]:
         """The pairs without the springs of the known bolts, z and M."""
         pairs = cast("YieldingContact", self.joint.static_contact.cases).pairs
-        columns = self._columns
+        ports, bolts = self.joint.port_compliance, self.bolts
+        columns = ports.contact_columns[ports.bolts][bolts]
+        rows = ports.input_rows[ports.bolts, ports.bolts]
         shapes = np.array([pairs.resisted(column) for column in columns])
-        yields = self._core + columns @ shapes.T
+        core = np.diag(1.0 / self._stiffness) - rows[np.ix_(bolts, bolts)]
+        yields = core + columns @ shapes.T
         return pairs.loosened(shapes, yields), shapes, yields
 
 
