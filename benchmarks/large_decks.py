@@ -245,7 +245,7 @@ def checked(path: Path) -> tuple[float, float, float, str]:
     """Return wall time, processor time [s], peak memory [GB] of a check, and what it said first."""
     start = time.perf_counter()
     with subprocess.Popen(
-        [sys.executable, "-m", "faying.cli", "check", str(path)],
+        [sys.executable, "-m", "faying", "check", str(path)],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,

@@ -32,7 +32,7 @@ named = pytest.mark.parametrize(
 def faying(arguments: list[str], folder: Path) -> None:
     """Run the command line in a folder and show what it says when it fails."""
     done = subprocess.run(
-        [sys.executable, "-m", "faying.cli", *arguments],
+        [sys.executable, "-m", "faying", *arguments],
         cwd=folder,
         env={**os.environ, "OMP_NUM_THREADS": "1"},
         capture_output=True,

@@ -2,6 +2,7 @@
 
 import shlex
 import signal
+import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -23,6 +24,9 @@ def _terminate(_signal: int, _frame: FrameType | None) -> NoReturn:
     raise _Terminated
 
 
+ANSWERS = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: _terminate}
+
+
 @contextmanager
 def resumable(command: Sequence[str], folder: Path, others: str = "") -> Iterator[None]:
     """Say how to go on with a command that is stopped, and end with the status of the signal.
@@ -36,10 +40,11 @@ def resumable(command: Sequence[str], folder: Path, others: str = "") -> Iterato
     others
         What else to give.
     """
-    try:
-        handler = signal.signal(signal.SIGTERM, _terminate)
-    except ValueError:  # not the main thread, which alone hears signals
-        handler = None
+    handlers = {}
+    if threading.current_thread() is threading.main_thread():  # which alone hears signals
+        for number, answer in ANSWERS.items():
+            if signal.getsignal(number) is not signal.SIG_IGN:
+                handlers[number] = signal.signal(number, answer)
     try:
         yield
     except KeyboardInterrupt as stopped:
@@ -52,5 +57,5 @@ def resumable(command: Sequence[str], folder: Path, others: str = "") -> Iterato
         status = TERMINATED if isinstance(stopped, _Terminated) else INTERRUPTED
         raise typer.Exit(status) from None
     finally:
-        if handler is not None:
-            signal.signal(signal.SIGTERM, handler)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)

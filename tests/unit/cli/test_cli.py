@@ -78,7 +78,7 @@ def test_bad_study_is_one_message_and_no_traceback(tmp_path):
     path = tmp_path / "STUDY.toml"
     path.write_text(EXAMPLE.read_text().replace("preload", "prelaod"))
     for command in ("run", "check"):
-        arguments = [sys.executable, "-m", "faying.cli", command, str(path)]
+        arguments = [sys.executable, "-m", "faying", command, str(path)]
         found = subprocess.run(arguments, capture_output=True, text=True, cwd=tmp_path, check=False)
         assert found.returncode == 2
         assert found.stdout == ""

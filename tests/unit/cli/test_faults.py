@@ -17,6 +17,7 @@ import typer
 from rich.console import Console
 
 from fake_results import fake_results
+from faying import __main__ as entry
 from faying.cli import progress
 from faying.cli.interruption import resumable
 from faying.cli.outcome import show_outcome
@@ -60,7 +61,7 @@ def study(tmp_path):
 
 def call(study, *options, limit=None):
     """Run the command in a process of its own, with a limit to the size of its files."""
-    arguments = [sys.executable, "-m", "faying.cli", "run", study.name, "--out", "out", *options]
+    arguments = [sys.executable, "-m", "faying", "run", study.name, "--out", "out", *options]
     before = (lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))) if limit else None
     return subprocess.run(
         arguments,
@@ -168,7 +169,7 @@ def test_interrupted_run_says_how_to_go_on(study, stop, status):
         'kind = "static"', 'kind = "step"\nstep = 1e-6\nduration = 0.1'
     )
     study.write_text(text)
-    arguments = [sys.executable, "-m", "faying.cli", "run", study.name, "--out", "a folder"]
+    arguments = [sys.executable, "-m", "faying", "run", study.name, "--out", "a folder"]
     process = subprocess.Popen(
         arguments,
         cwd=study.parent,
@@ -211,6 +212,28 @@ def test_a_command_interrupted_early_says_how_to_begin_again(tmp_path, capsys, s
     assert ended.value.exit_code == status
     said = "Interrupted; nothing was finished yet. Begin again with\n  faying run 'a b.toml'\n"
     assert capsys.readouterr().err == said
+
+
+@pytest.mark.parametrize(
+    ("stop", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)], ids=["Ctrl-C", "kill"]
+)
+def test_a_command_interrupted_before_it_is_read_in_says_so(monkeypatch, capsys, stop, status):
+    def stopped():
+        os.kill(os.getpid(), stop)
+        time.sleep(5)
+
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    monkeypatch.setattr("faying.cli.main", stopped)
+    try:
+        with pytest.raises(SystemExit) as ended:
+            entry.main()
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    assert ended.value.code == status
+    expected = "Interrupted; nothing was begun. Give the same command again\n"
+    assert capsys.readouterr().err == expected
 
 
 @pytest.mark.long
@@ -290,7 +313,7 @@ def test_names_too_long_for_files():
 @pytest.mark.long
 def test_control_characters_do_not_reach_the_terminal(tmp_path):
     (tmp_path / "study.toml").write_text('[model]\nsource = "\\u001b[31m"\n')
-    arguments = [sys.executable, "-m", "faying.cli", "check", "study.toml"]
+    arguments = [sys.executable, "-m", "faying", "check", "study.toml"]
     ended = subprocess.run(arguments, capture_output=True, cwd=tmp_path, check=False)
     assert ended.returncode == 2
     assert b"\x1b" not in ended.stderr

@@ -206,7 +206,7 @@ def test_study(refused, deck, tmp_path, command, old, new, parts):
 @pytest.mark.parametrize("command", ["check", "run"])
 def test_missing_study(tmp_path, command):
     """In a process of its own, as a user calls it."""
-    arguments = [sys.executable, "-m", "faying.cli", command, "nothing.toml"]
+    arguments = [sys.executable, "-m", "faying", command, "nothing.toml"]
     found = subprocess.run(arguments, capture_output=True, text=True, cwd=tmp_path, check=False)
     assert found.returncode == 2
     assert found.stdout == ""
@@ -218,7 +218,7 @@ def test_unconstrained_body_in_a_process_of_its_own(tmp_path):
     """Late enough that the progress bar has started."""
     deck_of(unheld(), tmp_path)
     (tmp_path / "study.toml").write_text(DECK_STUDY)
-    arguments = [sys.executable, "-m", "faying.cli", "run", "study.toml"]
+    arguments = [sys.executable, "-m", "faying", "run", "study.toml"]
     found = subprocess.run(arguments, capture_output=True, text=True, cwd=tmp_path, check=False)
     assert found.returncode == 2
     assert found.stdout == ""
