@@ -78,6 +78,14 @@ def test_a_run_keeps_its_levels_and_resumes(folder, monkeypatch):
     assert found.converged
     (named,) = found.summary["frequencies"].values()
     assert [one["level"] for one in named["levels"]] == [0.1, 1.0]
+    verdict = found.summary["verdict"]
+    assert verdict["holds"]
+    # What decides is unknown, and the row says what was found where.
+    assert {row["verdict"] for row in verdict["table"]} == {"unknown"}
+    said = " ".join(verdict["open_questions"])
+    assert "force ranges over" in said
+    assert "pressure reaches" in said
+    assert "under shaker, level 1 at" in said
     kept = read_results(out / "results.h5")
     assert summarize(kept)["frequencies"] == found.summary["frequencies"]
     record = kept.frequencies["shaker"]
