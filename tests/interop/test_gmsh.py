@@ -1,5 +1,6 @@
 """Meshes that gmsh itself makes: fragmented parts, and parts meshed apart with matching faces."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 
 import faying as fy
 from faying.exceptions import ModelError
+from faying.model.assembly import Spring
 
 try:
     import gmsh
@@ -72,7 +74,7 @@ def joint_of(path, **options):
     return fy.read_mesh(
         path,
         materials={"default": STEEL},
-        supports={"clamp": (0, 1, 2)},
+        supports=options.pop("supports", {"clamp": (0, 1, 2)}),
         interfaces=[JOINT],
         bolts=[BOLT],
         boundaries=[TIP],
@@ -109,6 +111,37 @@ def test_tetrahedra_agree_with_the_built_in_bricks(model, tmp_path: Path):
     tips = [answer(joint).displacement("tip")[2] for joint in (ours, bricks)]
     # two meshes of quadratic elements; washers seat on different nodes, worth a percent or two
     assert tips[0] == pytest.approx(tips[1], rel=0.03)
+
+
+@pytest.mark.long
+def test_a_free_joint_vibrates_as_on_soft_springs(model, tmp_path: Path):
+    """Full and reduced, elastic modes counted from 1."""
+    fragment(model)
+    path = meshed(model, tmp_path / "lap.msh", order=1)
+    free = joint_of(path, separate=["upper"], supports={}).with_bolt_forces({"bolt": 10e3})
+    assert free.rigid_motions.shape[1] == 6
+    mesh = free.assembly.mesh
+    ends = mesh.nodes[:, 0].argmin(), mesh.nodes[:, 0].argmax(), mesh.nodes[:, 1].argmax()
+    # On which it swings at 0.6 Hz and less: (0.6/658)² is 1e-6.
+    springs = tuple(
+        Spring(id=free.assembly.largest_id + 1 + 3 * i + c, ends=((int(node), c),), stiffness=1e-3)
+        for i, node in enumerate(ends)
+        for c in range(3)
+    )
+    bolt = fy.BoltSpec(name="bolt", elements=[beam.id for beam in free.assembly.beams])
+    hung = replace(free.assembly, springs=springs)
+    soft = fy.build_model(hung, interfaces=[JOINT], bolts=[bolt])
+    soft = soft.with_bolt_forces({"bolt": 10e3})
+    np.testing.assert_allclose(
+        fy.preloaded_frequencies(free, 3), fy.preloaded_frequencies(soft, 9)[6:], rtol=1e-5
+    )
+    rubbing = free.with_friction(0.2)
+    reduced = fy.reduce(rubbing, fy.craig_bampton(rubbing, normal_modes=40), compliance=True)
+    full, fast = (fy.backbone(one, 1, [0.05], increments=8) for one in (rubbing, reduced))
+    # With 20 normal modes it was 3e-4 off.
+    assert fast.frequency[0] == pytest.approx(full.frequency[0], rel=2e-4)
+    assert fast.friction_damping[0] == pytest.approx(full.friction_damping[0], rel=5e-3)
+    assert full.friction_damping[0] > 1e-5
 
 
 def test_parts_meshed_apart_match_by_periodic_faces(model, tmp_path: Path):

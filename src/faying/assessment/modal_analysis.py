@@ -32,7 +32,7 @@ from faying.exceptions import ModelError, naming
 from faying.joint.system import System
 from faying.simulation.cycles import MOST_CYCLES
 from faying.simulation.load import Load
-from faying.simulation.path import path_start, solve_path, warn_of_compiled
+from faying.simulation.path import path_start, solve_path
 from faying.simulation.solution import Solution
 
 SMALLEST_CONTACT_SHARE = 1e-6
@@ -141,7 +141,6 @@ def backbone(
     initial: Solution | None = None,
     increments: int = 50,
     masing: bool = False,
-    compiled: bool | None = None,
     progress: Callable[[int], object] | None = None,
 ) -> Backbone:
     """Compute frequency and damping of a mode over its amplitude, by full cycles.
@@ -171,8 +170,6 @@ def backbone(
     masing
         Give the result of Masing's rule too. It follows from the first quarter, and is wrong
         wherever normal forces change during a cycle.
-    compiled
-        Without effect.
     progress
         Called with 1 after each amplitude.
 
@@ -201,7 +198,6 @@ def backbone(
     >>> bool(found.damping_ratio[1] > found.damping_ratio[0])
     True
     """
-    warn_of_compiled(compiled)
     analysis = modal_analysis(
         system,
         mode,

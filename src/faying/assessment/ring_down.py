@@ -151,7 +151,7 @@ def ring_down(
     cycle = [replace(last, forces={**last.forces, name: force}) for force in to_and_fro.tolist()]
     energies = list[float]()
     while len(energies) < (MOST_CYCLES if cycles is None else cycles):
-        displaced = solve_path(pushed, cycle, initial=displaced, compiled=compiled)
+        displaced = solve_path(pushed, cycle, initial=displaced)
         energies.append(float(np.sum(displaced.dissipation)))
         if cycles is None and _repeats(energies, load**2 / circular**2):
             break

@@ -1,11 +1,13 @@
 """``faying check``: read everything, solve nothing, say what was understood."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from faying.cli.arguments import usable_folder
+from faying.digits import DECK_DIGITS
 
 if TYPE_CHECKING:
     from faying.joint.model import Model
@@ -78,7 +80,8 @@ def check(
     for doubt in [*constants, *filter(None, [shapes, *missing, *jumps]), *unjudged]:
         console.print(f"Doubtful: {doubt}", style="bold", highlight=False)
     if out is not None:
-        console.print(f"Wrote {_picture(loaded, model, out / 'model.png')}")
+        for path in (_picture(loaded, model, out / "model.png"), *_gap_pictures(model, out)):
+            console.print(f"Wrote {path}")
     if preview.free.count and not bare:
         # Last, so that what can move is seen in the tables and the picture first.
         check_held(model, REMEDY if loaded.weak_springs is None else REMEDY_BESIDE_SPRINGS)
@@ -97,3 +100,28 @@ def _picture(loaded: "LoadedModel", model: "Model", path: Path) -> Path:
     plot_model(model, figure.add_subplot(projection="3d"), bolts=ends)
     save(figure, path)
     return path
+
+
+def _gap_pictures(model: "Model", out: Path) -> Iterator[Path]:
+    """Draw the gap of each interface whose surfaces part, into a file of its own."""
+    from faying.files.names import file_names
+    from faying.reduction.projection import contact_surfaces
+    from faying.report.figures import plot_gap
+    from faying.report.figures.surface_map import map_panels
+    from faying.report.style import save
+    from faying.study.results.values import interface_record
+    from faying.units import units_of
+
+    surfaces, units = contact_surfaces(model), units_of(model.units)
+    stems = file_names(surfaces)
+    for name, surface in surfaces.items():
+        record = interface_record(surface, 0 * surface.weights)
+        gap, places = record.initial_gap, record.points
+        if gap.max() > DECK_DIGITS * (places.max(axis=0) - places.min(axis=0)).max():
+            figure, ((axes,),) = map_panels([record], 1, 9.0, 0.9)
+            plot_gap(record, gap, axes, units, largest=float(gap.max())).set_title(
+                f"{name}: gap before any load"
+            )
+            path = out / f"gap_{stems[name]}.png"
+            save(figure, path)
+            yield path

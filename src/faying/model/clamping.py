@@ -36,7 +36,8 @@ def check_clamping(mesh: Mesh, spec: BoltSpec, seats: tuple[Indices, Indices]) -
     nodes = ", ".join(map(str, mesh.node_ids[np.unique(np.concatenate(seats))][:4].tolist()))
     message = (
         f"bolt '{spec.name}' clamps nothing: head and nut hold the same body (at nodes {nodes}, …) "
-        "with no other between them; check that the parts have nodes of their own where they touch"
+        "with no other between them; give parts nodes of their own where they touch (separate of "
+        "[model], for a mesh file)"
     )
     raise ModelError(message)
 

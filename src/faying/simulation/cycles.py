@@ -16,7 +16,6 @@ from faying.simulation.path import (
     path_inputs,
     path_start,
     solve_path,
-    warn_of_compiled,
 )
 from faying.simulation.solution import Solution
 
@@ -66,7 +65,6 @@ def solve_cycles(
     *,
     increments: int = 10,
     count: int | None = None,
-    compiled: bool | None = None,
 ) -> Cycles:
     """Let a load go to and fro about the preloaded joint until its cycles repeat.
 
@@ -87,8 +85,6 @@ def solve_cycles(
         Increments of a quarter of a cycle.
     count
         Cycles to solve whatever they do; by default until they repeat.
-    compiled
-        Without effect.
 
     Raises
     ------
@@ -101,7 +97,6 @@ def solve_cycles(
     -----
     Four times ``increments`` for each cycle.
     """
-    warn_of_compiled(compiled)
     if not 0 < amplitude < np.inf or increments < 1:
         message = (
             f"found an amplitude of {amplitude:g} and {increments} increments; give a positive "

@@ -1,6 +1,5 @@
 """Quasi-static paths: increments of load, with friction that remembers its slip."""
 
-import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import final
@@ -29,8 +28,6 @@ def solve_path(
     loads: Sequence[Load],
     initial: Solution | None = None,
     name: str = "path",
-    *,
-    compiled: bool | None = None,
 ) -> Solution:
     """Solve a sequence of loads, each from where the one before left the joint.
 
@@ -45,9 +42,6 @@ def solve_path(
         Solution of an earlier path to go on from, its last state, of this joint or one with the
         same interfaces and the loads it carries; by default the joint is unstressed and nothing
         has slipped, so that the first increment tightens the bolts.
-
-    compiled
-        Without effect.
 
     Returns
     -------
@@ -72,7 +66,6 @@ def solve_path(
     contact, and a back-substitution. Without friction nothing is
     remembered, and the loads are cases of :func:`~faying.simulation.static.solve_static_cases`.
     """
-    warn_of_compiled(compiled)
     inputs = path_inputs(system, loads)
     if system.contact.forgets:
         solved = solve_static_inputs(system, inputs, name)
@@ -80,13 +73,6 @@ def solve_path(
     start, relative = path_start(system, initial), moved_alone(system, inputs)
     steps = list(follow(system.static_contact.increments, relative, start))
     return assembled(system, inputs, steps, name)
-
-
-def warn_of_compiled(compiled: bool | None) -> None:
-    """Warn of an argument that chose between two solvers where there is one now."""
-    if compiled is not None:
-        message = "'compiled' has no effect on increments any more: leave it out"
-        warnings.warn(message, DeprecationWarning, stacklevel=3)
 
 
 def path_inputs(system: System, loads: Sequence[Load]) -> Matrix:

@@ -238,15 +238,6 @@ def test_increments_begin_where_the_last_one_ended():
         assert start is step.increment
 
 
-def test_the_choice_of_compiled_increments_is_deprecated():
-    system = sliders()
-    with pytest.deprecated_call(match="'compiled' has no effect on increments any more"):
-        path = fy.solve_path(system, WAY, compiled=True)
-    np.testing.assert_array_equal(path.states, fy.solve_path(system, WAY).states)
-    with pytest.deprecated_call(match="leave it out"):
-        fy.solve_cycles(system, LOAD, 0.1, increments=1, count=1, compiled=False)
-
-
 LOAD = pulled(3.0, -2.0)
 
 

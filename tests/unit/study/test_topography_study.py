@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from faying.cli.check import check
 from faying.exceptions import ModelError, StudyError
 from faying.study.inputs.load_model import build
 from faying.study.keys.schema import parse_study
@@ -54,6 +55,13 @@ def test_the_gap_is_that_of_the_scan(built):
     (note,) = [text for text in model.assembly.ignored if text.startswith("topography")]
     assert note.startswith("topography of interface 'joint', plus: 1275 samples")
     assert "a tilt of 0.0005 removed" in note
+
+
+@pytest.mark.long
+def test_check_draws_the_gap(built, tmp_path):
+    (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
+    check(tmp_path / "study.toml", out=tmp_path)
+    assert (tmp_path / "gap_joint.png").stat().st_size > 0
 
 
 def test_both_keys_add_up(built):
