@@ -16,23 +16,18 @@ from typing import Any, final
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import LinAlgError, cho_factor, cho_solve, lapack, solve_triangular
+from scipy.linalg import LinAlgError, lapack
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
+from faying.contact.held_pairs import (
+    REGULAR,
+    HeldPairs,
+    anchored_pairs,
+    inverse,
+    pressed_points,
+)
 from faying.contact.point_springs import PointSprings
 from faying.linalg.gmres import corrected
-
-REGULAR = 1e-11
-"""Smallest over largest squared pivot of S from which it has an inverse worth using.
-
-Springs of 1 N/mm beside elasticity leave 1e-7, a basis of fewer modes than pairs 1e-16.
-"""
-
-ROUNDS = 3
-"""Times that points which the bolts pull apart are opened; the rest is left to Newton's method."""
-
-UNCHANGED = 1e-12
-"""Change of K at a point, over the largest K, that is round-off."""
 
 ACCURATE, LOOSE = 1e-5, 1e-3
 """Relative residuals of (F7): single precision leaves 1e-6, Newton's method corrects the rest."""
@@ -49,49 +44,6 @@ CHANGED, MOST_CHANGED = 0.1, 20
 MOST_BESIDE = 1.1
 """Pairs that a system may have over those of the factors at hand."""
 
-FREE, MOST_ANCHORS = 100.0, 100
-"""Motion of a pair beside that of its springs, from which a point there is kept closed.
-
-Factors in single precision have seven digits. A body that weak springs alone hold has 1e5.
-"""
-
-ROWS = 256
-"""Rows that are mirrored at once."""
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class HeldPairs:
-    """The structure on springs at its points.
-
-    Attributes
-    ----------
-    springs : (components, n_point) [force/length]
-        K₀, diagonal.
-    glue : (n_relative, n_relative), sparse or dense [force/length]
-        B₀.
-    compliance : (n_relative, n_relative) [length/force]
-        U.
-    """
-
-    springs: Matrix
-    glue: SparseMatrix | Matrix
-    compliance: Matrix
-
-    def change_to(self, K: Matrix) -> Matrix:
-        """Return K − K₀ (n_point, components, components), round-off taken for nothing."""
-        change, diagonal = K.copy(), np.arange(K.shape[1])
-        change[:, diagonal, diagonal] -= self.springs.T
-        change[np.abs(change) <= UNCHANGED * np.abs(K).max(initial=0.0)] = 0.0
-        return change
-
-    def loosened(self, shapes: Matrix, yields: Matrix) -> "HeldPairs":
-        """Return them less springs across the structure; see :meth:`GluedPairs.loosened`."""
-        moved = self.compliance @ shapes.T
-        core = yields - shapes @ moved
-        more = moved @ cho_solve(cho_factor((core + core.T) / 2), moved.T)
-        return replace(self, compliance=self.compliance + more)
-
 
 @final
 @dataclass(frozen=True, eq=False)
@@ -104,8 +56,10 @@ class Factors:
         What it was made of.
     reference
         Whose U; None where Σ + B itself is factorized.
-    rows : (n_row,)
-        r.
+    rows, columns
+        r and c.
+    between : (n_column, n_row) or None
+        U_cr, as long to gather as to multiply twice; None as of the reference.
     lu, pivots
         In single precision, double where that does not do.
     """
@@ -113,6 +67,8 @@ class Factors:
     K: Matrix
     reference: HeldPairs | None
     rows: Indices
+    columns: Indices
+    between: Matrix | None
     lu: Matrix
     pivots: Indices
 
@@ -177,15 +133,15 @@ class GluedPairs:
         Two inverses, 2 n³ multiplications for n relative displacements, and a few factorizations
         of those along normals to find the points that bolts press on.
         """
-        structure = frozen(_inverse(S, REGULAR))
+        structure = frozen(inverse(S, REGULAR))
         points, glued = PointSprings(G=G, components=len(springs)), springs
         if pulled is not None:
-            glued = springs * _pressed(points, springs, S, pulled)
+            glued = springs * pressed_points(points, springs, S, pulled)
         return cls(
             points=points,
             structure=structure,
-            glued=_held(points, glued, structure),
-            open=_anchored(points, springs, S),
+            glued=HeldPairs.on_springs(points, glued, structure),
+            open=anchored_pairs(points, springs, S),
         )
 
     def glued_by(self, springs: Matrix) -> "GluedPairs":
@@ -196,7 +152,7 @@ class GluedPairs:
         LinAlgError
             If these and the structure do not hold them.
         """
-        return replace(self, glued=_held(self.points, springs, self.structure))
+        return replace(self, glued=HeldPairs.on_springs(self.points, springs, self.structure))
 
     @property
     def G(self) -> SparseMatrix | Matrix:
@@ -254,7 +210,8 @@ class GluedPairs:
             if factors is None or not np.array_equal(K, factors.K):
                 both = self.structure.copy()
                 self.points.add_to(both, K)
-                factors = Factors(K, None, np.arange(len(both)), *_factorized(both))
+                every = np.arange(len(both))
+                factors = Factors(K, None, every, every, None, *_factorized(both))
             d = factors.solve(right)
             return d, self.structure @ d, factors
         changed = self._changed(K, right)
@@ -264,21 +221,22 @@ class GluedPairs:
         if factors is not None and factors.serve(K, changed.reference):
             together = np.concatenate([factors.rows, np.setdiff1d(changed.rows, factors.rows)])
             if len(together) <= MOST_BESIDE * len(factors.rows):
-                answer = changed.solved(together, changed.between(together), enough, factors)
+                between = changed.between(together, factors)
+                answer = changed.solved(together, between, enough, factors)
                 if answer is not None:
                     return *answer, factors
         between = changed.between(changed.rows)
         # What overflows single precision is solved in double.
         with np.errstate(over="ignore", invalid="ignore"):
             try:
-                factors = changed.factors(K, between.astype(np.float32))
+                factors = changed.factors(K, between, np.float32)
                 answer = changed.solved(changed.rows, between, enough, factors)
             except LinAlgError:
                 answer = None
         if answer is not None:
             return *answer, factors
         shared = changed.block[changed.rows] @ changed.moved[changed.columns]
-        exact = changed.factors(K, between).solve(shared)
+        exact = changed.factors(K, between, np.float64).solve(shared)
         return *changed.moved_by(changed.rows, exact), None
 
     def solved(self, springs: Matrix, right: Matrix) -> Matrix:
@@ -339,15 +297,20 @@ class _Changed:
     right: Matrix
     moved: Matrix
 
-    def between(self, rows: Indices) -> Matrix:
-        """Return U_cr of some rows."""
+    def between(self, rows: Indices, factors: Factors | None = None) -> Matrix:
+        """Return U_cr of some rows, which factors may hold."""
+        if factors is not None and factors.between is not None:
+            alike = (rows, factors.rows), (self.columns, factors.columns)
+            if all(np.array_equal(*indices) for indices in alike):
+                return factors.between
         return self.reference.compliance[self.columns].take(rows, axis=1)
 
-    def factors(self, K: Matrix, between: npt.NDArray[Any]) -> Factors:
-        """Factorize I + ΔB_rc U_cr, given U_cr, in its precision."""
-        product = self.block[self.rows].astype(between.dtype) @ between
+    def factors(self, K: Matrix, between: Matrix, precision: type[np.floating[Any]]) -> Factors:
+        """Factorize I + ΔB_rc U_cr, given U_cr, in single or double precision."""
+        product = self.block[self.rows].astype(precision) @ between.astype(precision)
         product.flat[:: len(product) + 1] += 1.0
-        return Factors(K, self.reference, self.rows, *_factorized(product))
+        lu = _factorized(product)
+        return Factors(K, self.reference, self.rows, self.columns, between, *lu)
 
     def moved_by(self, rows: Indices, taken: Matrix) -> tuple[Matrix, Matrix]:
         """Return d and Σ d of m at some rows."""
@@ -391,85 +354,3 @@ def _factorized(matrix: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], Indices]:
         message = "singular system of a Newton step"
         raise LinAlgError(message)
     return lu, pivots
-
-
-def _pressed(points: PointSprings, springs: Matrix, S: Matrix, pulled: Vector) -> Vector:
-    """Return ones (n_point,) at points that the bolts press on, all of them where none is left.
-
-    Along normals alone: what sticks there makes little difference.
-    """
-    every = np.ones(springs.shape[1])
-    gaps = points.G[: len(every)]
-    felt = np.flatnonzero(abs(gaps).sum(axis=0))
-    normal = PointSprings(G=gaps[:, felt], components=1)
-    stiffness, moved = _inverse(S[felt].take(felt, axis=1), 0.0), pulled[felt]
-    pressed = every
-    for _ in range(ROUNDS):
-        glue, system = normal.of_diagonal(springs[:1] * pressed), stiffness.copy()
-        _add(system, glue)
-        lifted = moved - cho_solve(cho_factor(system, overwrite_a=True), glue @ moved)
-        previous, pressed = pressed, 1.0 * (normal.G @ lifted < 0)
-        if np.array_equal(previous, pressed):
-            break
-    return pressed if pressed.any() else every
-
-
-def _anchored(points: PointSprings, springs: Matrix, S: Matrix) -> HeldPairs:
-    """Return a structure held at the points that move most, as long as these move far.
-
-    Cholesky's method with pivots finds them, and takes what they hold out of S.
-    """
-    sprung = points.of_diagonal(springs).diagonal()
-    remaining, shapes = sprung * np.diag(S), np.empty((0, len(S)))
-    chosen = list[int]()
-    n = springs.shape[1]
-    while len(chosen) < MOST_ANCHORS and remaining.max(initial=0.0) > FREE:
-        pivot = int(remaining.argmax())
-        column = S[pivot] - shapes[:, pivot] @ shapes
-        shapes = np.vstack([shapes, column / np.sqrt(column[pivot])])
-        remaining -= sprung * shapes[-1] ** 2
-        chosen.append(int(points.strongest(pivot)) % n)
-    anchors = springs * np.isin(np.arange(n), chosen)
-    rows = np.flatnonzero(anchors)
-    felt = np.asarray(points.G[rows] @ S)
-    core = np.diag(1.0 / anchors.ravel()[rows]) + np.asarray(points.G[rows] @ felt.T)
-    half = solve_triangular(np.linalg.cholesky((core + core.T) / 2), felt, lower=True)
-    return HeldPairs(anchors, points.of_diagonal(anchors), S - half.T @ half if chosen else S)
-
-
-def _held(points: PointSprings, springs: Matrix, structure: Matrix) -> HeldPairs:
-    """Return a structure on springs at its points."""
-    glue, both = points.of_diagonal(springs), structure.copy()
-    _add(both, glue)
-    return HeldPairs(frozen(springs), glue, frozen(_inverse(both, 0.0)))
-
-
-def _add(matrix: npt.NDArray[Any], entries: SparseMatrix | Matrix) -> None:
-    """Add a matrix, sparse without duplicates or dense, to a dense one in its place."""
-    if isinstance(entries, np.ndarray):
-        matrix += entries
-        return
-    where = entries.tocoo()
-    matrix[where.row, where.col] += where.data
-
-
-def _inverse(matrix: Matrix, smallest: float) -> Matrix:
-    """Return the inverse of a positive definite matrix, by Cholesky.
-
-    Raises
-    ------
-    LinAlgError
-        If a squared pivot is not positive, or below ``least`` times the largest.
-    """
-    lower, failed = lapack.dpotrf(matrix, lower=1, clean=0)
-    pivots = np.diag(lower)
-    if failed or pivots.min(initial=1) ** 2 < smallest * pivots.max(initial=1) ** 2:
-        message = "the matrix is not positive definite"
-        raise LinAlgError(message)
-    inverse: Matrix = np.ascontiguousarray(lapack.dpotri(lower, lower=1, overwrite_c=1)[0])
-    for row in range(0, len(inverse), ROWS):
-        strip = slice(row, row + ROWS)
-        inverse[strip, row + ROWS :] = inverse[row + ROWS :, strip].T
-        corner = inverse[strip, strip]
-        inverse[strip, strip] = np.tril(corner) + np.tril(corner, -1).T
-    return inverse
