@@ -164,6 +164,11 @@ class GluedPairs:
         """Gᵀ, which takes forces at the points to the pairs."""
         return self.points.transposed
 
+    @property
+    def _whole(self) -> bool:
+        """Whether Σ + B itself is factorized: few pairs, or points that feel them all."""
+        return len(self.structure) <= DIRECT or isinstance(self.G, np.ndarray)
+
     def resisted(self, displacements: Vector) -> Vector:
         """Return Σ w of displacements w (n_relative,)."""
         return np.asarray(self.structure @ displacements)
@@ -206,7 +211,7 @@ class GluedPairs:
         -----
         Two products with U or S, and factors of as many rows as are changed.
         """
-        if len(self.structure) <= DIRECT:
+        if self._whole:
             if factors is None or not np.array_equal(K, factors.K):
                 both = self.structure.copy()
                 self.points.add_to(both, K)
@@ -250,7 +255,7 @@ class GluedPairs:
         k, n = springs.shape
         K = np.zeros((n, k, k))
         K[:, np.arange(k), np.arange(k)] = springs.T
-        if len(self.structure) <= DIRECT:
+        if self._whole:
             system = self.structure.copy()
             self.points.add_to(system, K)
             return np.asarray(np.linalg.solve(system, right))

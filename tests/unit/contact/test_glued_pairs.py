@@ -96,3 +96,18 @@ def test_a_singular_compliance_has_no_stiffness(ratio):
     with pytest.raises(LinAlgError, match="not positive definite"):
         GluedPairs.of(rows, springs, (shapes * sizes) @ shapes.T)
     GluedPairs.of(rows, springs, (shapes * np.r_[1e7, sizes[1:]]) @ shapes.T)
+
+
+def test_points_that_feel_every_pair_are_solved_with_the_whole_matrix(monkeypatch):
+    """As those of a singular compliance, whose unknowns are its shapes."""
+    monkeypatch.setattr("faying.contact.glued_pairs.DIRECT", 0)
+    plain, _ = joint(2, ELASTIC)
+    G, springs = plain.contact.rows.toarray(), plain.laws.springs
+    pairs, K = GluedPairs.of(G, springs, plain.S), np.zeros((N, 3, 3))
+    K[:, np.arange(3), np.arange(3)] = 0.5 * springs.T
+    right = np.random.default_rng(2).normal(size=3 * PAIRS)
+    exact = np.linalg.solve(np.linalg.inv(plain.S) + dense(G, K), right)
+    # What factors in single precision leave.
+    small = 10 * ACCURATE * np.abs(exact).max()
+    np.testing.assert_allclose(pairs.step(K, right, 0.0)[0], exact, rtol=0, atol=small)
+    np.testing.assert_allclose(pairs.solved(0.5 * springs, right), exact, rtol=0, atol=small)
