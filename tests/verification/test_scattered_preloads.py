@@ -43,7 +43,8 @@ def test_the_range_is_that_of_the_tightening_factor(joint):
 
 def test_without_scatter_all_are_as_meant(joint):
     for one in spreads(joint, samples=3).values():
-        assert one.least == one.most == pytest.approx(one.meant, rel=1e-9, abs=1e-9)
+        # Cases that are solved side by side are rounded by where they stand.
+        assert [one.least, one.most] == pytest.approx([one.meant] * 2, rel=1e-9, abs=1e-9)
 
 
 @pytest.mark.long
