@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from faying.cli.arguments import usable_folder
-from faying.digits import DECK_DIGITS
 
 if TYPE_CHECKING:
     from faying.joint.model import Model
@@ -103,25 +102,19 @@ def _picture(loaded: "LoadedModel", model: "Model", path: Path) -> Path:
 
 
 def _gap_pictures(model: "Model", out: Path) -> Iterator[Path]:
-    """Draw the gap of each interface whose surfaces part, into a file of its own."""
-    from faying.files.names import file_names
+    """Draw the gaps of interfaces whose surfaces part into a file, where there are such."""
     from faying.reduction.projection import contact_surfaces
-    from faying.report.figures import plot_gap
-    from faying.report.figures.surface_map import map_panels
+    from faying.report.figures.initial_gap import draw_initial_gaps
     from faying.report.style import save
     from faying.study.results.values import interface_record
     from faying.units import units_of
 
-    surfaces, units = contact_surfaces(model), units_of(model.units)
-    stems = file_names(surfaces)
-    for name, surface in surfaces.items():
-        record = interface_record(surface, 0 * surface.weights)
-        gap, places = record.initial_gap, record.points
-        if gap.max() > DECK_DIGITS * (places.max(axis=0) - places.min(axis=0)).max():
-            figure, ((axes,),) = map_panels([record], 1, 9.0, 0.9)
-            plot_gap(record, gap, axes, units, largest=float(gap.max())).set_title(
-                f"{name}: gap before any load"
-            )
-            path = out / f"gap_{stems[name]}.png"
-            save(figure, path)
-            yield path
+    records = {
+        name: interface_record(surface, 0 * surface.weights)
+        for name, surface in contact_surfaces(model).items()
+    }
+    figure = draw_initial_gaps(records, units_of(model.units))
+    if figure is not None:
+        path = out / "initial_gap.png"
+        save(figure, path)
+        yield path

@@ -29,6 +29,7 @@ from faying.report.figures import (
 from faying.report.figures.convergence import convergence_figure
 from faying.report.figures.error import error_figure, errs, shown_methods
 from faying.report.figures.gap import STATES, gap_figure
+from faying.report.figures.initial_gap import initial_gap_figure
 from faying.report.figures.model import model_figure
 from faying.report.figures.plane import best_plane
 from faying.report.figures.pressure import pressure_figure, summary
@@ -164,6 +165,14 @@ def test_gap_figure_tells_what_opened_from_what_never_was_pressed():
     assert "largest gap 3.00e-3 mm at (30, 0, 5) mm" in caption
     closed = replace(case, reference=replace(case.reference, gap=-np.ones(JOINT.points.shape[0])))
     assert gap_figure(RESULTS, closed) is None
+
+
+def test_the_initial_gap_is_drawn_where_surfaces_part():
+    touching = replace(JOINT, initial_gap=0 * JOINT.initial_gap)
+    assert initial_gap_figure(replace(RESULTS, interfaces={"joint": touching})) is None
+    parted = replace(JOINT, initial_gap=np.linspace(0.0, 0.0256, len(JOINT.points)))
+    figure = initial_gap_figure(replace(RESULTS, interfaces={"joint": parted})).figure
+    assert figure.axes[0].get_title(loc="left") == "joint: up to 0.0256 mm before any load"
 
 
 def test_error_map_shows_each_point_in_its_place():

@@ -61,7 +61,7 @@ def test_the_gap_is_that_of_the_scan(built):
 def test_check_draws_the_gap(built, tmp_path):
     (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
     check(tmp_path / "study.toml", out=tmp_path)
-    assert (tmp_path / "gap_joint.png").stat().st_size > 0
+    assert (tmp_path / "initial_gap.png").stat().st_size > 0
 
 
 def test_both_keys_add_up(built):

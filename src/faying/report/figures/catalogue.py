@@ -13,6 +13,7 @@ from faying.report.figures.entry import Drawn, FigureEntry
 from faying.report.figures.error import error_figure, errs
 from faying.report.figures.frequency import PREFIX, frequency_figure
 from faying.report.figures.gap import gap_figure
+from faying.report.figures.initial_gap import initial_gap_figure
 from faying.report.figures.loops import fretting_figure, loop_figure
 from faying.report.figures.model import model_figure
 from faying.report.figures.path import motion_slip_figure, path_figure
@@ -84,7 +85,7 @@ def _saved(drawn: Drawn, folder: Path, stems: dict[str, str]) -> FigureEntry:
     )
 
 
-SHARED = ("model", "preload", "tightening", "convergence")
+SHARED = ("model", "initial_gap", "preload", "tightening", "convergence")
 """Figures of the whole run; a load case may bear the name of their section."""
 
 
@@ -92,6 +93,7 @@ def _drawings(results: Results) -> Iterator[Draw]:
     """Yield what to draw, one figure at a time so that only one is in memory."""
     for draw in (
         model_figure,
+        initial_gap_figure,
         preload_figure,
         tightening_figure,
         convergence_figure,
