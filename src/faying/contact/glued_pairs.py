@@ -45,6 +45,10 @@ MOST_BESIDE = 1.1
 """Pairs that a system may have over those of the factors at hand."""
 
 
+IN_CACHE = 64
+"""Rows that are gathered at once: 0.046 s for 6500 by 5500 of 8160 numbers, all at once 0.083."""
+
+
 @final
 @dataclass(frozen=True, eq=False)
 class Factors:
@@ -308,7 +312,11 @@ class _Changed:
             alike = (rows, factors.rows), (self.columns, factors.columns)
             if all(np.array_equal(*indices) for indices in alike):
                 return factors.between
-        return self.reference.compliance[self.columns].take(rows, axis=1)
+        between = np.empty((len(self.columns), len(rows)))
+        for first in range(0, len(between), IN_CACHE):
+            strip = self.reference.compliance[self.columns[first : first + IN_CACHE]]
+            strip.take(rows, axis=1, out=between[first : first + IN_CACHE], mode="clip")
+        return between
 
     def factors(self, K: Matrix, between: Matrix, precision: type[np.floating[Any]]) -> Factors:
         """Factorize I + ΔB_rc U_cr, given U_cr, in single or double precision."""
