@@ -32,7 +32,9 @@ class EnergyDecaying(SpectralRadius):
     ----------
     rho_infinity
         Spectral radius at infinite frequency, 0 (annihilates) to 1 (no damping; the midpoint rule).
-        Above 0 what the step cannot resolve rings on in pressures.
+        Above 0 what the step cannot resolve rings on in pressures. A motion of 100 steps a period
+        is damped by 6e-5 of critical at 0, by 1e-7 at 0.8, an eighth of it with half the step: to
+        tell damping of a joint take 0.8, as :func:`faying.ring_down` does.
     """
 
     rho_infinity: float = 0.0
