@@ -105,7 +105,8 @@ class GluedPairs:
     glued
         Points closed and stuck.
     open
-        Points open, but for some that hold what is else free; None where nothing does.
+        Points open, but for some that hold what is else free; None where nothing does, or where
+        Σ + B itself is factorized.
     """
 
     points: PointSprings
@@ -145,7 +146,7 @@ class GluedPairs:
             points=points,
             structure=structure,
             glued=HeldPairs.on_springs(points, glued, structure),
-            open=anchored_pairs(points, springs, S),
+            open=None if _whole(G) else anchored_pairs(points, springs, S),
         )
 
     def glued_by(self, springs: Matrix) -> "GluedPairs":
@@ -167,11 +168,6 @@ class GluedPairs:
     def transposed(self) -> SparseMatrix | Matrix:
         """Gᵀ, which takes forces at the points to the pairs."""
         return self.points.transposed
-
-    @property
-    def _whole(self) -> bool:
-        """Whether Σ + B itself is factorized: few pairs, or points that feel them all."""
-        return len(self.structure) <= DIRECT or isinstance(self.G, np.ndarray)
 
     def resisted(self, displacements: Vector) -> Vector:
         """Return Σ w of displacements w (n_relative,)."""
@@ -215,7 +211,7 @@ class GluedPairs:
         -----
         Two products with U or S, and factors of as many rows as are changed.
         """
-        if self._whole:
+        if _whole(self.G):
             if factors is None or not np.array_equal(K, factors.K):
                 both = self.structure.copy()
                 self.points.add_to(both, K)
@@ -259,7 +255,7 @@ class GluedPairs:
         k, n = springs.shape
         K = np.zeros((n, k, k))
         K[:, np.arange(k), np.arange(k)] = springs.T
-        if self._whole:
+        if _whole(self.G):
             system = self.structure.copy()
             self.points.add_to(system, K)
             return np.asarray(np.linalg.solve(system, right))
@@ -320,7 +316,7 @@ class _Changed:
 
     def factors(self, K: Matrix, between: Matrix, precision: type[np.floating[Any]]) -> Factors:
         """Factorize I + ΔB_rc U_cr, given U_cr, in single or double precision."""
-        product = self.block[self.rows].astype(precision) @ between.astype(precision)
+        product = self.block[self.rows].astype(precision) @ between.astype(precision, copy=False)
         product.flat[:: len(product) + 1] += 1.0
         lu = _factorized(product)
         return Factors(K, self.reference, self.rows, self.columns, between, *lu)
@@ -356,6 +352,11 @@ class _Changed:
         shared = block @ self.moved[self.columns]
         reduced = corrected(product, shared, enough, MOST_CORRECTIONS)
         return None if reduced is None else self.moved_by(rows, solved(reduced))
+
+
+def _whole(G: SparseMatrix | Matrix) -> bool:
+    """Say whether Σ + B itself is factorized: few pairs, or points that feel them all."""
+    return int(G.shape[1]) <= DIRECT or isinstance(G, np.ndarray)
 
 
 def _factorized(matrix: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], Indices]:
