@@ -2,8 +2,8 @@
 When does it open?
 ==================
 
-Without friction contact is linear between the load factors at which a point opens or closes. The
-path from kink to kink is exact: no increments, no tolerance.
+The load grows with the bolts locked: at which factor does a first point open, and from which is
+less than half of the area pressed that the preload presses?
 """
 
 import matplotlib.pyplot as plt
@@ -13,19 +13,22 @@ import faying as fy
 
 joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
 lift = fy.Load({"tip.Fz": -400.0, "tip.Fx": 2e3}, name="lift")
-path = fy.load_path(joint, lift, largest=6.0)
-clamp = path.clamp_force("joint")
-print(f"first opening at {path.first_opening():.3f} times the load, {len(path.factors)} kinks")
+face = fy.assess(joint, [lift]).interfaces["joint"]
+first, half = face.first_opening["lift"], face.opening["lift"]
+print(f"first opening at {first:.3f} times the load, half of the area at {half:.3f}")
 
 # %%
-# Any point of it is what a separate solution gives.
+# Separate solutions on both sides say the same.
 
-for factor in (0.7, 2.3, 5.1):
-    alone = fy.solve_static(joint, fy.Load({k: factor * v for k, v in lift.forces.items()}))
-    assert np.abs(path.at(factor) - alone.contact_forces).max() < 1e-9 * alone.contact_forces.max()
+factors = np.linspace(0.0, 6.0, 61)
+cases = fy.solve_static_cases(joint, [lift.scaled(factor) for factor in factors])
+pressed = (cases.pressure[0] > 0) & (cases.pressure > 0)
+share = pressed @ joint.contact.weights / (pressed[0] @ joint.contact.weights)
+assert ((share < 0.5) == (factors > half)).all()
 
 figure, axes = plt.subplots(layout="constrained")
-axes.plot(path.factors, clamp, ".-", label="clamp force, a dot at each kink")
-axes.axvline(path.first_opening(), color="tab:red", ls="--", label="first point opens")
+axes.plot(factors, cases.contact_force("joint"), label="clamp force")
+axes.axvline(first, color="tab:red", ls="--", label="first point opens")
+axes.axvline(half, color="tab:orange", ls=":", label="half of the area is open")
 axes.set(xlabel="load factor", ylabel="clamp force [N]")
 axes.legend()

@@ -19,7 +19,6 @@ from faying.assessment.imported_recovery import (
 )
 from faying.assessment.imported_recovery import recover_from_modal as recover_from_modal
 from faying.assessment.joint_assessment import assess as assess
-from faying.assessment.load_path import load_path as load_path
 from faying.assessment.measured_curve import MeasuredCurve as MeasuredCurve
 from faying.assessment.mesh_error import mesh_error as mesh_error
 from faying.assessment.modal_analysis import backbone as backbone

@@ -8,14 +8,13 @@ import numpy as np
 
 from faying._typing import Mask, Matrix, Vector
 from faying.assessment.growth import LARGEST_FACTOR, Event, first_events
-from faying.assessment.load_path import growing_displacements
 from faying.assessment.requirements import OPEN_BELOW
 from faying.contact.contact import Contact
 from faying.digits import SOLVED
 from faying.joint.bolt_surroundings import nearest_bolts, told_apart
 from faying.joint.system import Joint, Placed
 from faying.model.bolt import Bolt
-from faying.simulation.static import SolvedCase, solved_case, solved_cases
+from faying.simulation.static import SolvedCase, port_forces, solved_case, solved_cases
 
 State = TypeVar("State")
 
@@ -73,6 +72,20 @@ def pressed_shares(areas: Mapping[str, Mask], pressed: Mask, weights: Vector) ->
     """Return the share of each point (n_point,) in what is pressed of an area at rest."""
     shares = {name: np.where(points & pressed, weights, 0.0) for name, points in areas.items()}
     return {name: share / share.sum() for name, share in shares.items() if share.sum() > 0}
+
+
+def growing_displacements(system: Joint, inputs: Vector) -> tuple[Vector, Vector]:
+    """Return what pairs (n_relative,) move without contact, at rest and per load factor.
+
+    The bolts stay locked.
+    """
+    ports = system.port_compliance
+    start, growing = inputs.copy(), inputs.copy()
+    start[: ports.n_boundary] = 0.0
+    start[ports.bolts.stop :] = 0.0
+    growing[ports.bolts] = 0.0
+    at_rest, rate = port_forces(ports, np.array([start, growing])) @ ports.contact_columns
+    return at_rest, rate
 
 
 def opening_factors(

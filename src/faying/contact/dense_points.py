@@ -45,16 +45,6 @@ class DensePoints:
         slack[active] = 0.0
         return forces, slack
 
-    def solve_active(self, right: Matrix, active: Mask) -> Matrix:
-        """Return H_AA⁻¹ B (n_active, k) for B (n_active, k); raises ``LinAlgError`` if singular."""
-        if not active.any():
-            return np.zeros((0, right.shape[1]))
-        factor, regular = self._factorized(active)
-        if not regular:
-            message = "singular active block"
-            raise la.LinAlgError(message)
-        return np.asarray(lapack.dpotrs(factor, right, lower=1)[0])
-
     def product(self, forces: Vector) -> Vector:
         """Return H λ."""
         result: Vector = self.H @ forces
