@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from faying.exceptions import FormatError
 from faying.files.child_python import python_command, python_environment
+from faying.linalg.machine_memory import free_memory, physical_memory
 from faying.linalg.memory import gigabytes
 
 SLOWEST = 1e6
@@ -22,10 +23,10 @@ SLOWEST = 1e6
 STARTUP = 120.0
 """Seconds that importing a reader may take on a busy machine."""
 
-ROOM, PER_BYTE = 10**9, 30
-"""Bytes that a reader may take beside Python, and for each byte of the file.
+ROOM = 10**9
+"""Bytes of addresses that the libraries of a reader may take, beside the memory that is free.
 
-That of Ansys archives takes 0.4 GB of addresses for its libraries, and 3 for each byte.
+Those of Ansys archives take 0.4 GB.
 """
 
 _NOT_INSTALLED = 3
@@ -41,7 +42,9 @@ except (ImportError, OSError, ValueError):
 """
 
 
-def read_isolated(script: str, path: Path, what: str, extra: str) -> dict[str, npt.NDArray[Any]]:
+def read_isolated(
+    script: str, path: Path, what: str, extra: str = ""
+) -> dict[str, npt.NDArray[Any]]:
     """Let a script read a file and return the arrays it saves.
 
     Parameters
@@ -52,15 +55,15 @@ def read_isolated(script: str, path: Path, what: str, extra: str) -> dict[str, n
     what
         What is read, for messages.
     extra
-        The extra of faying that installs the reader.
+        The extra of faying that installs the reader, where one is needed.
     """
     if not path.is_file():
         message = f"{what}: '{path}' is not there; check the path"
         raise FormatError(message)
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "arrays.npz"
-        size = path.stat().st_size
-        limit, room = STARTUP + size / SLOWEST, ROOM + PER_BYTE * size
+        limit = STARTUP + path.stat().st_size / SLOWEST
+        room = ROOM + (free_memory() or physical_memory())
         limited = _LIMITED.format(room=room) + script
         command = python_command("-c", limited, str(path.resolve()), str(target))
         try:

@@ -9,16 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy.io
 import scipy.sparse as sp
 
 from faying._typing import SparseMatrix
 from faying.exceptions import FayingError, FormatError
 from faying.files.contents import check_rows, reason_of
 from faying.files.numpy_archive import read_matrices
-from faying.io.matlab5 import HEADER, read_matlab5
 from faying.io.matrix_labels import LabelledMatrix
-from faying.io.matrix_market import HEADING, read_market_matrix
+from faying.io.scipy_matrices import read_market_matrix, read_matlab_matrices
 
 READERS: Mapping[str, str] = {
     ".npz": "faying.io.matrix_files:read_npz",
@@ -104,9 +102,9 @@ def read_npz(path: Path, name: str) -> LabelledMatrix:
 def read_market(path: Path, name: str) -> LabelledMatrix:
     """Read a Matrix Market file, or one of Abaqus, which has the same suffix but no heading."""
     with path.open("rb") as file:
-        heading = file.read(len(HEADING))
-    if heading == HEADING:
-        return LabelledMatrix(matrix=read_market_matrix(path))
+        heading = file.read(14)
+    if heading == b"%%MatrixMarket":
+        return LabelledMatrix(matrix=read_market_matrix(path, f"matrix {name}"))
     from faying.io.abaqus.matrices import read_abaqus_matrix
 
     return read_abaqus_matrix(path, name)
@@ -114,23 +112,8 @@ def read_market(path: Path, name: str) -> LabelledMatrix:
 
 def read_matlab(path: Path, name: str) -> LabelledMatrix:
     """Read a MATLAB file up to version 7; from 7.3 on it is HDF5 and refused."""
-    with path.open("rb") as file:
-        heading = file.read(HEADER)
-    version = heading[124:126] if heading[126:] in (b"IM", b"MI") else b""
-    if b"\2" in version:
-        message = (
-            f"matrix {name}: '{path}' is a MATLAB 7.3 file; save it in MATLAB with save(..., '-v7')"
-        )
-        raise FormatError(message)
-    # What has no such version is of MATLAB 4, which SciPy reads without compiled code.
-    variables = read_matlab5(path) if version else scipy.io.loadmat(path, spmatrix=False)
-    matrices = {
-        key: value
-        for key, value in variables.items()
-        if not key.startswith("__") and getattr(value, "ndim", 0) == 2 and min(value.shape) > 1
-    }
-    chosen = matrices or {k: v for k, v in variables.items() if k[:2] != "__"}
-    return LabelledMatrix(matrix=_chosen(chosen, path, name))
+    matrices = read_matlab_matrices(path, f"matrix {name}")
+    return LabelledMatrix(matrix=_chosen(matrices, path, name))
 
 
 def _chosen(variables: Mapping[str, Any], path: Path, name: str) -> Any:

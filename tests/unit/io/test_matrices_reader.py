@@ -46,7 +46,14 @@ def tables(path: Path) -> dict[str, Path]:
     return {"nodes": nodes, "dofs": dofs}
 
 
-@pytest.mark.parametrize("kind", ["npz", "dense.npz", "mtx", "full.mtx", "mat"])
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "npz",
+        "dense.npz",
+        *(pytest.param(k, marks=pytest.mark.long) for k in ("mtx", "full.mtx", "mat")),
+    ],
+)
 def test_formats(tmp_path: Path, kind: str) -> None:
     files = {name: matrix_file(tmp_path / f"{name}.{kind}", m) for name, m in (("M", M), ("K", K))}
     assembly = read_matrices(**files, C=files["K"], **tables(tmp_path))
@@ -62,6 +69,7 @@ def test_formats(tmp_path: Path, kind: str) -> None:
     assert block.components.tolist() == [0, 1, 2] * 4
 
 
+@pytest.mark.long
 def test_matrix_chosen_by_name_among_several(tmp_path: Path) -> None:
     path = tmp_path / "both.mat"
     scipy.io.savemat(path, {"M": M, "K": K})
