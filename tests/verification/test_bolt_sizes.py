@@ -14,7 +14,7 @@ from faying.assessment.strength.tightening import (
 )
 from faying.exceptions import ModelError, StudyError
 from faying.study.keys.schema import parse_study
-from faying.study.keys.threads import final_forces, preload_ranges, threads_of
+from faying.study.keys.threads import final_forces, strengths_of, threads_of
 from small_study import SMALL_JOINT
 
 
@@ -81,7 +81,7 @@ tightening_factor = 1.6
 
 def test_utilisation_is_that_of_the_largest_preload_and_friction_widens_its_range(tmp_path):
     study = parse_study(SCATTERED + "utilisation = 0.9\n", tmp_path / "joint.toml")
-    thread, spread = threads_of(study)["bolt"], preload_ranges(study)["bolt"]
+    thread, spread = threads_of(study)["bolt"], strengths_of(study).ranges["bolt"]
     (nominal,) = final_forces(study).values()
     most = force_of_utilisation(thread, 0.9, "mm-t-s")
     gamma = 0.6 / 2.6

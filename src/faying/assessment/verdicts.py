@@ -1,6 +1,6 @@
 """Requirements judged where they are nearest to failing."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -35,14 +35,14 @@ def verdicts(
     """
     yield from _clamp_verdict(requirements.min_clamp_force, interfaces)
     peaks = {name: (item.max_pressure_case, item.max_pressure) for name, item in interfaces.items()}
-    yield from pressure_verdict("max_pressure", requirements.max_pressure, peaks)
+    yield from _pressure_verdict("max_pressure", requirements.max_pressure, peaks)
     means = {
         name: (item.max_nodal_pressure_case, item.max_nodal_pressure)
         for name, item in interfaces.items()
     }
-    yield from pressure_verdict("max_nodal_pressure", requirements.max_nodal_pressure, means)
+    yield from _pressure_verdict("max_nodal_pressure", requirements.max_nodal_pressure, means)
     yield from _opening_verdict(requirements.no_opening_within, surfaces, bolts, preloaded, cases)
-    yield from opening_verdicts(requirements.min_opening_factor, paths)
+    yield from _opening_verdicts(requirements.min_opening_factor, paths)
     if bolts or not reserves:
         yield from _slip_verdict(requirements.min_slip_safety, interfaces)
     else:
@@ -73,7 +73,7 @@ def wanted_clamps(
     return limit if isinstance(limit, Mapping) else dict.fromkeys(interfaces, limit)
 
 
-def pressure_verdict(
+def _pressure_verdict(
     requirement: str, limit: float | None, peaks: Mapping[str, tuple[str, float]]
 ) -> Iterator[Verdict]:
     """Judge the largest pressures of the interfaces, each with its case."""
@@ -108,29 +108,25 @@ def _opening_verdict(
             for case, state in cases.items()
             if masked.any()
         ]
-        yield no_opening(bolt_name, radius, lows)
-
-
-def no_opening(bolt: str, radius: float, lows: Sequence[tuple[str, float]]) -> Verdict:
-    """Judge the smallest pressures around a bolt, each with its case."""
-    if not lows:
-        reason = (
-            f"the preload presses no contact point within {radius:g} of bolt '{bolt}', so "
-            "nothing can open there; give a larger radius for no_opening_within"
+        if not lows:
+            reason = (
+                f"the preload presses no contact point within {radius:g} of bolt '{bolt_name}', so "
+                "nothing can open there; give a larger radius for no_opening_within"
+            )
+            yield Verdict.unknown("no_opening_within", radius, reason, bolt_name)
+            continue
+        case, value = min(lows, key=lambda item: item[1])
+        yield Verdict(
+            requirement="no_opening_within",
+            met=value > 0,
+            place=bolt_name,
+            case=case,
+            value=value,
+            limit=radius,
         )
-        return Verdict.unknown("no_opening_within", radius, reason, bolt)
-    case, value = min(lows, key=lambda item: item[1])
-    return Verdict(
-        requirement="no_opening_within",
-        met=value > 0,
-        place=bolt,
-        case=case,
-        value=value,
-        limit=radius,
-    )
 
 
-def opening_verdicts(limit: float | None, paths: Mapping[str, Openings]) -> Iterator[Verdict]:
+def _opening_verdicts(limit: float | None, paths: Mapping[str, Openings]) -> Iterator[Verdict]:
     """Judge the factors at which static load cases open an area."""
     if limit is None:
         return
@@ -227,18 +223,6 @@ def ring_surface(ring: ClosedRing, surfaces: Mapping[str, ContactSurface]) -> st
     return ring.interface or next(iter(surfaces))
 
 
-def ring_verdict(ring: ClosedRing, ring_name: str, case: str, value: float) -> Verdict:
-    """Judge the smallest pressure on a ring."""
-    return Verdict(
-        requirement="closed_ring",
-        met=0 < value >= ring.pressure,
-        place=ring_name,
-        case=case,
-        value=value,
-        limit=ring.pressure,
-    )
-
-
 def _ring_verdict(
     ring_limit: ClosedRing, surfaces: Mapping[str, ContactSurface], cases: Mapping[str, CaseState]
 ) -> Verdict:
@@ -246,4 +230,11 @@ def _ring_verdict(
     ring = ring_around(surfaces[name], ring_limit.around)
     lows = {case: float(ring_pressure(ring, state.pressure).min()) for case, state in cases.items()}
     lowest = min(lows, key=lows.__getitem__)
-    return ring_verdict(ring_limit, name, lowest, lows[lowest])
+    return Verdict(
+        requirement="closed_ring",
+        met=0 < lows[lowest] >= ring_limit.pressure,
+        place=name,
+        case=lowest,
+        value=lows[lowest],
+        limit=ring_limit.pressure,
+    )

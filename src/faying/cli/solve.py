@@ -1,6 +1,7 @@
 """``faying solve``: many loads on a reduced model, without the full one."""
 
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -72,12 +73,7 @@ def solve(
         from faying.study.inputs.load_set import read_loads
         from faying.study.keys.requirement_rules import requirements_of
         from faying.study.keys.schema import stored_requirement
-        from faying.study.keys.threads import (
-            stored_forces,
-            stored_ranges,
-            stored_scatter,
-            stored_threads,
-        )
+        from faying.study.keys.threads import stored_strengths
         from faying.workflow.solve import SolveOptions, bolt_loads, solve_loads
 
         if step is not None and not 0 < step < float("inf"):
@@ -94,11 +90,7 @@ def solve(
             certificates=certificates,
             table=table,
             requirements=requirements_of(demanded),
-            threads=stored_threads(text, rom.units),
-            ranges=stored_ranges(text, rom.units),
-            margins=demanded.margins,
-            scatter=stored_scatter(text),
-            tightened=stored_forces(text, rom.units),
+            strengths=replace(stored_strengths(text, rom.units), margins=demanded.margins),
         )
         with ExitStack() as stack:
             executor = shared_executor(workers, scheduler, stack)

@@ -31,7 +31,7 @@ from faying.study.stages.optional import Extras
 from faying.study.stages.progress import ProgressBar, Stages
 from faying.study.stages.record import record
 from faying.study.stages.reference import reference_of
-from faying.study.stages.requirements import assess_run
+from faying.study.stages.run_assessment import assess_run
 from faying.study.stages.validation import validate
 from faying.study.stages.worker_tasks import compute_pieces
 from faying.workflow.outcome import Outcome

@@ -15,8 +15,6 @@ from faying.assessment.case_metrics import WEAK_SHARE
 from faying.assessment.joint_checks import joint_checks
 from faying.assessment.joint_verdict import joint_verdict, summarized
 from faying.assessment.requirements import Requirements, check_names
-from faying.assessment.strength.thread import Thread
-from faying.assessment.strength.tightening import PreloadRange
 from faying.assessment.weak_share import weak_warnings
 from faying.exceptions import StudyError
 from faying.execution.executor import Executor
@@ -29,25 +27,23 @@ from faying.simulation.load import History, Load
 from faying.study.inputs.load_set import LoadSet
 from faying.study.judgement.summary import plain
 from faying.study.keys.errors import nearest
-from faying.study.keys.requirement_tables import MarginsSection, ScatterSection
+from faying.study.keys.threads import BoltStrengths
 from faying.study.results.metric_table import TableFormat, check_table_format, write_metrics
 from faying.study.results.solved_fields import SolvedFields, write_solved
 from faying.study.stages.checkpoint import open_checkpoint
 from faying.study.stages.optional import Extras
 from faying.study.stages.progress import ProgressBar, Stages
 from faying.units import Units
-from faying.workflow.deciding_cases import not_judged, opening_of
 from faying.workflow.outcome import Outcome
 from faying.workflow.solve_cases import CaseSolver
-from faying.workflow.solve_workers import compute_pieces
-from faying.workflow.solved_cases import SolvedCases
-from faying.workflow.solved_strength import BoltStrengths
-from faying.workflow.solved_verdicts import (
-    areas_of,
-    rings_of,
+from faying.workflow.solved_assessment import (
+    assess_solved,
+    demanded_of,
+    not_judged,
+    rows_judged,
     sliding_checks,
-    solved_assessment,
 )
+from faying.workflow.solved_cases import SolvedCases
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -66,16 +62,8 @@ class SolveOptions:
         Format of the tables of metrics.
     requirements
         What must hold.
-    threads
-        Bolt to its thread, whose strength is then judged.
-    ranges
-        Bolt to the range of its preload.
-    margins
-        Standard that is demanded of the bolts, with its factors.
-    scatter
-        Of the preloads, with temperatures and friction.
-    tightened : [force]
-        Bolt to the force it was tightened to.
+    strengths
+        What the strength of bolts is judged by.
     """
 
     worst: int = 1
@@ -83,22 +71,7 @@ class SolveOptions:
     certificates: bool = True
     table: TableFormat = "csv"
     requirements: Requirements = field(default_factory=Requirements)
-    threads: Mapping[str, Thread] = field(default_factory=dict)
-    ranges: Mapping[str, PreloadRange] = field(default_factory=dict)
-    margins: MarginsSection | None = None
-    scatter: ScatterSection | None = None
-    tightened: Mapping[str, float] = field(default_factory=dict)
-
-    @property
-    def strengths(self) -> BoltStrengths:
-        """What the strength of bolts is judged by."""
-        return BoltStrengths(
-            threads=self.threads,
-            ranges=self.ranges,
-            margins=self.margins,
-            scatter=self.scatter,
-            tightened=self.tightened,
-        )
+    strengths: BoltStrengths = field(default_factory=BoltStrengths)
 
 
 @one_thread()
@@ -167,32 +140,32 @@ def solve_loads(
         remove_left_over(out)
         path = tuple(tightening or ()) if rubbing else None
         checkpoint = open_checkpoint(out, _mark(rom, loads, chosen, path), resume=resume)
+        named = [loads.names.index(name) for name in chosen.named]
         solver = CaseSolver(
             rom=rom,
+            loads=loads,
             checkpoint=checkpoint,
             stages=stages,
             extras=extras,
             worst=chosen.worst,
+            chosen={*named, *rows_judged(loads)},
             certificates=chosen.certificates,
-            rings=rings_of(chosen.requirements, rom),
-            areas=areas_of(chosen.requirements, rom),
-            opening=opening_of(chosen.requirements, rom),
+            demanded=demanded_of(chosen.requirements, rom, path),
             tightening=path,
         )
-        named = [loads.names.index(name) for name in chosen.named]
         if executor is not None:
-            compute_pieces(solver, loads, named, executor)
-        static = solver.static(loads, named) if loads.names else None
-        transients = {surface.load.name: solver.transient(surface) for surface in loads.transients}
+            solver.share(executor)
+        static = solver.static() if loads.names else None
+        transients = {load.load.name: solver.transient(load) for load in loads.transients}
         assessment, units = None, rom.unit_set
         verdict = joint_verdict((), units, "see the warnings")
         with stages.stage("requirements"), extras.attempt("requirements"):
-            judged = solved_assessment(
-                chosen.requirements, rom, loads, static, transients, solver.rest, chosen.strengths
+            judged = assess_solved(
+                solver, chosen.requirements, chosen.strengths, static, transients
             )
             checks = [*joint_checks(judged, units), *sliding_checks(rom, static, transients)]
             verdict = joint_verdict(checks, units)
-            assessment = {"verdicts": plain([asdict(surface) for surface in judged.verdicts])}
+            assessment = {"verdicts": plain([asdict(demand) for demand in judged.verdicts])}
         table = summarized(verdict)
         table["open_questions"] += not_judged(loads, static, rubs=path is not None)
         with stages.stage("files"):

@@ -1,21 +1,21 @@
 """Many static cases, or a transient, solved on a reduced model a part at a time."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
 
-from faying._typing import Indices, Mask, Matrix, Vector
+from faying._typing import Indices, Matrix, Vector
 from faying.assessment.case_metrics import Metric, metrics_of
 from faying.assessment.certificate import Certifier, certifier
 from faying.assessment.friction_metrics import friction_metrics
 from faying.assessment.opening import opening_margins
-from faying.assessment.sealing import Ring
-from faying.exceptions import ConvergenceError
+from faying.exceptions import ConvergenceError, StudyError
+from faying.execution.campaign import run_campaign
 from faying.execution.checkpoint import Arrays, Checkpoint
-from faying.joint.tangential import TangentialRows
+from faying.execution.executor import Executor
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
 from faying.simulation.load import Load
@@ -30,7 +30,8 @@ from faying.study.keys.tables import DEFAULT_INCREMENTS
 from faying.study.stages.optional import Extras
 from faying.study.stages.path_cases import rest_state
 from faying.study.stages.progress import Stages
-from faying.workflow.solved_cases import OPENING, SolvedCases, piece_of
+from faying.workflow.solved_cases import OPENING, SolvedCases
+from faying.workflow.solved_pieces import Demanded, Opening, arrays_of
 
 PIECE_NUMBERS = 2**18
 """Numbers of one field of all cases solved together: 2 MB, of which some twenty are at hand."""
@@ -41,23 +42,8 @@ FEWEST, MOST = 16, 2000
 FAILED = "failed"
 """Name of the sentences about what went wrong, beside the arrays of a piece."""
 
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Opening:
-    """A load factor at which areas must not have opened.
-
-    Attributes
-    ----------
-    areas
-        Name to the points (n_point,) of what opens.
-    factor
-    open_below
-        Share of the area pressed at rest.
-    """
-
-    areas: Mapping[str, Mask]
-    factor: float
-    open_below: float
+Piece = Indices | TimedLoad
+"""Rows of static cases, or a transient."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -68,127 +54,142 @@ class CaseSolver:
     ----------
     rom
         The model.
+    loads
+        What is solved.
     checkpoint
         Keeps finished pieces.
     worst
         Cases of each metric whose fields may be wanted.
+    chosen
+        Rows of static cases whose fields are wanted in any case.
     certificates
         Whether static cases are certified, where the model knows the full one's compliance.
-    rings
-        Around holes that are judged, by name.
-    areas
-        What is carried along interfaces whose slip is judged in static cases.
-    opening
-        What must not open at which factor of static cases.
+    demanded
+        What requirements judge.
     tightening
         How a joint with friction was tightened; None without.
     """
 
     rom: ReducedModel
+    loads: LoadSet
     checkpoint: Checkpoint
     stages: Stages
     extras: Extras
     worst: int
+    chosen: Collection[int]
     certificates: bool
-    rings: Mapping[str, Ring] = field(default_factory=dict)
-    areas: Mapping[str, TangentialRows] = field(default_factory=dict)
-    opening: Opening | None = None
+    demanded: Demanded
     tightening: tuple[Load, ...] | None = None
 
     @cached_property
-    def rest(self) -> Solution | None:
-        """Where all loads of a joint with friction begin; None without."""
-        return None if self.tightening is None else rest_state(self.rom, self.tightening)
-
-    def static(self, loads: LoadSet, named: Sequence[int]) -> SolvedCases:
-        """Solve static cases, or take what an interrupted call has finished."""
-        groups, failed = self.static_pieces(loads), list[str]()
-        with self.stages.stage("static cases", len(loads.names)) as advance:
-            for key, rows in groups.items():
-                arrays = self.checkpoint.bundle(key, partial(self.static_piece, loads, rows, named))
-                failed += arrays[FAILED].tolist()
-                advance(len(rows))
-        return SolvedCases(
-            checkpoint=self.checkpoint,
-            keys=list(groups),
-            metrics=self._static_metrics,
-            label=loads.names.__getitem__,
-            failed=failed,
-            ordered=False,
-        )
-
-    def transient(self, load: TimedLoad) -> SolvedCases:
-        """Solve a transient, from where an interrupted call has kept it."""
-        end = self.checkpoint.bundle(end_key(load), partial(self.walked, load))
-        return SolvedCases(
-            checkpoint=self.checkpoint,
-            keys=[_piece_key(load, number) for number in range(int(end["count"]))],
-            metrics=self._metrics,
-            label=lambda row: f"{row * load.step:.12g}",
-            failed=end[FAILED].tolist(),
-        )
-
-    def static_pieces(self, loads: LoadSet) -> dict[str, Indices]:
-        """Return the rows of each piece of similar static cases, by the key it is kept under."""
-        groups = similar_loads(self.rom, loads.inputs, self._length) if loads.names else []
-        return {f"static {number}": np.sort(rows) for number, rows in enumerate(groups)}
-
-    @property
-    def _metrics(self) -> list[Metric]:
-        metrics = metrics_of(self.rom, self.rom.interfaces, certified=False, rings=self.rings)
-        return metrics + self._friction_metrics
-
-    @property
-    def _static_metrics(self) -> list[Metric]:
-        certified = self._judge is not None
-        metrics = metrics_of(
-            self.rom, self.rom.interfaces, certified=certified, rings=self.rings, areas=self.areas
-        )
-        return metrics + self._friction_metrics
-
-    @property
-    def _friction_metrics(self) -> list[Metric]:
-        return [] if self.tightening is None else friction_metrics(self.rom.interfaces)
-
-    @property
-    def _length(self) -> int:
-        """Cases or instants of a piece."""
-        return min(max(PIECE_NUMBERS // self.rom.contact.n_points, FEWEST), MOST)
+    def rest(self) -> Solution:
+        """The preloaded joint, where all loads begin."""
+        return rest_state(self.rom, self.tightening or ())
 
     @cached_property
-    def _judge(self) -> Certifier | None:
+    def judge(self) -> Certifier | None:
+        """What certifies static cases without friction; None where they are not certified."""
         if not self.certificates or self.tightening is not None:
             return None
         with self.stages.timed("certificates"), self.extras.attempt("certified bounds"):
             return certifier(self.rom.joint)
         return None
 
-    def static_piece(self, loads: LoadSet, rows: Indices, named: Sequence[int]) -> Arrays:
+    def share(self, executor: Executor) -> None:
+        """Have workers compute the pieces that are not there yet.
+
+        Static pieces come back from the workers; of transients, which may be long, workers keep the
+        pieces themselves, so they must see the folder of the checkpoint.
+
+        Raises
+        ------
+        FayingError
+            As without workers, or if workers fail; what is finished is kept.
+        """
+        transients = {end_key(load): load for load in self.loads.transients}
+        pieces: dict[str, Piece] = {**transients, **self._static_pieces}  # the longest first
+        weights = {key: len(rows) for key, rows in self._static_pieces.items()}
+        weights |= {key: n_steps(load) for key, load in transients.items()}
+        folder = self.checkpoint.folder.resolve()
+        sent = replace(self, checkpoint=Checkpoint(folder), stages=Stages(None), extras=Extras())
+        with self.stages.stage("workers", sum(weights.values())) as advance:
+            run_campaign(
+                partial(on_worker, sent),
+                pieces,
+                executor,
+                keep=self.checkpoint,
+                progress=lambda key: advance(weights[key]),
+            )
+
+    def piece(self, piece: Piece) -> Arrays:
+        """Solve a piece of the static cases, or a transient; return what is kept under its key."""
+        return self._walked(piece) if isinstance(piece, TimedLoad) else self._static_piece(piece)
+
+    def static(self) -> SolvedCases:
+        """Solve static cases, or take what workers or an interrupted call have finished."""
+        failed = list[str]()
+        with self.stages.stage("static cases", len(self.loads.names)) as advance:
+            for key, rows in self._static_pieces.items():
+                arrays = self.checkpoint.bundle(key, partial(self.piece, rows))
+                failed += arrays[FAILED].tolist()
+                advance(len(rows))
+        return SolvedCases(
+            checkpoint=self.checkpoint,
+            keys=list(self._static_pieces),
+            metrics=self._metrics(static=True),
+            label=self.loads.names.__getitem__,
+            failed=failed,
+            ordered=False,
+        )
+
+    def transient(self, load: TimedLoad) -> SolvedCases:
+        """Solve a transient, from where an interrupted call has kept it."""
+        end = self.checkpoint.bundle(end_key(load), partial(self.piece, load))
+        return SolvedCases(
+            checkpoint=self.checkpoint,
+            keys=[_piece_key(load, number) for number in range(int(end["count"]))],
+            metrics=self._metrics(static=False),
+            label=lambda row: f"{row * load.step:.12g}",
+            failed=end[FAILED].tolist(),
+        )
+
+    @cached_property
+    def _static_pieces(self) -> dict[str, Indices]:
+        """Rows of each piece of similar static cases, by the key it is kept under."""
+        loads = self.loads
+        groups = similar_loads(self.rom, loads.inputs, self._length) if loads.names else []
+        return {f"static {number}": np.sort(rows) for number, rows in enumerate(groups)}
+
+    def _metrics(self, *, static: bool) -> list[Metric]:
+        interfaces = self.rom.interfaces
+        metrics = metrics_of(
+            self.rom,
+            interfaces,
+            certified=static and self.judge is not None,
+            rings=self.demanded.rings,
+            areas=self.demanded.areas if static else (),
+        )
+        return metrics + ([] if self.tightening is None else friction_metrics(interfaces))
+
+    @property
+    def _length(self) -> int:
+        """Cases or instants of a piece."""
+        return min(max(PIECE_NUMBERS // self.rom.contact.n_points, FEWEST), MOST)
+
+    def _static_piece(self, rows: Indices) -> Arrays:
         """Solve one piece of the static cases; return what is kept of it."""
-        judge = self._judge
-        solved, failed = self._solved(loads, rows)
+        judge = self.judge
+        solved, failed = self._solved(rows)
         with self.stages.timed("certificates"):
             judged = [
-                (
-                    numbers,
-                    state,
-                    judge and judge.certify_inputs(state.inputs, state.pressure),
-                )
+                (numbers, state, judge and judge.certify_inputs(state.inputs, state.pressure))
                 for numbers, state in solved
             ]
-        arrays = piece_of(
-            judged,
-            self.rom.interfaces,
-            self._static_metrics,
-            rows=rows,
-            count=self.worst,
-            named=named,
-            rings=self.rings,
-            areas=self.areas,
-        )
-        if self.opening is not None:
+        metrics = self._metrics(static=True)
+        arrays = arrays_of(self.rom, rows, judged, self.demanded, metrics, self.worst, self.chosen)
+        if self.demanded.opening is not None:
             with self.stages.timed("openings"):
-                arrays |= {OPENING: self._margins(self.opening, rows, solved)}
+                arrays |= {OPENING: self._margins(self.demanded.opening, rows, solved)}
         return arrays | {FAILED: np.array(failed, dtype=str)}
 
     def _margins(
@@ -208,27 +209,25 @@ class CaseSolver:
                 )
         return margins
 
-    def _solved(
-        self, loads: LoadSet, rows: Indices
-    ) -> tuple[list[tuple[Indices, Solution]], list[str]]:
+    def _solved(self, rows: Indices) -> tuple[list[tuple[Indices, Solution]], list[str]]:
         """Solve static cases together; where one fails, in halves until it is alone."""
         try:
-            return [(rows, self._ends(loads.inputs[rows]))], []
+            return [(rows, self._ends(self.loads.inputs[rows]))], []
         except ConvergenceError as error:
             if len(rows) == 1:
-                return [], [f"{loads.names[rows[0]]}: {error}"]
-        halves = [self._solved(loads, half) for half in np.array_split(rows, 2)]
+                return [], [f"{self.loads.names[rows[0]]}: {error}"]
+        halves = [self._solved(half) for half in np.array_split(rows, 2)]
         return [solution for half_solved, _ in halves for solution in half_solved], [
             text for _, failed in halves for text in failed
         ]
 
     def _ends(self, inputs: Matrix) -> Solution:
         """Solve static cases, with friction in increments from the preload as in a study."""
-        if self.rest is None:
+        if self.tightening is None:
             return solve_static_inputs(self.rom, inputs)
         return solve_ramps(self.rom, inputs, self.rest, increments=DEFAULT_INCREMENTS)
 
-    def walked(self, load: TimedLoad) -> Arrays:
+    def _walked(self, load: TimedLoad) -> Arrays:
         """Keep the pieces of a transient; return their number, and what went wrong.
 
         It goes on after the last piece that an interrupted call has kept.
@@ -238,7 +237,7 @@ class CaseSolver:
             stand = self.checkpoint.get(_stand_key(load))
             count, restart = int(stand["count"]), restart_from(stand)
             gain = restart.ledger.gain if restart.ledger else 0.0
-        metrics = self._metrics
+        demanded, metrics = replace(self.demanded, areas={}), self._metrics(static=False)
         solver = transient_solver(self.rom, step=load.step, integrator=load.integrator)
         failed: list[str] = []
         with self.stages.stage(name, n_steps(load)) as advance:
@@ -249,21 +248,15 @@ class CaseSolver:
                 [load.load],
                 duration=load.duration,
                 length=self._length,
-                initial=None if self.rest is None else [self.rest],
+                initial=None if self.tightening is None else [self.rest],
                 restarts=None if restart is None else [restart],
                 progress=advance,
             )
             try:
                 for (solution,), (end,) in parts:
                     numbers = np.arange(first, first + len(solution.states))
-                    arrays = piece_of(
-                        [(numbers, solution, None)],
-                        self.rom.interfaces,
-                        metrics,
-                        rows=numbers,
-                        count=self.worst,
-                        rings=self.rings,
-                    )
+                    solved = [(numbers, solution, None)]
+                    arrays = arrays_of(self.rom, numbers, solved, demanded, metrics, self.worst)
                     self.checkpoint.put(_piece_key(load, count), arrays)
                     first, count, gain = first + len(numbers), count + 1, solution.energy_gain
                     stand = kept_restart(end) | {"count": np.asarray(count)}
@@ -273,6 +266,23 @@ class CaseSolver:
         if gain > MOST_GAIN:
             failed.append(f"{name}: {gain_message(gain)}")
         return {"count": np.asarray(count), FAILED: np.array(failed, dtype=str)}
+
+
+def on_worker(solver: CaseSolver) -> Callable[[Piece], Arrays]:
+    """Return what solves a piece on a worker.
+
+    Raises
+    ------
+    StudyError
+        If the worker does not see the folder of the results.
+    """
+    if solver.loads.transients and not solver.checkpoint.folder.is_dir():
+        message = (
+            f"a worker does not see {solver.checkpoint.folder}, where it keeps what it finishes of "
+            "loads over time; choose a folder that all machines share with --out"
+        )
+        raise StudyError(message)
+    return solver.piece
 
 
 def end_key(load: TimedLoad) -> str:

@@ -1,28 +1,25 @@
 """Finished pieces of many solved cases: on disk until the whole is done, read one at a time."""
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, fields
 from functools import reduce
-from types import MappingProxyType
 
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
-from faying.assessment.case_metrics import Metric, case_metrics
-from faying.assessment.certificate import Certificate
-from faying.assessment.envelope import Envelope, envelope_of, joined
-from faying.assessment.friction_metrics import friction_figures
-from faying.assessment.sealing import Ring
+from faying.assessment.case_metrics import Metric
+from faying.assessment.envelope import Envelope, joined
+from faying.assessment.joint_record import CaseState
 from faying.execution.checkpoint import Arrays, Checkpoint
-from faying.interface.surface import ContactSurface
-from faying.joint.tangential import TangentialRows
-from faying.simulation.solution import Solution
 
 BENDING = "bending "
 """What begins the names of arrays of bending moments, before that of the bolt."""
 
 OPENING = "opening margin"
 """Name of the array of what is left to an opening."""
+
+SMALLEST = "smallest"
+"""Name of the array of what requirements judge at its least, beside the worst of metrics."""
 
 _EXTREMES = tuple(field.name for field in fields(Envelope))
 
@@ -105,7 +102,7 @@ class SolvedCases:
                 values = table[:, column]
                 best = worst[metric.name] + [
                     Worst(metric=metric.name, row=int(rows[row]), value=float(values[row]))
-                    for row in _worst_rows(metric, values, count).tolist()
+                    for row in worst_rows(metric, values, count).tolist()
                 ]
                 sign = _sign(metric)
                 worst[metric.name] = sorted(
@@ -113,17 +110,37 @@ class SolvedCases:
                 )[:count]
         return [entry for entries in worst.values() for entry in entries]
 
-    def extreme(self, metric: str, *, largest: bool) -> tuple[int, float] | None:
-        """Return the row of the largest or smallest value of a metric, and it; None of none."""
-        column = [entry.name for entry in self.metrics].index(metric)
-        extremes: list[tuple[int, float]] = []
+    def deciding(self) -> list[int]:
+        """Return the rows of worst metrics, and where what is judged at its least is smallest."""
+        worst = {entry.row for entry in self.worst(1)}
+        return sorted(worst | smallest_rows(self._of_all(SMALLEST)))
+
+    def states(self, rows: Collection[int]) -> dict[int, CaseState]:
+        """Return those of some rows that were kept, as they are judged."""
+        start = "bolt_force."
+        columns = {
+            metric.name.removeprefix(start): column
+            for column, metric in enumerate(self.metrics)
+            if metric.name.startswith(start)
+        }
+        states: dict[int, CaseState] = {}
         for arrays in self:
-            values = (1 if largest else -1) * arrays["metrics"][:, column]
-            if not np.isnan(values).all():
-                row = int(np.nanargmax(values))
-                extremes.append((int(arrays["rows"][row]), float(arrays["metrics"][row, column])))
-        sign = -1 if largest else 1
-        return min(extremes, key=lambda entry: (sign * entry[1], entry[0]), default=None)
+            for number, row in enumerate(arrays["kept"].tolist()):
+                if row in rows:
+                    place = np.searchsorted(arrays["rows"], [row])
+                    states[row] = CaseState(
+                        pressure=arrays["pressure"][[number]],
+                        bolt_forces={
+                            bolt: arrays["metrics"][place, column]
+                            for bolt, column in columns.items()
+                        },
+                        bolt_moments={
+                            name.removeprefix(BENDING): moments[place]
+                            for name, moments in arrays.items()
+                            if name.startswith(BENDING)
+                        },
+                    )
+        return dict(sorted(states.items()))
 
     def named(self, history: str, row: int) -> str:
         """Return what a static case is called, or an instant of a history."""
@@ -165,81 +182,17 @@ class SolvedCases:
         return present, pressure, gap
 
 
-def piece_of(
-    solved: Sequence[tuple[Indices, Solution, Certificate | None]],
-    interfaces: Mapping[str, ContactSurface],
-    metrics: Sequence[Metric],
-    *,
-    rows: Indices,
-    count: int,
-    named: Collection[int] = (),
-    rings: Mapping[str, Ring] = MappingProxyType({}),
-    areas: Mapping[str, TangentialRows] = MappingProxyType({}),
-) -> dict[str, np.ndarray]:
-    """Return the arrays that are kept of some cases or instants.
-
-    Parameters
-    ----------
-    solved
-        Solutions with the rows of their cases, increasing; rows without one did not converge.
-    rows : (n_row,)
-        Of the piece, increasing.
-    count
-        Cases of each metric whose fields may be wanted.
-    named
-        Rows whose fields are wanted in any case.
-    rings
-        Around holes, by name.
-    areas
-        What is carried along interfaces whose needed friction is wanted.
-    """
-    table = np.full((len(rows), len(metrics)), np.nan)
-    for numbers, solution, certificate in solved:
-        own_metrics = case_metrics(solution, interfaces, certificate, rings, areas)
-        if solution.shear_forces is not None:
-            own_metrics = np.hstack([own_metrics, friction_figures(solution, interfaces)])
-        table[np.searchsorted(rows, numbers)] = own_metrics
-    chosen_rows = {
-        int(rows[row])
-        for column, metric in enumerate(metrics)
-        if metric.worst is not None
-        for row in _worst_rows(metric, table[:, column], count).tolist()
-    }
-    chosen_rows |= set(named) & set(rows.tolist())
-    arrays: dict[str, np.ndarray] = {"rows": rows, "metrics": table}
-    chosen: list[int] = []
-    pressure: list[Vector] = []
-    gap: list[Vector] = []
-    envelopes: list[Envelope] = []
-    for numbers, solution, _ in solved:
-        positions = np.flatnonzero(np.isin(numbers, sorted(chosen_rows)))
-        chosen += numbers[positions].tolist()
-        pressure += list(solution.pressure[positions])
-        gap += list(solution.gap[positions])
-        envelopes.append(envelope_of(solution, numbers))
-    prefix = "bolt_bending."
-    bent = [
-        bolt_metric.name.removeprefix(prefix)
-        for bolt_metric in metrics
-        if bolt_metric.name.startswith(prefix)
-    ]
-    for bolt in bent:
-        moments = np.full((len(rows), 2, 2), np.nan)
-        for numbers, solution, _ in solved:
-            moments[np.searchsorted(rows, numbers)] = solution.bolt_bending(bolt)
-        arrays[f"{BENDING}{bolt}"] = moments
-    n_point = len(next(iter(solved))[1].system.contact.weights) if solved else 0
-    arrays["kept"] = np.array(chosen, dtype=np.int64)
-    arrays["pressure"] = np.array(pressure).reshape(-1, n_point)
-    arrays["gap"] = np.array(gap).reshape(-1, n_point)
-    return arrays | (vars(joined(envelopes)) if envelopes else {})
+def smallest_rows(table: Matrix) -> set[int]:
+    """Return the rows of the smallest value of each column; none where none is a number."""
+    known = table[:, ~np.isnan(table).all(axis=0)]
+    return set(np.nanargmin(known, axis=0).tolist()) if known.size else set()
 
 
 def _sign(metric: Metric) -> float:
     return -1.0 if metric.worst == "largest" else 1.0
 
 
-def _worst_rows(metric: Metric, values: Vector, count: int) -> Indices:
+def worst_rows(metric: Metric, values: Vector, count: int) -> Indices:
     """Return the rows of the worst values, the first of equal ones; none that is not a number."""
     order = np.argsort(_sign(metric) * values, kind="stable")[:count]
     return order[~np.isnan(values[order])]

@@ -14,7 +14,7 @@ from faying.report.slip_tables import demand_table
 from faying.study.judgement.verdict import run_verdict
 from faying.study.keys.schema import parse_study
 from faying.study.results.store import read_results
-from faying.study.stages import requirements as assessing
+from faying.study.stages import joint_judge as assessing
 from faying.workflow.run import run
 from small_study import BEND, JUMP, NO_REPORT, SMALL_JOINT, UNCHECKED, reduction
 from table_cells import cells

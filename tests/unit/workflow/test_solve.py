@@ -26,6 +26,7 @@ from faying.study.inputs.load_table import read_load_table
 from faying.study.keys.requirement_rules import requirements_of
 from faying.study.keys.requirement_tables import MarginsSection
 from faying.study.keys.schema import read_load_cases, read_study
+from faying.study.keys.threads import BoltStrengths
 from faying.study.results.store import read_results
 from faying.workflow import solve_cases
 from faying.workflow.reduce import reduce_study
@@ -585,9 +586,9 @@ def test_requirements_are_those_that_an_assessment_judges(rom, tmp_path):
         "max_pressure",
         "max_nodal_pressure",
         "no_opening_within",
-        "closed_ring",
         "min_opening_factor",
         "min_slip_safety",
+        "closed_ring",
     ]
     for one in found:
         other = expected[one["requirement"]]
@@ -618,7 +619,7 @@ def test_strength_is_judged_over_all_cases(rom, tmp_path):
     path.write_text("case,tip.Fz\na,-10\nb,-150\nc,-50\n")
     loads = read_loads(path, rom)
     thread = Thread(diameter=3.0, pitch=0.5, grade="4.6", friction=0.12)
-    options = SolveOptions(threads={"bolt": thread})
+    options = SolveOptions(strengths=BoltStrengths(threads={"bolt": thread}))
     summary = solve_loads(rom, loads, tmp_path / "out", options).summary
     each = [fy.Load({"tip.Fz": force}, name=name) for name, force in (("a", -10.0), ("b", -150.0))]
     expected = fy.assess(rom, each, threads={"bolt": thread}, paths=False).checks
@@ -641,11 +642,12 @@ def test_fatigue_and_the_ends_of_preloads_are_judged_over_all_cases(rom, tmp_pat
     path.write_text(f"case,tip.Fz\n{rows}")
     thread = Thread(diameter=6.0, pitch=1.0, grade="8.8", friction=0.12)
     spread = PreloadRange(variation=variation_of(1.6))
-    options = SolveOptions(
+    strengths = BoltStrengths(
         threads={"bolt": thread},
         ranges={"bolt": spread},
         margins=MarginsSection(standard="nasa-std-5020b", FS_u=1.4),
     )
+    options = SolveOptions(strengths=strengths)
     summary = solve_loads(rom, read_loads(path, rom), tmp_path / "out", options).summary
     each = [fy.Load({"tip.Fz": force}, name=name) for name, force in forces.items()]
     scatter = fy.PreloadScatter(tightening_factor=1.6, samples=1)
@@ -667,7 +669,7 @@ def test_histories_are_counted_where_load_cases_say_how_often_they_come(rom, tmp
     forces = 'forces = [{ boundary = "tip", component = "Fx", value = 90.0 }]\n'
     path.write_text((case + forces).replace("NAME", "often") + LOADS)
     thread = Thread(diameter=2.0, pitch=0.4, grade="8.8")
-    options = SolveOptions(threads={"bolt": thread})
+    options = SolveOptions(strengths=BoltStrengths(threads={"bolt": thread}))
     summary = solve_loads(rom, read_loads(path, rom), tmp_path / "out", options).summary
     found = {check["quantity"]: check for check in summary["verdict"]["parts"][0]["checks"]}
     counted = found["fatigue, Miner's sum"]
@@ -687,7 +689,7 @@ def test_a_requirement_that_cannot_be_judged_is_not_met(model_file, tmp_path):
         app, ["solve", str(model_file), str(loads), "--out", str(tmp_path / "out")]
     )
     assert done.exit_code == 3
-    assert "with slip_friction, and no slip_friction is given" in " ".join(done.output.split())
+    assert "a coefficient, that of the interface or slip_friction" in " ".join(done.output.split())
 
 
 def test_an_open_interface_needs_infinite_friction(model_file, tmp_path):

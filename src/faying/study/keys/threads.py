@@ -1,8 +1,8 @@
 """The threads of the bolts of a study, and the forces that torque or utilisation bring them to."""
 
 import tomllib
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -14,6 +14,8 @@ from faying.assessment.strength.tightening import (
     force_of_utilisation,
     variation_of,
 )
+from faying.interface.surface import ContactSurface
+from faying.simulation.load import Load
 from faying.study.keys.model_tables import BoltSection
 from faying.study.keys.requirement_tables import MarginsSection, RequirementSection, ScatterSection
 from faying.study.keys.tables import Study
@@ -50,50 +52,88 @@ def thread_of(bolt: BoltSection, units: str) -> Thread | None:
     return replace(thread, bearing=(outer, inner), head_diameter=rubs)
 
 
-def stored_threads(text: str, units: str) -> dict[str, Thread]:
-    """Return the threads of a study that was checked before; its files need not be here."""
-    bolts = [
-        BoltSection.model_validate(bolt_table) for bolt_table in tomllib.loads(text).get("bolt", [])
-    ]
-    graded = [bolt for bolt in bolts if bolt.thread or bolt.grade or bolt.strength]
-    threads = {bolt.name: thread_of(bolt, units) for bolt in graded}
-    return {name: thread for name, thread in threads.items() if thread is not None}
+@dataclass(frozen=True, kw_only=True)
+class BoltStrengths:
+    """What the strength of bolts is judged by.
+
+    Attributes
+    ----------
+    threads
+        Of the bolts whose size and grade are known.
+    ranges
+        Of the preloads.
+    margins
+        Standard that is demanded, with its factors.
+    scatter
+        Of the preloads, with temperatures and friction.
+    tightened : [force]
+        Bolt to the force it was tightened to.
+    """
+
+    threads: Mapping[str, Thread] = field(default_factory=dict)
+    ranges: Mapping[str, PreloadRange] = field(default_factory=dict)
+    margins: MarginsSection | None = None
+    scatter: ScatterSection | None = None
+    tightened: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def temperatures(self) -> dict[str, Load]:
+        """Those that every static load case may have beside its loads."""
+        names = () if self.scatter is None else self.scatter.temperatures
+        return {name: Load({name: 1.0}, name=name) for name in names}
+
+    def rubbing(self, surfaces: Mapping[str, ContactSurface]) -> dict[str, float]:
+        """Return the coefficients of the interfaces that have friction, of a range the smallest."""
+        ends = None if self.scatter is None else self.scatter.surface_friction
+        return {
+            name: surface.friction if ends is None else ends[0]
+            for name, surface in surfaces.items()
+            if surface.friction > 0
+        }
 
 
-def threads_of(study: Study) -> dict[str, Thread]:
-    """Return the threads of the bolts of a study whose size and grade it names, by name."""
-    graded = [b for b in study.bolts if b.thread or b.grade or b.strength]
-    threads = {bolt.name: thread_of(bolt, study.units) for bolt in graded}
-    return {name: thread for name, thread in threads.items() if thread is not None}
+def strengths_of(study: Study) -> BoltStrengths:
+    """Return what the strength of the bolts of a study is judged by."""
+    scatter, margins = study.preload_scatter, study.requirement.margins
+    return _strengths(study.bolts, scatter, margins, study.units)
 
 
-def preload_ranges(study: Study) -> dict[str, PreloadRange]:
-    """Return how far the preloads of the bolts of a study scatter."""
-    return _ranges(study.bolts, study.preload_scatter, study.requirement.margins, study.units)
-
-
-def stored_ranges(text: str, units: str) -> dict[str, PreloadRange]:
-    """Return the ranges of a study that was checked before; its files need not be here."""
+def stored_strengths(text: str, units: str) -> BoltStrengths:
+    """Return that of a study that was checked before; its files need not be here."""
     tables = tomllib.loads(text)
-    bolts = [BoltSection.model_validate(bolt) for bolt in tables.get("bolt", [])]
-    return _ranges(
-        bolts,
-        stored_scatter(text),
+    scatter = tables.get("preload_scatter")
+    return _strengths(
+        [BoltSection.model_validate(bolt) for bolt in tables.get("bolt", [])],
+        None if scatter is None else ScatterSection.model_validate(scatter),
         RequirementSection.model_validate(tables.get("requirement", {})).margins,
         units,
     )
 
 
-def stored_scatter(text: str) -> ScatterSection | None:
-    """Return the scatter of the preloads of a study that was checked before."""
-    scatter = tomllib.loads(text).get("preload_scatter")
-    return None if scatter is None else ScatterSection.model_validate(scatter)
+def _strengths(
+    bolts: Sequence[BoltSection],
+    scatter: ScatterSection | None,
+    margins: MarginsSection | None,
+    units: str,
+) -> BoltStrengths:
+    return BoltStrengths(
+        threads=_threads(bolts, units),
+        ranges=_ranges(bolts, scatter, margins, units),
+        margins=margins,
+        scatter=scatter,
+        tightened=_final_forces(bolts, scatter, units),
+    )
 
 
-def stored_forces(text: str, units: str) -> dict[str, float]:
-    """Return the final forces of the bolts of a study that was checked before."""
-    bolts = [BoltSection.model_validate(bolt) for bolt in tomllib.loads(text).get("bolt", [])]
-    return _final_forces(bolts, stored_scatter(text), units)
+def threads_of(study: Study) -> dict[str, Thread]:
+    """Return the threads of the bolts of a study whose size and grade it names, by name."""
+    return _threads(study.bolts, study.units)
+
+
+def _threads(bolts: Sequence[BoltSection], units: str) -> dict[str, Thread]:
+    graded = [bolt for bolt in bolts if bolt.thread or bolt.grade or bolt.strength]
+    threads = {bolt.name: thread_of(bolt, units) for bolt in graded}
+    return {name: thread for name, thread in threads.items() if thread is not None}
 
 
 def _ranges(

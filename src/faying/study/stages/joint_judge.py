@@ -1,0 +1,271 @@
+"""What judges a joint over load cases that are solved, those of a run and many of one model."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.assessment.case_metrics import bent_bolts
+from faying.assessment.certificate import Certifier
+from faying.assessment.clamp_range import CertifiedClamps, certified_clamps
+from faying.assessment.joint_assessment import judged, loosest_checks, opening_cases
+from faying.assessment.joint_record import Assessment, CaseState
+from faying.assessment.opening import Openings, areas_that_open, opening_factors
+from faying.assessment.requirements import Requirements
+from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
+from faying.assessment.slip_reserve import SlipReserve
+from faying.assessment.strength.clamp_ends import clamp_checks
+from faying.assessment.strength.preload_ends import (
+    PreloadEnd,
+    loosest_forces,
+    preload_ends,
+    with_initial,
+)
+from faying.assessment.strength.stressed import with_threads
+from faying.assessment.verdicts import wanted_clamps
+from faying.interface.surface import ContactSurface
+from faying.joint.bolt_surroundings import surroundings
+from faying.joint.model import Model
+from faying.joint.tangential import tangential_rows
+from faying.reduction.projection import contact_surfaces
+from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.load import NamedLoad
+from faying.simulation.solution import Solution
+from faying.simulation.without_friction import pressures_without_friction
+from faying.study.judgement.margins import demanded_checks
+from faying.study.keys.threads import BoltStrengths
+from faying.study.stages.optional import Extras
+from faying.units import units_of
+
+UNTOLD = "the file does not tell what is carried along it; reduce the study again"
+"""Why nothing is known of slip by sums in files of earlier versions."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class JointJudge:
+    """A joint with its solved load cases, and what it is judged by.
+
+    Attributes
+    ----------
+    system
+        Preloaded full or reduced model.
+    exact
+        Solves cases anew where preloads scatter: its static pressures are those of the full model.
+    preloaded
+        The preloaded state.
+    cases
+        Load cases by name.
+    requirements
+        What must hold.
+    strengths
+        What the strength of bolts is judged by.
+    extras
+        Parts of the assessment are tried among these.
+    loads
+        Static load cases without friction: those to follow to their openings, and to solve anew.
+    followed
+        Names of those that are followed.
+    summed
+        Loads whose slip is judged by sums of forces.
+    factored
+        Static load cases that margins multiply.
+    reserves
+        Load case to its slip reserve, of joints with friction.
+    openings
+        Load case to its openings, of those that were followed before.
+    """
+
+    system: Model | ReducedModel
+    exact: Model | ReducedModel
+    preloaded: CaseState
+    cases: Mapping[str, CaseState]
+    requirements: Requirements
+    strengths: BoltStrengths
+    extras: Extras
+    loads: Sequence[NamedLoad] = ()
+    followed: Collection[str] = ()
+    summed: Sequence[NamedLoad] = ()
+    factored: Sequence[NamedLoad] = ()
+    reserves: Mapping[str, SlipReserve] = field(default_factory=dict)
+    openings: Mapping[str, Openings] = field(default_factory=dict)
+
+    @cached_property
+    def surfaces(self) -> Mapping[str, ContactSurface]:
+        """Geometry of the interfaces."""
+        return surfaces_of(self.system)
+
+    @cached_property
+    def coefficients(self) -> dict[str, float]:
+        """Coefficient that each interface is judged with, of those that have one."""
+        smooth = [name for name, surface in self.surfaces.items() if not surface.friction > 0]
+        given = slip_coefficients(self.requirements.slip_friction, smooth)
+        return self.strengths.rubbing(self.surfaces) | given
+
+    def assessment(self) -> Assessment:
+        """Judge bolts and interfaces over the load cases as they are, and what is required."""
+        demands: dict[tuple[str, str], SlipDemand] = {}
+        with self.extras.attempt("slip by sums"):
+            demands = self._demands()
+        return self._judged({**self._paths(self.followed), **self.openings}, demands)
+
+    def ends(self, histories: Mapping[str, CaseState]) -> tuple[PreloadEnd, ...]:
+        """Return load cases at both ends of the preloads, and at the temperatures of the joint."""
+        strengths = self.strengths
+        return preload_ends(
+            self.exact,
+            self.preloaded,
+            histories,
+            {load.name: load for load in self.loads},
+            strengths.ranges,
+            strengths.tightened,
+            strengths.temperatures,
+        )
+
+    def at_ends(self, assessment: Assessment, ends: Sequence[PreloadEnd]) -> Assessment:
+        """Return an assessment with what is judged at the ends of the preloads."""
+        system, units = self.system, self.system.units
+        limits = wanted_clamps(self.requirements.min_clamp_force, self.surfaces)
+        clamps = tuple(clamp_checks(ends, self.surfaces, system.bolts, limits, units))
+        initial = loosest_forces(system, self.preloaded, self.strengths.ranges)
+        if initial is None:
+            return replace(assessment, checks=clamps)
+        paths = self._paths(opening_cases(assessment), initial)
+        loose = self._judged(paths, self._demands(initial))
+        loosened = loosest_checks(loose, units_of(units))
+        return replace(assessment, checks=clamps, loosened=loosened)
+
+    def strengthened(
+        self,
+        assessment: Assessment,
+        histories: Mapping[str, CaseState],
+        ends: Sequence[PreloadEnd],
+        repetitions: Mapping[str, float],
+    ) -> Assessment:
+        """Return an assessment with the strength of the bolts whose threads are known.
+
+        Parameters
+        ----------
+        histories
+            Load cases by name.
+        ends
+            The same at the ends of the preloads.
+        repetitions
+            Load case to how often it comes in the life of the joint, where that is known.
+        """
+        threads, units = self.strengths.threads, self.system.units
+        return with_threads(assessment, histories, threads, units, ends, repetitions)
+
+    def with_margins(self, assessment: Assessment) -> Assessment:
+        """Return an assessment with the margins of bolts that a study demands."""
+        strengths = self.strengths
+        checks = demanded_checks(
+            strengths.margins,
+            strengths.ranges,
+            self.exact,
+            strengths.threads,
+            self.factored,
+            self.coefficients,
+            assessment,
+            self.system.units,
+        )
+        return replace(assessment, checks=checks)
+
+    def _judged(
+        self, paths: Mapping[str, Openings], demands: Mapping[tuple[str, str], SlipDemand]
+    ) -> Assessment:
+        return judged(
+            self.surfaces,
+            self.system.bolts,
+            self.preloaded,
+            self.cases,
+            self.requirements,
+            paths,
+            self.reserves,
+            demands,
+        )
+
+    def _paths(
+        self, followed: Collection[str], initial: Vector | None = None
+    ) -> dict[str, Openings]:
+        """Follow load cases without friction to their openings; not those where that failed."""
+        system, openings = self.system, dict[str, Openings]()
+        joint = system.joint if isinstance(system, ReducedModel) else system
+        areas = areas_that_open(self.surfaces, system.contact.slices, system.bolts)
+        for load in self.loads:
+            if load.name in followed:
+                with self.extras.attempt(f"{load.name}, load factors of opening"):
+                    (inputs,) = self._inputs([load], initial)
+                    openings[load.name] = opening_factors(
+                        joint, inputs, areas, open_below=self.requirements.open_share
+                    )
+        return openings
+
+    def _inputs(self, loads: Sequence[NamedLoad], initial: Vector | None) -> Matrix:
+        """Return inputs (n_load, n_input), of bolts locked at other initial forces (n_bolt,)."""
+        rows = [load.inputs(self.system, np.zeros(1)) for load in loads]
+        return with_initial(self.system, np.concatenate(rows), initial)
+
+    def _demands(self, initial: Vector | None = None) -> dict[tuple[str, str], SlipDemand]:
+        """Return the friction that loads need, as if there were none.
+
+        Interfaces with friction are judged so where it is demanded, or paths tell the rest.
+        """
+        if not self.summed:
+            return {}
+        system, asked = self.system, bool(self.reserves)
+        asked = asked or self.requirements.min_slip_safety is not None
+        inputs = self._inputs(self.summed, initial)
+        demands = slip_demands(
+            system,
+            self.surfaces,
+            tangential_rows(system) if isinstance(system, Model) else system.tangential,
+            [load.name for load in self.summed],
+            inputs,
+            pressures_without_friction(system, inputs),
+            self.coefficients,
+        )
+        untold = {
+            (name, ""): SlipDemand(coefficient=self.coefficients.get(name), unknown=UNTOLD)
+            for name in self.surfaces
+        }
+        judged_by_sums = [
+            name for name, surface in self.surfaces.items() if asked or not surface.friction > 0
+        ]
+        return {
+            area: demand
+            for area, demand in {**untold, **demands}.items()
+            if area[0] in judged_by_sums
+        }
+
+
+def surfaces_of(system: Model | ReducedModel) -> Mapping[str, ContactSurface]:
+    """Return the geometry of the interfaces of a full or reduced model."""
+    return contact_surfaces(system) if isinstance(system, Model) else system.interfaces
+
+
+def rest_of(preloaded: Solution) -> CaseState:
+    """Return a preloaded state, or the last one of a path, as it is judged."""
+    system = preloaded.system
+    return CaseState(
+        pressure=preloaded.pressure.reshape(-1, system.contact.n_points)[-1:],
+        bolt_forces={name: np.ravel(preloaded.bolt_force(name))[-1:] for name in system.bolts},
+        bolt_moments={
+            name: preloaded.bolt_bending(name).reshape(-1, 2, 2)[-1:]
+            for name in bent_bolts(system.bolts)
+        },
+    )
+
+
+def certified_cases(
+    judge: Certifier,
+    system: Model | ReducedModel,
+    names: Sequence[str],
+    inputs: Matrix,
+    pressure: Matrix,
+) -> dict[str, CertifiedClamps]:
+    """Return the certified clamp forces of static load cases without friction."""
+    areas = surroundings(surfaces_of(system), system.bolts)
+    certificate = judge.certify_inputs(inputs, pressure, areas)
+    return {name: certified_clamps(certificate, row) for row, name in enumerate(names)}

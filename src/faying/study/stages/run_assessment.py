@@ -1,0 +1,181 @@
+"""The joint of a run judged over its load cases."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from faying.assessment.clamp_range import CertifiedClamps
+from faying.assessment.joint_record import Assessment, CaseState
+from faying.assessment.opening import Openings
+from faying.assessment.preload_scatter import PreloadScatter, Spread, preload_spreads
+from faying.assessment.slip_reserve import SlipReserve
+from faying.joint.model import Model
+from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.load import Load
+from faying.study.inputs.loads import case_load
+from faying.study.judgement.comparison import increments
+from faying.study.keys.requirement_rules import requirements_of
+from faying.study.keys.tables import LoadCaseSection, Study
+from faying.study.keys.threads import strengths_of
+from faying.study.results.values import CaseResult
+from faying.study.stages.joint_judge import JointJudge, certified_cases, rest_of, surfaces_of
+from faying.study.stages.offline import PreparedJoint
+from faying.study.stages.optional import Extras
+from faying.study.stages.progress import Stages
+
+
+def assess_run(
+    study: Study,
+    joint: PreparedJoint,
+    cases: Mapping[str, CaseResult],
+    stages: Stages,
+    extras: Extras,
+    exact: Model | ReducedModel,
+) -> Assessment | None:
+    """Judge the joint over the references of all load cases; None where that failed.
+
+    Parameters
+    ----------
+    exact
+        Whose static pressures are those of the full model; preloads scatter on it.
+
+    Static load cases without friction are certified, and followed to their openings.
+    """
+    if not cases:
+        return None
+    with stages.stage("joint assessment"), extras.attempt("joint assessment"):
+        static = [case for case in study.load_cases if case.kind == "static"]
+        loads = [case_load(case) for case in static]
+        smooth = loads if joint.model.contact.forgets else []
+        intervals = _intervals(joint, smooth, cases, extras)
+        states = {name: _state(case, intervals.get(name)) for name, case in cases.items()}
+        reserves = {n: case.reserve for n, case in cases.items() if case.reserve is not None}
+        judge = JointJudge(
+            system=joint.model,
+            exact=exact,
+            preloaded=_bent_in_all(rest_of(joint.rest), states),
+            cases=states,
+            requirements=requirements_of(study.requirement),
+            strengths=replace(strengths_of(study), tightened=joint.loaded.preloads),
+            extras=extras,
+            loads=smooth,
+            followed=[load.name for load in smooth],
+            summed=_summed(study.load_cases),
+            factored=loads,
+            reserves=reserves,
+            openings=_rubbed_paths(static, reserves),
+        )
+        assessment = judge.assessment()
+        assessment = replace(assessment, scatter=_scatter(study, exact, loads, judge))
+        with extras.attempt("strength of bolts"):
+            ends = judge.ends(states)
+            assessment = judge.at_ends(assessment, ends)
+            counted = {c.name: c.repetitions for c in study.load_cases if c.repetitions}
+            assessment = judge.strengthened(assessment, states, ends, counted)
+        with extras.attempt("margins of bolts"):
+            return judge.with_margins(assessment)
+        return assessment
+    return None
+
+
+def _bent_in_all(preloaded: CaseState, states: Mapping[str, CaseState]) -> CaseState:
+    """Return the preloaded state with the moments of bolts whose bending is seen in all cases."""
+    moments = {
+        name: ends
+        for name, ends in preloaded.bolt_moments.items()
+        if all(name in state.bolt_moments for state in states.values())
+    }
+    return replace(preloaded, bolt_moments=moments)
+
+
+def _scatter(
+    study: Study, exact: Model | ReducedModel, loads: Sequence[Load], judge: JointJudge
+) -> tuple[Spread, ...]:
+    """Return what scatter of the preloads does to static load cases."""
+    if study.preload_scatter is None:
+        return ()
+    scatter = PreloadScatter(**study.preload_scatter.model_dump(exclude={"temperatures"}))
+    spreads: list[Spread] = []
+    with judge.extras.attempt("preload scatter"):
+        for load in loads:
+            spreads += preload_spreads(
+                exact, surfaces_of(exact), load, scatter, judge.strengths.threads
+            )
+    return tuple(spreads)
+
+
+def _state(case: CaseResult, certified: CertifiedClamps | None) -> CaseState:
+    """Return a load case as it is judged: over all instants, or all increments of its paths."""
+    response, paths = case.reference, increments(case.reference)
+    states = [np.atleast_2d(response.pressure), *(record.pressure for record in paths)]
+    pressure = np.concatenate(states)
+    moments = {name: ends.reshape(-1, 2, 2) for name, ends in response.bolt_moments.items()}
+    return CaseState(
+        pressure=pressure,
+        bolt_forces={
+            name: np.concatenate(
+                [np.atleast_1d(force), *(record.bolt_forces[name] for record in paths)]
+            )
+            for name, force in response.bolt_forces.items()
+        },
+        certified=certified,
+        retightened=any(
+            name in response.bolt_forces and (record.factors[:, column] != 1).any()
+            for record in paths
+            for column, name in enumerate(record.loads)
+        ),
+        times=case.times,
+        # Of increments bending is known at the last one, which stands for the others.
+        bolt_moments={
+            name: np.concatenate([ends, *[ends[-1:]] * (len(pressure) - len(ends))])
+            for name, ends in moments.items()
+        },
+    )
+
+
+def _intervals(
+    joint: PreparedJoint,
+    loads: Sequence[Load],
+    cases: Mapping[str, CaseResult],
+    extras: Extras,
+) -> dict[str, CertifiedClamps]:
+    """Return the certified clamp forces of static load cases."""
+    if not loads:
+        return {}
+    with extras.attempt("certified bounds"):
+        start, names = np.zeros(1), [load.name for load in loads]
+        inputs = np.concatenate([load.inputs(joint.model, start) for load in loads])
+        pressure = np.array([cases[name].reference.pressure for name in names])
+        return certified_cases(joint.certifier, joint.model, names, inputs, pressure)
+    return {}
+
+
+ENDS = ("forth", "back")
+"""What the ends of the largest cycle are called, at plus and minus its amplitude."""
+
+
+def _summed(cases: Sequence[LoadCaseSection]) -> list[Load]:
+    """Return the static load cases, and the ends of cycles."""
+    loads = list[Load]()
+    for case in cases:
+        load, largest = case_load(case), max(case.amplitudes or (1.0,))
+        if case.kind == "static":
+            loads.append(load)
+        elif case.kind == "cycle":
+            for end, factor in zip(ENDS, (largest, -largest), strict=True):
+                loads.append(replace(load.scaled(factor), name=f"{case.name}, {end}"))
+    return loads
+
+
+def _rubbed_paths(
+    static: Sequence[LoadCaseSection], reserves: Mapping[str, SlipReserve]
+) -> dict[str, Openings]:
+    """Return the openings of static load cases that were followed with friction."""
+    return {
+        case.name: Openings(
+            opened=dict(zip(reserve.areas, reserve.openings, strict=True)), followed=reserve.largest
+        )
+        for case in static
+        if (reserve := reserves.get(case.name)) is not None and reserve.areas
+    }
