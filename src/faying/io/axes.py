@@ -5,19 +5,20 @@ import math
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.digits import SOLVED
 from faying.model.assembly import BeamSection
 
 
-def axes_along(x: Vector, plane: Vector, parallel: float = 0.0) -> Matrix | None:
+def axes_along(x: Vector, plane: Vector) -> Matrix | None:
     """Return axes (3, 3) as rows: along x, across it towards ``plane``, and the normal of both.
 
-    None where one has no length, or the sine of the angle between them is ``parallel`` or less.
+    None where one has no length, or the sine of the angle between them is next to nothing.
     """
     z = np.cross(x, plane)
     with np.errstate(over="ignore", invalid="ignore"):
         lengths = float(np.linalg.norm(x)), float(np.linalg.norm(z))
         size = lengths[0] * float(np.linalg.norm(plane))
-    if not (lengths[1] > parallel * size and np.isfinite(size)):
+    if not (lengths[1] > SOLVED * size and np.isfinite(size)):
         return None
     x, z = x / lengths[0], z / lengths[1]
     return np.stack([x, np.cross(z, x), z])

@@ -10,12 +10,10 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix
+from faying.digits import ROUND_OFF
 
 _ROUNDING = 1e-6
 """Force of a rigid motion over the forces it is made of, below which it is none."""
-
-_REGULAR = 1e-12
-"""Stiffness added to that of rows without any, over the largest on the diagonal."""
 
 
 def turning_nodes(K: SparseMatrix, nodes: Indices, components: Indices) -> Indices:
@@ -70,7 +68,7 @@ def _resisted(K: SparseMatrix, motions: Matrix) -> Mask:
 def _relaxed(K: SparseMatrix, motions: Matrix, free: Mask) -> Matrix:
     """Return motions (n, k) with the free rows where they need the least energy."""
     inner = sp.csc_array(K[free][:, free])
-    inner = inner + _REGULAR * float(K.diagonal().max()) * sp.eye_array(inner.shape[0])
+    inner = inner + ROUND_OFF * float(K.diagonal().max()) * sp.eye_array(inner.shape[0])
     fixed = np.where(free[:, None], 0.0, motions)
     relaxed = motions.copy()
     relaxed[free] = -spla.splu(sp.csc_matrix(inner)).solve((K @ fixed)[free])

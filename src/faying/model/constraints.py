@@ -14,7 +14,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, read_only
-from faying.digits import SOLVED
+from faying.digits import ROUND_OFF, SOLVED
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
 from faying.model.couplings.average import average_rows
@@ -24,8 +24,6 @@ from faying.model.couplings.rows import Rows, dof_name, stacked
 from faying.model.couplings.support import fixed_components, inclined_rows
 from faying.model.dofs import DofMap
 
-# Relative size of coefficients that are rounding of the solution of those equations.
-_ROUNDING = 1e-13
 # Share of the largest coefficient of an equation that is rounding after others are put into it.
 _REPEATED = 1e-11
 
@@ -179,7 +177,7 @@ def _turned(
         others = np.setdiff1d(np.arange(len(columns)), chosen)
         solved = -np.linalg.solve(reduced[:, chosen], reduced[:, others])
         solution = np.asarray(solved, dtype=np.float64)
-        solution[np.abs(solution) <= _ROUNDING * np.abs(solution).max(initial=0.0)] = 0.0
+        solution[np.abs(solution) <= ROUND_OFF * np.abs(solution).max(initial=0.0)] = 0.0
         replaced[columns[chosen]] = True
         parts.append((columns[chosen], columns[others], solution))
     return _replacement(replaced, parts)

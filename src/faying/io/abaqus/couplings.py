@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
+from faying.digits import ROUND_OFF
 from faying.interface.facets import gauss_rule, shape_functions, surface
 from faying.io.abaqus.beams import TYPES
 from faying.io.abaqus.deck import Deck
@@ -23,8 +24,6 @@ from faying.model.assembly import AverageCoupling, Equation, RigidCoupling
 
 MEMBERS = ("KINEMATIC", "DISTRIBUTING")
 _ALL = tuple(range(6))
-_ROUNDING = 1e-12
-"""Share of a node over the largest of its facet that is rounding."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -163,7 +162,7 @@ def _areas(coupled: DeckSurface, coordinates: Matrix) -> Vector:
     for kind, facets in coupled.facets.items():
         rule = gauss_rule(kind)
         share = surface(kind, coordinates[facets], rule).areas @ shape_functions(kind, rule.points)
-        share[np.abs(share) < _ROUNDING * share.max(axis=1, keepdims=True)] = 0.0
+        share[np.abs(share) < ROUND_OFF * share.max(axis=1, keepdims=True)] = 0.0
         shares += np.bincount(facets.ravel(), share.ravel(), minlength=len(coordinates))
     if not coupled.facets:
         shares[coupled.nodes] = 1.0

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.digits import DECK_DIGITS
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs
 from faying.io.abaqus.fields import is_integer
@@ -17,8 +18,6 @@ _REMEDIES: Mapping[str, str] = {
     "LINK": "use a stiff beam",
     "SLIDER": "write *EQUATION",
 }
-_OFF = 1e-6
-"""Distance from the plane or line over that from its points up to which a node lies on it."""
 _ON_AXIS = 1e-10
 """Squared distance from the axis over the mean distance from the centre, below which CalculiX
 passes over a node of MEANROT."""
@@ -148,7 +147,7 @@ def _plane(keyword: Keyword, row: int, nodes: list[int], points: Matrix) -> Iter
     first, second = a - c, b - c
     normal = np.cross(first, second)
     size = float(np.linalg.norm(normal))
-    if not size > _OFF * float(np.linalg.norm(first) * np.linalg.norm(second)):
+    if not size > DECK_DIGITS * float(np.linalg.norm(first) * np.linalg.norm(second)):
         keyword.refuse("all nodes lie on one line; they must span a plane", row)
     for node in (candidate for candidate in nodes if candidate not in basis):
         arm = points[node] - c
@@ -190,7 +189,7 @@ def _farthest(nodes: list[int], points: Matrix) -> list[int]:
 
 
 def _check_on(keyword: Keyword, row: int, distance: float, arm: Vector, where: str) -> None:
-    if distance > _OFF * float(np.linalg.norm(arm)):
+    if distance > DECK_DIGITS * float(np.linalg.norm(arm)):
         keyword.refuse(
             f"a node is {distance:.3g} off the {where}; place it there, for it is not moved to it",
             row,

@@ -3,14 +3,12 @@
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
+from faying.digits import SOLVED
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import integer, padded, real
 from faying.io.abaqus.keyword import Keyword, named
 from faying.io.abaqus.sets import NamedSets
 from faying.io.axes import axes_along
-
-_DEGENERATE = 1e-9
-"""Sine of the angle below which two directions count as one."""
 
 
 def distributed_axes(
@@ -58,7 +56,7 @@ def orientation_at(deck: Deck, keyword: Keyword, points: Matrix, ignored: list[s
     arms = points - values[:3]
     radial = arms - np.outer(arms @ axis, axis)
     lengths = np.linalg.norm(radial, axis=1)
-    on_axis = lengths <= _DEGENERATE * np.abs(points).max(initial=0.0)
+    on_axis = lengths <= SOLVED * np.abs(points).max(initial=0.0)
     if on_axis.any():
         radial[on_axis] = _across(axis)
         lengths[on_axis] = 1.0
@@ -72,9 +70,9 @@ def orientation_at(deck: Deck, keyword: Keyword, points: Matrix, ignored: list[s
 
 def _across(axis: Vector) -> Vector:
     """Return the direction across an axis that CalculiX takes for radial on it."""
-    if abs(axis[0]) > _DEGENERATE:
+    if abs(axis[0]) > SOLVED:
         radial = np.array([-axis[1] / axis[0], 1.0, 0.0])
-    elif abs(axis[1]) > _DEGENERATE:
+    elif abs(axis[1]) > SOLVED:
         radial = np.array([0.0, -axis[2] / axis[1], 1.0])
     else:
         radial = np.array([1.0, 0.0, 0.0])
@@ -102,7 +100,7 @@ def _axes(keyword: Keyword) -> Matrix:
 def _spanned(keyword: Keyword, row: int, fields: list[str]) -> Matrix:
     """Return the axes (3, 3) of points a and b, and an origin behind them."""
     values = padded(keyword, row, fields, 9, "a coordinate")
-    axes = axes_along(values[:3] - values[6:], values[3:6] - values[6:], _DEGENERATE)
+    axes = axes_along(values[:3] - values[6:], values[3:6] - values[6:])
     if axes is None:
         keyword.refuse("points a and b lie on one line with the origin; they must span a plane")
     return axes

@@ -3,6 +3,7 @@
 import numpy as np
 
 from faying._typing import Matrix
+from faying.digits import DECK_DIGITS
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import component
 from faying.io.abaqus.elements import ElementBlock, Elements
@@ -11,9 +12,6 @@ from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets, assign
 from faying.io.axes import any_across, axes_along
 from faying.model.assembly import Bush, Spring
-
-# Ends of an axial spring off a coordinate axis by less than this fraction of its length.
-_ALIGNED = 1e-6
 
 
 def read_springs(
@@ -71,7 +69,7 @@ def _axis(block: ElementBlock, i: int, coordinates: Matrix) -> int | None:
         )
     component = int(np.abs(apart).argmax())
     others = np.delete(np.abs(apart), component)
-    return component if others.max() <= _ALIGNED * abs(apart[component]) else None
+    return component if others.max() <= DECK_DIGITS * abs(apart[component]) else None
 
 
 def _inclined(block: ElementBlock, i: int, stiffness: float, coordinates: Matrix) -> Bush:

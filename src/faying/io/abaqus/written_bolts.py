@@ -10,13 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Vector
+from faying.digits import SOLVED
 from faying.exceptions import FormatError
 from faying.io.abaqus.written_nodes import Term, WrittenNodes
 from faying.model.assembly import Assembly, Beam
 from faying.model.elements.beam import beam_frames
 
-# Direction cosines below this are rounding.
-_ALIGNED = 1e-9
 # Where along the beam its nodes are drawn: both sides of the cut, and the far side of the spring.
 _DRAWN = (0.3, 0.4, 0.5)
 # Axial stiffness of the beam element in a cut over that of the bolt: adds 1e-4 to its compliance.
@@ -105,7 +104,7 @@ def written_beam(
 
 def _along(beam: Beam, frame: np.typing.NDArray[np.float64]) -> int:
     """Return the coordinate axis a beam and its section lie along."""
-    if (np.abs(frame).max(axis=1) < 1 - _ALIGNED).any():
+    if (np.abs(frame).max(axis=1) < 1 - SOLVED).any():
         message = (
             f"beam {beam.id} or its section is not along coordinate axes, along which springs of "
             "an input deck act; turn the model, or export matrices instead"

@@ -16,8 +16,6 @@ from faying.io.nastran.principal_axes import turned_about
 from faying.io.nastran.sections import Property
 from faying.model.assembly import Beam
 
-_PARALLEL = 1e-8
-
 
 def read_beams(
     cards: Mapping[str, Cards],
@@ -111,7 +109,7 @@ def _axes(card: Card, axis: Vector, vector: Vector) -> Matrix:
         length = np.linalg.norm(axis)
     if not 0 < length < np.inf:
         card.refuse("the beam has no length; its two nodes coincide")
-    axes = axes_along(axis, vector, _PARALLEL)
+    axes = axes_along(axis, vector)
     if axes is None:
         card.refuse("the orientation vector is zero or parallel to the beam; give another one", 4)
     return axes

@@ -19,16 +19,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Vector
+from faying.digits import SOLVED
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.bushes import orientation
 from faying.io.nastran.cards import Card, Cards, by_id, property_of
+from faying.io.nastran.fields import SHORT_DIGITS
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.solids import material_of
 from faying.model.assembly import Bush, Material
-
-_PARALLEL = 1e-8
-# Radii of GEOM = 3 in eight columns hold about four digits.
-_DIGITS = 1e-3
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,7 +127,7 @@ def _arc(card: Card, section: Card, grids: Grids) -> _Arc:
     along = float(vector @ chord)
     side = vector - along * chord
     width = float(np.linalg.norm(side))
-    if not width > _PARALLEL:
+    if not width > SOLVED:
         card.refuse(
             "G0 or X1 to X3 lie on the line of the nodes; they must span the plane of the arc", 4
         )
@@ -151,15 +149,15 @@ def _half_angle(
     """Half the angle of the arc, and on which side of the chord it lies: that of O is 1."""
     geometry, radius, angle = card.integer(7), section.real(6, 0.0), section.real(7, 0.0)
     if geometry == 1 and not (radius or angle):
-        if abs(along) > _PARALLEL:
+        if abs(along) > SOLVED:
             return math.atan2(abs(along), width), -math.copysign(1.0, along)
         text = "the line to the centre of curvature is square to the chord: no arc ends there"
     elif geometry == 2 and not (radius or angle):
-        if along > -_PARALLEL:
+        if along > -SOLVED:
             return min(math.atan2(width, along), math.pi / 2), 1.0
         text = "the tangent at GA leads away from GB: more than a half circle is not supported"
     elif geometry == 3 and radius > 0 and not angle:
-        if length <= 2 * radius * (1 + _DIGITS):
+        if length <= 2 * radius * (1 + SHORT_DIGITS):
             return math.asin(min(length / (2 * radius), 1.0)), 1.0
         text = f"RB = {radius:g} is smaller than half the distance {length:g} of the nodes"
     elif geometry == 4 and 0 < angle <= 180 and not radius:

@@ -7,12 +7,10 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.fields import SHORT_DIGITS
 from faying.io.nastran.grids import Grids
 from faying.model.assembly import PointMass
 from faying.model.body_forces import centrifugal
-
-_UNIT = 1e-3
-"""Difference of a length from one that eight columns of a direction's parts may leave."""
 
 
 def read_accelerations(
@@ -47,7 +45,9 @@ def read_accelerations(
         point = grids.nodes[grids.one(card, 1)] if card.integer(1, 0) else np.zeros(3)
         if any(any(mass.offset) for mass in masses):
             unread.setdefault(number, f"{card.where()} of CONM2 that are offset")
-        elif axis is None or abs(float(np.linalg.norm(axis)) - 1) > _UNIT or card.real(8, 0.0):
+        elif (
+            axis is None or abs(float(np.linalg.norm(axis)) - 1) > SHORT_DIGITS or card.real(8, 0.0)
+        ):
             reason = (
                 f"{card.where()} with RACC, or a direction that is turning or not of length one"
             )

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.digits import DECK_DIGITS
 from faying.io.axes import any_across, axes_along
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, Cards, by_id, property_of
@@ -13,10 +14,6 @@ from faying.io.nastran.grids import Grids
 from faying.model.assembly import Bush
 
 _ROWS = ("K", "B", "GE", "RCV", "M", "T", "D", "")
-# An orientation vector at a smaller angle to the line of the nodes says nothing (in radians).
-_PARALLEL = 1e-8
-# Coordinates in eight columns hold about seven digits.
-_OFF = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,9 +107,9 @@ def _axes(card: Card, bush_property: _Property, grids: Grids, start: int, line: 
     if card.text(field):
         frame = grids.systems.frame_of(card, field)
         of_frame = np.asarray(frame.directions(grids.nodes[start][None])[0])
-        if card.cards.name == "CBUSH1D" and np.abs(np.cross(of_frame[0], line)).max() > _OFF * max(
-            float(np.abs(line).max()), 1e-300
-        ):
+        if card.cards.name == "CBUSH1D" and np.abs(
+            np.cross(of_frame[0], line)
+        ).max() > DECK_DIGITS * max(float(np.abs(line).max()), 1e-300):
             card.refuse(
                 "its nodes lie apart across the axis of CID; use CBUSH, or leave CID blank", field
             )
@@ -128,7 +125,7 @@ def _axes(card: Card, bush_property: _Property, grids: Grids, start: int, line: 
                 "springs across the line of its nodes need an orientation (GO, X1 to X3 or CID)", 4
             )
         vector = np.array(any_across(line))
-    axes = axes_along(line, vector, _PARALLEL)
+    axes = axes_along(line, vector)
     if axes is None:
         card.refuse("the orientation vector is zero or parallel to the line of the nodes", 4)
     return axes

@@ -6,13 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, frozen
+from faying.digits import ROUND_OFF
 from faying.io.axes import axes_along
 from faying.io.nastran.cards import Card, Cards
 
-_ON_AXIS = 1e-12
-_ON_LINE = 1e-10
-_ROUNDING = 1e-13
-"""Direction cosines this small come from rounding of a system."""
 CARDS = "CORD2R, ..."
 """Cards of coordinate systems."""
 
@@ -64,7 +61,7 @@ class Frame:
         scale = max(
             float(np.abs(points).max(initial=0.0)), float(np.abs(self.origin).max()), 1e-300
         )
-        return np.asarray(np.hypot(x, y) <= _ON_AXIS * scale)
+        return np.asarray(np.hypot(x, y) <= ROUND_OFF * scale)
 
     def directions(self, points: Matrix) -> Matrix:
         """Return unit vectors (n, 3, 3), one per row, along the components at basic points.
@@ -210,7 +207,7 @@ def _missing(
 
 def _frame(definition: _Definition, points: Matrix) -> Frame:
     a, b, c = points
-    axes = axes_along(b - a, c - a, _ON_LINE)
+    axes = axes_along(b - a, c - a)
     if axes is None:
         definition.card.refuse(
             "its three points lie on one line, so they define no axes; move one of them"
@@ -274,7 +271,7 @@ class Systems:
         if axes is None:
             return [(component, 1.0)]
         first, row = 3 * (component // 3), axes[component % 3].tolist()
-        return [(first + k, cosine) for k, cosine in enumerate(row) if abs(cosine) > _ROUNDING]
+        return [(first + k, cosine) for k, cosine in enumerate(row) if abs(cosine) > ROUND_OFF]
 
     def axes_of(self, nodes: Indices) -> Matrix:
         """Directions (n, 3, 3) of the components of several nodes."""

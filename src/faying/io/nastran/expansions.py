@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from faying._typing import Vector
+from faying.digits import SOLVED
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.layers import layers
@@ -18,8 +19,6 @@ _COEFFICIENTS = {
 }
 """Fields of the coefficients of expansion, and of TREF."""
 _DEPENDING = {"MATT1": "MAT1", "MATT2": "MAT2", "MATT8": "MAT8", "MATT9": "MAT9", "MATT11": "MAT11"}
-# Curvature over half a thickness, in parts of the strain: rounding of a symmetric laminate.
-_FLAT = 1e-9
 
 
 class UnreadError(Exception):
@@ -100,7 +99,7 @@ def expansion_of_plate(
     else:
         stiffness[3:, :3] = stiffness[:3, 3:]
         strains = np.linalg.solve(stiffness, np.concatenate([forces, moments]))
-        if np.abs(strains[3:]).max() * bottom > _FLAT * np.abs(strains[:3]).max():
+        if np.abs(strains[3:]).max() * bottom > SOLVED * np.abs(strains[:3]).max():
             message = f"{card.where()} of layers that bend when they expand"
             raise UnreadError(message)
     return Expansion(strains=np.asarray(strains[:3]), zero=card.real(5, 0.0))

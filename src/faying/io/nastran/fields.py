@@ -16,6 +16,9 @@ from faying._typing import Indices, Mask, Vector
 
 Fields = npt.NDArray[np.bytes_]
 
+SHORT_DIGITS = 1e-3
+"""What eight columns leave of a number with sign and exponent, as -1.23-10."""
+
 _REAL = re.compile(r"[+-]?(?=\.?\d)\d*\.?\d*(?:[ED][+-]?\d+|[+-]\d+)?")
 _INTEGER = re.compile(r"[+-]?\d{1,18}")
 _BARE_EXPONENT = re.compile(r"(?<=[\d.])([+-])")

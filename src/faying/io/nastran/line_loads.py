@@ -13,6 +13,7 @@ import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.io.nastran.cards import Cards
+from faying.io.nastran.fields import SHORT_DIGITS
 from faying.io.nastran.principal_axes import turned_properties
 from faying.model.assembly import Beam
 from faying.model.elements.beam import beam_frames
@@ -23,8 +24,6 @@ _TYPES = (*_COMPONENTS, *(f"{name}E" for name in _COMPONENTS))
 _SCALES = ("LE", "FR", "LEPR", "FRPR")
 # The deflection is cubic, the intensity linear: exact.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
-_BEYOND = 1e-3
-"""Part of the length that eight columns of X may lie beyond the end."""
 
 
 def read_line_loads(
@@ -133,7 +132,7 @@ def _stations(line_loads: Cards, unit: Vector, length: Vector) -> tuple[Matrix, 
     last = np.where(spread, line_loads.reals(6, 0.0), first)
     final = np.where(spread, line_loads.reals(7, 0.0), intensity)
     places = np.stack([first, last], axis=1) / unit[:, None]
-    outside = np.flatnonzero(~((places >= 0) & (places <= 1 + _BEYOND)).all(axis=1))
+    outside = np.flatnonzero(~((places >= 0) & (places <= 1 + SHORT_DIGITS)).all(axis=1))
     if outside.size:
         i = int(outside[0])
         line_loads.refuse(

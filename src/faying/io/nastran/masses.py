@@ -5,13 +5,12 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from faying._typing import Matrix
+from faying.digits import SOLVED
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.grids import Grids
 from faying.model.assembly import Assembly, PointMass
 
 _TRANSLATIONS = 2
-# Places typed with few digits are those of the grid.
-_SAME = 1e-9
 
 
 def read_masses(cards: Mapping[str, Cards], grids: Grids, mass_factor: float) -> list[PointMass]:
@@ -52,7 +51,7 @@ def _mass(card: Card, grids: Grids, factor: float) -> PointMass:
     offset = card.reals((4, 5, 6), 0.0)
     if system == -1:
         offset = offset - grids.nodes[node]
-        if np.abs(offset).max() <= _SAME * max(float(np.abs(grids.nodes[node]).max()), 1.0):
+        if np.abs(offset).max() <= SOLVED * max(float(np.abs(grids.nodes[node]).max()), 1.0):
             offset = np.zeros(3)
     # Off-diagonal fields hold ∫ x y dm; the inertia tensor carries them with a minus sign.
     i11, i21, i22, i31, i32, i33 = (card.real(j, 0.0) for j in range(8, 14))

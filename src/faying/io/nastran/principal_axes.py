@@ -11,12 +11,11 @@ from dataclasses import replace
 import numpy as np
 
 from faying._typing import Vector
+from faying.digits import DECK_DIGITS
 from faying.io.nastran.cards import Card, Cards
 from faying.model.assembly import BeamSection
 
 _FIELD = {"PBAR": 18, "PBEAM": 5}
-_NOTHING = 1e-6
-"""I12 over √(I1 I2) that no digit of a deflection shows."""
 
 
 def principal(card: Card, section: BeamSection) -> tuple[BeamSection, float]:
@@ -63,4 +62,4 @@ def _is_turned(card: Card) -> bool:
     if card.cards.name not in _FIELD:
         return False
     size = math.sqrt(abs(card.real(3, 0.0) * card.real(4, 0.0)))
-    return abs(card.real(_FIELD[card.cards.name], 0.0)) > _NOTHING * size
+    return abs(card.real(_FIELD[card.cards.name], 0.0)) > DECK_DIGITS * size

@@ -11,6 +11,7 @@ import numpy as np
 import scipy.linalg
 
 from faying._typing import Indices, Matrix, Vector
+from faying.digits import ROUND_OFF, SOLVED
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.components import components, frame_independent
 from faying.io.nastran.grids import Grids
@@ -22,10 +23,6 @@ Place = tuple[int, int]
 """Node index and component 0..5 in the node's displacement system."""
 
 _RIGID = 6
-# Independent components that determine the motion worse than this are one too few.
-_SINGULAR = 1e-9
-# Entries this far below the largest of their equation are rounding.
-_ROUNDING = 1e-13
 
 
 def read_rigid_elements(
@@ -160,8 +157,8 @@ def rigid_equations(
     motion = _motions(free, grids, origin, size)
     following = _motions(tied, grids, origin, size)
     weights = np.linalg.lstsq(motion.T, following.T, rcond=None)[0].T
-    unique = np.linalg.svd(motion, compute_uv=False)[-1] > _SINGULAR
-    if not unique or np.abs(weights @ motion - following).max() > _SINGULAR:
+    unique = np.linalg.svd(motion, compute_uv=False)[-1] > SOLVED
+    if not unique or np.abs(weights @ motion - following).max() > SOLVED:
         card.refuse(
             "the independent components do not determine the motion of a rigid body, as far as the "
             "dependent ones need it; choose others"
@@ -171,7 +168,7 @@ def rigid_equations(
     column_of = {basic: k for k, basic in enumerate(columns)}
     rows = np.zeros((len(tied), len(columns)))
     for number, (dependent, row) in enumerate(zip(tied, weights, strict=True)):
-        threshold = _ROUNDING * float(np.abs(row).max())
+        threshold = ROUND_OFF * float(np.abs(row).max())
         for dof, value in ((dependent, 1.0), *zip(free, (-row).tolist(), strict=True)):
             if abs(value) > threshold:
                 for c, factor in grids.systems.basic_parts(*dof):
@@ -195,11 +192,11 @@ def solved(
     """Solve equations for as many of the candidates, the best conditioned ones."""
     _, R, order = scipy.linalg.qr(rows[:, candidates], mode="economic", pivoting=True)
     pivots = np.abs(np.diag(R))
-    if len(pivots) < len(rows) or not pivots[-1] > _SINGULAR * pivots[0]:
+    if len(pivots) < len(rows) or not pivots[-1] > SOLVED * pivots[0]:
         card.refuse("a dependent component is also an independent one; correct the components")
     chosen = candidates[order[: len(rows)]]
     solved = np.linalg.solve(rows[:, chosen], rows)
-    solved[np.abs(solved) <= _ROUNDING * np.abs(solved).max()] = 0.0
+    solved[np.abs(solved) <= ROUND_OFF * np.abs(solved).max()] = 0.0
     for row, column in zip(solved, chosen.tolist(), strict=True):
         others = [k for k in np.flatnonzero(row).tolist() if k not in set(chosen.tolist())]
         yield Equation(

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from faying.io.axes import rectangular_section, round_section
 from faying.io.nastran.cards import Card, Cards, by_id
+from faying.io.nastran.fields import SHORT_DIGITS
 from faying.io.nastran.principal_axes import principal
 from faying.io.nastran.solids import material_of
 from faying.io.nastran.walled_sections import ESTIMATED, SHAPES, walled_section
@@ -29,8 +30,6 @@ _DIMENSIONS = {
     **{"ROD": 1, "TUBE": 2, "BAR": 2, "BOX": 4},
     **{kind: count for kind, (count, _) in SHAPES.items()},
 }
-_DIGITS = 1e-3
-"""Relative difference of an entry that eight columns with an exponent leave open: 1.23-10."""
 _STATIONS = ("YES", "YESA", "NO")
 
 
@@ -184,7 +183,7 @@ def _check_station(card: Card, row: int) -> None:
 
 def _differ(first: float, second: float) -> bool:
     """Say whether two ends differ by more than the digits of a field."""
-    return not math.isclose(first, second, rel_tol=_DIGITS, abs_tol=0.0)
+    return not math.isclose(first, second, rel_tol=SHORT_DIGITS, abs_tol=0.0)
 
 
 def _pbarl(card: Card, material: Material) -> BeamSection:

@@ -7,14 +7,12 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Matrix, Vector
+from faying.digits import DECK_DIGITS
 from faying.io.nastran.contact_pairs import Pair
 from faying.io.nastran.regions import Region
 from faying.model.assembly import Assembly
 from faying.model.shells import ShellBlock
 from faying.model.surface import WIDTH, facet_centres, facet_normals
-
-_SAME = 1e-6
-"""Relative difference of thicknesses that is rounding."""
 
 
 def with_shell_sides(
@@ -94,7 +92,7 @@ def _sides(
         thick = [thicknesses.get(int(p), np.nan) for p in block.properties[chosen]]
         heights.append(along * block.offsets[chosen] + np.array(thick) / 2)
     height = np.concatenate(heights)
-    if not np.ptp(height) <= _SAME * abs(height).max():
+    if not np.ptp(height) <= DECK_DIGITS * abs(height).max():
         region.card.refuse(
             "shells of a contact region have thicknesses or offsets that differ; part the region"
         )

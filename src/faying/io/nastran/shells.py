@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
+from faying.digits import DECK_DIGITS
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.grids import Grids
@@ -15,10 +16,6 @@ from faying.io.straight_sides import StraightSides
 from faying.model.elements import FACES
 from faying.model.shell_matrices import PANEL
 from faying.model.shells import ShellBlock, ShellSection
-
-_DIFFERENT = 1e-6
-"""Relative difference of a thickness of its own that is more than rounding of eight columns."""
-
 
 _NONE = 1000
 """A field no card reaches."""
@@ -156,7 +153,7 @@ def _thick(
             card.refuse(
                 "thicknesses T1 to T4 must not be negative, and some positive", layout.thickness
             )
-        if abs(thickness - usual) <= _DIFFERENT * usual:
+        if abs(thickness - usual) <= DECK_DIGITS * usual:
             continue
         key = (number, thickness)
         if key not in by_thickness:

@@ -5,13 +5,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from faying._typing import Matrix
+from faying.digits import DECK_DIGITS
 from faying.io.nastran.cards import Card, Cards, property_of
 from faying.io.nastran.grids import Grids
 from faying.model.assembly import Bush, ScalarMass, Spring
 
 End = tuple[int, int]
-_SAME = 1e-6
-"""Axes from three points typed with seven digits are off by about 1e-7."""
 
 
 def read_springs(
@@ -47,9 +46,9 @@ def _turned(card: Card, stiffness: float, grids: Grids) -> Bush | None:
     axes = np.eye(3) if systems[0] is None else systems[0]
     others = [np.eye(3) if axes is None else axes for axes in systems]
     places = grids.nodes[list(nodes)]
-    apart = np.abs(places - places[0]).max() > _SAME * np.abs(grids.nodes).max()
+    apart = np.abs(places - places[0]).max() > DECK_DIGITS * np.abs(grids.nodes).max()
     first, *second = (axes[c % 3] for axes, c in zip(others, components, strict=True))
-    across = any(np.abs(direction - first).max() > _SAME for direction in second)
+    across = any(np.abs(direction - first).max() > DECK_DIGITS for direction in second)
     if apart or across or len(set(components)) > 1 or len(set(nodes)) < len(nodes):
         card.refuse(
             f"GRID {grids.ids[nodes[0]]} has a displacement coordinate system whose axis is not a "
@@ -155,4 +154,4 @@ def _basic(card: Card, node: int, component: int, grids: Grids) -> tuple[int, in
 
 def _is_basic(axes: Matrix | None, component: int) -> bool:
     """Whether a component is along a basic axis, or against it."""
-    return axes is None or float(np.sort(np.abs(axes[component % 3]))[1]) <= _SAME
+    return axes is None or float(np.sort(np.abs(axes[component % 3]))[1]) <= DECK_DIGITS

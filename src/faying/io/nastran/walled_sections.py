@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from faying.digits import SOLVED
 from faying.model.assembly import BeamSection
 
 Rectangle = tuple[float, float, float, float]
@@ -76,7 +77,6 @@ SHAPES: Mapping[str, tuple[int, Callable[..., list[Rectangle]]]] = {
     **{"CHAN": (4, _chan), "CHAN1": (4, _chan1)},
 }
 """Number of dimensions, and the rectangles."""
-_ROUNDING = 1e-9
 ESTIMATED = (
     "sections of PBARL and PBEAML made of thin walls: torsion is the sum of b t^3 / 3, some per "
     "cent from Nastran's where walls are thick, and shear acts on the walls along it"
@@ -115,4 +115,4 @@ def walled_section(kind: str, sizes: Sequence[float]) -> tuple[BeamSection, bool
         shear_factor_y=upright or math.inf,
         shear_factor_z=1 - upright or math.inf,
     )
-    return section, max(map(abs, middle)) <= _ROUNDING * (high - low)
+    return section, max(map(abs, middle)) <= SOLVED * (high - low)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
+from faying.digits import ROUND_OFF
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, AverageCoupling
 from faying.model.boundary import DISPLACEMENT_NAMES
@@ -11,8 +12,6 @@ from faying.model.couplings.rows import Rows, lever_arms, sparse_rows
 # Squared relative extent across a line below which nodes count as collinear: well above the
 # eight digits of a deck, well below any real part.
 _SINGULAR = 1e-10
-# Entries this far below the largest of their row are rounding.
-_ROUNDING = 1e-13
 
 
 def average_rows(assembly: Assembly, existing: Mask) -> Rows:
@@ -90,7 +89,7 @@ def _average(
     reference = _motions(to_reference[None], size)[0, tied]
     _check_determined(assembly, coupling, tied[np.abs(reference @ loose).max(1, initial=0) > 1e-6])
     result = reference @ inverse @ (motions.T * weight)
-    result[np.abs(result) <= _ROUNDING * np.abs(result).max(axis=1, keepdims=True)] = 0.0
+    result[np.abs(result) <= ROUND_OFF * np.abs(result).max(axis=1, keepdims=True)] = 0.0
     return dofs, result
 
 

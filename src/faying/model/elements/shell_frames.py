@@ -8,10 +8,9 @@ import numpy as np
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.exceptions import ModelError
 from faying.model.couplings.rows import lever_arms
+from faying.model.elements.geometry import COLLAPSED
 from faying.model.shells import ShellBlock, ShellSection, strain_rotation
 
-# A corner whose triangle is this much smaller than the whole is collapsed; see the solids.
-_COLLAPSED = 1e-10
 # A direction this close to the normal has no projection.
 _UPRIGHT = 1e-8
 
@@ -52,19 +51,19 @@ def flat_frames(coordinates: Matrix, ids: Indices) -> tuple[Matrix, Matrix]:
     normal = np.cross(coordinates[:, first] - coordinates[:, 0], coordinates[:, second] - start)
     extent = np.ptp(coordinates, axis=1).max(axis=1)
     size = np.linalg.norm(normal, axis=1)
-    check_area(size > _COLLAPSED * extent**2, ids)
+    check_area(size > COLLAPSED * extent**2, ids)
     z = normal / size[:, None]
     side = coordinates[:, 1] - coordinates[:, 0]
     side = side - np.einsum("ei,ei->e", side, z)[:, None] * z
     length = np.linalg.norm(side, axis=1)
-    check_area(length > _COLLAPSED * extent, ids)
+    check_area(length > COLLAPSED * extent, ids)
     x = side / length[:, None]
     frames = np.stack([x, np.cross(z, x), z], axis=1)
     centred = coordinates - coordinates.mean(axis=1, keepdims=True)
     local = np.einsum("eci,eni->enc", frames, centred)
     to_previous, to_next = np.roll(local, 1, axis=1) - local, np.roll(local, -1, axis=1) - local
     corner = to_next[..., 0] * to_previous[..., 1] - to_next[..., 1] * to_previous[..., 0]
-    check_area(corner.min(axis=1) > _COLLAPSED * extent**2, ids)
+    check_area(corner.min(axis=1) > COLLAPSED * extent**2, ids)
     return frames, local
 
 
