@@ -17,7 +17,12 @@ from faying.assessment.measured_curve import MeasuredCurve
 from faying.assessment.mesh_error import MeshError
 from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import Verdict
-from faying.assessment.response_curve import ContactInMotion, FrequencyResponse, ResponseCurve
+from faying.assessment.response_curve import (
+    ContactInMotion,
+    FrequencyResponse,
+    Period,
+    ResponseCurve,
+)
 from faying.assessment.slip_demand import SlipDemand
 from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.strength.thread import ThreadStress
@@ -90,6 +95,7 @@ GROUPS: dict[str, type] = {
     "/frequencies/NAME/response": FrequencyResponse,
     "/frequencies/NAME/response/curves/0": ResponseCurve,
     "/frequencies/NAME/response/curves/0/contact": ContactInMotion,
+    "/frequencies/NAME/response/curves/0/periods/FREQUENCY": Period,
     "/frequencies/NAME/checks/0": TransientCheck,
     "/mode_choices/NAME": NormalModeChoice,
     "/ of recovered_HISTORY.h5": RecoveredRecord,

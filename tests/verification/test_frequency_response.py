@@ -142,6 +142,23 @@ def test_a_lap_joint_balances(lap):
     assert 0 <= curve.contact.stick_share[0] < 1
 
 
+@pytest.mark.long
+def test_a_slow_period_is_that_of_a_path(lap):
+    """Pressures, bolt force and bending where inertia takes no part; also those that bases lack."""
+    rest, force = fy.solve_path(lap, [fy.Load()]), 60.0
+    forced = ForcedJoint.of(lap, {"tip.Fz": 1.0}, rest, np.array([0.5]))
+    (period,) = forced.curve(force, harmonics=3, samples=32).periods.values()
+    loads = [fy.Load({"tip.Fz": x}) for x in force * np.cos(2 * np.pi * np.arange(1, 65) / 32)]
+    path = fy.solve_path(lap, loads, initial=rest)
+    # Harmonics past the third are held: 0.2 % of the range of forces and moments with one.
+    for found, expected in (
+        (period.pressure, path.pressure[-32:]),
+        (period.bolt_forces["bolt"], path.bolt_force("bolt")[-32:]),
+        (period.bolt_moments["bolt"], path.bolt_bending("bolt")[-32:]),
+    ):
+        np.testing.assert_allclose(found, expected, atol=2e-3 * np.ptp(expected, axis=0).max())
+
+
 @pytest.mark.parametrize(
     ("change", "text"),
     [

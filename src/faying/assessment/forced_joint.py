@@ -7,10 +7,10 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import ComplexMatrix, ComplexVector, Indices, Mask, Matrix, SparseMatrix, Vector
+from faying._typing import ComplexMatrix, ComplexVector, Indices, Matrix, SparseMatrix, Vector
 from faying.assessment.backbone_response import LinearResponse
-from faying.assessment.response_curve import ContactInMotion, ResponseCurve, boundary_components
-from faying.assessment.slip import ON_THE_BOUND
+from faying.assessment.drawn_curve import drawn_curve, harmonics_of
+from faying.assessment.response_curve import ResponseCurve
 from faying.assessment.stuck_modes import StuckModes, stuck_modes, with_released_modes
 from faying.assessment.stuck_stiffness import slipping_stiffness
 from faying.contact.stuck_points import StuckPoints
@@ -59,6 +59,8 @@ class ForcedJoint:
     loads
         Number of harmonics, and whether a level slides and opens as a whole, to the loads of the
         modes: what a level that does needs is added to them (F11).
+    rest
+        The state it vibrates about, the last one of a path.
     """
 
     system: System
@@ -68,6 +70,7 @@ class ForcedJoint:
     modes: Callable[[int], StuckModes]
     slipping: SparseMatrix | Matrix
     loads: Callable[[int, "Released"], ModalLoads]
+    rest: Solution
 
     @classmethod
     def of(
@@ -105,6 +108,7 @@ class ForcedJoint:
             modes=modes,
             slipping=slipping,
             loads=loads,
+            rest=state,
         )
 
     def linear(self, level: float, frequencies: Vector) -> ResponseCurve:
@@ -133,7 +137,7 @@ class ForcedJoint:
         order, remarks = harmonics or self._first_order(), list[str]()
         begun = self._begun(level, order, samples)
         traced = self._traced(level, order, samples, begun, progress)
-        released = begun.joined(_drawn(self.system, level, traced))
+        released = begun.joined(drawn_curve(self.system, self.rest, level, traced))
         if not traced.missed and released != begun:
             more = self.loads(order, released).n_mode > self.loads(order, begun).n_mode
             _, change = self._changed(traced.points if more else [], order, samples, released)
@@ -152,7 +156,7 @@ class ForcedJoint:
             remarks.append(f"no motion was found at the peak with {order + MORE} harmonics")
         elif change > tolerance:
             remarks.append(f"{MORE} harmonics more than {order} change the peak by {change:.1%}")
-        curve = _drawn(self.system, level, traced)
+        curve = drawn_curve(self.system, self.rest, level, traced)
         if curve.contact is not None and len(curve.frequency):
             imbalance = np.abs(curve.contact.imbalance)
             if (imbalance > BALANCED).any():
@@ -286,93 +290,4 @@ def linear_range(frequencies: Vector) -> Vector:
 
 def _fundamental(point: CurvePoint, rows: slice) -> ComplexMatrix:
     """Return the first harmonic of some outputs."""
-    return np.asarray(_harmonics(point.motion.outputs[rows], 1)[1])
-
-
-def _harmonics(values: Matrix, count: int) -> ComplexMatrix:
-    """Return harmonics 0 … count (count + 1, n) of samples (n, N) that end with the period."""
-    samples = values.shape[1]
-    angle = 2 * np.pi * np.outer(np.arange(count + 1), np.arange(1, samples + 1)) / samples
-    weights = np.where(np.arange(count + 1) > 0, 2.0, 1.0) / samples
-    return np.asarray((weights[:, None] * np.exp(-1j * angle)) @ values.T)
-
-
-def _drawn(system: System, level: float, traced: Traced) -> ResponseCurve:
-    """Return the curve of motions."""
-    names, points = boundary_components(system), traced.points
-    rows = [_row(system, point) for point in points]
-    parts = {
-        name: np.array([row[name] for row in rows]) for name in ContactInMotion.__dataclass_fields__
-    }
-    count = max((point.problem.n_harmonic for point in points), default=1)
-    harmonics = [_harmonics(point.motion.outputs[_boundaries(point)], count) for point in points]
-    return ResponseCurve(
-        level=level,
-        components=names,
-        frequency=np.array([point.motion.circular for point in points]) / (2 * np.pi),
-        harmonics=np.array(harmonics).reshape(len(points), count + 1, len(names)),
-        missed=traced.missed,
-        contact=ContactInMotion(**parts),
-    )
-
-
-def _boundaries(point: CurvePoint) -> slice:
-    loads = point.problem.loads
-    return slice(loads.n_column, loads.n_column + loads.n_boundary)
-
-
-def _row(system: System, point: CurvePoint) -> dict[str, float | Vector]:
-    """Return what contact and loads do in the last period of a motion."""
-    problem, motion, contact = point.problem, point.motion, system.contact
-    stuck, loads, N = problem.stuck, problem.loads, problem.samples
-    k = len(stuck.springs)
-    displaced = problem.displaced(motion)[:, -N:]
-    moved = (contact.rows @ displaced).reshape(k, contact.n_points, N)
-    forces = np.zeros((3, contact.n_points, N))
-    forces[:k] = stuck.forces[:k, :, None] - stuck.springs[:, :, None] * moved
-    path, watched = motion.path, problem.local.points
-    forces[:k, watched] = np.moveaxis(path.forces[-N:], 0, 2)
-    far = np.hypot(*np.moveaxis(path.slack[-N:], 1, 0))
-    pressed = path.forces[-N:, 0] > 0
-    slips = np.zeros(contact.n_points, dtype=bool)
-    slips[watched] = ((far > ON_THE_BOUND * far.max(initial=0.0)) & pressed).any(axis=0)
-    closed = forces[0] > 0
-    bound = (1 - ON_THE_BOUND) * contact.coefficients[:, None] * forces[0]
-    sticks = closed & (np.hypot(forces[1], forces[2]) < bound)
-    weights = contact.weights
-    ever, at_rest = closed.any(axis=1), stuck.forces[0] > 0
-    rubs = at_rest & (contact.coefficients > 0)
-    shares = [
-        _share(weights[at], sticks[at], closed[at])
-        for at in contact.slices.values()
-        if rubs[at].any()
-    ]
-    inputs, damping = motion.outputs[:2], motion.outputs[2 + loads.n_mode : loads.n_column]
-    # f du and q̇ Φᵀ C du over a period, by the first harmonics and those of the modes.
-    orders = np.arange(1, problem.n_harmonic + 1)[:, None]
-    velocity = 1j * orders * motion.harmonics[1:]
-    damped = _harmonics(damping, problem.n_harmonic)[1:]
-    first = _harmonics(inputs, 1)[1]
-    bolts = motion.outputs[loads.n_column + loads.n_boundary :]
-    return {
-        "load_work": -np.pi * problem.level * float(first[0].imag - first[1].real),
-        "damping_energy": np.pi
-        * motion.circular
-        * float((velocity.conj() * 1j * orders * damped).real.sum()),
-        "friction_energy": float(path.dissipation[-N:].sum()),
-        "motion_energy": (motion.circular * np.linalg.norm(motion.harmonics[1])) ** 2 / 2,
-        "peak_pressure": float((forces[0] / weights[:, None]).max(initial=0.0)),
-        "stick_share": min(shares, default=1.0),
-        "slip_share": float(weights[slips].sum() / max(weights[ever].sum(), 1e-300)),
-        "open_share": float(
-            (weights[at_rest] @ ~closed[at_rest]).max() / max(weights[at_rest].sum(), 1e-300)
-        ),
-        "bolt_force_range": loads.bolt_stiffness * np.ptp(bolts, axis=1),
-        "error": point.error,
-    }
-
-
-def _share(weights: Vector, chosen: Mask, of: Mask) -> float:
-    """Return the least share (n, N) of an area that is chosen; none of no area."""
-    area = np.maximum(weights @ of, np.finfo(float).tiny)
-    return float((weights @ chosen / area).min())
+    return np.asarray(harmonics_of(point.motion.outputs[rows], 1)[1])

@@ -1,13 +1,14 @@
 """Responses to harmonic loads over frequency, one curve for each level of the load."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, final
 
 import numpy as np
 
 from faying._typing import ComplexMatrix, ComplexVector, Mask, Matrix, Vector, frozen
 from faying.assessment.backbone import amplitude_unit
+from faying.assessment.single_mode import single_mode
 from faying.display.facts import Shown, with_unit
 from faying.exceptions import ModelError
 from faying.joint.system import System
@@ -63,6 +64,8 @@ class ContactInMotion:
         Share of the area ever closed that slips at some time.
     open_share : (n,) [1]
         Largest share of the area closed at rest that opens.
+    clamp_force : (n,) [force]
+        Least sum of the normal forces of all points.
     bolt_force_range : (n, n_bolt) [force]
         Largest less smallest force.
     error : (n,) [1]
@@ -77,12 +80,13 @@ class ContactInMotion:
     stick_share: Vector
     slip_share: Vector
     open_share: Vector
+    clamp_force: Vector
     bolt_force_range: Matrix
     error: Vector
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            object.__setattr__(self, field.name, frozen(getattr(self, field.name)))
+        for member in fields(self):
+            object.__setattr__(self, member.name, frozen(getattr(self, member.name)))
 
     @property
     def imbalance(self) -> Vector:
@@ -95,6 +99,29 @@ class ContactInMotion:
         """What damping and friction take over 4π times the energy of the motion (n,)."""
         lost = self.damping_energy + self.friction_energy
         return np.asarray(lost / (4 * np.pi * self.motion_energy))
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Period:
+    """What contact points and bolts bear along one period of a motion.
+
+    Attributes
+    ----------
+    times : (n_time,) [time]
+        From just after its begin to its end.
+    pressure : (n_time, n_point) [force/length²]
+        Of each contact point.
+    bolt_forces : (n_time,) [force]
+        Of each bolt.
+    bolt_moments : (n_time, 2, 2) [force·length]
+        Of each bolt whose bending is seen: end, and component across the axis.
+    """
+
+    times: Vector
+    pressure: Matrix
+    bolt_forces: Mapping[str, Vector]
+    bolt_moments: Mapping[str, Matrix]
 
 
 @final
@@ -116,6 +143,9 @@ class ResponseCurve:
         Frequencies at which no motion was found, and why.
     contact
         What its points did; None of an estimate.
+    periods
+        What points and bolts bear along a period, by the frequencies of the largest pressure, the
+        least clamp force and the largest range of each bolt.
     remarks : (n_remark,)
         What a reader should know.
     """
@@ -126,6 +156,7 @@ class ResponseCurve:
     harmonics: ComplexMatrix
     missed: tuple[str, ...] = ()
     contact: ContactInMotion | None = None
+    periods: Mapping[str, Period] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
@@ -142,6 +173,27 @@ class ResponseCurve:
         """Which points a slow sweep from high to low frequencies goes through (n,)."""
         lowest = np.minimum.accumulate(self.frequency[::-1])[::-1]
         return np.asarray(self.frequency <= lowest)
+
+    def between(self, other: "ResponseCurve") -> "ResponseCurve":
+        """Return the motion of a sweep up between the frequencies of another curve."""
+        low, high = np.min(other.frequency, initial=np.inf), np.max(other.frequency, initial=0.0)
+        passed = self.swept_up & (self.frequency >= low) & (self.frequency <= high)
+        return ResponseCurve(
+            level=self.level,
+            components=self.components,
+            frequency=self.frequency[passed],
+            harmonics=self.harmonics[passed],
+        )
+
+    def fitted_damping(self, component: str) -> float:
+        """Return the damping ratio of a mode that is fitted to the motion of a component.
+
+        NaN where the curve has fewer than five points, or none on one side of its peak.
+        """
+        try:
+            return single_mode(self.frequency, self.response(component)).damping_ratio
+        except ModelError:
+            return float("nan")
 
     def response(self, component: str, harmonic: int = 1) -> ComplexVector:
         """Return one harmonic of a component, as ``"tip.uz"``, along the curve (n,).

@@ -43,3 +43,26 @@ def peak_table(results: Results) -> Table:
         Column("amplitude by it", lambda row: row[3] and row[3].amplitude, "length"),
     )
     return described("peak", peaks.items(), columns, results.unit_set)
+
+
+def measured_table(results: Results) -> Table:
+    """Return peaks of a test, and how far computed ones are from them."""
+    compared = [pair for record in results.frequencies.values() for pair in record.compared()]
+
+    def off(field: str) -> Callable[[Any], float | None]:
+        def of(pairs: Any) -> float | None:
+            measured, computed = pairs[field]
+            error = 100 * (computed / measured - 1)
+            return error if np.isfinite(error) else None
+
+        return of
+
+    columns = (
+        Column("measured peak at", lambda pairs: pairs["frequency"][0], "1/time", 5),
+        Column("off by", off("frequency"), "%", 3),
+        Column("measured amplitude", lambda pairs: pairs["amplitude"][0], "length"),
+        Column("amplitude off by", off("amplitude"), "%", 3),
+        Column("measured damping ratio", lambda pairs: 100 * pairs["damping_ratio"][0], "%", 3),
+        Column("damping ratio off by", off("damping_ratio"), "%", 3),
+    )
+    return described("test", compared, columns, results.unit_set)

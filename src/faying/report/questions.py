@@ -15,7 +15,7 @@ from faying.display.quantities import number, percent, place
 from faying.report.figures.backbone import abscissa, unit_of
 from faying.report.figures.entry import FigureEntry
 from faying.report.figures.frequency import PREFIX
-from faying.report.frequency_peaks import peak_table
+from faying.report.frequency_peaks import measured_table, peak_table
 from faying.report.slip import most_slip, slip_sentence
 from faying.report.slip_tables import demand_table, friction_table
 from faying.report.table import FL, PRESSURE, Cell, Column, Table, described, largest
@@ -310,7 +310,7 @@ def _under_harmonic_loads(results: Results, figures: Sequence[FigureEntry]) -> S
     return Section(
         title="Vibration under load",
         sentence="; ".join(checks) + "." if checks else "",
-        tables=(peak_table(results),),
+        tables=(peak_table(results), measured_table(results)),
         notes=f"By the backbone: {HONEST}." if any(record.expected for record in records) else "",
         figures=[figure for figure in figures if figure.section.startswith(PREFIX)],
     )

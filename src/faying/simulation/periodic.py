@@ -12,7 +12,7 @@ else. Contact is that of paths: increments (F12) of the points that slip, open o
 being springs (F10), and no force of contact is cut at H.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, final
@@ -20,10 +20,12 @@ from typing import Any, final
 import numpy as np
 import numpy.typing as npt
 import scipy.linalg as la
+import scipy.sparse as sp
 
 from faying._typing import ComplexMatrix, ComplexVector, Indices, Matrix, Vector
 from faying.contact.stuck_points import LocalContact, StuckPoints
 from faying.joint.system import System, input_forces
+from faying.model.bolt import Bolt
 from faying.simulation.local_path import LocalPath, follow_local, local_derivatives
 
 PERIODS = 2
@@ -47,7 +49,7 @@ class ModalLoads:
         What loads and outputs move, and −a at q, likewise.
     prescribed : (n_relative, n_mode)
         What prescribed shapes take from the compliance of the pairs.
-    bolt_stiffness : (n_bolt,) [force/length]
+    bolts
     n_boundary
     """
 
@@ -55,7 +57,7 @@ class ModalLoads:
     restrained: Matrix
     answers: Matrix
     prescribed: Matrix
-    bolt_stiffness: Vector
+    bolts: Mapping[str, Bolt]
     n_boundary: int
 
     @classmethod
@@ -65,26 +67,22 @@ class ModalLoads:
         """Return them for amplitudes of inputs (n_input,) and shapes (n_dof, n_mode)."""
         parts = input_forces(system, np.array([inputs.real, inputs.imag])).T
         forces = np.column_stack([parts, system.M @ shapes, system.C @ shapes])
-        still = system.factorize_static().solve(forces)
+        factor, G = system.factorize_static(), system.contact.relative_operator
+        still = factor.solve(forces)
         ports, n = system.port_compliance, forces.shape[1]
-        bolts = list(system.bolts.values())
-        outputs = np.concatenate(
-            [
-                forces.T @ still,
-                *(still[boundary.dofs] for boundary in system.boundaries.values()),
-                np.array([bolt.elongation for bolt in bolts]).reshape(len(bolts), -1) @ still
-                if bolts
-                else np.zeros((0, n)),
-            ]
-        )
-        moved = np.column_stack(
-            [
-                system.contact.relative_operator @ still,
-                ports.contact_columns[: ports.bolts.stop].T,
-            ]
-        )
+        outputs = [forces.T @ still]
+        outputs += [still[boundary.dofs] for boundary in system.boundaries.values()]
+        outputs += [bolt.elongation[None] @ still for bolt in system.bolts.values()]
+        columns = [G @ still, ports.contact_columns[: ports.bolts.stop].T]
+        for bolt in system.bolts.values():
+            if bolt.bending is not None:
+                outputs.append(bolt.bending @ still)
+                rows = sp.csr_array(bolt.bending).toarray()
+                lacked = 0.0 if bolt.residual_bending is None else bolt.residual_bending.T
+                columns.append(G @ factor.solve(rows.T) + lacked)
+        moved = np.column_stack(columns)
         restrained = stuck.restrained(moved)
-        answers = outputs - moved.T @ stuck.held_back(restrained[:, :n])
+        answers = np.concatenate(outputs) - moved.T @ stuck.held_back(restrained[:, :n])
         # Exchange a, so far given, for the q that it makes.
         shape = slice(2, 2 + shapes.shape[1])
         root = la.cholesky(answers[shape, shape], lower=True)
@@ -102,7 +100,7 @@ class ModalLoads:
             restrained=restrained,
             answers=answers,
             prescribed=prescribed,
-            bolt_stiffness=np.array([bolt.stiffness for bolt in bolts]),
+            bolts=system.bolts,
             n_boundary=ports.n_boundary,
         )
 
@@ -115,6 +113,19 @@ class ModalLoads:
     def n_column(self) -> int:
         """Number of load columns."""
         return 2 + 2 * self.n_mode
+
+    def bolt_forces(self, outputs: Matrix) -> Matrix:
+        """Return what motion adds to the forces of bolts (n_bolt, N) [force]."""
+        first = self.n_column + self.n_boundary
+        stiffness = np.array([[bolt.stiffness] for bolt in self.bolts.values()])
+        return stiffness.reshape(-1, 1) * outputs[first : first + len(self.bolts)]
+
+    def bolt_moments(self, outputs: Matrix) -> dict[str, Matrix]:
+        """Return what motion adds to the bending moments of bolts (N, 2, 2) that have them."""
+        first = self.n_column + self.n_boundary + len(self.bolts)
+        bent = [name for name, bolt in self.bolts.items() if bolt.bending is not None]
+        ends = outputs[first:].T.reshape(outputs.shape[1], len(bent), 2, 2)
+        return {name: ends[:, number] for number, name in enumerate(bent)}
 
 
 @final
@@ -130,7 +141,7 @@ class Motion:
     path
         Increments of all periods.
     outputs : (n_output, N)
-        −a at q, what loads, boundaries and bolts move, along the last period.
+        −a at q, what loads, boundaries and bolts move, and bend bolts, along the last period.
     """
 
     harmonics: ComplexMatrix

@@ -143,7 +143,7 @@ def _computed(
     validation = validate(study, joint, models, choices, stages, extras)
     exact = recoverable[EXACT][0] if EXACT in recoverable else joint.model
     frequencies = frequency_records(
-        study.frequencies,
+        study,
         joint,
         recoverable.get(EXACT, {}).get(0),
         stages,
@@ -151,7 +151,7 @@ def _computed(
         checkpoint,
     )
     failures += [text for name, swept in frequencies.items() for text in swept.missed(name)]
-    assessment = assess_run(study, joint, cases, stages, extras, exact)
+    assessment = assess_run(study, joint, cases, frequencies, stages, extras, exact)
     with stages.stage("records"):
         results = record(
             study, joint, recoverable, trained, cases, validation, extras, failures, reference

@@ -9,6 +9,7 @@ from faying.assessment import forced_joint
 from faying.assessment.response_curve import ResponseCurve
 from faying.exceptions import StudyError
 from faying.files.flattening import flattened, restored
+from faying.report.figures.frequency import frequency_figure
 from faying.study.judgement.summary import summarize
 from faying.study.keys.schema import parse_study, read_study
 from faying.study.results.store import read_results
@@ -35,6 +36,9 @@ reference = "none"
 [output]
 report = false
 
+[requirement]
+max_pressure = 5.0
+
 [[frequency]]
 name = "shaker"
 forces = [{ boundary = "tip", component = "Fz", value = 2.0, phase = 90.0 }]
@@ -48,11 +52,33 @@ samples = 16
 )
 
 
+BESIDE = """
+[[measurement]]
+name = "test"
+frequency = "shaker"
+response = [{ file = "test.csv", level = 1.0, of = "acceleration", factor = 9810.0 }]
+"""
+
+
+def write_test(folder):
+    """One mode at 650 and 1 %, in g per force, 0.02 per force at the peak."""
+    f = np.linspace(620.0, 680.0, 61)
+    displaced = 0.02 * 2j * 0.01 / (1 - (f / 650.0) ** 2 + 2j * 0.01 * f / 650.0)
+    values = displaced * (2j * np.pi * f) ** 2 / 9810.0
+    rows = [f"{x},{y.real},{y.imag}" for x, y in zip(f, values, strict=True)]
+    (folder / "test.csv").write_text("\n".join(["frequency,real,imag", *rows]))
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("frequency")
-    (path / "shaker.toml").write_text(STUDY)
+    (path / "shaker.toml").write_text(STUDY + BESIDE)
+    write_test(path)
     return path
+
+
+def kept_curves(out):
+    return read_results(out / "results.h5").frequencies["shaker"].response.curves
 
 
 @pytest.mark.long
@@ -79,13 +105,14 @@ def test_a_run_keeps_its_levels_and_resumes(folder, monkeypatch):
     (named,) = found.summary["frequencies"].values()
     assert [one["level"] for one in named["levels"]] == [0.1, 1.0]
     verdict = found.summary["verdict"]
-    assert verdict["holds"]
-    # What decides is unknown, and the row says what was found where.
-    assert {row["verdict"] for row in verdict["table"]} == {"unknown"}
-    said = " ".join(verdict["open_questions"])
-    assert "force ranges over" in said
-    assert "pressure reaches" in said
-    assert "under shaker, level 1 at" in said
+    # Periods are load cases: what is demanded of the interface fails where pressure is largest.
+    assert not verdict["holds"]
+    (curve,) = [one for one in kept_curves(out) if one.level == 1.0]
+    worst = max(curve.periods, key=lambda name: curve.periods[name].pressure.max())
+    (row,) = [row for row in verdict["table"] if row["part"] == "joint"]
+    assert (row["verdict"], row["where"]) == ("not met", f"shaker, level 1 at {worst}")
+    largest = curve.contact.peak_pressure.max()
+    assert curve.periods[worst].pressure.max() == pytest.approx(largest, rel=1e-12)
     kept = read_results(out / "results.h5")
     assert summarize(kept)["frequencies"] == found.summary["frequencies"]
     record = kept.frequencies["shaker"]
@@ -97,6 +124,18 @@ def test_a_run_keeps_its_levels_and_resumes(folder, monkeypatch):
     again = restored(ResponseCurve, flattened(large))
     np.testing.assert_array_equal(again.harmonics, large.harmonics)
     np.testing.assert_array_equal(again.contact.load_work, large.contact.load_work)
+    beside = named["measured"]["test, level 1"]
+    assert beside["frequency"] == 650.0
+    # Of two newtons; a mode is fitted to what is one.
+    assert beside["amplitude"] == pytest.approx(0.04, rel=1e-9)
+    assert beside["damping_ratio"] == pytest.approx(0.01, rel=1e-6)
+    computed = large.peak("tip.uz")
+    assert beside["frequency_error"] == pytest.approx(computed.frequency / 650 - 1, rel=1e-9)
+    assert beside["amplitude_error"] == pytest.approx(computed.amplitude / 0.04 - 1, rel=1e-6)
+    drawn = frequency_figure(kept, "shaker")
+    assert "Computed over measured, test, level 1: frequency" in drawn.caption
+    heights = [line.get_ydata().max() for line in drawn.figure.axes[0].lines]
+    assert pytest.approx(0.04, rel=1e-9) in heights
     with (out / "frf.csv").open() as file:
         rows = [row for row in csv.DictReader(file) if row["component"] == "tip.uz"]
     first = [row for row in rows if row["level"] == "0.1" and row["harmonic"] == "1"]
@@ -119,15 +158,26 @@ def test_a_run_keeps_its_levels_and_resumes(folder, monkeypatch):
         ("samples = 16", "samples = 3", "expected four for each harmonic, 4, or more"),
         ('"tip"', '"top"', "no boundary 'top'; did you mean 'tip'"),
         ("points = 2", "points = 1", "points"),
+        ("level = 1.0", "level = 2.0", "has no level 2; its levels are 0.1, 1"),
+        ("level = 1.0", "amplitude = 1.0", "needs 'level'; add it"),
+        ('frequency = "shaker"', 'frequency = "shakr"', "did you mean 'shaker'"),
+        ('frequency = "shaker"', "mode = 1", "give 'load_case' and 'mode' of a backbone, or"),
+        ('= "shaker"\nresp', '= "shaker"\nmode = 1\nresp', "take away one of them"),
+        (
+            "phase = 90.0 }",
+            'phase = 90.0 }, { boundary = "tip", component = "Fy", value = 1.0 }',
+            "per force",
+        ),
         ("harmonics = 1", "harmonic = 1", "did you mean 'harmonics'"),
     ],
 )
 def test_what_is_refused(tmp_path, old, new, text):
     from faying.study.inputs.load_model import load_model
 
-    assert STUDY.count(old) == 1
+    write_test(tmp_path)
+    assert (STUDY + BESIDE).count(old) == 1
     with pytest.raises(StudyError, match=text):
-        load_model(parse_study(STUDY.replace(old, new), tmp_path / "shaker.toml"))
+        load_model(parse_study((STUDY + BESIDE).replace(old, new), tmp_path / "shaker.toml"))
 
 
 @pytest.mark.parametrize(

@@ -1,11 +1,16 @@
 """Amplitude and phase over frequency under harmonic loads."""
 
+from typing import Any
+
 import numpy as np
 
 from faying.display.style import heading
 from faying.report.figures.entry import Drawn
 from faying.report.style import new_figure
 from faying.study.results.values import Results
+
+MARKS, MARKERS = 60, "^vs"
+"""Points of a measured curve that are drawn, about, and how those of each."""
 
 PREFIX = "frequency "
 """Before the name of a harmonic load, which a load case may bear too."""
@@ -23,6 +28,14 @@ def frequency_figure(results: Results, name: str) -> Drawn:
         ridge.sort(key=lambda peak: peak.level)
         size = [peak.amplitude / peak.level for peak in ridge]
         above.plot([peak.frequency for peak in ridge], size, "k+", label="peaks by the backbone")
+    levels = [curve.level for curve in record.response.curves]
+    for number, (test, curve) in enumerate(record.measured.items()):
+        moved, every = curve.response(record.at) / curve.level, len(curve.frequency) // MARKS + 1
+        style: dict[str, Any] = {"marker": MARKERS[number % len(MARKERS)], "mfc": "none", "ls": ""}
+        style |= {"ms": 4, "markevery": every, "color": f"C{levels.index(curve.level)}"}
+        above.plot(curve.frequency, np.abs(moved), label=test, **style)
+        below.plot(curve.frequency, np.degrees(np.unwrap(np.angle(moved))), **style)
+    above.set_xlim(*record.response.linear.frequency[[0, -1]])
     above.legend()
     figure.suptitle(heading(f"{name}: {record.at} over frequency, full model"))
     order = max((curve.harmonics.shape[1] - 1 for curve in record.response.curves), default=0)
@@ -35,6 +48,10 @@ def frequency_figure(results: Results, name: str) -> Drawn:
             "Dotted, crosses: estimated from the backbone of mode "
             f"{record.backbone.mode if record.backbone else ''}, blind to other modes."
         )
+    for test, pairs in record.compared():
+        off = ((what, 100 * (pair[1] / pair[0] - 1)) for what, pair in pairs.items())
+        known = (f"{what.replace('_', ' ')} {x:+.2g} %" for what, x in off if np.isfinite(x))
+        said.append(f"Computed over measured, {test}: {', '.join(known)}.")
     said += [f"{one.sentence[0].upper()}{one.sentence[1:]}." for one in record.checks]
     said += [f"{text[0].upper()}{text[1:]}." for text in record.response.remarks]
     largest = {

@@ -15,6 +15,18 @@ def frequency_figures(record: FrequencyRecord) -> dict[str, Any]:
         "component": record.at,
         "seconds": record.seconds,
         "levels": [_level(record, *peak) for peak in record.peaks()],
+        "measured": {
+            name: {
+                field: value if np.isfinite(value) else None
+                for quantity, (measured, computed) in pairs.items()
+                for field, value in (
+                    (quantity, measured),
+                    (f"computed_{quantity}", computed),
+                    (f"{quantity}_error", computed / measured - 1),
+                )
+            }
+            for name, pairs in record.compared()
+        },
         "remarks": list(record.response.remarks),
         "expected_remarks": [] if expected is None else list(expected.remarks),
         "checks": [

@@ -1,17 +1,13 @@
 """The verdict on the joint of a run, with the instants that decide."""
 
 import tomllib
-from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
 from faying.assessment.check import Check
 from faying.assessment.joint_checks import joint_checks
 from faying.assessment.joint_verdict import JointVerdict, joint_verdict
-from faying.assessment.response_curve import ResponseCurve
-from faying.display.quantities import quantity
 from faying.study.results.values import CaseResult, Results
 
 
@@ -22,47 +18,12 @@ def run_verdict(results: Results) -> JointVerdict:
         reasons = [text for text in results.omissions if text.startswith("joint assessment")]
         missing = "; ".join(reasons) or "see the warnings"
         demanded = bool(required(results.study_text))
-        return joint_verdict(_vibrating(results), units, missing if demanded else "")
+        return joint_verdict((), units, missing if demanded else "")
     reserves = {
         name: case.reserve for name, case in results.cases.items() if case.reserve is not None
     }
     checks = joint_checks(assessment, units, reserves)
-    timed = (_timed(check, results) for check in checks)
-    return joint_verdict((*timed, *_vibrating(results)), units)
-
-
-def _vibrating(results: Results) -> Iterator[Check]:
-    """Yield what is unknown under harmonic loads, with what was found at the worst frequency."""
-    units = results.unit_set
-    unknown = partial(Check, outcome="unknown")
-    for name, record in results.frequencies.items():
-        curves = [curve for curve in record.response.curves if len(curve.frequency)]
-        moved = [(curve, curve.contact) for curve in curves if curve.contact is not None]
-        if not moved:
-            continue
-        for number, bolt in enumerate(results.bolts):
-            ranges, curve = max(
-                ((contact.bolt_force_range[:, number], curve) for curve, contact in moved),
-                key=lambda pair: float(pair[0].max()),
-            )
-            found = f"force ranges over {quantity(float(ranges.max()), units.force)}"
-            at = _place(name, curve, int(ranges.argmax()))
-            reason = f"{found} {at}: repetitions are not known; give it as a load case"
-            yield unknown(part=bolt, kind="bolt", quantity="fatigue", case=name, reason=reason)
-        curve, contact = max(moved, key=lambda pair: float(pair[1].peak_pressure.max()))
-        row = int(contact.peak_pressure.argmax())
-        found = f"pressure reaches {quantity(float(contact.peak_pressure[row]), units.pressure)}"
-        found += f", {contact.slip_share[row]:.0%} of the area slips, "
-        found += f"{contact.open_share[row]:.0%} opens {_place(name, curve, row)}"
-        reason = f"{found}: forces at that instant are not kept; give it as a load case"
-        for interface in results.interfaces:
-            yield unknown(
-                part=interface, kind="interface", quantity="vibration", case=name, reason=reason
-            )
-
-
-def _place(name: str, curve: ResponseCurve, row: int) -> str:
-    return f"under {name}, level {curve.level:g} at {curve.frequency[row]:.5g}"
+    return joint_verdict((_timed(check, results) for check in checks), units)
 
 
 def required(study_text: str) -> list[str]:

@@ -11,13 +11,20 @@ class ResponseSection(Section):
     Attributes
     ----------
     amplitude : [length]
-        Of the displacement, kept while the frequency was stepped; or at the resonance.
+        Beside a backbone: of the displacement, kept while the frequency was stepped; or at the
+        resonance.
+    level : [1]
+        Beside curves over frequency: of the load.
+    factor : [1]
+        What the numbers of the file are multiplied by to be in the units of the study.
     of
         What responds, where the file does not say it.
     """
 
     file: ExistingFile
-    amplitude: Positive
+    amplitude: Positive | None = None
+    level: Positive | None = None
+    factor: Positive = 1.0
     of: Literal["displacement", "velocity", "acceleration"] = "displacement"
 
 
@@ -26,6 +33,10 @@ class MeasurementSection(Section):
 
     Attributes
     ----------
+    load_case, mode
+        Backbone that it stands beside.
+    frequency
+        In their place: harmonic load whose curves it stands beside.
     file
         Of the curve.
     response
@@ -33,8 +44,9 @@ class MeasurementSection(Section):
     """
 
     name: Name
-    load_case: Name
-    mode: Count
+    load_case: Name | None = None
+    mode: Count | None = None
+    frequency: Name | None = None
     file: ExistingFile | None = None
     response: tuple[ResponseSection, ...] = ()
     frequency_scatter: Positive | None = None

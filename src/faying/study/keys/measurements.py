@@ -1,4 +1,4 @@
-"""[[measurement]]: curves of a test that stand beside computed backbones."""
+"""[[measurement]]: curves of a test that stand beside computed ones."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -8,10 +8,12 @@ import numpy as np
 from faying._typing import Vector
 from faying.assessment.backbone import Backbone
 from faying.assessment.measured_curve import MeasuredCurve, deviations
+from faying.assessment.response_curve import ResponseCurve
 from faying.assessment.single_mode import single_mode
 from faying.exceptions import FormatError, ModelError, naming
 from faying.files.number_table import read_number_table
 from faying.study.keys.errors import Problem, nearest
+from faying.study.keys.frequency_table import FrequencySection
 from faying.study.keys.measured_responses import read_response
 from faying.study.keys.measurement_table import MeasurementSection
 from faying.study.keys.tables import Study
@@ -32,7 +34,32 @@ def measured_curves(study: Study) -> tuple[MeasuredCurve, ...]:
     FormatError
         If a file cannot be read, or holds a number that is not positive.
     """
-    return tuple(_curve(section) for section in study.measurements)
+    return tuple(_curve(section) for section in study.measurements if section.frequency is None)
+
+
+def measured_responses(
+    study: Study, swept: FrequencySection, component: str = ""
+) -> dict[str, ResponseCurve]:
+    """Read the responses of a test of a component to a harmonic load, one force, by their names.
+
+    Raises
+    ------
+    FormatError
+        If a file cannot be read.
+    """
+    curves = {}
+    for section in study.measurements:
+        for response in section.response if section.frequency == swept.name else ():
+            level, (force,) = response.level or 1.0, swept.load.values()
+            frequency, values = read_response(response.file, response.of)
+            moved = response.factor * level * force * values
+            curves[f"{section.name}, level {level:g}"] = ResponseCurve(
+                level=level,
+                components=(component,),
+                frequency=frequency,
+                harmonics=np.stack([np.zeros_like(moved), moved], axis=1)[:, :, None],
+            )
+    return curves
 
 
 def _curve(section: MeasurementSection) -> MeasuredCurve:
@@ -41,8 +68,8 @@ def _curve(section: MeasurementSection) -> MeasuredCurve:
     columns = {name: values[order] for name, values in columns.items()}
     return MeasuredCurve(
         name=section.name,
-        case=section.load_case,
-        mode=section.mode,
+        case=section.load_case or "",
+        mode=section.mode or 1,
         amplitude=columns["amplitude"],
         frequency=columns.get("frequency"),
         damping_ratio=columns.get("damping"),
@@ -58,7 +85,7 @@ def _columns(section: MeasurementSection) -> dict[str, Vector]:
         for response in section.response:
             with naming(str(response.file)):
                 mode = single_mode(*read_response(response.file, response.of))
-            rows.append([response.amplitude, mode.frequency, mode.damping_ratio])
+            rows.append([response.amplitude or 0.0, mode.frequency, mode.damping_ratio])
         return dict(zip(COLUMNS[0], np.array(rows).T, strict=True))
     table = read_number_table(section.file, COLUMNS, "the measured curve")
     if (table.values <= 0).any():
@@ -68,32 +95,75 @@ def _columns(section: MeasurementSection) -> dict[str, Vector]:
 
 
 def measurement_problems(study: Study) -> Iterator[Problem]:
-    """Find measured curves that no backbone stands beside, and files that cannot be read."""
-    backbones = {case.name: case for case in study.load_cases if case.kind == "backbone"}
+    """Find measured curves that nothing computed stands beside, and files that cannot be read."""
     names = [section.name for section in study.measurements]
     for number, section in enumerate(study.measurements):
-        case = backbones.get(section.load_case)
         wrong: dict[str, str] = {}
-        if case is None:
-            advice = nearest(section.load_case, backbones) if backbones else "there is none"
-            wrong["load_case"] = f"there is no backbone '{section.load_case}'; {advice}"
-        elif section.mode not in case.modes:
-            modes = ", ".join(map(str, case.modes))
-            wrong["mode"] = f"load case '{case.name}' computes modes {modes}; name one of them"
-        elif case.over != "amplitude":
-            wrong["load_case"] = f"'{case.name}' goes over energy, and curves over amplitude"
         if section.name in names[:number]:
             wrong["name"] = f"two measurements are called '{section.name}'; give each its own name"
-        key = "file" if section.file else "response"
-        if (section.file is None) == (not section.response):
-            text = "it needs either 'file' or tables [[measurement.response]]; give one of them"
-            yield study.in_table(("measurement", number), text)
-            continue
-        try:
-            _curve(section)
-        except (FormatError, ModelError) as error:
-            wrong[key] = str(error)
+        missing = next(_incomplete(section), None)
+        if missing is not None:
+            yield study.in_table(("measurement", number), missing)
+        elif section.frequency is None:
+            wrong |= _beside_a_backbone(study, section)
+        else:
+            wrong |= _beside_a_sweep(study, section)
         yield from study.problems(("measurement", number), wrong)
+
+
+def _incomplete(section: MeasurementSection) -> Iterator[str]:
+    """Yield what a table says too little or too much of."""
+    if section.frequency is None and (section.load_case is None or section.mode is None):
+        yield "it stands beside nothing; give 'load_case' and 'mode' of a backbone, or 'frequency'"
+    elif section.frequency is not None and (section.load_case, section.mode) != (None, None):
+        yield "it stands beside a backbone or a [[frequency]]; take away one of them"
+    key = "amplitude" if section.frequency is None else "level"
+    if any(getattr(response, key) is None for response in section.response):
+        yield f"each [[measurement.response]] needs '{key}'; add it"
+    if (section.file is None) == (not section.response):
+        yield "it needs either 'file' or tables [[measurement.response]]; give one of them"
+    elif section.frequency is not None and section.file is not None:
+        yield "curves over frequency are given as tables [[measurement.response]]"
+
+
+def _beside_a_backbone(study: Study, section: MeasurementSection) -> dict[str, str]:
+    """Return what is wrong with a curve over amplitude, by key."""
+    backbones = {case.name: case for case in study.load_cases if case.kind == "backbone"}
+    case, wrong = backbones.get(section.load_case or ""), dict[str, str]()
+    if case is None:
+        advice = nearest(section.load_case or "", backbones) if backbones else "there is none"
+        wrong["load_case"] = f"there is no backbone '{section.load_case}'; {advice}"
+    elif section.mode not in case.modes:
+        modes = ", ".join(map(str, case.modes))
+        wrong["mode"] = f"load case '{case.name}' computes modes {modes}; name one of them"
+    elif case.over != "amplitude":
+        wrong["load_case"] = f"'{case.name}' goes over energy, and curves over amplitude"
+    try:
+        _curve(section)
+    except (FormatError, ModelError) as error:
+        wrong["file" if section.file else "response"] = str(error)
+    return wrong
+
+
+def _beside_a_sweep(study: Study, section: MeasurementSection) -> dict[str, str]:
+    """Return what is wrong with curves over frequency, by key."""
+    sweeps = {swept.name: swept for swept in study.frequencies}
+    swept = sweeps.get(section.frequency or "")
+    if swept is None:
+        advice = nearest(section.frequency or "", sweeps) if sweeps else "there is none"
+        return {"frequency": f"there is no [[frequency]] '{section.frequency}'; {advice}"}
+    if len(swept.load) > 1:
+        return {"frequency": f"'{swept.name}' has several forces, and responses are per force"}
+    strange = [one.level for one in section.response if one.level not in swept.levels]
+    if strange:
+        levels = ", ".join(f"{level:g}" for level in swept.levels)
+        text = f"'{swept.name}' has no level {strange[0]:g}; its levels are {levels}"
+        return {"response": text}
+    try:
+        measured_responses(study, swept)
+    except FormatError as error:
+        return {"response": str(error)}
+    return {}
 
 
 def compared(curve: MeasuredCurve, backbones: Mapping[str, Backbone]) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """What a run keeps of a joint under harmonic loads."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import final
 
 from faying.assessment.backbone import Backbone
@@ -30,6 +30,8 @@ class FrequencyRecord:
         Of the mode that is brought to resonance.
     checks : (n_check,)
         Transients beside peaks, where they were asked for.
+    measured
+        Curves of a test by name.
     seconds : [s]
         Wall time of all of it, in whichever run.
     """
@@ -39,6 +41,7 @@ class FrequencyRecord:
     expected: FrequencyResponse | None = None
     backbone: Backbone | None = None
     checks: tuple[TransientCheck, ...] = ()
+    measured: Mapping[str, ResponseCurve] = field(default_factory=dict)
     seconds: float = 0.0
 
     def peaks(self) -> Iterator[tuple[ResponseCurve, Peak, Peak | None]]:
@@ -54,6 +57,27 @@ class FrequencyRecord:
                     curve,
                     curve.peak(self.at),
                     expected.peak(self.at) if is_known and expected else None,
+                )
+
+    def compared(self) -> Iterator[tuple[str, Mapping[str, tuple[float, float]]]]:
+        """Yield curves of a test with pairs: what they have, and what the computed ones have.
+
+        Frequency and amplitude of the peak, and damping ratio of a fitted mode, between the
+        frequencies that both have.
+        """
+        computed = {curve.level: curve for curve in self.response.curves}
+        for name, test in self.measured.items():
+            both = test.between(computed[test.level]), computed[test.level].between(test)
+            if all(len(curve.frequency) for curve in both):
+                peaks = [curve.peak(self.at) for curve in both]
+                first, second = (curve.fitted_damping(self.at) for curve in both)
+                yield (
+                    name,
+                    {
+                        "frequency": (peaks[0].frequency, peaks[1].frequency),
+                        "amplitude": (peaks[0].amplitude, peaks[1].amplitude),
+                        "damping_ratio": (first, second),
+                    },
                 )
 
     def missed(self, name: str) -> Iterator[str]:

@@ -12,7 +12,12 @@ from faying.assessment.measured_curve import MeasuredCurve
 from faying.assessment.mesh_error import MeshError
 from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import Verdict
-from faying.assessment.response_curve import ContactInMotion, FrequencyResponse, ResponseCurve
+from faying.assessment.response_curve import (
+    ContactInMotion,
+    FrequencyResponse,
+    Period,
+    ResponseCurve,
+)
 from faying.assessment.slip_demand import SlipDemand
 from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.strength.thread import ThreadStress
@@ -77,6 +82,7 @@ STORED = (
     FrequencyResponse,
     ResponseCurve,
     ContactInMotion,
+    Period,
     TransientCheck,
     ValidationRecord,
     LoadSpaceRecord,

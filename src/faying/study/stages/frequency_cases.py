@@ -25,6 +25,8 @@ from faying.files.flattening import flattened, restored
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.keys.frequency_rules import shown_place
 from faying.study.keys.frequency_table import FrequencySection
+from faying.study.keys.measurements import measured_responses
+from faying.study.keys.tables import Study
 from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.stages.checkpoint import Checkpoint
 from faying.study.stages.checkpointed_steps import SECONDS, CheckpointedSteps
@@ -46,6 +48,7 @@ class FrequencyRunner:
         Reduced model that transients are checked with; None where none could be made.
     """
 
+    study: Study
     swept: FrequencySection
     joint: PreparedJoint
     rom: ReducedModel | None
@@ -91,6 +94,7 @@ class FrequencyRunner:
             expected=expected,
             backbone=backbone,
             checks=tuple(checks),
+            measured=measured_responses(self.study, self.swept, self._at),
             seconds=seconds,
         )
 
@@ -184,7 +188,7 @@ class FrequencyRunner:
 
 
 def frequency_records(
-    frequencies: tuple[FrequencySection, ...],
+    study: Study,
     joint: PreparedJoint,
     rom: ReducedModel | None,
     stages: Stages,
@@ -194,6 +198,7 @@ def frequency_records(
     """Compute all harmonic loads of a study, by name."""
     return {
         swept.name: FrequencyRunner(
+            study=study,
             swept=swept,
             joint=joint,
             rom=rom,
@@ -201,5 +206,5 @@ def frequency_records(
             extras=extras,
             pieces=CheckpointedSteps(checkpoint, f"frequency {swept.name}"),
         ).solve()
-        for swept in frequencies
+        for swept in study.frequencies
     }

@@ -18,6 +18,7 @@ from faying.study.judgement.comparison import increments
 from faying.study.keys.requirement_rules import requirements_of
 from faying.study.keys.tables import LoadCaseSection, Study
 from faying.study.keys.threads import strengths_of
+from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.results.values import CaseResult
 from faying.study.stages.joint_judge import JointJudge, certified_cases, rest_of, surfaces_of
 from faying.study.stages.offline import PreparedJoint
@@ -29,11 +30,12 @@ def assess_run(
     study: Study,
     joint: PreparedJoint,
     cases: Mapping[str, CaseResult],
+    frequencies: Mapping[str, FrequencyRecord],
     stages: Stages,
     extras: Extras,
     exact: Model | ReducedModel,
 ) -> Assessment | None:
-    """Judge the joint over the references of all load cases; None where that failed.
+    """Judge the joint over all load cases and periods that were kept; None where that failed.
 
     Parameters
     ----------
@@ -42,7 +44,13 @@ def assess_run(
 
     Static load cases without friction are certified, and followed to their openings.
     """
-    if not cases:
+    vibrating = {
+        f"{name}, level {curve.level:g} at {frequency}": CaseState(**vars(period))
+        for name, swept in frequencies.items()
+        for curve in swept.response.curves
+        for frequency, period in curve.periods.items()
+    }
+    if not cases and not vibrating:
         return None
     with stages.stage("joint assessment"), extras.attempt("joint assessment"):
         static = [case for case in study.load_cases if case.kind == "static"]
@@ -50,6 +58,7 @@ def assess_run(
         smooth = loads if joint.model.contact.forgets else []
         intervals = _intervals(joint, smooth, cases, extras)
         states = {name: _state(case, intervals.get(name)) for name, case in cases.items()}
+        states |= vibrating
         reserves = {n: case.reserve for n, case in cases.items() if case.reserve is not None}
         judge = JointJudge(
             system=joint.model,
