@@ -23,8 +23,9 @@ def spring_sense(assembly: Assembly, spring: Spring, seats: Seats) -> float:
 
     Ends in different places say so themselves. Where they coincide, as at a cut through a bolt,
     what they hold does: the end whose seat lies farther along the spring's direction is the forward
-    one, in whichever order a deck lists them. If the seats are in one place too, as where a spring
-    joins touching nodes of two bodies, the elements around them decide.
+    one, in whichever order a deck lists them. Seats beside each other, as the threads of a bolt and
+    its nut, leave it to the middle of what their bodies have within the seats' reach; where that is
+    one place too, as where a spring joins touching nodes, the elements around decide.
 
     Returns
     -------
@@ -35,12 +36,31 @@ def spring_sense(assembly: Assembly, spring: Spring, seats: Seats) -> float:
     mesh = assembly.mesh
     along = mesh.nodes[:, component]
     nothing = DECK_DIGITS * float(np.ptp(mesh.nodes, axis=0).max())
+    for backward, forward in (([first], [second]), seats):
+        if len(backward) and len(forward):
+            start, end = along[backward], along[forward]
+            if max(end.min() - start.max(), start.min() - end.max()) > nothing:
+                return float(np.sign(end.mean() - start.mean()))
+    if not all(map(len, seats)):
+        return 1.0
+    bodies = [_bodies_beside(mesh, seat, seats, component) for seat in seats]
     around = [_of_elements_at(mesh, seat) for seat in seats]
-    for first_end, second_end in ((first, second), seats, around):
-        start, end = along[np.atleast_1d(first_end)], along[np.atleast_1d(second_end)]
-        if start.size and end.size and abs(apart := float(end.mean() - start.mean())) > nothing:
+    for backward, forward in (bodies, around):
+        start, end = along[backward], along[forward]
+        apart = (end.min() + end.max() - start.min() - start.max()) / 2
+        if abs(apart) > nothing:
             return float(np.sign(apart))
     return 1.0
+
+
+def _bodies_beside(mesh: Mesh, seat: Indices, seats: Seats, component: int) -> Indices:
+    """Return the nodes of the bodies of one seat, as far from the spring's line as both reach."""
+    across = np.delete(mesh.nodes, component, axis=1)
+    reach = across[np.concatenate(seats)]
+    centre = (reach.min(axis=0) + reach.max(axis=0)) / 2
+    distances = np.linalg.norm(across - centre, axis=1)
+    inside = distances <= np.linalg.norm(reach - centre, axis=1).max() * (1 + DECK_DIGITS)
+    return np.flatnonzero(inside & np.isin(mesh.bodies, mesh.bodies[seat]))
 
 
 def _of_elements_at(mesh: Mesh, nodes: Indices) -> Indices:

@@ -17,6 +17,7 @@ from faying.simulation.preload import (
     NOTHING_LOST,
     Tightening,
     checked_bolts,
+    say_open,
     tightening_stages,
 )
 from faying.simulation.preload_loss import PreloadLoss, loses
@@ -100,6 +101,8 @@ def tighten_with_friction(
         inputs.append(_inputs(system, state))
         path.append(_step(system, inputs[-1], increment, step.slip + increment.slack[1:]))
         reached.append((stage, forces_of_bolts(system, state, increment)))
+    if reached:
+        say_open(system, path[-1].increment)
     if losses:
         done = BoltedState(
             joint=system,

@@ -1,5 +1,6 @@
 """Pretension: bolts tightened in sequence to their nominal final forces, then locked."""
 
+import logging
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -18,6 +19,8 @@ from faying.simulation.bolted_state import bolted_state
 from faying.simulation.bolts_by_force import BoltsByForce, forces_of_bolts
 from faying.simulation.preload_loss import PreloadLoss, loses
 from faying.simulation.static_case import solve_static
+
+_log = logging.getLogger("faying")
 
 NOTHING_LOST: Mapping[str, PreloadLoss] = MappingProxyType({})
 
@@ -129,10 +132,36 @@ def tighten(
         solved = BoltsByForce(joint=system, bolts=chosen).solve(goal, state, None, contact)
         contact, state = solved
         reached.append((stage, forces_of_bolts(system, state, contact)))
+    if contact is not None:
+        say_open(system, contact)
     for stage, loss_state in loses(bolted_state(system, state), losses) if losses else ():
         state = loss_state.initial
         reached.append((stage, loss_state.forces))
     return Tightening.of(names, state, reached)
+
+
+def say_open(system: Joint, contact: Increment) -> None:
+    """Warn of interfaces that tightened bolts do not press."""
+    for text in open_interfaces(system.contact.slices, contact.forces[0]):
+        _log.warning("%s", text)
+
+
+def open_interfaces(points: Mapping[str, slice], pressed: Vector) -> Iterator[str]:
+    """Yield of each interface that is open at all of its points that bolts do not press it.
+
+    Parameters
+    ----------
+    points
+        Interface name to its points.
+    pressed : (n_point,)
+        Pressures or contact forces after tightening.
+    """
+    for name, own in points.items():
+        if not pressed[own].any():
+            yield (
+                f"interface '{name}' is open everywhere after tightening: no bolt presses it; if "
+                "one should, check its gap, and that the bolt draws its head and nut together"
+            )
 
 
 def tightening_stages(

@@ -106,6 +106,16 @@ def test_both_orders_give_the_same_pressures(study):
     np.testing.assert_allclose(other, one, rtol=1e-9)  # round-off of K
 
 
+def test_an_interface_that_stays_open_is_named(study, tmp_path, caplog):
+    """A gap of 1 mm under a bolt beside stiff springs, which 5 kN do not close."""
+    beside = ("CELAS2,43", "CELAS2,44,1.+5,5,3,11,3\nCELAS2,43")
+    apart = study(beside, more='[[interface]]\nname = "contact-1-2"\ninitial_gap = 1.0\n')
+    summary = run(apart, tmp_path / "out").summary
+    said = "is open everywhere after tightening: no bolt presses it"
+    assert said in caplog.text
+    assert any(said in warning for warning in summary["warnings"])
+
+
 @pytest.mark.parametrize("nodes", ["[23, 24]", "[24, 23]"])
 def test_a_spring_is_found_by_its_nodes(study, nodes):
     by_nodes = prepared(study(text=("elements = [43]", f"nodes = {nodes}")))

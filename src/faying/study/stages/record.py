@@ -1,7 +1,7 @@
 """From what a run computed to the values it leaves behind."""
 
 import platform
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 
 import numpy as np
@@ -13,6 +13,7 @@ from faying.model.matrices import mass_properties
 from faying.model.solid_cells import tangled
 from faying.reduction.projection import contact_surfaces
 from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.preload import open_interfaces
 from faying.study.judgement.model_warnings import unheld, unmeasured
 from faying.study.judgement.solid_constants import bolt_doubts, doubts, pressure_doubts
 from faying.study.keys.measurements import measured_curves
@@ -70,6 +71,7 @@ def record(
         omissions=tuple(extras.failed),
         doubts=(
             *unheld(model),
+            *_open(joint),
             *unmeasured(study, cases),
             *filter(None, [tangled(model.assembly)]),
             *doubts(model.assembly.materials, study.units),
@@ -82,6 +84,12 @@ def record(
         reference=reference.kind,
         reference_reason=reference.reason,
     )
+
+
+def _open(joint: PreparedJoint) -> Iterator[str]:
+    """Yield the interfaces that the bolts of a joint do not press."""
+    if any(joint.tightening.initial_forces.values()):
+        yield from open_interfaces(joint.model.contact.slices, joint.preload.pressure)
 
 
 def _bolt(joint: PreparedJoint, name: str) -> BoltRecord:
