@@ -106,18 +106,20 @@ def asperities(folder: Path) -> Asperities:
     )
 
 
-def deck(folder: Path, spring: float = SPRING) -> Path:
+def deck(
+    folder: Path, spring: float = SPRING, elastic: str = f"{YOUNG}, {POISSON}", bolt: float = BOLT
+) -> Path:
     """Write the deck with forces of the bolts in place of the steps of its substructure."""
     text = (folder / "Job.inp").read_text().split("** STEP: Fixed-Int-Modal")[0]
-    text = re.sub(r"(\*Elastic\n).*", rf"\g<1>{YOUNG}, {POISSON}", text)
+    text = re.sub(r"(\*Elastic\n).*", rf"\g<1>{elastic}", text)
     springs, loads = [], []
-    for number, (bolt, nut) in enumerate(ENDS, 1):
+    for number, (end, nut) in enumerate(ENDS, 1):
         springs += [
             f"*ELEMENT, TYPE=SPRING2, ELSET=END{number}",
-            f"{900000 + number}, {bolt}, {nut}",
+            f"{900000 + number}, {end}, {nut}",
         ]
         springs += [f"*SPRING, ELSET=END{number}", "3, 3", f"{spring}"]
-        loads += [f"{bolt}, 3, {BOLT}", f"{nut}, 3, {-BOLT}"]
+        loads += [f"{end}, 3, {bolt}", f"{nut}, 3, {-bolt}"]
     start = text.index("** Constraint: BNEQ1-1")
     steps = ["*STEP", "*STATIC", "*CLOAD", *loads, "*END STEP", ""]
     path = folder / "full_beam.inp"

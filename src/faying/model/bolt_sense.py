@@ -23,9 +23,8 @@ def spring_sense(assembly: Assembly, spring: Spring, seats: Seats) -> float:
 
     Ends in different places say so themselves. Where they coincide, as at a cut through a bolt,
     what they hold does: the end whose seat lies farther along the spring's direction is the forward
-    one, in whichever order a deck lists them. Seats beside each other, as the threads of a bolt and
-    its nut, leave it to the middle of what their bodies have within the seats' reach; where that is
-    one place too, as where a spring joins touching nodes, the elements around decide.
+    one, in whichever order a deck lists them. Seats that lie beside each other, as the threads of a
+    bolt and its nut, leave it to the middle of what their bodies have there.
 
     Returns
     -------
@@ -43,33 +42,20 @@ def spring_sense(assembly: Assembly, spring: Spring, seats: Seats) -> float:
                 return float(np.sign(end.mean() - start.mean()))
     if not all(map(len, seats)):
         return 1.0
-    bodies = [_bodies_beside(mesh, seat, seats, component) for seat in seats]
-    around = [_of_elements_at(mesh, seat) for seat in seats]
-    for backward, forward in (bodies, around):
-        start, end = along[backward], along[forward]
-        apart = (end.min() + end.max() - start.min() - start.max()) / 2
-        if abs(apart) > nothing:
-            return float(np.sign(apart))
-    return 1.0
+    start, end = (along[nodes] for nodes in _bodies_at(mesh, seats, component))
+    apart = (end.min() + end.max() - start.min() - start.max()) / 2
+    return float(np.sign(apart)) if abs(apart) > nothing else 1.0
 
 
-def _bodies_beside(mesh: Mesh, seat: Indices, seats: Seats, component: int) -> Indices:
-    """Return the nodes of the bodies of one seat, as far from the spring's line as both reach."""
+def _bodies_at(mesh: Mesh, seats: Seats, component: int) -> list[Indices]:
+    """Return the nodes of the bodies of each seat, across the spring as far as elements there."""
+    touched = np.zeros(len(mesh.nodes), dtype=bool)
+    touched[np.concatenate(seats)] = True
+    around = [block.nodes[touched[block.nodes].any(axis=1)].ravel() for block in mesh.blocks]
     across = np.delete(mesh.nodes, component, axis=1)
-    reach = across[np.concatenate(seats)]
-    centre = (reach.min(axis=0) + reach.max(axis=0)) / 2
-    distances = np.linalg.norm(across - centre, axis=1)
-    inside = distances <= np.linalg.norm(reach - centre, axis=1).max() * (1 + DECK_DIGITS)
-    return np.flatnonzero(inside & np.isin(mesh.bodies, mesh.bodies[seat]))
-
-
-def _of_elements_at(mesh: Mesh, nodes: Indices) -> Indices:
-    """Return the nodes of all solids that have one of some nodes."""
-    inside = np.zeros(len(mesh.nodes), dtype=bool)
-    inside[nodes] = True
-    parts = [block.nodes[inside[block.nodes].any(axis=1)].ravel() for block in mesh.blocks]
-    nodes_at: Indices = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *parts]))
-    return nodes_at
+    reach = across[np.concatenate([*seats, *around])]
+    inside = ((across >= reach.min(axis=0)) & (across <= reach.max(axis=0))).all(axis=1)
+    return [np.flatnonzero(inside & np.isin(mesh.bodies, mesh.bodies[seat])) for seat in seats]
 
 
 def check_not_twice(seats: Mapping[str, Seats]) -> None:
