@@ -60,7 +60,7 @@ def main() -> None:
     with stage("port compliance"):
         _ = model.static_contact.space
     with stage("tightening"):
-        model = fy.preload(model, dict.fromkeys(model.bolts, 2000.0), increments=1)
+        model = fy.preload(model, dict.fromkeys(model.bolts, 2000.0))
     with stage("20 normal modes"):
         basis = fy.craig_bampton(model, normal_modes=20)
     with stage("reduced model"):

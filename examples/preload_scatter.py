@@ -60,7 +60,7 @@ def joint(element_size: float = 2.5) -> fy.Model:
 def initial_forces(system: fy.ReducedModel, preloads: Vector) -> Vector:
     """Return the initial bolt forces N₀ that end at the given final preloads."""
     grid = np.linspace(preloads.min(), preloads.max(), GRID)
-    locked = [fy.tighten(system, {"bolt": f}, increments=1).initial_forces["bolt"] for f in grid]
+    locked = [fy.tighten(system, {"bolt": f}).initial_forces["bolt"] for f in grid]
     return np.interp(preloads, grid, locked)
 
 

@@ -107,7 +107,7 @@ def solutions(deck: Path, step: int) -> dict[str, Solution]:
         )
     found = {}
     for rule, own in rules.items():
-        tightened = fy.preload(model.with_interfaces({name: own}), preloads, increments=1)
+        tightened = fy.preload(model.with_interfaces({name: own}), preloads)
         found[rule] = fy.solve_static(tightened, load)
     return found
 

@@ -209,7 +209,7 @@ def solved(path, step, data):
     model, preloads, load = from_deck(path, step)
     ((name, interface),) = model.interfaces.items()
     model = model.with_interfaces({name: ccx_rule(interface, data)})
-    return fy.solve_static(fy.preload(model, preloads, increments=1), load)
+    return fy.solve_static(fy.preload(model, preloads), load)
 
 
 def check(solution, theirs, step, tolerance, pressure=None):
@@ -307,7 +307,7 @@ def test_initial_interference(binary, data, tmp_path):
     model, preloads, _ = from_deck(path, 1)
     assert read_joint(path).initial_gaps == {"joint": -2e-3}
     interface = ccx_rule(model.interfaces["joint"], data).with_initial_gap(-2e-3)
-    tightened = fy.preload(model.with_interfaces({"joint": interface}), preloads, increments=1)
+    tightened = fy.preload(model.with_interfaces({"joint": interface}), preloads)
     check(fy.solve_static(tightened), theirs, 1, PRINTED)
 
 
@@ -328,7 +328,7 @@ def test_pressure_and_force_of_a_step_as_one_load(element, binary, data, tmp_pat
     model = build_model(joint.assembly, interfaces=joint.interfaces, bolts=joint.bolts)
     ((name, interface),) = model.interfaces.items()
     model = model.with_interfaces({name: ccx_rule(interface, data)}).with_deck_loads("step 2")
-    tightened = fy.preload(model, joint.preloads, increments=1)
+    tightened = fy.preload(model, joint.preloads)
     solution = fy.solve_static(tightened, fy.Load({"step 2": 1.0}))
     without = fy.solve_static(tightened)
     assert abs(solution.max_pressure - without.max_pressure) > 0.02 * without.max_pressure

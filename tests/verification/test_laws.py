@@ -81,7 +81,7 @@ def moving(system):
 
 def tightened(model):
     if model.contact.components == 1:
-        return fy.solve_static(fy.preload(model, {"bolt": PRELOAD}, increments=2))
+        return fy.solve_static(fy.preload(model, {"bolt": PRELOAD}))
     return tighten_with_friction(model, {"bolt": PRELOAD}, increments=2).rest
 
 

@@ -18,7 +18,8 @@ from faying.simulation.start import at_rest
 def preloaded_frequencies(model: Model, count: int, *, state: Solution | None = None) -> Vector:
     """Compute the lowest frequencies of small vibrations about a static state.
 
-    Points in contact stay closed and open ones stay open, K + Gᵀ diag(c_n w) G over the former.
+    Points in contact stay closed and open ones stay open, K + Gᵀ diag(c_n w) G over the former. The
+    stiffness is the unstressed one, on a preloaded beam up to 1 % low in ω (docs/accuracy.md).
     With friction every closed point sticks, and their tangential stiffness c_t w is part of it.
 
     Parameters

@@ -93,7 +93,6 @@ def tighten(
     system: Joint,
     forces: Mapping[str, float],
     *,
-    increments: int = 1,
     losses: Mapping[str, PreloadLoss] = NOTHING_LOST,
 ) -> Tightening:
     """Tighten bolts one after the other to their nominal final forces, without friction.
@@ -106,8 +105,6 @@ def tighten(
     ----------
     forces
         Bolt name to final axial force [force], in tightening order.
-    increments
-        Steps per bolt that are told; without friction they change nothing at the end.
     losses
         Bolt name to what it loses after all are tightened.
 
@@ -128,7 +125,7 @@ def tighten(
     names, state = checked_bolts(system, forces), initial_bolt_forces(system)
     contact: Increment | None = None
     reached: list[tuple[str, Vector]] = []
-    for stage, chosen, goal in tightening_stages(names, forces, increments):
+    for stage, chosen, goal in tightening_stages(names, forces, 1):
         solved = BoltsByForce(joint=system, bolts=chosen).solve(goal, state, None, contact)
         contact, state = solved
         reached.append((stage, forces_of_bolts(system, state, contact)))
@@ -183,7 +180,6 @@ def preload(
     forces: Mapping[str, float],
     *,
     sticking: Sticking | None = None,
-    increments: int = 1,
     losses: Mapping[str, PreloadLoss] = NOTHING_LOST,
 ) -> Model:
     """Return the model with its bolts tightened to final forces and locked.
@@ -208,9 +204,9 @@ def preload(
     Ties change the stiffness: with ``sticking`` the structure is factorized once more.
     """
     if sticking is None:
-        tightened = tighten(model, forces, increments=increments, losses=losses)
+        tightened = tighten(model, forces, losses=losses)
         return model.with_bolt_forces(tightened.initial_forces)
-    tightened = tighten(model, forces, increments=increments)
+    tightened = tighten(model, forces)
     tied = with_sticking(model.with_bolt_forces(tightened.initial_forces), sticking)
     return tied.with_bolt_forces(tighten(tied, forces, losses=losses).initial_forces)
 
