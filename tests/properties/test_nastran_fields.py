@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from faying.exceptions import FayingError
 from faying.io.nastran import read_deck, write_deck
-from faying.io.nastran.fields import format_real, integer, integers, plain_integers, real, reals
+from faying.io.nastran.fields import format_real, integer, integers, real, reals
 from faying.joint.lap_joint import lap_joint_assembly
 
 # Beyond 1e300 a shortened mantissa may round up to infinity.
@@ -54,20 +54,6 @@ def test_batch_and_single_parsers_agree(texts: list[str]) -> None:
             wanted = [single(text.strip()) if text.strip() else None for text in cut]
             assert bad.tolist() == [value is None for value in wanted]
             assert values.tolist() == [value or 0 for value in wanted]
-
-
-@given(st.integers(0, 99_999_999), st.integers(0, 7), st.sampled_from(" 0+-.!*/:\xb0\x7f"))
-def test_plain_integers_are_digits_anywhere_in_a_field(number: int, at: int, mark: str) -> None:
-    text = str(number)
-    fields = [text.rjust(8), text.ljust(8), text.center(8)]
-    marked = [field[:at] + mark + field[at + 1 :] for field in fields]
-    words = np.frombuffer("".join(fields + marked).encode("latin-1"), dtype=np.uint64)
-    values, plain = plain_integers(words)
-    assert values[:3].tolist() == [number] * 3
-    wanted = [field.strip(" ") for field in fields + marked]
-    digits = [field.isascii() and field.isdigit() for field in wanted]
-    assert plain.tolist() == digits
-    assert values.tolist() == [int(w) if d else 0 for w, d in zip(wanted, digits, strict=True)]
 
 
 @pytest.fixture(scope="module")

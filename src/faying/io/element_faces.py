@@ -1,13 +1,14 @@
-"""Faces of solid elements, found by element id and number or corner nodes, many at a time."""
+"""Faces of elements by id and number or corners, and pressures on them, many at a time."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
 import numpy as np
 
-from faying._typing import Indices, Mask
+from faying._typing import Indices, Mask, Matrix
+from faying.interface.facets import area_vectors, gauss_rule, shape_functions
 from faying.model.cells import CellBlock
-from faying.model.elements import SOLIDS
+from faying.model.elements import FACES, SOLIDS
 from faying.model.shells import ShellBlock
 from faying.model.surface import WIDTH, padded
 
@@ -67,3 +68,15 @@ def find_faces(blocks: Sequence[CellBlock], elements: Indices, fits: Fits) -> tu
             count[members[chosen]] += 1
     faces[count != 1] = -1
     return faces, fitting
+
+
+def face_areas(kind: str, places: Matrix) -> Matrix:
+    """Return area vectors (n, n_q, 3) of faces at the points where pressures are integrated."""
+    return area_vectors(kind, places, gauss_rule(kind, FACES[kind].pressure_order).points)
+
+
+def nodal_forces(kind: str, traction: Matrix) -> Matrix:
+    """Return consistent forces (n, n_node, 3) of tractions (n, n_q, 3) at those points."""
+    rule = gauss_rule(kind, FACES[kind].pressure_order)
+    shape = shape_functions(kind, rule.points)
+    return np.asarray(np.einsum("qa,q,fqd->fad", shape, rule.weights, traction))

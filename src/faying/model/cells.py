@@ -1,10 +1,10 @@
 """Cells of solid elements."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from faying._typing import Indices, frozen
+from faying._typing import Indices, Mask, frozen
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -34,3 +34,8 @@ class CellBlock:
     def __post_init__(self) -> None:
         for name in ("nodes", "ids", "properties"):
             object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
+
+    def taken(self, which: Indices | Mask) -> "CellBlock":
+        """Return some of the elements."""
+        arrays = {name: getattr(self, name)[which] for name in ("nodes", "ids", "properties")}
+        return replace(self, **arrays)

@@ -4,12 +4,10 @@ What the elements of one side do to the nodes of the cut is what passes through 
 forces K_e u of these elements, in balance with all else to round-off whatever the mesh.
 """
 
-from dataclasses import replace
-
 import numpy as np
 import scipy.sparse as sp
 
-from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
 from faying.model.assembly import Assembly, Spring
 from faying.model.deck_bolt import bolt_axis_element
 from faying.model.matrices import solid_matrices
@@ -44,15 +42,9 @@ def section_rows(assembly: Assembly, spec: BoltSpec) -> SparseMatrix | None:
     sums = sp.csr_array((weights.ravel(), (which, np.tile(dofs, 6))), shape=(6, size))
     rows = sp.csr_array((6, size))
     for block in assembly.mesh.blocks:
-        touching = np.isin(block.nodes, side).any(axis=1)
+        touching: Mask = np.asarray(np.isin(block.nodes, side).any(axis=1))
         if touching.any():
-            one_sided = replace(
-                block,
-                nodes=block.nodes[touching],
-                ids=block.ids[touching],
-                properties=block.properties[touching],
-            )
-            rows = rows + sums @ solid_matrices(assembly, one_sided)[1]
+            rows = rows + sums @ solid_matrices(assembly, block.taken(touching))[1]
     return sp.csr_array(rows)
 
 

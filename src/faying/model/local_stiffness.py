@@ -17,12 +17,7 @@ def stiffness_around(assembly: Assembly, dofs: DofMap, nodes: Mask) -> SparseMat
     """
     touching = [np.flatnonzero(nodes[block.nodes].any(axis=1)) for block in assembly.mesh.blocks]
     blocks = tuple(
-        replace(
-            block,
-            nodes=block.nodes[cells],
-            ids=block.ids[cells],
-            properties=block.properties[cells],
-        )
+        block.taken(cells)
         for block, cells in zip(assembly.mesh.blocks, touching, strict=True)
         if len(cells)
     )

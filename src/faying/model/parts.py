@@ -12,11 +12,9 @@ from faying._typing import Indices, Mask
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, FaceSet, NodalLoads, RigidCoupling, Support
 from faying.model.bodies import body_names
-from faying.model.cells import CellBlock
 from faying.model.description import JointDescription
 from faying.model.mesh import Mesh
 from faying.model.remaining_joint import remaining_joint
-from faying.model.shells import ShellBlock
 
 _SHOWN = 5
 _LINKS = {
@@ -243,7 +241,7 @@ class _Cut:
         )
         shells = []
         for block in whole.shells:
-            shells.append(_shells(block, self.held[first : first + len(block.ids)]))
+            shells.append(block.taken(self.held[first : first + len(block.ids)]))
             first += len(block.ids)
         return replace(
             whole,
@@ -259,7 +257,7 @@ class _Cut:
         return replace(coupling, nodes=coupling.nodes[~self.gone[coupling.nodes]])
 
     def _mesh(self, mesh: Mesh) -> Mesh:
-        blocks = [_cells(b, mask) for b, mask in zip(mesh.blocks, self.solids, strict=True)]
+        blocks = [b.taken(mask) for b, mask in zip(mesh.blocks, self.solids, strict=True)]
         solid = np.concatenate([b.ids for b in blocks])
         removed = np.setdiff1d(mesh.element_ids, solid)
         sets = {name: ids[~np.isin(ids, removed)] for name, ids in mesh.element_sets.items()}
@@ -319,20 +317,3 @@ def _nodes(family: str, member: Any) -> Sequence[int] | Indices:
     if family.endswith("couplings"):
         return np.append(nodes, member.reference)
     return nodes
-
-
-def _cells(block: CellBlock, mask: Mask) -> CellBlock:
-    return replace(
-        block, nodes=block.nodes[mask], ids=block.ids[mask], properties=block.properties[mask]
-    )
-
-
-def _shells(block: ShellBlock, mask: Mask) -> ShellBlock:
-    return replace(
-        block,
-        nodes=block.nodes[mask],
-        ids=block.ids[mask],
-        properties=block.properties[mask],
-        offsets=block.offsets[mask],
-        directions=block.directions[mask],
-    )

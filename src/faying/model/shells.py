@@ -1,10 +1,10 @@
 """Shells as values: blocks of elements and the sections they have."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, Vector, frozen
+from faying._typing import Indices, Mask, Matrix, Vector, frozen
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -68,6 +68,11 @@ class ShellBlock:
             object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
         for name in ("offsets", "directions"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    def taken(self, which: Indices | Mask) -> "ShellBlock":
+        """Return some of the elements."""
+        names = ("nodes", "ids", "properties", "offsets", "directions")
+        return replace(self, **{name: getattr(self, name)[which] for name in names})
 
 
 def plane_stress(youngs_modulus: float, poissons_ratio: float) -> Matrix:

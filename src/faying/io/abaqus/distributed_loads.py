@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
-from faying.interface.facets import area_vectors, gauss_rule, shape_functions
 from faying.io.abaqus.amplitudes import Amplitudes
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import check_count, integer, numbers, real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.surfaces import Surfaces, facets_of_faces, find_surface
+from faying.io.element_faces import face_areas, nodal_forces
 from faying.model.assembly import Assembly
 from faying.model.body_forces import body_forces, centrifugal
 
@@ -99,11 +99,9 @@ def _pressure(assembly: Assembly, facets: Mapping[str, Indices], value: float) -
     """Return forces -p ∫ N n dA; pressure pushes against the outward normal."""
     nodes = assembly.mesh.nodes
     forces = np.zeros((len(nodes), 6))
-    for kind, corners in facets.items():
-        rule = gauss_rule(kind)
-        share = shape_functions(kind, rule.points) * rule.weights[:, None]
-        vectors = area_vectors(kind, nodes[corners], rule.points)
-        np.add.at(forces[:, :3], corners, -value * np.einsum("qa,fqd->fad", share, vectors))
+    for kind, table in facets.items():
+        of_faces = nodal_forces(kind, -value * face_areas(kind, nodes[table]))
+        np.add.at(forces[:, :3], table, of_faces)
     return forces
 
 
@@ -137,29 +135,14 @@ def _body_force(
     chosen = assembly
     if fields[0]:
         ids = sets.members(keyword, fields[0], row)
-        blocks = tuple(
-            replace(b, nodes=b.nodes[k], ids=b.ids[k], properties=b.properties[k])
-            for b in assembly.mesh.blocks
-            for k in [np.isin(b.ids, ids)]
-        )
+        solids = [block.taken(np.isin(block.ids, ids)) for block in assembly.mesh.blocks]
+        shells = [block.taken(np.isin(block.ids, ids)) for block in assembly.shells]
         loaded = set(ids.tolist())
         chosen = replace(
             assembly,
-            mesh=replace(assembly.mesh, blocks=tuple(b for b in blocks if len(b.ids))),
+            mesh=replace(assembly.mesh, blocks=tuple(b for b in solids if len(b.ids))),
             beams=tuple(beam for beam in assembly.beams if beam.id in loaded),
-            shells=tuple(
-                replace(
-                    b,
-                    nodes=b.nodes[k],
-                    ids=b.ids[k],
-                    properties=b.properties[k],
-                    offsets=b.offsets[k],
-                    directions=b.directions[k],
-                )
-                for b in assembly.shells
-                for k in [np.isin(b.ids, ids)]
-                if k.any()
-            ),
+            shells=tuple(block for block in shells if len(block.ids)),
             masses=tuple(mass for mass in assembly.masses if mass.id in loaded),
         )
     nodes = assembly.mesh.nodes

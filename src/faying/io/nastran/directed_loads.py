@@ -10,16 +10,11 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from faying._typing import Matrix
-from faying.io.element_faces import on_blocks
+from faying.io.element_faces import face_areas, nodal_forces, on_blocks
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
-from faying.io.nastran.pressures import (
-    Part,
-    face_areas,
-    nodal_forces,
-    part_of_faces,
-)
+from faying.io.nastran.pressures import Part, part_of_faces
 from faying.model.assembly import Assembly
 from faying.model.elements import FACES
 

@@ -11,8 +11,8 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix
-from faying.interface.facets import area_vectors, gauss_rule, shape_functions
-from faying.io.element_faces import find_faces, on_blocks
+from faying.interface.facets import gauss_rule, shape_functions
+from faying.io.element_faces import face_areas, find_faces, nodal_forces, on_blocks
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.grids import Grids
 from faying.model.assembly import Assembly
@@ -22,18 +22,6 @@ from faying.model.surface import rows_by_kind
 
 Part = tuple[Indices, Indices, Matrix]
 """Load sets (n,), nodes (n,), forces and moments (n, 6)."""
-
-
-def face_areas(kind: str, places: Matrix) -> Matrix:
-    """Return area vectors (n, n_q, 3) of faces at the points where pressures are integrated."""
-    return area_vectors(kind, places, gauss_rule(kind, FACES[kind].pressure_order).points)
-
-
-def nodal_forces(kind: str, traction: Matrix) -> Matrix:
-    """Return consistent forces (n, n_node, 3) of tractions (n, n_q, 3) at those points."""
-    rule = gauss_rule(kind, FACES[kind].pressure_order)
-    shape = shape_functions(kind, rule.points)
-    return np.asarray(np.einsum("qa,q,fqd->fad", shape, rule.weights, traction))
 
 
 def part_of_faces(cards: Cards, rows: Indices, table: Indices, forces: Matrix) -> Part:
