@@ -215,7 +215,11 @@ def judged(
                 _bolt(
                     name,
                     surfaces,
-                    {side: closest == number for side, closest in nearest.items()},
+                    {
+                        side: closest == number
+                        for side, closest in nearest.items()
+                        if number in closest
+                    },
                     preloaded,
                     cases,
                     clamps[name],
@@ -354,7 +358,7 @@ def _bolt(
     axial: dict[str, float] = {}
     factors: dict[str, float] = {}
     for case, state in cases.items():
-        if state.retightened:
+        if state.retightened or not masks:
             continue
         load, gain, changed = _axial_load(name, surfaces, masks, preloaded, state)
         axial[case] = load
@@ -390,8 +394,9 @@ def _axial_load(
     """Return F_A = ΔF_S − ΔF_K, ΔF_S and |ΔF_S| + Σ |ΔF_i| of all points where F_A is largest."""
     gains = case.bolt_forces[name] - preloaded.bolt_forces[name]
     candidates = [(0.0, 0.0, 0.0)]
-    for interface, surface in surfaces.items():
-        points, area = slice(*surface.slice), surface.weights * masks[interface]
+    for interface, around in masks.items():
+        surface = surfaces[interface]
+        points, area = slice(*surface.slice), surface.weights * around
         change = case.pressure[:, points] - preloaded.pressure[:, points]
         loads = gains - change @ area
         worst = int(np.abs(loads).argmax())

@@ -60,8 +60,8 @@ class BoltAssessment:
         Load case it belongs to.
     axial_loads : [force]
         Load case to F_A = ΔF_S − ΔF_K, what the case takes from the bolt and the area around it
-        along the axis (VDI 2230); of the interface where it is largest, at its largest instant.
-        Without load cases that loosen or tighten bolts.
+        along the axis (VDI 2230); of the interface around it where it is largest, at its largest
+        instant. Without load cases that loosen or tighten bolts.
     load_factors : [1]
         Load case to Φ = ΔF_S / F_A, the share of F_A that the bolt takes, 0 to 1; only where F_A
         is a fifth or more of all that changes in the bolt and around it.

@@ -48,10 +48,13 @@ def weak_warnings(shares: Mapping[str, Mapping[str, float]]) -> list[str]:
     if not worst:
         return []
     (share, bodies, case), *others = sorted(worst, reverse=True)
-    also = "".join(f", those of {bodies} {share:.2g} in {case}" for share, bodies, case in others)
+    also = "".join(
+        f", those of {other} {less:.2g}" + (f" in {where}" if where != case else "")
+        for less, other, where in others
+    )
     return [
-        f"{case}: the weak springs {bodies} carry {share:.2g} of the contact force{also}; neither "
-        "contact nor friction holds these bodies together there, so that displacements, and what "
-        "acts along the interfaces, mean nothing: give the interface friction, or support the "
-        "free body"
+        f"{case}: the weak springs {bodies} carry {share:.2g} of the contact force{also}; bodies "
+        "slide or lift off as wholes there, which neither contact nor friction stops, so that "
+        "displacements, and what acts along the interfaces, mean nothing: give the interfaces "
+        "their friction, or more clamp force, or support the free body"
     ]
