@@ -13,7 +13,6 @@ from pathlib import Path
 from faying.study.keys.schema import parse_study
 from faying.study.stages.full_transients import FullTransient, full_transients
 from faying.study.stages.offline import prepare_joint
-from faying.study.stages.progress import Stages
 
 STUDY = """
 [model]
@@ -43,7 +42,7 @@ def main(size: str, count: int, tolerance: str | None) -> None:
     text = STUDY.format(size=size, duration=count * 1e-5, step=step)
     with tempfile.TemporaryDirectory() as folder:
         study = parse_study(text, Path(folder) / "joint.toml")
-        joint = prepare_joint(study, Stages(None))
+        joint = prepare_joint(study)
     before, begin = used(), time.process_time()
     (found,) = full_transients(joint, [FullTransient(case=study.load_cases[0])])
     spent, n_time = time.process_time() - begin, len(found.pressure)

@@ -8,7 +8,6 @@ from faying.exceptions import ModelError
 from faying.simulation.frictional_preload import tighten_with_friction
 from faying.study.keys.schema import read_study
 from faying.study.stages.offline import prepare_joint
-from faying.study.stages.progress import Stages
 from small_study import TINY_JOINT
 
 ROUND_OFF = 1e-9
@@ -77,7 +76,7 @@ def test_losses_of_a_study_lock_its_bolts(tmp_path):
     text = TINY_JOINT + "embedding = [1e-3, 1e-3]\nrelaxation = 0.05\n"
     (tmp_path / "joint.toml").write_text(text)
     study = read_study(tmp_path / "joint.toml")
-    joint = prepare_joint(study, Stages(None))
+    joint = prepare_joint(study)
     left = joint.rest.bolt_force("bolt")
     lost = fy.PreloadLoss(embedding=(2e-3,), relaxation=0.05)
     bare = joint.model.with_bolt_forces({"bolt": 0.0})

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from faying.assessment.identification import Identification
     from faying.execution.executor import Executor
     from faying.study.keys.tables import Study
-    from faying.study.stages.progress import ProgressBar
+    from faying.study.stages.books import ProgressBar
 
 Workers = Annotated[int, workers_for("the backbones")]
 

@@ -16,7 +16,7 @@ import numpy as np
 from faying import __version__, exceptions
 from faying._typing import Matrix
 from faying.exceptions import CampaignError, FayingError
-from faying.execution.checkpoint import Arrays, Checkpoint
+from faying.execution.checkpoint import Arrays, Bundles, Checkpoint
 from faying.execution.executor import Executor, LostTasksError, Prepare
 from faying.execution.processes import pickled
 from faying.execution.serial import SerialExecutor
@@ -27,7 +27,7 @@ def run_campaign(
     tasks: Mapping[str, Any],
     executor: Executor | None = None,
     *,
-    keep: Checkpoint | Path | str | None = None,
+    keep: Bundles | Path | str | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Mapping[str, Arrays]:
     """Compute named tasks, each giving named arrays.
@@ -80,7 +80,7 @@ def run_grouped_campaign(
     groups: Sequence[Mapping[str, Any]],
     executor: Executor | None = None,
     *,
-    keep: Checkpoint | Path | str | None = None,
+    keep: Bundles | Path | str | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Mapping[str, Arrays]:
     """Compute named tasks that are worked at in groups, each giving named arrays of its own.
@@ -280,26 +280,10 @@ def _error(failure: Failure, prefix: str, suffix: str = "") -> FayingError:
     return error
 
 
-class _Memory:
-    """Results of a campaign without a folder."""
-
-    def __init__(self) -> None:
-        self._bundles: dict[str, Arrays] = {}
-
-    def has(self, key: str) -> bool:
-        return key in self._bundles
-
-    def get(self, key: str) -> Arrays:
-        return self._bundles[key]
-
-    def put(self, key: str, arrays: Arrays) -> None:
-        self._bundles[key] = arrays
-
-
-def _store(keep: Checkpoint | Path | str | None) -> Checkpoint | _Memory:
+def _store(keep: Bundles | Path | str | None) -> Bundles:
     if keep is None:
-        return _Memory()
-    if isinstance(keep, Checkpoint):
+        return Bundles()
+    if isinstance(keep, Bundles):
         return keep
     folder = Path(keep)
     try:
@@ -326,7 +310,7 @@ def _keys(prepare: Prepare, tasks: Mapping[str, Any], *, plain: bool) -> Iterato
 class _Kept(Mapping[str, Arrays]):
     """Results that are read when asked for."""
 
-    store: Checkpoint | _Memory
+    store: Bundles
     keys_of: Mapping[str, str]
 
     def __getitem__(self, name: str) -> Arrays:

@@ -9,20 +9,21 @@ from pathlib import Path
 
 import numpy as np
 
+from faying import __version__
 from faying._typing import Matrix
-from faying.exceptions import FormatError
-from faying.files.atomic import replacing
+from faying.exceptions import FormatError, StudyError
+from faying.files.atomic import replacing, write_text
 from faying.files.contents import reason_of
 from faying.files.numpy_archive import read_arrays
 
 Arrays = Mapping[str, Matrix]
 
 
-@dataclass(frozen=True)
-class Checkpoint:
-    """A folder with one ``.npz`` file per key."""
+class Bundles:
+    """Named bundles of arrays, kept as they come: here in memory."""
 
-    folder: Path
+    def __init__(self) -> None:
+        self._bundles: dict[str, Arrays] = {}
 
     def bundle(self, key: str, compute: Callable[[], Arrays]) -> Arrays:
         """Return the arrays kept under a key, or compute and keep them."""
@@ -42,9 +43,28 @@ class Checkpoint:
 
     def has(self, key: str) -> bool:
         """Say whether there is a bundle under a key."""
+        return key in self._bundles
+
+    def get(self, key: str) -> Arrays:
+        """Return the arrays kept under a key."""
+        return self._bundles[key]
+
+    def put(self, key: str, arrays: Arrays) -> None:
+        """Keep arrays under a key."""
+        self._bundles[key] = arrays
+
+
+@dataclass(frozen=True)
+class Checkpoint(Bundles):
+    """A folder with one ``.npz`` file per key."""
+
+    folder: Path
+
+    def has(self, key: str) -> bool:
+        """Say whether there is a bundle under a key."""
         return self._path(key).exists()
 
-    def get(self, key: str) -> dict[str, Matrix]:
+    def get(self, key: str) -> Arrays:
         """Return the arrays kept under a key.
 
         Raises
@@ -83,6 +103,29 @@ class Checkpoint:
 
     def _path(self, key: str) -> Path:
         return self.folder / f"{hashlib.sha256(key.encode()).hexdigest()[:24]}.npz"
+
+
+def open_checkpoint(out: Path, study_text: str, *, resume: bool) -> Checkpoint:
+    """Open the checkpoint of a results folder; start afresh unless asked to resume.
+
+    Raises
+    ------
+    StudyError
+        If a run is to be resumed whose study text or faying version differs.
+    """
+    folder, mark = out / "unfinished", hashlib.sha256(f"{__version__}\n{study_text}".encode())
+    stamp = folder / "study.sha256"
+    if resume and stamp.exists() and stamp.read_text() != mark.hexdigest():
+        message = (
+            f"{folder} belongs to another version of this study or of faying; "
+            "run without --resume to start afresh"
+        )
+        raise StudyError(message)
+    if not resume:
+        shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True, exist_ok=True)
+    write_text(stamp, mark.hexdigest())
+    return Checkpoint(folder)
 
 
 def _write(path: Path, arrays: Arrays) -> None:

@@ -26,7 +26,7 @@ from faying.study.judgement.summary import plain
 from faying.study.keys.measurements import compared, measured_curves
 from faying.study.keys.parameter_tables import steps_to, value_at
 from faying.study.keys.tables import Study
-from faying.study.stages.progress import ProgressBar, Stages
+from faying.study.stages.books import Books, ProgressBar
 from faying.study.stages.varied import Curves, prepare_curves, unpacked_curves
 
 
@@ -62,8 +62,8 @@ def fit_study(
         If there is no parameter, no measured curve or no scatter, or as ``faying run``.
     """
     parameters, measured = _parameters(study), measured_curves(study)
-    stages = Stages(progress)
-    with _kept(out) as folder, stages.stage("trials") as advance:
+    books = Books(progress)
+    with _kept(out) as folder, books.stage("trials") as advance:
 
         def compute(trials: Sequence[Mapping[str, float]]) -> list[dict[str, Backbone]]:
             computed = _curves(study, trials, folder, executor)
@@ -115,9 +115,9 @@ def band_of_study(
     if not any(case.kind == "backbone" for case in study.load_cases):
         message = f'{study.path.name} has no [[load_case]] of kind = "backbone"; add one'
         raise StudyError(message)
-    measured, stages = measured_curves(study), Stages(progress)
+    measured, books = measured_curves(study), Books(progress)
     with _kept(out) as folder:
-        with stages.stage("samples", len(trials)) as advance:
+        with books.stage("samples", len(trials)) as advance:
             samples = _curves(study, trials, folder, executor, advance)
         bands = {
             f"{case}, mode {mode}": backbone_band([curves[case, mode] for curves in samples])

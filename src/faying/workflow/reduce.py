@@ -5,7 +5,6 @@ import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from faying import __version__
 from faying.exceptions import StudyError
@@ -18,7 +17,7 @@ from faying.reduction.reduced_model import ReducedModel
 from faying.study.keys.errors import one_of
 from faying.study.keys.tables import Study
 from faying.study.results.mode_choice import mode_sentences
-from faying.study.stages.checkpoint import open_checkpoint
+from faying.study.stages.books import Books, ProgressBar
 from faying.study.stages.normal_modes import normal_modes_of
 from faying.study.stages.offline import (
     PreparedJoint,
@@ -27,7 +26,6 @@ from faying.study.stages.offline import (
     prepare_joint,
     reduced_models,
 )
-from faying.study.stages.progress import ProgressBar, Stages
 from faying.units import units_of
 
 EXACT = "compliance"
@@ -87,23 +85,20 @@ def reduce_study(
             f"add [reduction.training] with a box, or take method '{EXACT}'"
         )
         raise StudyError(message)
-    stages = Stages(progress)
-    joint = prepare_joint(alone, stages)
-    with TemporaryDirectory() as folder:
-        checkpoint = open_checkpoint(Path(folder), study.text, resume=False)
-        modes = normal_modes_of(alone, joint, stages, checkpoint)
-        trained = build_bases(alone, joint, modes.modes, stages, checkpoint)
+    books = Books(progress)
+    joint = prepare_joint(alone, books)
+    modes = normal_modes_of(joint)
+    trained = build_bases(joint, modes.modes)
     if report is not None:
         for line in mode_sentences(modes.choices, units_of(study.units)):
             report(line)
-    choices = choose_counts(alone, joint.model, trained, stages)
-    bare = reduced_models(alone, joint.model, trained, choices, stages)
+    bare = reduced_models(joint, trained, choose_counts(joint, trained))
     (rom,) = (model for model in bare[chosen.name].values() if isinstance(model, ReducedModel))
-    with stages.stage("recovery matrices"):
+    with books.stage("recovery matrices"):
         (rom,) = completed(joint.model, [rom])
     title = study.title or study.path.stem
     rom = replace(rom, name=title, period=joint.period if joint.period < float("inf") else None)
-    with stages.stage("file"):
+    with books.stage("file"):
         text = study.text
         rom.save(
             out,

@@ -8,27 +8,25 @@ from pathlib import Path
 from typing import Any
 
 from faying.assessment.transient_error import REMEDY
+from faying.execution.checkpoint import open_checkpoint
 from faying.execution.executor import Executor
 from faying.files.atomic import remove_left_over, write_text
 from faying.files.lock import held
 from faying.linalg.threads import one_thread
 from faying.reduction.method import CLASSIC
 from faying.study.judgement.summary import summarize
-from faying.study.keys.requirement_rules import requirements_of
 from faying.study.keys.tables import Study
 from faying.study.results.frequency_tables import write_frequency_tables
 from faying.study.results.store import write_results
 from faying.study.results.values import CaseResult, Results
+from faying.study.stages.books import Books, ProgressBar
 from faying.study.stages.cases import CaseRunner
-from faying.study.stages.checkpoint import Checkpoint, open_checkpoint
 from faying.study.stages.frequency_cases import frequency_records
 from faying.study.stages.full_transients import case_groups
 from faying.study.stages.inertia import InertiaWhenNeeded
 from faying.study.stages.kept_models import Kept, Models, kept_models, with_kept
 from faying.study.stages.normal_modes import normal_modes_of
 from faying.study.stages.offline import build_bases, choose_counts, prepare_joint, reduced_models
-from faying.study.stages.optional import Extras
-from faying.study.stages.progress import ProgressBar, Stages
 from faying.study.stages.record import record
 from faying.study.stages.reference import reference_of
 from faying.study.stages.run_assessment import assess_run
@@ -73,63 +71,52 @@ def run(
         the folder. Solutions that do not converge
         are recorded instead, and so is validation that fails.
     """
-    stages = Stages(progress, since)
     out.mkdir(parents=True, exist_ok=True)
     with held(out):
         for folder in (out, out / "figures"):
             remove_left_over(folder)
         checkpoint = open_checkpoint(out, study.text, resume=resume)
+        books = Books(progress, since, checkpoint)
         with ExitStack() as limits:
             # Libraries are loaded for it, which a full disk makes talk: the folder is tried before.
-            with stages.timed("libraries"):
+            with books.timed("libraries"):
                 limits.enter_context(one_thread())
-            results, converged = _computed(study, checkpoint, stages, executor)
-            _write_files(study, results, out, stages)
+            results, converged = _computed(study, books, executor)
+            _write_files(study, results, out, books)
         checkpoint.discard()
         # Once more, for what the report took is known only now.
-        summary = _write_summary(replace(results, timings=stages.account()), out)
+        summary = _write_summary(replace(results, timings=books.account()), out)
     return Outcome(converged=converged, summary=summary)
 
 
-def _computed(
-    study: Study, checkpoint: Checkpoint, stages: Stages, executor: Executor | None
-) -> tuple[Results, bool]:
+def _computed(study: Study, books: Books, executor: Executor | None) -> tuple[Results, bool]:
     """Compute everything, and say whether all of it converged."""
     if executor is not None:
-        compute_pieces(study, executor, checkpoint, stages)
-    joint = prepare_joint(study, stages, checkpoint)
-    chosen = normal_modes_of(study, joint, stages, checkpoint)
-    trained = build_bases(study, joint, chosen.modes, stages, checkpoint)
-    choices = choose_counts(study, joint.model, trained, stages)
-    bare = reduced_models(study, joint.model, trained, choices, stages)
-    extras = Extras()
+        compute_pieces(study, executor, books)
+    joint = prepare_joint(study, books)
+    chosen = normal_modes_of(joint)
+    trained = build_bases(joint, chosen.modes)
+    choices = choose_counts(joint, trained)
+    bare = reduced_models(joint, trained, choices)
     recoverable: Kept = {}
     title = study.title or study.path.stem
-    with stages.stage("recovery matrices"), extras.attempt("matrices for recovery and export"):
+    with books.stage("recovery matrices"), books.attempt("matrices for recovery and export"):
         recoverable = kept_models(joint.model, bare, trained.bases[CLASSIC], title)
     models = with_kept(bare, recoverable)
-    reference = reference_of(study, joint, len(chosen.modes.frequencies), stages)
+    reference = reference_of(joint, len(chosen.modes.frequencies))
     full = reference.kind == "full"
     runner = CaseRunner(
         joint=joint,
         models=models,
-        stages=stages,
-        extras=extras,
-        checkpoint=checkpoint,
         groups=case_groups(study.load_cases, half_step=study.validation.half_step) if full else [],
         reference=reference,
         inertia=InertiaWhenNeeded(
             model=joint.model,
             classic=trained.bases[CLASSIC],
-            stages=stages,
+            books=books,
             models=models,
             allowed=study.reduction.inertia,
         ),
-        tolerance=study.reduction.transient_tolerance,
-        half_step=study.validation.half_step,
-        open_below=None
-        if study.requirement.min_opening_factor is None
-        else requirements_of(study.requirement).open_share,
     )
     solved = {case.name: runner.solve(case) for case in study.load_cases}
     if reference.kind == "worst":
@@ -137,29 +124,20 @@ def _computed(
     cases = {name: result for name, (result, _) in solved.items()}
     failures = [failure for _, failed in solved.values() for failure in failed]
     if runner.inertia.built is not None:
-        with stages.stage("recovery matrices"), extras.attempt("matrices for recovery and export"):
+        with books.stage("recovery matrices"), books.attempt("matrices for recovery and export"):
             more: Models = {**bare, REMEDY: {0: runner.inertia.built}}
             recoverable = kept_models(joint.model, more, trained.bases[CLASSIC], title)
-    validation = validate(study, joint, models, choices, stages, extras)
+    validation = validate(joint, models, choices)
     exact = recoverable[EXACT][0] if EXACT in recoverable else joint.model
-    frequencies = frequency_records(
-        study,
-        joint,
-        recoverable.get(EXACT, {}).get(0),
-        stages,
-        extras,
-        checkpoint,
-    )
+    frequencies = frequency_records(joint, recoverable.get(EXACT, {}).get(0))
     failures += [text for name, swept in frequencies.items() for text in swept.missed(name)]
-    assessment = assess_run(study, joint, cases, frequencies, stages, extras, exact)
-    with stages.stage("records"):
-        results = record(
-            study, joint, recoverable, trained, cases, validation, extras, failures, reference
-        )
+    assessment = assess_run(joint, cases, frequencies, exact)
+    with books.stage("records"):
+        results = record(joint, recoverable, trained, cases, validation, failures, reference)
     results = replace(
         results, frequencies=frequencies, assessment=assessment, mode_choices=chosen.choices
     )
-    return replace(results, timings=stages.account()), not failures
+    return replace(results, timings=books.account()), not failures
 
 
 def _confirmed(study: Study, runner: CaseRunner, solved: Solved) -> Solved:
@@ -187,18 +165,18 @@ def _largest_bound(case: CaseResult) -> float:
     return max((float("inf") if bound is None else bound for bound in bounds), default=float("inf"))
 
 
-def _write_files(study: Study, results: Results, out: Path, stages: Stages) -> None:
+def _write_files(study: Study, results: Results, out: Path, books: Books) -> None:
     """Write results, summary and pictures, the report last."""
     from faying.export.vtu import write_interface_vtu
 
-    with stages.stage("files"):
+    with books.stage("files"):
         write_results(results, out / "results.h5")
         _write_summary(results, out)
         write_text(out / "study.toml", study.text)
         write_frequency_tables(results.frequencies, out)
         write_interface_vtu(results, out)
     if study.output.report:
-        with stages.stage("report"):
+        with books.stage("report"):
             from faying.report.html import write_report
 
             write_report(results, out)

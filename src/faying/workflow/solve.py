@@ -17,6 +17,7 @@ from faying.assessment.joint_verdict import joint_verdict, summarized
 from faying.assessment.requirements import Requirements, check_names
 from faying.assessment.weak_share import weak_warnings
 from faying.exceptions import StudyError
+from faying.execution.checkpoint import open_checkpoint
 from faying.execution.executor import Executor
 from faying.files.atomic import remove_left_over, write_text
 from faying.files.lock import held
@@ -30,9 +31,7 @@ from faying.study.keys.errors import nearest
 from faying.study.keys.threads import BoltStrengths
 from faying.study.results.metric_table import TableFormat, check_table_format, write_metrics
 from faying.study.results.solved_fields import SolvedFields, write_solved
-from faying.study.stages.checkpoint import open_checkpoint
-from faying.study.stages.optional import Extras
-from faying.study.stages.progress import ProgressBar, Stages
+from faying.study.stages.books import Books, ProgressBar
 from faying.units import Units
 from faying.workflow.outcome import Outcome
 from faying.workflow.solve_cases import CaseSolver
@@ -134,19 +133,18 @@ def solve_loads(
             "follow the loads with faying.solve_path"
         )
         raise StudyError(message)
-    stages, extras = Stages(progress), Extras()
     out.mkdir(parents=True, exist_ok=True)
     with held(out):
         remove_left_over(out)
         path = tuple(tightening or ()) if rubbing else None
         checkpoint = open_checkpoint(out, _mark(rom, loads, chosen, path), resume=resume)
+        books = Books(progress)
         named = [loads.names.index(name) for name in chosen.named]
         solver = CaseSolver(
             rom=rom,
             loads=loads,
             checkpoint=checkpoint,
-            stages=stages,
-            extras=extras,
+            books=books,
             worst=chosen.worst,
             chosen={*named, *rows_judged(loads)},
             certificates=chosen.certificates,
@@ -159,7 +157,7 @@ def solve_loads(
         transients = {load.load.name: solver.transient(load) for load in loads.transients}
         assessment, units = None, rom.unit_set
         verdict = joint_verdict((), units, "see the warnings")
-        with stages.stage("requirements"), extras.attempt("requirements"):
+        with books.stage("requirements"), books.attempt("requirements"):
             judged = assess_solved(
                 solver, chosen.requirements, chosen.strengths, static, transients
             )
@@ -168,7 +166,7 @@ def solve_loads(
             assessment = {"verdicts": plain([asdict(demand) for demand in judged.verdicts])}
         table = summarized(verdict)
         table["open_questions"] += not_judged(loads, static, rubs=path is not None)
-        with stages.stage("files"):
+        with books.stage("files"):
             files = _written(rom, static, transients, named, out, chosen)
         summary = {
             "faying": __version__,
@@ -178,8 +176,8 @@ def solve_loads(
             "requirements": stated(chosen.requirements),
             "assessment": assessment,
             "verdict": plain(table),
-            "warnings": [*loads.remarks, *_barely_held(files), *extras.failed],
-            "timings": stages.account(),
+            "warnings": [*loads.remarks, *_barely_held(files), *books.failed],
+            "timings": books.account(),
         }
         write_text(out / "summary.json", json.dumps(summary, indent=2) + "\n")
         checkpoint.discard()

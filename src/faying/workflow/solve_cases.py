@@ -27,9 +27,8 @@ from faying.simulation.stepping import transient_solver
 from faying.simulation.transient_windows import transient_windows
 from faying.study.inputs.load_set import LoadSet, TimedLoad
 from faying.study.keys.tables import DEFAULT_INCREMENTS
-from faying.study.stages.optional import Extras
+from faying.study.stages.books import FAILED, Books
 from faying.study.stages.path_cases import rest_state
-from faying.study.stages.progress import Stages
 from faying.workflow.solved_cases import OPENING, SolvedCases
 from faying.workflow.solved_pieces import Demanded, Opening, arrays_of
 
@@ -38,9 +37,6 @@ PIECE_NUMBERS = 2**18
 
 FEWEST, MOST = 16, 2000
 """Cases of a piece."""
-
-FAILED = "failed"
-"""Name of the sentences about what went wrong, beside the arrays of a piece."""
 
 Piece = Indices | TimedLoad
 """Rows of static cases, or a transient."""
@@ -58,6 +54,8 @@ class CaseSolver:
         What is solved.
     checkpoint
         Keeps finished pieces.
+    books
+        Of the call.
     worst
         Cases of each metric whose fields may be wanted.
     chosen
@@ -73,8 +71,7 @@ class CaseSolver:
     rom: ReducedModel
     loads: LoadSet
     checkpoint: Checkpoint
-    stages: Stages
-    extras: Extras
+    books: Books
     worst: int
     chosen: Collection[int]
     certificates: bool
@@ -91,7 +88,7 @@ class CaseSolver:
         """What certifies static cases without friction; None where they are not certified."""
         if not self.certificates or self.tightening is not None:
             return None
-        with self.stages.timed("certificates"), self.extras.attempt("certified bounds"):
+        with self.books.timed("certificates"), self.books.attempt("certified bounds"):
             return certifier(self.rom.joint)
         return None
 
@@ -111,8 +108,8 @@ class CaseSolver:
         weights = {key: len(rows) for key, rows in self._static_pieces.items()}
         weights |= {key: n_steps(load) for key, load in transients.items()}
         folder = self.checkpoint.folder.resolve()
-        sent = replace(self, checkpoint=Checkpoint(folder), stages=Stages(None), extras=Extras())
-        with self.stages.stage("workers", sum(weights.values())) as advance:
+        sent = replace(self, checkpoint=Checkpoint(folder), books=Books())
+        with self.books.stage("workers", sum(weights.values())) as advance:
             run_campaign(
                 partial(on_worker, sent),
                 pieces,
@@ -128,7 +125,7 @@ class CaseSolver:
     def static(self) -> SolvedCases:
         """Solve static cases, or take what workers or an interrupted call have finished."""
         failed = list[str]()
-        with self.stages.stage("static cases", len(self.loads.names)) as advance:
+        with self.books.stage("static cases", len(self.loads.names)) as advance:
             for key, rows in self._static_pieces.items():
                 arrays = self.checkpoint.bundle(key, partial(self.piece, rows))
                 failed += arrays[FAILED].tolist()
@@ -180,7 +177,7 @@ class CaseSolver:
         """Solve one piece of the static cases; return what is kept of it."""
         judge = self.judge
         solved, failed = self._solved(rows)
-        with self.stages.timed("certificates"):
+        with self.books.timed("certificates"):
             judged = [
                 (numbers, state, judge and judge.certify_inputs(state.inputs, state.pressure))
                 for numbers, state in solved
@@ -188,7 +185,7 @@ class CaseSolver:
         metrics = self._metrics(static=True)
         arrays = arrays_of(self.rom, rows, judged, self.demanded, metrics, self.worst, self.chosen)
         if self.demanded.opening is not None:
-            with self.stages.timed("openings"):
+            with self.books.timed("openings"):
                 arrays |= {OPENING: self._margins(self.demanded.opening, rows, solved)}
         return arrays | {FAILED: np.array(failed, dtype=str)}
 
@@ -240,7 +237,7 @@ class CaseSolver:
         demanded, metrics = replace(self.demanded, areas={}), self._metrics(static=False)
         solver = transient_solver(self.rom, step=load.step, integrator=load.integrator)
         failed: list[str] = []
-        with self.stages.stage(name, n_steps(load)) as advance:
+        with self.books.stage(name, n_steps(load)) as advance:
             first = 0 if restart is None else restart.done + 1
             advance(max(first - 1, 0))
             parts = transient_windows(

@@ -158,7 +158,7 @@ def assess_solved(
         cases=states,
         requirements=requirements,
         strengths=strengths,
-        extras=solver.extras,
+        books=solver.books,
         loads=() if rubs else [*deciding, *(load for load in followed if load.name not in decide)],
         followed={load.name for load in followed},
         summed=deciding,

@@ -10,7 +10,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.assessment.case_metrics import Metric
 from faying.assessment.envelope import Envelope, joined
 from faying.assessment.joint_record import CaseState
-from faying.execution.checkpoint import Arrays, Checkpoint
+from faying.execution.checkpoint import Arrays, Bundles
 
 BENDING = "bending "
 """What begins the names of arrays of bending moments, before that of the bolt."""
@@ -61,7 +61,7 @@ class SolvedCases:
         Whether the pieces follow each other; those of static cases are similar ones instead.
     """
 
-    checkpoint: Checkpoint
+    checkpoint: Bundles
     keys: Sequence[str]
     metrics: Sequence[Metric]
     label: Callable[[int], str]

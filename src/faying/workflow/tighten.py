@@ -13,7 +13,7 @@ from faying.simulation.without_friction import smooth_joint
 from faying.study.inputs.load_model import build_loaded, check_interfaces, load_model
 from faying.study.keys.tables import Study
 from faying.study.keys.threads import thread_of, threads_of
-from faying.study.stages.progress import ProgressBar, Stages
+from faying.study.stages.books import Books, ProgressBar
 
 
 @one_thread()
@@ -32,8 +32,8 @@ def plan_of_study(
     FayingError
         If study and model do not fit together, no bolt has a preload, or no plan meets the targets.
     """
-    stages = Stages(progress)
-    with stages.stage("assembly"):
+    books = Books(progress)
+    with books.stage("assembly"):
         loaded = load_model(study)
         check_interfaces(study, loaded)
         targets = {name: force for name, force in loaded.preloads.items() if force > 0}
@@ -41,9 +41,9 @@ def plan_of_study(
             message = f"{study.path.name}: no bolt has a preload to be brought to; give one"
             raise StudyError(message)
         model = build_loaded(loaded).with_bolt_forces(loaded.initial_forces)
-    with stages.stage("compliance"):
+    with books.stage("compliance"):
         _ = model.static_contact
-    with stages.stage("tightening"):
+    with books.stage("tightening"):
         joint = model if study.friction_during_preload else smooth_joint(model)
         return tightening_plan(joint, targets, passes=passes)
 

@@ -7,7 +7,6 @@ from faying.exceptions import ModelError, StudyError
 from faying.study.inputs.load_model import build, load_model
 from faying.study.keys.schema import read_study
 from faying.study.stages.offline import prepare_joint
-from faying.study.stages.progress import Stages
 from faying.workflow.run import run
 
 SQUARE = [(0, 0), (10, 0), (10, 10), (0, 10)]
@@ -89,7 +88,7 @@ def study(tmp_path):
 
 
 def prepared(study):
-    return prepare_joint(study, Stages(None))
+    return prepare_joint(study)
 
 
 @pytest.mark.parametrize("deck", [("", ""), REVERSED, BETWEEN, BETWEEN_REVERSED])

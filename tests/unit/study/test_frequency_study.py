@@ -189,7 +189,6 @@ def test_what_is_refused(tmp_path, old, new, text):
 )
 def test_what_the_model_refuses(tmp_path, old, new, text):
     from faying.study.stages.offline import prepare_joint
-    from faying.study.stages.progress import Stages
 
     with pytest.raises(StudyError, match=text):
-        prepare_joint(parse_study(STUDY.replace(old, new), tmp_path / "s.toml"), Stages(None))
+        prepare_joint(parse_study(STUDY.replace(old, new), tmp_path / "s.toml"))

@@ -14,7 +14,6 @@ from faying.study.keys.schema import parse_study
 from faying.study.results.responses import respond
 from faying.study.stages.full_transients import PIECE, FullTransient, full_transients
 from faying.study.stages.offline import prepare_joint
-from faying.study.stages.progress import Stages
 from small_study import SMALL_JOINT
 
 STEP = 1e-5
@@ -36,7 +35,7 @@ def prepared(tmp_path, *, count, joint=SMALL_JOINT):
         for name, value in (("push", -200.0), ("pull", 150.0))
     )
     study = parse_study(text, tmp_path / "joint.toml")
-    return prepare_joint(study, Stages(None)), study.load_cases
+    return prepare_joint(study), study.load_cases
 
 
 @pytest.mark.long

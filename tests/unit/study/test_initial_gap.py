@@ -9,7 +9,6 @@ from faying.interface.gap_field import with_gap_offset
 from faying.study.inputs.load_model import build
 from faying.study.keys.schema import read_study
 from faying.study.stages.offline import prepare_joint
-from faying.study.stages.progress import Stages
 
 SMALL = """
 [model]
@@ -50,7 +49,7 @@ def shim_file(folder, model):
 def test_a_shim_on_half_the_joint_changes_the_preload_as_in_memory(tmp_path, bare):
     offset = shim_file(tmp_path, bare)
     shimmed = study(tmp_path, 'initial_gap = "shim.csv"\n')
-    pressure = prepare_joint(shimmed, Stages(None)).preload.pressure
+    pressure = prepare_joint(shimmed).preload.pressure
     joint = with_gap_offset(bare.interfaces["joint"], offset)
     expected = fy.solve_static(
         fy.preload(bare.with_interfaces({"joint": joint}), {"bolt": 10e3})

@@ -22,7 +22,6 @@ from faying.exceptions import FormatError, ModelError, StudyError
 from faying.reduction.recovery import recovery_operator
 from faying.study.keys.schema import read_study
 from faying.study.stages.offline import prepare_joint
-from faying.study.stages.progress import Stages
 from faying.study.stages.recover import RecoverOptions, recover, reduced_model, results_of
 from faying.workflow.run import run
 
@@ -70,7 +69,7 @@ def results(folder):
 @pytest.fixture(scope="module")
 def model(folder):
     """The same joint in memory."""
-    return prepare_joint(read_study(folder.parent / "STUDY.toml"), Stages(None)).model
+    return prepare_joint(read_study(folder.parent / "STUDY.toml")).model
 
 
 @pytest.fixture(scope="module")
@@ -393,7 +392,7 @@ def test_two_curved_interfaces_come_back(tmp_path):
     study = read_study(tmp_path / "STUDY.toml")
     assert run(study, tmp_path / "out").converged
     results = results_of(tmp_path / "out")
-    model = prepare_joint(study, Stages(None)).model
+    model = prepare_joint(study).model
     n_pair = sum(len(joint.pairs) for joint in model.interfaces.values())
     assert n_pair < model.port_compliance.n_relative < 3 * n_pair
     rom = fy.reduce(model, fy.craig_bampton(model, normal_modes=4), compliance=True)

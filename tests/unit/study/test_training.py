@@ -13,7 +13,7 @@ from faying.study.stages.offline import step_training
 def test_a_reduced_model_trains_as_the_full_one(joint, classic):
     """Prior reduction of §15.3.4.2: contact through the compliance, motion by few modes."""
     period = 1 / fy.preloaded_frequencies(joint, 1)[0]
-    prepared = SimpleNamespace(model=joint, period=period, rest=fy.solve_static(joint))
+    rest = fy.solve_static(joint)
     forces, systems = {}, {}
     for system in ("full", "reduced"):
         training = TrainingSection(
@@ -22,7 +22,8 @@ def test_a_reduced_model_trains_as_the_full_one(joint, classic):
             steps_per_period=40,
         )
         study = SimpleNamespace(reduction=SimpleNamespace(training=training))
-        steps = step_training(study, prepared, classic)
+        prepared = SimpleNamespace(study=study, model=joint, period=period, rest=rest)
+        steps = step_training(prepared, classic)
         assert steps.n_steps == 40
         forces[system] = np.stack([response["forces"] for response in steps.forces([0, 1])])
         systems[system] = steps._solver.system

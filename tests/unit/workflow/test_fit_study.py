@@ -12,7 +12,6 @@ from faying.reduction.projection import projected
 from faying.study.keys.schema import parse_study
 from faying.study.stages.offline import prepare_joint
 from faying.study.stages.path_cases import rest_state
-from faying.study.stages.progress import Stages
 from faying.study.stages.varied import varied_joint, with_values
 from faying.workflow.fit import band_of_study, fit_study
 from small_study import TINY_JOINT
@@ -101,7 +100,7 @@ def test_one_reduced_model_serves_all_values(study):
     varied = study("[[measurement]]", f"{more}[[measurement]]")
     shared = varied_joint(varied).curves(values)["ring", 1]
     read = with_values(varied, values)
-    joint = prepare_joint(read, Stages(None))
+    joint = prepare_joint(read)
     rom = projected(joint.model, craig_bampton(joint.model, normal_modes=6), compliance=True)
     rest = rest_state(rom, joint.preload_path)
     alone = backbone(rom, 1, read.load_cases[0].levels, initial=rest, increments=16)

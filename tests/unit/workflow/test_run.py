@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from faying.exceptions import ConvergenceError, StudyError
+from faying.execution.checkpoint import open_checkpoint
 from faying.export import vtu
 from faying.joint import structure
 from faying.simulation.solution_parts import arrays_of
@@ -19,17 +20,17 @@ from faying.study.judgement import comparison
 from faying.study.keys.schema import read_study
 from faying.study.results.store import read_results
 from faying.study.stages import (
+    books,
     case_solution,
     cases,
     full_transients,
     offline,
-    progress,
     record,
     transient_judge,
     validation,
     worker_tasks,
 )
-from faying.study.stages.checkpoint import open_checkpoint
+from faying.study.stages.books import Books
 from faying.study.stages.kept_preload import check_same_joint
 from faying.workflow import run as runs
 from faying.workflow.run import run
@@ -112,7 +113,7 @@ def test_the_summary_has_the_keys_that_scripts_rely_on(finished):
 @pytest.mark.long
 def test_every_second_of_a_run_is_in_a_stage(study, tmp_path, monkeypatch):
     # Processor time, for what else runs on the machine must not decide.
-    monkeypatch.setattr(progress, "clock", time.process_time)
+    monkeypatch.setattr(books, "clock", time.process_time)
     start = time.process_time()
     timings = run(study, tmp_path).summary["timings"]
     taken = time.process_time() - start
@@ -146,7 +147,7 @@ def test_work_that_may_take_long_is_in_a_stage(study, tmp_path, monkeypatch):
 
     for module, name in WORK:
         monkeypatch.setattr(module, name, slow(getattr(module, name)))
-    monkeypatch.setattr(progress, "clock", lambda: now[0])
+    monkeypatch.setattr(books, "clock", lambda: now[0])
     timings = run(study, tmp_path).summary["timings"]
     assert timings["run"] == now[0] >= len(WORK)
     assert timings["stages"]["other"] == 0
@@ -172,7 +173,7 @@ def test_results_hold_what_the_run_validated(finished):
 def test_the_time_step_check_compares_fields_of_the_full_model(study, finished):
     results = read_results(finished / "results.h5")
     jump = results.cases["jump"]
-    joint = offline.prepare_joint(study, progress.Stages(None))
+    joint = offline.prepare_joint(study)
     load = next(case_load(case) for case in study.load_cases if case.name == "jump")
     coarse, fine = (
         solve_transient(joint.model, load, step=step, duration=jump.times[-1])
@@ -286,7 +287,7 @@ def test_workers_leave_a_piece_without_solution_to_the_run(study, tmp_path, monk
     fail = _raise(ConvergenceError("did not settle"))
     monkeypatch.setattr(worker_tasks, "run_grouped_campaign", fail)
     checkpoint = open_checkpoint(tmp_path, study.text, resume=False)
-    worker_tasks.compute_pieces(study, None, checkpoint, progress.Stages(None))
+    worker_tasks.compute_pieces(study, None, Books(checkpoint=checkpoint))
 
 
 @pytest.mark.long
@@ -337,18 +338,22 @@ def test_an_interrupted_run_resumes_without_solving_again(study, tmp_path, monke
     assert not (tmp_path / "unfinished").exists()
 
 
+def opened(folder, *, resume=False):
+    return Books(checkpoint=open_checkpoint(folder, "", resume=resume))
+
+
 @pytest.mark.parametrize(
     "more", ["[sticking]\nstiffness = 1e6", '[[interface]]\nname = "joint"\nfriction = 0.3']
 )
 def test_a_resumed_run_does_not_tighten_again(tmp_path, monkeypatch, more):
     path = tmp_path / "plain.toml"
     path.write_text(TINY_JOINT + more)
-    study, stages = read_study(path), progress.Stages(None)
-    before = offline.prepare_joint(study, stages, open_checkpoint(tmp_path, "", resume=False))
+    study = read_study(path)
+    before = offline.prepare_joint(study, opened(tmp_path))
     for name in ("tighten", "tighten_with_friction", "solve_static", "rest_state"):
         monkeypatch.setattr(offline, name, _raise(AssertionError(name)))
     monkeypatch.setattr(structure, "port_compliance", _raise(AssertionError("compliance")))
-    after = offline.prepare_joint(study, stages, open_checkpoint(tmp_path, "", resume=True))
+    after = offline.prepare_joint(study, opened(tmp_path, resume=True))
     for one, other in ((before.preload, after.preload), (before.rest, after.rest)):
         assert one.name == other.name
         for name, values in arrays_of(one).items():

@@ -290,7 +290,7 @@ class Results:
     warnings : (n_warning,)
         What did not converge or deserves notice.
     omissions : (n_omission,)
-        Validation and other extras that failed, with the reasons.
+        Validation and other things that failed, with the reasons.
     validation
         Load space and penalty.
     reduced

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from faying.assessment.backbone import Backbone
-from faying.assessment.modal_analysis import ModalAnalysis, modal_analysis
+from faying.assessment.modal_analysis import modal_analysis
 from faying.assessment.modal_cycles import ModalCycle, StillModeError
 from faying.exceptions import naming
 from faying.execution.checkpoint import Arrays
@@ -87,16 +87,12 @@ def _curve(
     seconds, cycles = time.perf_counter() - start, []
     for number in range(len(case.levels)):
         name = f"mode {mode}, amplitude {number + 1}"
-        arrays = steps.take(name, partial(_amplitude, analysis, number))
-        cycles.append(restored(ModalCycle, arrays))
-        seconds += float(arrays[SECONDS])
+        cycle, took = steps.value(ModalCycle, name, partial(analysis.cycle, number))
+        cycles.append(cycle)
+        seconds += took
         progress(1)
     curve = analysis.backbone(cycles, masing=case.masing)
     return {**flattened(curve), SECONDS: np.asarray(seconds)}
-
-
-def _amplitude(analysis: ModalAnalysis, number: int) -> Arrays:
-    return flattened(analysis.cycle(number))
 
 
 def cycle_increments(case: LoadCaseSection) -> int:

@@ -24,12 +24,13 @@ from faying.study.inputs.jumps import Jump, load_jumps
 from faying.study.inputs.loads import case_load
 from faying.study.inputs.timing import time_span, time_step
 from faying.study.judgement.comparison import accuracy, recovered_error, slip_errors
+from faying.study.keys.requirement_rules import requirements_of
 from faying.study.keys.tables import LoadCaseSection
 from faying.study.results.responses import respond
 from faying.study.results.second_solution import Remedy
 from faying.study.results.values import FULL_MODEL, CaseResult, MethodResult, Response
+from faying.study.stages.books import Books
 from faying.study.stages.case_solution import solve_case
-from faying.study.stages.checkpoint import Checkpoint
 from faying.study.stages.checkpointed_steps import CheckpointedSteps
 from faying.study.stages.full_transients import (
     FullTransient,
@@ -39,7 +40,6 @@ from faying.study.stages.full_transients import (
 )
 from faying.study.stages.inertia import CURED, InertiaWhenNeeded, remedy_of
 from faying.study.stages.offline import PreparedJoint
-from faying.study.stages.optional import Extras
 from faying.study.stages.path_cases import (
     advances,
     goes_in_increments,
@@ -48,14 +48,10 @@ from faying.study.stages.path_cases import (
     reserve_of,
     rest_state,
 )
-from faying.study.stages.progress import Stages
 from faying.study.stages.reference import REDUCED, Reference, Solved
 from faying.study.stages.transient_judge import TransientJudge
 
 Models = Mapping[str, Mapping[int, System]]
-
-FAILED = "failed"
-"""Name of the sentences about extras that failed, beside the arrays of a response."""
 
 
 @dataclass(eq=False, kw_only=True)
@@ -64,15 +60,14 @@ class CaseRunner:
 
     joint: PreparedJoint
     models: Models
-    stages: Stages
-    extras: Extras
-    checkpoint: Checkpoint
     groups: Sequence[Mapping[str, FullTransient]]
     reference: Reference
     inertia: InertiaWhenNeeded
-    tolerance: float
-    half_step: bool = True
-    open_below: float | None = None
+
+    @property
+    def books(self) -> Books:
+        """Of the run."""
+        return self.joint.books
 
     def solve(
         self, case: LoadCaseSection, *, confirmed: bool = False
@@ -104,13 +99,13 @@ class CaseRunner:
                 if compared is not None:
                     methods[method][count] = compared
         if remedy is None and not self.inertia.named:
-            with self.extras.attempt(f"{case.name}, {REMEDY}"):
+            with self.books.attempt(f"{case.name}, {REMEDY}"):
                 remedy = self._with_inertia(case, methods, reference, failures)
         half_step = None
-        with self.extras.attempt(f"{case.name}, half the time step"):
+        with self.books.attempt(f"{case.name}, half the time step"):
             half_step = _sound(self._half_step(case, solved))
         reserve = None
-        with self.extras.attempt(f"{case.name}, slip reserve"):
+        with self.books.attempt(f"{case.name}, slip reserve"):
             reserve = self._reserve(case)
         result = CaseResult(
             name=case.name,
@@ -151,7 +146,7 @@ class CaseRunner:
             return None
         failures += _gained(label, response)
         errors = recovered = slips = None
-        with self.stages.timed("comparison"), self.extras.attempt(f"{label}, comparison"):
+        with self.books.timed("comparison"), self.books.attempt(f"{label}, comparison"):
             slips = slip_errors(response, reference)
             recovered = recovered_error(response, reference)
             errors = accuracy(self.joint.model, response, reference)
@@ -196,7 +191,8 @@ class CaseRunner:
 
     def _tolerance(self, case: LoadCaseSection) -> float:
         """Return the largest estimated pressure error of a transient that is left as it is."""
-        return self.tolerance if case.tolerance is None else case.tolerance
+        default = self.joint.study.reduction.transient_tolerance
+        return default if case.tolerance is None else case.tolerance
 
     def _times(self, case: LoadCaseSection, refinement: int = 1) -> Matrix | None:
         if not case.transient:
@@ -211,7 +207,7 @@ class CaseRunner:
 
     def _mesh_errors(self, case: LoadCaseSection, response: Response) -> Mapping[str, MeshError]:
         """Estimate what the mesh does to the pressures of a response."""
-        with self.stages.timed("mesh error"), self.extras.attempt(f"{case.name}, mesh error"):
+        with self.books.timed("mesh error"), self.books.attempt(f"{case.name}, mesh error"):
             return mesh_errors(self._smoothings, self.joint.model, response.pressure)
         return {}
 
@@ -221,13 +217,13 @@ class CaseRunner:
 
     @cached_property
     def _judge(self) -> Certifier | None:
-        with self.extras.attempt("certified bounds"):
+        with self.books.attempt("certified bounds"):
             return self.joint.certifier
         return None
 
     @property
     def _transient_judge(self) -> TransientJudge:
-        return TransientJudge(joint=self.joint, stages=self.stages, extras=self.extras)
+        return TransientJudge(joint=self.joint)
 
     @cached_property
     def _known_rest(self) -> dict[str, Solution]:
@@ -245,20 +241,20 @@ class CaseRunner:
         if case.kind not in ("static", "cycle") or not has_friction(self.joint.model):
             return None
 
-        def compute() -> dict[str, Matrix]:
-            with self.stages.stage("slip reserve"):
-                reserve = reserve_of(self.joint.model, case, self.joint.rest, self.open_below)
-                return flattened(reserve)
+        demanded = requirements_of(self.joint.study.requirement)
+        open_below = None if demanded.min_opening_factor is None else demanded.open_share
 
-        with self.stages.timed("checkpoint"):
-            arrays = self.checkpoint.bundle(f"{case.name} slip reserve", compute)
-        return restored(SlipReserve, arrays)
+        def compute() -> SlipReserve:
+            with self.books.stage("slip reserve"):
+                return reserve_of(self.joint.model, case, self.joint.rest, open_below)
+
+        return self.books.value(SlipReserve, f"{case.name} slip reserve", compute)
 
     def _certified(self, case: LoadCaseSection, response: Response) -> Certificate | None:
         """Bound the errors of a static case without friction from the compliance alone."""
         if case.kind != "static" or response.path is not None:
             return None
-        with self.stages.timed("certificates"), self.extras.attempt(f"{case.name}, bounds"):
+        with self.books.timed("certificates"), self.books.attempt(f"{case.name}, bounds"):
             inputs = case_load(case).inputs(self.joint.model, np.zeros(1))[0]
             if self._judge is not None:
                 return self._judge.certify_inputs(inputs, response.pressure)
@@ -279,7 +275,7 @@ class CaseRunner:
         tolerance = self._tolerance(case)
         if not self.inertia.wanted(first.response, tolerance):
             return first
-        with self.extras.attempt(f"{case.name}, {REMEDY}"):
+        with self.books.attempt(f"{case.name}, {REMEDY}"):
             system, label = self.inertia.system, f"{REMEDY}/0"
             response = self._response(case, system, label)
             remedy = remedy_of((first.name, first.response), (REMEDY, response), tolerance)
@@ -291,7 +287,10 @@ class CaseRunner:
     def _half_step(self, case: LoadCaseSection, reference: Solved) -> Response | None:
         """Repeat a transient of the reference with half the time step, where the study does."""
         if self.reference.kind != "full":
-            if not (case.transient and self.half_step) or case.tolerance is not None:
+            if (
+                not (case.transient and self.joint.study.validation.half_step)
+                or case.tolerance is not None
+            ):
                 return None
             return self._response(case, reference.system, reference.label, refinement=2)
         key = response_key(case, refinement=2)
@@ -306,12 +305,12 @@ class CaseRunner:
 
         def compute() -> list[dict[str, Matrix]]:
             total = self._steps(first.case, first.refinement) * len(runs)
-            with self.stages.stage(f"{first.case.name}{more} {label}", total) as advance:
+            with self.books.stage(f"{first.case.name}{more} {label}", total) as advance:
                 return list(map(flattened, full_transients(self.joint, runs, advance)))
 
-        with self.stages.timed("checkpoint"):
-            self.checkpoint.fill(list(group), compute)
-            return restored(Response, self.checkpoint.get(key))
+        with self.books.timed("checkpoint"):
+            self.books.checkpoint.fill(list(group), compute)
+            return restored(Response, self.books.checkpoint.get(key))
 
     def _response(
         self,
@@ -325,13 +324,13 @@ class CaseRunner:
         """Solve a load case with one model, or take what an interrupted run left."""
         model = self.joint.model
         total = self._steps(case, refinement) if case.transient else advances(case, model)
-        n_failed, key = len(self.extras.failed), response_key(case, label, refinement)
+        key = response_key(case, label, refinement)
 
-        def compute() -> Mapping[str, Matrix]:
-            with self.stages.stage(f"{case.name} {label}", total) as advance:
+        def compute() -> Response:
+            with self.books.stage(f"{case.name} {label}", total) as advance:
                 if goes_in_increments(case, model):
                     preloaded = self._rest(system, label)
-                    steps = CheckpointedSteps(self.checkpoint, key)
+                    steps = CheckpointedSteps(self.books.checkpoint, key)
                     response = path_response(model, case, system, preloaded, steps, advance, like)
                 else:
                     initial = None if model.contact.forgets else self._rest(system, label)
@@ -350,15 +349,9 @@ class CaseRunner:
                     integrator_of(case),
                     recovered=label != REDUCED,
                 )
-            # Kept with the response, for a run that takes it over does not try again.
-            return flattened(response) | {
-                FAILED: np.array(self.extras.failed[n_failed:], dtype=str)
-            }
+            return response
 
-        with self.stages.timed("checkpoint"):
-            arrays = self.checkpoint.bundle(key, compute)
-        self.extras.repeat(arrays.get(FAILED, ()))
-        return restored(Response, arrays)
+        return self.books.value(Response, key, compute)
 
 
 def _gained(what: str, response: Response) -> list[str]:

@@ -3,11 +3,14 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
-from faying.execution.checkpoint import Arrays
-from faying.study.stages.checkpoint import Checkpoint
+from faying.execution.checkpoint import Arrays, Bundles
+from faying.files.flattening import flattened, restored
+
+T = TypeVar("T")
 
 SECONDS = "seconds"
 """Name of the wall time that a piece took, in whichever run, beside its arrays."""
@@ -17,7 +20,7 @@ SECONDS = "seconds"
 class CheckpointedSteps:
     """Where pieces of a response are kept, and the key of the whole of it."""
 
-    checkpoint: Checkpoint
+    checkpoint: Bundles
     key: str
 
     def has(self, name: str) -> bool:
@@ -36,6 +39,11 @@ class CheckpointedSteps:
             return {SECONDS: np.asarray(time.perf_counter() - start), **arrays}
 
         return self.checkpoint.bundle(self._key(name), timed)
+
+    def value(self, kind: type[T], name: str, compute: Callable[[], T]) -> tuple[T, float]:
+        """Return a piece that is a value of some kind, and the seconds it took."""
+        arrays = self.take(name, lambda: flattened(compute()))
+        return restored(kind, arrays), float(arrays[SECONDS])
 
     def _key(self, name: str) -> str:
         return f"{self.key}, {name}"

@@ -26,14 +26,10 @@ from faying.reduction.reduced_model import ReducedModel
 from faying.study.keys.frequency_rules import shown_place
 from faying.study.keys.frequency_table import FrequencySection
 from faying.study.keys.measurements import measured_responses
-from faying.study.keys.tables import Study
 from faying.study.results.frequency_record import FrequencyRecord
-from faying.study.stages.checkpoint import Checkpoint
 from faying.study.stages.checkpointed_steps import SECONDS, CheckpointedSteps
 from faying.study.stages.offline import PreparedJoint
-from faying.study.stages.optional import Extras
 from faying.study.stages.path_cases import rest_state
-from faying.study.stages.progress import Stages
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -48,19 +44,16 @@ class FrequencyRunner:
         Reduced model that transients are checked with; None where none could be made.
     """
 
-    study: Study
     swept: FrequencySection
     joint: PreparedJoint
     rom: ReducedModel | None
-    stages: Stages
-    extras: Extras
     pieces: CheckpointedSteps
 
     def solve(self) -> FrequencyRecord:
         """Return the responses; what did not converge is in their remarks."""
         with naming(f"frequency '{self.swept.name}'"):
             seconds, backbone, expected = 0.0, None, None
-            with self.extras.attempt(f"{self.swept.name}, curve from the backbone"):
+            with self.joint.books.attempt(f"{self.swept.name}, curve from the backbone"):
                 arrays = self.pieces.take("backbone", self._backbone)
                 if "mode" in arrays:
                     backbone = restored(Backbone, arrays)
@@ -75,13 +68,15 @@ class FrequencyRunner:
                 seconds += float(arrays[SECONDS])
             curves, checks = [], []
             for level in self.swept.levels:
-                arrays = self.pieces.take(f"level {level}", partial(self._level, level))
-                curves.append(restored(ResponseCurve, arrays))
-                seconds += float(arrays[SECONDS])
-                if self.swept.check is not None and len(curves[-1].frequency):
-                    with self.extras.attempt(f"{self.swept.name}, level {level:g}, transient"):
-                        checks.append(self._checked(curves[-1]))
-            still = restored(ResponseCurve, self.pieces.take("linear", self._linear))
+                compute = partial(self._level, level)
+                curve, took = self.pieces.value(ResponseCurve, f"level {level}", compute)
+                curves.append(curve)
+                seconds += took
+                if self.swept.check is not None and len(curve.frequency):
+                    with self.joint.books.attempt(f"{self.swept.name}, level {level:g}, transient"):
+                        name, compare = f"transient {curve.level}", partial(self._transient, curve)
+                        checks.append(self.pieces.value(TransientCheck, name, compare)[0])
+            still, _ = self.pieces.value(ResponseCurve, "linear", self._linear)
         return FrequencyRecord(
             at=self._at,
             response=FrequencyResponse(
@@ -94,7 +89,7 @@ class FrequencyRunner:
             expected=expected,
             backbone=backbone,
             checks=tuple(checks),
-            measured=measured_responses(self.study, self.swept, self._at),
+            measured=measured_responses(self.joint.study, self.swept, self._at),
             seconds=seconds,
         )
 
@@ -104,29 +99,27 @@ class FrequencyRunner:
 
     @cached_property
     def _forced(self) -> ForcedJoint:
-        with self.stages.stage(f"{self.swept.name}: stuck joint"):
+        with self.joint.books.stage(f"{self.swept.name}: stuck joint"):
             return ForcedJoint.of(
                 self.joint.model, self.swept.load, self.joint.rest, self.swept.asked
             )
 
-    def _linear(self) -> Arrays:
-        return flattened(self._forced.linear(1.0, linear_range(self.swept.asked)))
+    def _linear(self) -> ResponseCurve:
+        return self._forced.linear(1.0, linear_range(self.swept.asked))
 
-    def _level(self, level: float) -> Arrays:
+    def _level(self, level: float) -> ResponseCurve:
         forced, name = self._forced, f"{self.swept.name}: level {level:g}"
-        with self.stages.stage(name, self.swept.points) as advance:
-            return flattened(
-                forced.curve(
-                    level,
-                    harmonics=self.swept.harmonics,
-                    samples=self.swept.samples,
-                    progress=advance,
-                )
+        with self.joint.books.stage(name, self.swept.points) as advance:
+            return forced.curve(
+                level,
+                harmonics=self.swept.harmonics,
+                samples=self.swept.samples,
+                progress=advance,
             )
 
     def _backbone(self) -> Arrays:
         """Return the backbone of the mode that is brought to resonance; nothing without one."""
-        with self.stages.stage(f"{self.swept.name}: backbone") as advance:
+        with self.joint.books.stage(f"{self.swept.name}: backbone") as advance:
             resonant = resonance(
                 self.joint.model,
                 self.swept.load,
@@ -142,29 +135,25 @@ class FrequencyRunner:
                 name = f"backbone, amplitude {number + 1}"
                 compute = partial(resonant.analysis.cycle, number)
                 try:
-                    arrays = self.pieces.take(name, lambda c=compute: flattened(c()))  # type: ignore[misc]
+                    cycle, _ = self.pieces.value(ModalCycle, name, compute)
                 except ConvergenceError:
                     # The curve then ends below the peak, which its remarks say.
                     if not cycles:
                         raise
                     break
-                cycles.append(restored(ModalCycle, arrays))
+                cycles.append(cycle)
                 advance(1)
-                if resonant.resists(cycles[-1]):
+                if resonant.resists(cycle):
                     break
             return flattened(resonant.analysis.backbone(cycles))
 
-    def _checked(self, curve: ResponseCurve) -> TransientCheck:
+    def _transient(self, curve: ResponseCurve) -> TransientCheck:
         """Return a transient at the peak of a curve."""
-        arrays = self.pieces.take(f"transient {curve.level}", partial(self._transient, curve))
-        return restored(TransientCheck, arrays)
-
-    def _transient(self, curve: ResponseCurve) -> Arrays:
         if self.rom is None:
             message = "there is no reduced model to integrate"
             raise ConvergenceError(message)
         peak = curve.peak(self._at)
-        with self.stages.stage(f"{self.swept.name}: transient, level {curve.level:g}"):
+        with self.joint.books.stage(f"{self.swept.name}: transient, level {curve.level:g}"):
             settled = steady_state(
                 self.rom,
                 self.swept.load,
@@ -173,38 +162,28 @@ class FrequencyRunner:
                 rest_state(self.rom, self.joint.preload_path),
             )
         motion = settled.fundamental[settled.components.index(self._at)]
-        return flattened(
-            TransientCheck(
-                level=curve.level,
-                frequency=peak.frequency,
-                amplitude=peak.amplitude,
-                transient_amplitude=float(np.abs(motion)),
-                phase=peak.phase,
-                transient_phase=float(np.angle(motion, deg=True)),
-                periods=settled.periods,
-                to_come=settled.to_come,
-            )
+        return TransientCheck(
+            level=curve.level,
+            frequency=peak.frequency,
+            amplitude=peak.amplitude,
+            transient_amplitude=float(np.abs(motion)),
+            phase=peak.phase,
+            transient_phase=float(np.angle(motion, deg=True)),
+            periods=settled.periods,
+            to_come=settled.to_come,
         )
 
 
 def frequency_records(
-    study: Study,
-    joint: PreparedJoint,
-    rom: ReducedModel | None,
-    stages: Stages,
-    extras: Extras,
-    checkpoint: Checkpoint,
+    joint: PreparedJoint, rom: ReducedModel | None
 ) -> Mapping[str, FrequencyRecord]:
     """Compute all harmonic loads of a study, by name."""
     return {
         swept.name: FrequencyRunner(
-            study=study,
             swept=swept,
             joint=joint,
             rom=rom,
-            stages=stages,
-            extras=extras,
-            pieces=CheckpointedSteps(checkpoint, f"frequency {swept.name}"),
+            pieces=CheckpointedSteps(joint.books.checkpoint, f"frequency {swept.name}"),
         ).solve()
-        for swept in study.frequencies
+        for swept in joint.study.frequencies
     }

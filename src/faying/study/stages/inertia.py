@@ -15,7 +15,7 @@ from faying.reduction.projection import projected
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.results.second_solution import PROJECTION, SHAPES, Remedy, Tried
 from faying.study.results.values import Response
-from faying.study.stages.progress import Stages
+from faying.study.stages.books import Books
 
 CURED = "compliance"
 """Method that lacks the inertia."""
@@ -31,7 +31,7 @@ class InertiaWhenNeeded:
         The full one.
     classic
         Basis of the study's classic methods.
-    stages
+    books
         Of the run.
     models
         Those of the study's methods; the one with inertia among them where the study names it.
@@ -43,7 +43,7 @@ class InertiaWhenNeeded:
 
     model: Model
     classic: Basis
-    stages: Stages
+    books: Books
     models: Mapping[str, Mapping[int, System]]
     allowed: bool = True
     built: ReducedModel | None = None
@@ -70,9 +70,9 @@ class InertiaWhenNeeded:
         if self.named:
             return self.models[REMEDY][0]
         if self.built is None:
-            with self.stages.stage(SHAPES):
+            with self.books.stage(SHAPES):
                 basis = attachment_modes(self.model, classic=self.classic)
-            with self.stages.stage(PROJECTION):
+            with self.books.stage(PROJECTION):
                 self.built = projected(self.model, basis)
         return self.built
 

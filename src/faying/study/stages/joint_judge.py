@@ -36,7 +36,7 @@ from faying.simulation.solution import Solution
 from faying.simulation.without_friction import pressures_without_friction
 from faying.study.judgement.margins import demanded_checks
 from faying.study.keys.threads import BoltStrengths
-from faying.study.stages.optional import Extras
+from faying.study.stages.books import Books
 from faying.units import units_of
 
 UNTOLD = "the file does not tell what is carried along it; reduce the study again"
@@ -61,8 +61,8 @@ class JointJudge:
         What must hold.
     strengths
         What the strength of bolts is judged by.
-    extras
-        Parts of the assessment are tried among these.
+    books
+        In which parts of the assessment are attempted.
     loads
         Static load cases without friction: those to follow to their openings, and to solve anew.
     followed
@@ -83,7 +83,7 @@ class JointJudge:
     cases: Mapping[str, CaseState]
     requirements: Requirements
     strengths: BoltStrengths
-    extras: Extras
+    books: Books
     loads: Sequence[NamedLoad] = ()
     followed: Collection[str] = ()
     summed: Sequence[NamedLoad] = ()
@@ -106,7 +106,7 @@ class JointJudge:
     def assessment(self) -> Assessment:
         """Judge bolts and interfaces over the load cases as they are, and what is required."""
         demands: dict[tuple[str, str], SlipDemand] = {}
-        with self.extras.attempt("slip by sums"):
+        with self.books.attempt("slip by sums"):
             demands = self._demands()
         return self._judged({**self._paths(self.followed), **self.openings}, demands)
 
@@ -195,7 +195,7 @@ class JointJudge:
         areas = areas_that_open(self.surfaces, system.contact.slices, system.bolts)
         for load in self.loads:
             if load.name in followed:
-                with self.extras.attempt(f"{load.name}, load factors of opening"):
+                with self.books.attempt(f"{load.name}, load factors of opening"):
                     (inputs,) = self._inputs([load], initial)
                     openings[load.name] = opening_factors(
                         joint, inputs, areas, open_below=self.requirements.open_share

@@ -8,7 +8,7 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.exceptions import StudyError
-from faying.execution.checkpoint import Checkpoint
+from faying.execution.checkpoint import Bundles
 from faying.files.flattening import flattened, restored
 from faying.joint.model import Model
 from faying.joint.structure import Structure
@@ -22,7 +22,7 @@ Tightened = tuple[Tightening, Sequence[Load]]
 """How bolts were tightened, and the loads of the path by which, if there was one."""
 
 
-def check_same_joint(checkpoint: Checkpoint, model: Model) -> None:
+def check_same_joint(checkpoint: Bundles, model: Model) -> None:
     """Refuse to go on with what was computed of another joint: a deck may have changed since.
 
     Raises
@@ -38,30 +38,27 @@ def check_same_joint(checkpoint: Checkpoint, model: Model) -> None:
     mark = np.array(f"{digest.hexdigest()} {dict(contact.laws)}")
     if checkpoint.bundle("joint", lambda: {"mark": mark})["mark"] != mark:
         message = (
-            f"{checkpoint.folder} belongs to another joint: a deck, mesh or matrix of the study "
-            "has changed since; run without --resume to start afresh"
+            "what an interrupted run left belongs to another joint: a deck, mesh or matrix of the "
+            "study has changed since; run without --resume to start afresh"
         )
         raise StudyError(message)
 
 
-def keep_compliance(checkpoint: Checkpoint | None, key: str, structure: Structure) -> None:
+def keep_compliance(checkpoint: Bundles, key: str, structure: Structure) -> None:
     """Let a structure take its compliance between pairs from a run before, or keep it for one.
 
     Compressed compliances are formed anew: they are made of more than one array.
     """
-    if checkpoint is None or not structure.is_kept_whole:
+    if not structure.is_kept_whole:
         return
     arrays = checkpoint.bundle(key, lambda: {"held": np.asarray(structure.held_compliance)})
     structure.take_held_compliance(arrays["held"])
 
 
 def kept_tightening(
-    checkpoint: Checkpoint | None, key: str, compute: Callable[[], Tightened]
+    checkpoint: Bundles, key: str, compute: Callable[[], Tightened]
 ) -> tuple[Tightening, tuple[Load, ...]]:
     """Return how bolts were tightened as it is kept under a key, or compute and keep it."""
-    if checkpoint is None:
-        tightening, loads = compute()
-        return tightening, tuple(loads)
 
     def arrays() -> dict[str, Matrix]:
         tightening, loads = compute()
@@ -81,11 +78,9 @@ def kept_tightening(
 
 
 def kept_state(
-    checkpoint: Checkpoint | None, key: str, system: System, compute: Callable[[], Solution]
+    checkpoint: Bundles, key: str, system: System, compute: Callable[[], Solution]
 ) -> Solution:
     """Return a static state of a joint as it is kept under a key, or compute and keep it."""
-    if checkpoint is None:
-        return compute()
 
     def arrays() -> dict[str, Matrix]:
         state = compute()

@@ -4,19 +4,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache, partial
 
-from faying._typing import Matrix
 from faying.assessment.choose_normal_modes import NormalModeChoice, choose_normal_modes
-from faying.files.flattening import flattened, restored
 from faying.reduction.normal_modes import NormalModes, fixed_interface_normal_modes
 from faying.study.inputs.loads import case_load
 from faying.study.inputs.timing import time_span, time_step
-from faying.study.keys.tables import LoadCaseSection, Study
+from faying.study.keys.tables import LoadCaseSection
 from faying.study.results.mode_choice import chosen_count
-from faying.study.stages.checkpoint import Checkpoint
 from faying.study.stages.full_transients import integrator_of
 from faying.study.stages.offline import PreparedJoint
 from faying.study.stages.path_cases import rest_state
-from faying.study.stages.progress import Stages
 
 Modes = Callable[[int], NormalModes]
 
@@ -29,34 +25,30 @@ class StudyModes:
     choices: Mapping[str, NormalModeChoice] = field(default_factory=dict)
 
 
-def normal_modes_of(
-    study: Study, joint: PreparedJoint, stages: Stages, checkpoint: Checkpoint
-) -> StudyModes:
+def normal_modes_of(joint: PreparedJoint) -> StudyModes:
     """Compute the normal modes of a study, chosen for every load case over time if it says so.
 
     What was chosen is kept for a run that takes over, so that it tries none of them again.
     """
-    structure = joint.model.structure
+    structure, study, books = joint.model.structure, joint.study, joint.books
     modes = cache(partial(fixed_interface_normal_modes, structure))
     count, choices = study.reduction.normal_modes, {}
     if count is None:
         for case in study.load_cases:
             if case.transient:
-                with stages.stage(f"choose normal modes, {case.name}"):
-                    choose = partial(_chosen, study, joint, case, modes)
-                    arrays = checkpoint.bundle(f"{case.name} normal modes", choose)
-                choices[case.name] = restored(NormalModeChoice, arrays)
+                with books.stage(f"choose normal modes, {case.name}"):
+                    choose = partial(_chosen, joint, case, modes)
+                    key = f"{case.name} normal modes"
+                    choices[case.name] = books.value(NormalModeChoice, key, choose)
         count = chosen_count(choices)
-    with stages.stage("normal_modes"):
+    with books.stage("normal_modes"):
         # Statics need no mass, and a structure without mass has no vibration modes.
         return StudyModes(modes=modes(count if structure.has_mass else 0), choices=choices)
 
 
-def _chosen(
-    study: Study, joint: PreparedJoint, case: LoadCaseSection, modes: Modes
-) -> dict[str, Matrix]:
-    mark = study.reduction.transient_tolerance if case.tolerance is None else case.tolerance
-    choice = choose_normal_modes(
+def _chosen(joint: PreparedJoint, case: LoadCaseSection, modes: Modes) -> NormalModeChoice:
+    mark = joint.study.reduction.transient_tolerance if case.tolerance is None else case.tolerance
+    return choose_normal_modes(
         joint.model,
         case_load(case),
         step=time_step(case, joint.period),
@@ -69,4 +61,3 @@ def _chosen(
         else None,
         modes=modes,
     )
-    return flattened(choice)

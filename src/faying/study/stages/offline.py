@@ -32,7 +32,7 @@ from faying.study.inputs.load_model import LoadedModel, build_loaded, check_inte
 from faying.study.inputs.loads import check_loads, is_trained, training_box
 from faying.study.inputs.timing import time_step
 from faying.study.keys.tables import Study
-from faying.study.stages.checkpoint import Checkpoint
+from faying.study.stages.books import Books
 from faying.study.stages.kept_preload import (
     Tightened,
     check_same_joint,
@@ -41,7 +41,6 @@ from faying.study.stages.kept_preload import (
     kept_tightening,
 )
 from faying.study.stages.path_cases import rest_state
-from faying.study.stages.progress import Stages
 from faying.study.stages.training import StepTraining, step_groups, step_loads
 
 
@@ -51,6 +50,10 @@ class PreparedJoint:
 
     Attributes
     ----------
+    study
+        What it is of.
+    books
+        Of the run.
     loaded
         What the study says about the model.
     model
@@ -67,6 +70,8 @@ class PreparedJoint:
         Loads by which the bolts were tightened with friction; none where it was without.
     """
 
+    study: Study
+    books: Books
     loaded: LoadedModel
     model: Model
     tightening: Tightening
@@ -81,36 +86,35 @@ class PreparedJoint:
         return certifier(self.model)
 
 
-def prepare_joint(
-    study: Study, stages: Stages, checkpoint: Checkpoint | None = None
-) -> PreparedJoint:
+def prepare_joint(study: Study, books: Books | None = None) -> PreparedJoint:
     """Build the model, tighten its bolts and tie the sticking area (§15.4.2).
 
     Parameters
     ----------
-    checkpoint
-        Where bolts and states are kept, and taken from where they are there.
+    books
+        Of the run; bolts and states are taken from its checkpoint where they are there.
 
     Raises
     ------
     ModelError
         If a body is not held; the message names it.
     """
-    with stages.stage("assembly"):
+    books = books or Books()
+    checkpoint = books.checkpoint
+    with books.stage("assembly"):
         loaded = load_model(study)
         check_interfaces(study, loaded)
         model = build_loaded(loaded).with_bolt_forces(loaded.initial_forces)
         check_loads(study, model)
         _ = model.K  # formed here, lest another stage be said to take as long
-        if checkpoint is not None:
-            check_same_joint(checkpoint, model)
-    _condense(model, stages, checkpoint, "compliance")
+        check_same_joint(checkpoint, model)
+    _condense(model, books, "compliance")
     forces = {name: force for name, force in loaded.preloads.items() if force > 0}
     if not model.contact.forgets:
-        return _rubbing_joint(study, loaded, model, forces, stages, checkpoint)
+        return _rubbing_joint(study, loaded, model, forces, books)
     # What sticks is decided by the preload that was meant, and lost after that.
     lost = (losses(study), {}) if study.sticking is None else ({}, losses(study))
-    with stages.stage("preload"):
+    with books.stage("preload"):
         free = model
         tightening, _ = kept_tightening(
             checkpoint, "tightening", lambda: (tighten(free, forces, losses=lost[0]), ())
@@ -120,18 +124,20 @@ def prepare_joint(
     if study.sticking is not None:
         sticking = Sticking(threshold=study.sticking.threshold, stiffness=study.sticking.stiffness)
         tied = with_sticking(model, sticking)
-        _condense(tied, stages, checkpoint, "compliance of tied parts")
-        with stages.stage("preload"):
+        _condense(tied, books, "compliance of tied parts")
+        with books.stage("preload"):
             again, _ = kept_tightening(
                 checkpoint, "tightening again", lambda: (tighten(tied, forces, losses=lost[1]), ())
             )
             model = tied.with_bolt_forces(again.initial_forces)
-    with stages.stage("preload"):
+    with books.stage("preload"):
         final = model
         preloaded = kept_state(checkpoint, "rest", final, lambda: solve_static(final))
-    with stages.stage("frequencies"):
+    with books.stage("frequencies"):
         period = _longest_period(model, preloaded)
     return PreparedJoint(
+        study=study,
+        books=books,
         loaded=loaded,
         model=model,
         tightening=tightening,
@@ -146,8 +152,7 @@ def _rubbing_joint(
     loaded: LoadedModel,
     model: Model,
     forces: Mapping[str, float],
-    stages: Stages,
-    checkpoint: Checkpoint | None,
+    books: Books,
 ) -> PreparedJoint:
     """Tighten the bolts of a joint with friction or gaskets along a path, or without friction."""
 
@@ -157,13 +162,15 @@ def _rubbing_joint(
         path_tightening = tighten_with_friction(model, forces, losses=losses(study))
         return path_tightening.tightening, path_tightening.loads
 
-    with stages.stage("preload"):
-        tightening, path = kept_tightening(checkpoint, "tightening", tightened)
+    with books.stage("preload"):
+        tightening, path = kept_tightening(books.checkpoint, "tightening", tightened)
         locked = model.with_bolt_forces(tightening.initial_forces)
-        preloaded = kept_state(checkpoint, "rest", locked, lambda: rest_state(locked, path))
-    with stages.stage("frequencies"):
+        preloaded = kept_state(books.checkpoint, "rest", locked, lambda: rest_state(locked, path))
+    with books.stage("frequencies"):
         period = _longest_period(locked, preloaded)
     return PreparedJoint(
+        study=study,
+        books=books,
         loaded=loaded,
         model=locked,
         tightening=tightening,
@@ -181,12 +188,12 @@ def _longest_period(model: Model, preloaded: Solution) -> float:
     return 1.0 / float(preloaded_frequencies(model, 1, state=preloaded)[0])
 
 
-def _condense(model: Model, stages: Stages, checkpoint: Checkpoint | None, key: str) -> None:
+def _condense(model: Model, books: Books, key: str) -> None:
     """Factorize and form the interface compliance; the structure keeps both."""
-    with stages.stage("factorization"):
+    with books.stage("factorization"):
         _ = model.structure.boundary_factor
-    with stages.stage("compliance"):
-        keep_compliance(checkpoint, key, model.structure)
+    with books.stage("compliance"):
+        keep_compliance(books.checkpoint, key, model.structure)
         contact = model.static_contact
         _ = contact.cases or contact.space
 
@@ -214,13 +221,7 @@ class TrainedBases:
         return self.bases[method.basis_name]
 
 
-def build_bases(
-    study: Study,
-    joint: PreparedJoint,
-    modes: NormalModes,
-    stages: Stages,
-    checkpoint: Checkpoint,
-) -> TrainedBases:
+def build_bases(joint: PreparedJoint, modes: NormalModes) -> TrainedBases:
     """Build the bases that the study's methods need, and train where one must be.
 
     Raises
@@ -228,15 +229,15 @@ def build_bases(
     ConvergenceError
         If a normal mode was missed.
     """
-    reduction, model = study.reduction, joint.model
+    reduction, model, books = joint.study.reduction, joint.model, joint.books
     count = max(reduction.joint_modes, default=MOST_AUTOMATIC)
-    with stages.stage("normal_modes"):
+    with books.stage("normal_modes"):
         classic = classic_basis(model, modes)
-    with stages.stage("mode_count"):
+    with books.stage("mode_count"):
         mode_count = check_modes(model.structure, modes)
     forces = np.zeros((model.contact.n_points, 0))
-    if is_trained(study):
-        forces = _training_forces(study, joint, classic, stages, checkpoint)
+    if is_trained(joint.study):
+        forces = _training_forces(joint, classic)
     data = OfflineData(
         classic=classic,
         contact_forces=forces,
@@ -246,7 +247,7 @@ def build_bases(
     bases = {CLASSIC: classic}
     for joint_modes in dict.fromkeys(METHODS[name].joint_modes for name in reduction.methods):
         if joint_modes is not None:
-            with stages.stage(joint_modes.name):
+            with books.stage(joint_modes.name):
                 bases[joint_modes.name] = joint_modes.extended(model, data, count)
     return TrainedBases(bases=bases, contact_forces=forces, mode_count=mode_count)
 
@@ -261,25 +262,24 @@ DEFAULT_SUBAREAS = 200
 """Test loads of method A: fine enough for the 40 modes of the default study by far."""
 
 
-def _training_forces(
-    study: Study, joint: PreparedJoint, classic: Basis, stages: Stages, checkpoint: Checkpoint
-) -> Matrix:
+def _training_forces(joint: PreparedJoint, classic: Basis) -> Matrix:
     """Contact forces of the training runs of method B, Eq. (15.30)."""
-    training, model = study.reduction.training, joint.model
-    with stages.stage("static training"):
+    training, model, books = joint.study.reduction.training, joint.model, joint.books
+    with books.stage("static training"):
         box = training_box(training)
         snapshots = [static_snapshots(model, box.static_loads(model))]
-        steps = step_training(study, joint, classic)
-    with stages.stage("step training", len(step_loads(training)) * steps.n_steps) as advance:
+        steps = step_training(joint, classic)
+    with books.stage("step training", len(step_loads(training)) * steps.n_steps) as advance:
         for group in step_groups(training):
-            checkpoint.fill(list(group), partial(steps.forces, list(group.values()), advance))
-            snapshots += [checkpoint.get(key)["forces"] for key in group]
+            compute = partial(steps.forces, list(group.values()), advance)
+            books.checkpoint.fill(list(group), compute)
+            snapshots += [books.checkpoint.get(key)["forces"] for key in group]
     return np.hstack(snapshots)
 
 
-def step_training(study: Study, joint: PreparedJoint, classic: Basis | None) -> StepTraining:
+def step_training(joint: PreparedJoint, classic: Basis | None) -> StepTraining:
     """Return the training steps of a study; a basis is needed where a reduced model trains."""
-    training, model = study.reduction.training, joint.model
+    training, model = joint.study.reduction.training, joint.model
 
     def solver() -> TransientSolver:
         reduced = training.system == "reduced" and classic is not None
@@ -290,37 +290,32 @@ def step_training(study: Study, joint: PreparedJoint, classic: Basis | None) -> 
     return StepTraining(training=training, period=joint.period, solver=solver, rest=preloaded)
 
 
-def choose_counts(
-    study: Study, model: Model, trained: TrainedBases, stages: Stages
-) -> dict[str, JointModeChoice]:
+def choose_counts(joint: PreparedJoint, trained: TrainedBases) -> dict[str, JointModeChoice]:
     """Choose the number of joint modes of each basis where the study leaves it to faying."""
-    if study.reduction.joint_modes:
+    reduction, model = joint.study.reduction, joint.model
+    if reduction.joint_modes:
         return {}
-    loads = training_box(study.reduction.training).random_loads(model, AUTOMATIC_LOADS, seed=2)
-    with stages.stage("choose joint modes"):
+    loads = training_box(reduction.training).random_loads(model, AUTOMATIC_LOADS, seed=2)
+    with joint.books.stage("choose joint modes"):
         return {
-            name: choose_joint_modes(model, basis, loads, study.reduction.tolerance)
+            name: choose_joint_modes(model, basis, loads, reduction.tolerance)
             for name, basis in trained.bases.items()
             if basis.count(ModeKind.JOINT)
         }
 
 
 def reduced_models(
-    study: Study,
-    model: Model,
-    trained: TrainedBases,
-    choices: Mapping[str, JointModeChoice],
-    stages: Stages,
+    joint: PreparedJoint, trained: TrainedBases, choices: Mapping[str, JointModeChoice]
 ) -> dict[str, dict[int, System]]:
     """Reduce the model by every method the study names, at every number of joint modes."""
     models: dict[str, dict[int, System]] = {}
-    for name in study.reduction.methods:
-        with stages.stage(f"project {name}"):
+    for name in joint.study.reduction.methods:
+        with joint.books.stage(f"project {name}"):
             method, choice = METHODS[name], choices.get(METHODS[name].basis_name)
             basis, forces = trained.of(method), trained.contact_forces
-            counts = [choice.count] if choice else study.reduction.joint_modes
+            counts = [choice.count] if choice else joint.study.reduction.joint_modes
             models[name] = {
-                count: method.reduced(model, basis, forces, count)
+                count: method.reduced(joint.model, basis, forces, count)
                 for count in method.counts(basis, counts)
             }
     return models

@@ -9,8 +9,6 @@ import numpy as np
 from faying._typing import Matrix
 from faying.assessment.slip_reserve import SlipReserve, slip_reserve
 from faying.assessment.tresca import IncrementCertificate, certify_increments
-from faying.execution.checkpoint import Arrays
-from faying.files.flattening import flattened, restored
 from faying.joint.model import Model
 from faying.joint.system import System
 from faying.simulation.cycles import Cycles, solve_cycles
@@ -31,7 +29,7 @@ from faying.study.results.path_record import (
 from faying.study.results.responses import respond
 from faying.study.results.values import Response
 from faying.study.stages.backbone_cases import backbone_response
-from faying.study.stages.checkpointed_steps import SECONDS, CheckpointedSteps
+from faying.study.stages.checkpointed_steps import CheckpointedSteps
 from faying.study.stages.long_paths import follow_path
 
 
@@ -142,14 +140,14 @@ def _cycle_response(
             count=None if like is None else len(like.cycles[str(amplitude)].energies),
         )
 
-    def recorded(amplitude: float) -> Arrays:
-        return flattened(cycle_record(cycles(amplitude), load))
+    def recorded(amplitude: float) -> CycleRecord:
+        return cycle_record(cycles(amplitude), load)
 
     *others, largest = sorted(case.amplitudes or (1.0,))
     for amplitude in others:
-        arrays = steps.take(f"amplitude {amplitude}", partial(recorded, amplitude))
-        records[str(amplitude)] = restored(CycleRecord, arrays)
-        seconds += float(arrays[SECONDS])
+        compute = partial(recorded, amplitude)
+        record, took = steps.value(CycleRecord, f"amplitude {amplitude}", compute)
+        records[str(amplitude)], seconds = record, seconds + took
         progress(1)
     start = time.perf_counter()
     last = cycles(largest)

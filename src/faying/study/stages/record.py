@@ -17,27 +17,23 @@ from faying.simulation.preload import open_interfaces
 from faying.study.judgement.model_warnings import unheld, unmeasured
 from faying.study.judgement.solid_constants import bolt_doubts, doubts, pressure_doubts
 from faying.study.keys.measurements import measured_curves
-from faying.study.keys.tables import Study
 from faying.study.results.validation_record import ValidationRecord
 from faying.study.results.values import BoltRecord, CaseResult, Results, interface_record
 from faying.study.stages.offline import PreparedJoint, TrainedBases
-from faying.study.stages.optional import Extras
 from faying.study.stages.reference import Reference
 
 
 def record(
-    study: Study,
     joint: PreparedJoint,
     recoverable: Mapping[str, Mapping[int, ReducedModel]],
     trained: TrainedBases,
     cases: Mapping[str, CaseResult],
     validation: ValidationRecord,
-    extras: Extras,
     warnings: Sequence[str],
     reference: Reference,
 ) -> Results:
     """Collect the results of a run, all but its timings."""
-    model, mesh = joint.model, joint.model.assembly.mesh
+    study, model, mesh = joint.study, joint.model, joint.model.assembly.mesh
     return Results(
         title=study.title or study.path.stem,
         units=model.units,
@@ -68,7 +64,7 @@ def record(
             "date": datetime.now(UTC).isoformat(timespec="seconds"),
         },
         warnings=tuple(warnings),
-        omissions=tuple(extras.failed),
+        omissions=tuple(joint.books.failed),
         doubts=(
             *unheld(model),
             *_open(joint),

@@ -11,7 +11,6 @@ from faying.study.keys.tables import Study
 from faying.study.results.second_solution import Remedy
 from faying.study.results.values import FULL_MODEL, Response
 from faying.study.stages.offline import PreparedJoint
-from faying.study.stages.progress import Stages
 
 FULL_UP_TO = 100_000
 """Free degrees of freedom up to which everything is compared with the full model by default.
@@ -86,9 +85,7 @@ def reference_kind(study: Study, model: Model) -> tuple[Kind, str]:
     )
 
 
-def reference_of(
-    study: Study, joint: PreparedJoint, normal_modes: int, stages: Stages
-) -> Reference:
+def reference_of(joint: PreparedJoint, normal_modes: int) -> Reference:
     """Return what the load cases of a study are compared with.
 
     Without the full model that is method ``compliance`` with twice the normal modes, static
@@ -104,12 +101,12 @@ def reference_of(
     -----
     Twice the normal modes cost another Lanczos run.
     """
-    kind, reason = reference_kind(study, joint.model)
+    kind, reason = reference_kind(joint.study, joint.model)
     if kind == "full":
         return Reference(kind=kind, reason=reason, system=joint.model)
     model: Model = joint.model
     modes = min(2 * normal_modes, len(model.structure.interior))
-    with stages.stage("reduced reference"):
+    with joint.books.stage("reduced reference"):
         rom = projected(model, craig_bampton(model, normal_modes=modes), compliance=True)
         (rom,) = completed(model, [rom])
     name = f"compliance with {modes} normal modes" if modes else "compliance"

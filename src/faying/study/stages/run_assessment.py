@@ -22,17 +22,12 @@ from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.results.values import CaseResult
 from faying.study.stages.joint_judge import JointJudge, certified_cases, rest_of, surfaces_of
 from faying.study.stages.offline import PreparedJoint
-from faying.study.stages.optional import Extras
-from faying.study.stages.progress import Stages
 
 
 def assess_run(
-    study: Study,
     joint: PreparedJoint,
     cases: Mapping[str, CaseResult],
     frequencies: Mapping[str, FrequencyRecord],
-    stages: Stages,
-    extras: Extras,
     exact: Model | ReducedModel,
 ) -> Assessment | None:
     """Judge the joint over all load cases and periods that were kept; None where that failed.
@@ -52,11 +47,12 @@ def assess_run(
     }
     if not cases and not vibrating:
         return None
-    with stages.stage("joint assessment"), extras.attempt("joint assessment"):
+    study, books = joint.study, joint.books
+    with books.stage("joint assessment"), books.attempt("joint assessment"):
         static = [case for case in study.load_cases if case.kind == "static"]
         loads = [case_load(case) for case in static]
         smooth = loads if joint.model.contact.forgets else []
-        intervals = _intervals(joint, smooth, cases, extras)
+        intervals = _intervals(joint, smooth, cases)
         states = {name: _state(case, intervals.get(name)) for name, case in cases.items()}
         states |= vibrating
         reserves = {n: case.reserve for n, case in cases.items() if case.reserve is not None}
@@ -67,7 +63,7 @@ def assess_run(
             cases=states,
             requirements=requirements_of(study.requirement),
             strengths=replace(strengths_of(study), tightened=joint.loaded.preloads),
-            extras=extras,
+            books=books,
             loads=smooth,
             followed=[load.name for load in smooth],
             summed=_summed(study.load_cases),
@@ -77,12 +73,12 @@ def assess_run(
         )
         assessment = judge.assessment()
         assessment = replace(assessment, scatter=_scatter(study, exact, loads, judge))
-        with extras.attempt("strength of bolts"):
+        with books.attempt("strength of bolts"):
             ends = judge.ends(states)
             assessment = judge.at_ends(assessment, ends)
             counted = {c.name: c.repetitions for c in study.load_cases if c.repetitions}
             assessment = judge.strengthened(assessment, states, ends, counted)
-        with extras.attempt("margins of bolts"):
+        with books.attempt("margins of bolts"):
             return judge.with_margins(assessment)
         return assessment
     return None
@@ -106,7 +102,7 @@ def _scatter(
         return ()
     scatter = PreloadScatter(**study.preload_scatter.model_dump(exclude={"temperatures"}))
     spreads: list[Spread] = []
-    with judge.extras.attempt("preload scatter"):
+    with judge.books.attempt("preload scatter"):
         for load in loads:
             spreads += preload_spreads(
                 exact, surfaces_of(exact), load, scatter, judge.strengths.threads
@@ -144,15 +140,12 @@ def _state(case: CaseResult, certified: CertifiedClamps | None) -> CaseState:
 
 
 def _intervals(
-    joint: PreparedJoint,
-    loads: Sequence[Load],
-    cases: Mapping[str, CaseResult],
-    extras: Extras,
+    joint: PreparedJoint, loads: Sequence[Load], cases: Mapping[str, CaseResult]
 ) -> dict[str, CertifiedClamps]:
     """Return the certified clamp forces of static load cases."""
     if not loads:
         return {}
-    with extras.attempt("certified bounds"):
+    with joint.books.attempt("certified bounds"):
         start, names = np.zeros(1), [load.name for load in loads]
         inputs = np.concatenate([load.inputs(joint.model, start) for load in loads])
         pressure = np.array([cases[name].reference.pressure for name in names])

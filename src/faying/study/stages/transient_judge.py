@@ -10,18 +10,14 @@ from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 from faying.study.results.values import Response
 from faying.study.stages.offline import PreparedJoint
-from faying.study.stages.optional import Extras
 from faying.study.stages.path_cases import rest_state
-from faying.study.stages.progress import Stages
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TransientJudge:
-    """What judges reduced transients of one joint, as extras that may fail."""
+    """What judges reduced transients of one joint, which may fail."""
 
     joint: PreparedJoint
-    stages: Stages
-    extras: Extras
 
     def judged(
         self,
@@ -42,12 +38,13 @@ class TransientJudge:
         recovered
             Whether pressures are recovered from the motion too.
         """
+        books = self.joint.books
         if recovered:
-            with self.stages.stage("recovery"), self.extras.attempt(f"{name}, recovered pressures"):
+            with books.stage("recovery"), books.attempt(f"{name}, recovered pressures"):
                 pressure = recover_pressure(self.joint.model, solution).pressure
                 response = replace(response, recovered_pressure=pressure)
         estimate = None
-        with self.stages.stage("estimated errors"), self.extras.attempt(f"{name}, estimated error"):
+        with books.stage("estimated errors"), books.attempt(f"{name}, estimated error"):
             estimate = self._estimate(solution, load, integrator)
         return replace(response, estimate=estimate)
 

@@ -10,42 +10,35 @@ from faying.joint.system import System
 from faying.reduction.snapshots import LoadBox
 from faying.simulation.static import solve_static_cases
 from faying.study.inputs.loads import training_box
-from faying.study.keys.tables import Study
 from faying.study.results.validation_record import (
     LoadSpaceRecord,
     LoadSpaceResult,
     ValidationRecord,
 )
+from faying.study.stages.books import Books
 from faying.study.stages.offline import PreparedJoint
-from faying.study.stages.optional import Extras
-from faying.study.stages.progress import Stages
 
 Models = Mapping[str, Mapping[int, System]]
 
 
 def validate(
-    study: Study,
-    joint: PreparedJoint,
-    models: Models,
-    choices: Mapping[str, JointModeChoice],
-    stages: Stages,
-    extras: Extras,
+    joint: PreparedJoint, models: Models, choices: Mapping[str, JointModeChoice]
 ) -> ValidationRecord:
     """Compute what the study's load space means for every method.
 
-    What fails is absent, and named among the extras.
+    What fails is absent, and named among the omissions.
     """
-    space = None
+    space, study, books = None, joint.study, joint.books
     count = study.validation.unseen_loads
     if study.reduction.training.box and count:
-        with stages.stage("unseen loads"), extras.attempt("unseen loads"):
+        with books.stage("unseen loads"), books.attempt("unseen loads"):
             box = training_box(study.reduction.training)
-            space = _load_space(joint.model, box, count, models, extras)
+            space = _load_space(joint.model, box, count, models, books)
     return ValidationRecord(load_space=space, choices=choices)
 
 
 def _load_space(
-    model: Model, box: LoadBox, count: int, models: Models, extras: Extras
+    model: Model, box: LoadBox, count: int, models: Models, books: Books
 ) -> LoadSpaceRecord:
     """Return errors at random loads of the training box."""
     unseen = box.random_loads(model, count, seed=1)
@@ -54,7 +47,7 @@ def _load_space(
     for name, sizes in models.items():
         results[name] = {}
         for size, rom in sizes.items():
-            with extras.attempt(f"unseen loads, {name} with {size} joint modes"):
+            with books.attempt(f"unseen loads, {name} with {size} joint modes"):
                 solved = solve_static_cases(rom, unseen)
                 largest = np.abs(solved.pressure - exact.pressure).max(axis=1) / exact.max_pressure
                 results[name][size] = LoadSpaceResult(

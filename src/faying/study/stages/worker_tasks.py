@@ -13,16 +13,16 @@ from pathlib import Path
 
 from faying.exceptions import ConvergenceError
 from faying.execution.campaign import run_grouped_campaign
-from faying.execution.checkpoint import Arrays, Checkpoint
+from faying.execution.checkpoint import Arrays
 from faying.execution.executor import Executor, Function
 from faying.files.flattening import flattened
 from faying.study.inputs.load_model import build_loaded, load_model
 from faying.study.inputs.loads import is_trained
 from faying.study.keys.schema import parse_study
 from faying.study.keys.tables import Study
+from faying.study.stages.books import Books
 from faying.study.stages.full_transients import FullTransient, case_groups, full_transients
 from faying.study.stages.offline import PreparedJoint, prepare_joint, step_training
-from faying.study.stages.progress import Stages
 from faying.study.stages.reference import reference_kind
 from faying.study.stages.training import StepTraining, step_groups
 
@@ -46,9 +46,7 @@ def pieces(study: Study, *, full: bool = True) -> list[dict[str, Piece]]:
     return tasks
 
 
-def compute_pieces(
-    study: Study, executor: Executor, checkpoint: Checkpoint, stages: Stages
-) -> None:
+def compute_pieces(study: Study, executor: Executor, books: Books) -> None:
     """Have workers compute the pieces that are not there yet.
 
     A piece without solution is left to the run, which knows whether it can do without.
@@ -62,10 +60,10 @@ def compute_pieces(
     full = asked or reference_kind(study, build_loaded(load_model(study)))[0] == "full"
     groups = pieces(study, full=full)
     total = sum(map(len, groups))
-    with stages.stage("workers", total) as advance, suppress(ConvergenceError):
+    with books.stage("workers", total) as advance, suppress(ConvergenceError):
         prepare = partial(prepare_pieces, study.source.text, study.source.path)
         run_grouped_campaign(
-            prepare, groups, executor, keep=checkpoint, progress=lambda _: advance(1)
+            prepare, groups, executor, keep=books.checkpoint, progress=lambda _: advance(1)
         )
 
 
@@ -78,8 +76,8 @@ def prepare_pieces(text: str, path: Path) -> Function:
         If the worker lacks a file of the study.
     """
     study = parse_study(text, path)
-    joint = prepare_joint(study, Stages(None))
-    return partial(_computed, joint, step_training(study, joint, None))
+    joint = prepare_joint(study)
+    return partial(_computed, joint, step_training(joint, None))
 
 
 def _computed(joint: PreparedJoint, steps: StepTraining, group: Sequence[Piece]) -> list[Arrays]:

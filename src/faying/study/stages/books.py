@@ -1,0 +1,162 @@
+"""The books of a run: its times and progress, what failed, and what is finished."""
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from time import perf_counter as clock
+from types import TracebackType
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+
+from faying._typing import Matrix
+from faying.exceptions import FayingError
+from faying.execution.checkpoint import Bundles
+from faying.files.flattening import flattened, restored
+
+FAILED = "failed"
+"""Name of the sentences about what failed, beside the arrays of a value."""
+
+T = TypeVar("T")
+
+
+class ProgressBar(Protocol):
+    """The part of ``rich.progress.Progress`` that a run uses."""
+
+    def add_task(self, description: str, *, total: float | None = None) -> Any:
+        """Start a bar."""
+        ...
+
+    def advance(self, task: Any, advance: float = 1) -> None:
+        """Move a bar on."""
+        ...
+
+    def remove_task(self, task: Any) -> None:
+        """Take a finished bar away."""
+        ...
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """Try what a run can do without; what it raises is noted under its name and goes no further.
+
+    That it meets what nobody foresaw must not cost what was computed before it, so errors of
+    every kind stop here. Interrupts do not.
+    """
+
+    name: str
+    failed: list[str]
+
+    def __enter__(self) -> None:
+        """Begin."""
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> bool:
+        """Note an error; say whether it ends here."""
+        if not isinstance(error, Exception):
+            return False
+        reason = (
+            str(error) if isinstance(error, FayingError) else f"{type(error).__name__}: {error}"
+        )
+        said = f"{self.name}: {reason}"
+        if said not in self.failed:
+            self.failed.append(said)
+        return True
+
+
+class Books:
+    """What a run notes while it computes.
+
+    Named stages show a bar while they last and leave their wall time; a stage within another one
+    counts for itself alone, so the times add up. What a run can do without is attempted, and a
+    failure is a warning. What is finished is kept.
+
+    Parameters
+    ----------
+    since
+        Instant of ``time.perf_counter`` at which the program started; what passed since then is
+        the stage ``start``. Without it the run is counted from now.
+    checkpoint
+        Where finished pieces are kept; in memory unless given.
+
+    Attributes
+    ----------
+    failed
+        What could not be done and why, one sentence each, in the order of the run.
+    """
+
+    def __init__(
+        self,
+        bar: ProgressBar | None = None,
+        since: float | None = None,
+        checkpoint: Bundles | None = None,
+    ) -> None:
+        now = clock()
+        self.seconds: dict[str, float] = {} if since is None else {"start": now - since}
+        self.failed: list[str] = []
+        self.checkpoint = Bundles() if checkpoint is None else checkpoint
+        self._since = now if since is None else since
+        self._within: list[float] = []
+        self._bar = bar
+
+    @contextmanager
+    def stage(self, name: str, total: float | None = None) -> Iterator[Callable[[int], None]]:
+        """Time a stage; yields a function to call as it advances. Repeated stages add up."""
+        task = self._bar.add_task(name, total=total) if self._bar else None
+
+        def advance(amount: int = 1) -> None:
+            if self._bar:
+                self._bar.advance(task, amount)
+
+        try:
+            with self.timed(name):
+                yield advance
+        finally:
+            if self._bar:
+                self._bar.remove_task(task)
+
+    @contextmanager
+    def timed(self, name: str) -> Iterator[None]:
+        """Time a stage that is too short, or too scattered, to be shown while it lasts."""
+        start = clock()
+        self._within.append(0.0)
+        try:
+            yield
+        finally:
+            elapsed = clock() - start
+            alone = elapsed - self._within.pop()
+            self.seconds[name] = self.seconds.get(name, 0.0) + alone
+            if self._within:
+                self._within[-1] += elapsed
+
+    def account(self) -> dict[str, float]:
+        """Return the seconds of the stages so far, and as ``other`` those outside all of them.
+
+        Together they are the wall time since the start, between stages.
+        """
+        whole = clock() - self._since
+        return {**self.seconds, "other": whole - sum(self.seconds.values())}
+
+    def attempt(self, name: str) -> Attempt:
+        """Return a context that what can be done without is tried in, under a name."""
+        return Attempt(name, self.failed)
+
+    def value(self, kind: type[T], key: str, compute: Callable[[], T]) -> T:
+        """Return a value as it is kept under a key, or compute and keep it.
+
+        With what failed meanwhile, for a run that takes it over does not try again.
+        """
+        n_failed = len(self.failed)
+
+        def arrays() -> dict[str, Matrix]:
+            return flattened(compute()) | {FAILED: np.array(self.failed[n_failed:], dtype=str)}
+
+        with self.timed("checkpoint"):
+            bundle = self.checkpoint.bundle(key, arrays)
+        repeated: Iterable[str] = map(str, bundle.get(FAILED, ()))
+        self.failed.extend(text for text in repeated if text not in self.failed)
+        return restored(kind, bundle)
