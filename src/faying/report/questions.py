@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from faying._typing import Matrix
 from faying.assessment.backbone_response import HONEST
 from faying.assessment.clamp_range import ClampRange
 from faying.assessment.joint_record import Assessment
@@ -19,9 +20,9 @@ from faying.report.frequency_peaks import measured_table, peak_table
 from faying.report.slip import most_slip, slip_sentence
 from faying.report.slip_tables import demand_table, friction_table
 from faying.report.table import FL, PRESSURE, Cell, Column, Table, described, largest
-from faying.study.judgement.comparison import rubbed
+from faying.study.judgement.comparison import increments, rubbed
 from faying.study.judgement.opening import opening
-from faying.study.results.values import CaseResult, Results
+from faying.study.results.values import CaseResult, InterfaceRecord, Results
 from faying.units import Units
 
 
@@ -326,10 +327,10 @@ def _load_cases(results: Results, figures: Sequence[FigureEntry]) -> Section:
     columns = (
         Column("kind", lambda case: case.kind),
         Column("loads", lambda case: loads.get(case.name, "see the study")),
-        Column("largest pressure", lambda case: float(case.reference.pressure.max()), PRESSURE),
+        Column("largest pressure", lambda case: max(map(np.max, _pressures(case))), PRESSURE),
         *(
-            Column(f"least clamp force of {name}", _least_force(name), "force", 5)
-            for name in results.interfaces
+            Column(f"least clamp force of {name}", _least_force(record), "force", 5)
+            for name, record in results.interfaces.items()
         ),
         Column("largest bolt force", _bolt_force, "force", 5),
         Column("opened by the load", lambda case: _opened(results, case), "%", 3),
@@ -346,12 +347,23 @@ def _load_cases(results: Results, figures: Sequence[FigureEntry]) -> Section:
     )
 
 
-def _least_force(name: str) -> Any:
-    return lambda case: float(np.min(case.reference.contact_forces[name]))
+def _pressures(case: CaseResult) -> list[Matrix]:
+    """Return the pressures (..., n_point) of all instants and increments of a load case."""
+    return [case.reference.pressure, *(path.pressure for path in increments(case.reference))]
+
+
+def _least_force(record: InterfaceRecord) -> Any:
+    points = slice(*record.slice)
+    return lambda case: min(
+        float(np.min(pressure[..., points] @ record.weights)) for pressure in _pressures(case)
+    )
 
 
 def _bolt_force(case: CaseResult) -> float | None:
-    return max((float(np.max(f)) for f in case.reference.bolt_forces.values()), default=None)
+    forces = [*case.reference.bolt_forces.values()]
+    for path in increments(case.reference):
+        forces += path.bolt_forces.values()
+    return max((float(np.max(force)) for force in forces), default=None)
 
 
 def _opened(results: Results, case: CaseResult) -> float:

@@ -19,6 +19,7 @@ from faying.export.formats import export
 from faying.files.flattening import flattened
 from faying.report.figures.slip import plot_slip_states
 from faying.report.html import write_report
+from faying.report.questions import questions
 from faying.report.slip import slip_sentence, slipping
 from faying.report.slip_tables import demand_table, friction_table
 from faying.report.style import new_figure
@@ -351,6 +352,11 @@ def test_the_joint_is_judged_over_all_increments(results):
     # Sums of a hundred numbers in another order.
     assert joint.least_clamp == pytest.approx((way.pressure @ weights).min(), rel=1e-12)
     assert joint.least_clamp_case == "way"
+    tables = {part.title: part.tables for part in questions(results, [])}
+    told = cells(tables["Load cases"][0])["way"]
+    assert told["largest bolt force [N]"] == number(way.bolt_forces["bolt"].max(), 5)
+    assert told["least clamp force of joint [N]"] == number(joint.least_clamp, 5)
+    assert told["largest pressure [MPa]"] == number(way.pressure.max(), 4)
 
 
 @pytest.mark.long
