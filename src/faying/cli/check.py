@@ -109,9 +109,9 @@ def _gap_pictures(model: "Model", out: Path) -> Iterator[Path]:
     from faying.study.results.values import interface_record
     from faying.units import units_of
 
+    surfaces = contact_surfaces(model) if model.interfaces else {}
     records = {
-        name: interface_record(surface, 0 * surface.weights)
-        for name, surface in contact_surfaces(model).items()
+        name: interface_record(surface, 0 * surface.weights) for name, surface in surfaces.items()
     }
     figure = draw_initial_gaps(records, units_of(model.units))
     if figure is not None:

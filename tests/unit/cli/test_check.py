@@ -254,7 +254,7 @@ def test_candidates_where_no_interface_is_declared(check_file, tmp_path):
     study = tmp_path / "study.toml"
     study.write_text('[model]\nsource = "abaqus"\nfile = "bricks.inp"\n')
     for one in (path, study):
-        status, lines, err = check_file(one)
+        status, lines, err = check_file(one, "--out", str(tmp_path))
         assert (status, err) == (0, "")
         assert ["Candidate", "interfaces"] in lines
         assert cells(lines, "joint")[1:4] == ["1", "4", "4"]
