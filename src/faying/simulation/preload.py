@@ -146,12 +146,7 @@ def say_open(system: Joint, contact: Increment) -> None:
 def open_interfaces(points: Mapping[str, slice], pressed: Vector) -> Iterator[str]:
     """Yield of each interface that is open at all of its points that bolts do not press it.
 
-    Parameters
-    ----------
-    points
-        Interface name to its points.
-    pressed : (n_point,)
-        Pressures or contact forces after tightening.
+    ``points`` are those of each interface, ``pressed`` pressures or forces (n_point,).
     """
     for name, own in points.items():
         if not pressed[own].any():

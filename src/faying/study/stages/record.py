@@ -1,7 +1,7 @@
 """From what a run computed to the values it leaves behind."""
 
 import platform
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 
 import numpy as np
@@ -34,6 +34,7 @@ def record(
 ) -> Results:
     """Collect the results of a run, all but its timings."""
     study, model, mesh = joint.study, joint.model, joint.model.assembly.mesh
+    tightened = any(joint.tightening.initial_forces.values())
     return Results(
         title=study.title or study.path.stem,
         units=model.units,
@@ -67,7 +68,7 @@ def record(
         omissions=tuple(joint.books.failed),
         doubts=(
             *unheld(model),
-            *_open(joint),
+            *open_interfaces(model.contact.slices if tightened else {}, joint.preload.pressure),
             *unmeasured(study, cases),
             *filter(None, [tangled(model.assembly)]),
             *doubts(model.assembly.materials, study.units),
@@ -80,12 +81,6 @@ def record(
         reference=reference.kind,
         reference_reason=reference.reason,
     )
-
-
-def _open(joint: PreparedJoint) -> Iterator[str]:
-    """Yield the interfaces that the bolts of a joint do not press."""
-    if any(joint.tightening.initial_forces.values()):
-        yield from open_interfaces(joint.model.contact.slices, joint.preload.pressure)
 
 
 def _bolt(joint: PreparedJoint, name: str) -> BoltRecord:
