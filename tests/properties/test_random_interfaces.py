@@ -25,7 +25,7 @@ JOINTS = {
     (shape, curvature): lap_joint_assembly(
         element_size=10.0, shape=shape, curvature=curvature, hole_radius=None, washer_radius=9.0
     ).assembly
-    for shape in ("hex8", "hex20", "tet4", "tet10")
+    for shape in ("hex8", "hex20", "tet4", "tet10", "wedge6", "wedge15")
     for curvature in (0.0, 2e-3)
 }
 joints = st.sampled_from(sorted(JOINTS))

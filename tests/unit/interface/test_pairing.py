@@ -76,21 +76,6 @@ def test_exterior_of_a_box():
     assert (facets.nodes[:, :4, None] == owner[:, None, :]).any(axis=2).all()
 
 
-@pytest.mark.parametrize("shape", ["hex8", "hex20", "tet4", "tet10", "wedge6"])
-def test_exterior_area_vectors_add_up_to_nothing_and_to_the_surface(shape):
-    joint = lap_joint_assembly(element_size=5.0, shape=shape, hole_radius=None).assembly
-    facets = joint.mesh.exterior
-    corners = joint.mesh.nodes[facets.corners]
-    vectors = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    # A closed surface; the rounding of some thousand facets of 25 mm².
-    np.testing.assert_allclose(vectors.sum(axis=0), 0, atol=1e-9)
-    one_plate = 2 * (75 * 20 + 75 * 10 + 20 * 10)
-    assert np.linalg.norm(vectors, axis=1).sum() == pytest.approx(2 * one_plate, rel=1e-12)
-    # They point outwards: ∫ x·n dA is three times the volume.
-    flux = np.einsum("fd,fd->", corners[:, :3].mean(axis=1), vectors)
-    assert flux == pytest.approx(3 * 2 * 75 * 20 * 10, rel=1e-12)
-
-
 def test_a_mixed_mesh_has_no_inner_facets_outside():
     """A wedge on a brick share their quadrilateral."""
     nodes = np.array(

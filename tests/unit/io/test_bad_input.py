@@ -400,48 +400,13 @@ def export(model: fy.Model, folder: Path) -> None:
     np.savez(folder / "faces.npz", lower=ids[faces.minus], upper=ids[faces.plus[:, ::-1]])
 
 
-def change(path: Path, how: Callable[[sp.lil_array], object]) -> None:
-    matrix = sp.load_npz(path).tolil()
-    changed = how(matrix)
-    sp.save_npz(path, (matrix if changed is None else changed).tocsr())
-
-
-def put(row: int, column: int, value: float) -> Callable[[sp.lil_array], None]:
-    def change(matrix: sp.lil_array) -> None:
-        matrix[row, column] = value
-
-    return change
-
-
-@BOTH
-@pytest.mark.parametrize(
-    ("name", "how", "parts"),
-    [
-        (
-            "K",
-            put(10, 10, np.nan),
-            ["matrix K: entry (11, 11) is nan", "node 19", "must be finite"],
-        ),
-        (
-            "M",
-            put(10, 10, np.inf),
-            ["matrix M: entry (11, 11) is inf", "node 19", "must be finite"],
-        ),
-        ("K", lambda K: K[:-1, :-1], ["matrix K has 1325 rows but the dof table 1326", "each row"]),
-        ("M", lambda M: M[:-1], ["matrix M has shape (1325, 1326)", "must be square"]),
-        (
-            "K",
-            put(3, 40, 1e6),
-            ["matrix K is not symmetric", "(4, 41)", "needs symmetric matrices"],
-        ),
-        ("K", lambda K: sp.triu(K), ["matrix K is not symmetric", "add the transpose"]),
-        ("M", lambda M: -M, ["matrix M: the diagonal is", "mass is positive"]),
-    ],
-    ids=["nan", "infinity", "size", "shape", "unsymmetric", "triangle", "negative mass"],
-)
-def test_matrices(refused, matrices, command, name, how, parts):
-    change(matrices / f"{name}.npz", how)
-    assert_says(refused(MATRIX_STUDY, command), *parts)
+def test_matrices(refused, matrices):
+    """What else is wrong with matrices: test_matrices_reader.py."""
+    matrix = sp.load_npz(matrices / "K.npz").tolil()
+    matrix[10, 10] = np.nan
+    sp.save_npz(matrices / "K.npz", matrix.tocsr())
+    message = refused(MATRIX_STUDY)
+    assert_says(message, "matrix K: entry (11, 11) is nan", "node 19", "must be finite")
 
 
 @BOTH
