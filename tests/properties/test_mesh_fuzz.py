@@ -5,6 +5,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
+from damage import damaged
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -83,24 +84,8 @@ def test_whole_files_are_read(files, name):
 @given(data=st.data())
 def test_damaged_files_end_in_one_message(files, name, data):
     folder, content = files[name]
-    damaged = bytearray(content)
-    for _ in range(data.draw(st.integers(1, 3))):
-        at = data.draw(st.integers(0, len(damaged) - 1))
-        kind = data.draw(st.sampled_from(["change", "delete", "insert", "cut", "repeat"]))
-        if kind == "change":
-            damaged[at] = data.draw(st.sampled_from(list(b"0123456789-+.eE \n$x<>/\xff")))
-        elif kind == "delete":
-            del damaged[at : at + data.draw(st.integers(1, 40))]
-        elif kind == "insert":
-            damaged[at:at] = data.draw(st.binary(min_size=1, max_size=8))
-        elif kind == "cut":
-            del damaged[at:]
-        else:
-            damaged[at:at] = damaged[at : at + 30]
-        if not damaged:
-            damaged = bytearray(b" ")
     path = folder / f"damaged{FORMATS[name]['suffix']}"
-    path.write_bytes(bytes(damaged))
+    path.write_bytes(data.draw(damaged(content)) or b" ")
     said, mesh = read(path)
     if mesh is None:
         assert "damaged" in said

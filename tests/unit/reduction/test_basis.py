@@ -10,7 +10,7 @@ import faying as fy
 from faying.exceptions import ModelError
 from faying.reduction.basis import Basis, ModeKind
 from faying.reduction.jim_a import unit_pressure_loads
-from faying.reduction.normal_modes import fixed_interface_normal_modes, lowest_modes
+from faying.reduction.normal_modes import fixed_interface_normal_modes
 from faying.reduction.subareas import subareas
 
 C, N, B, J = ModeKind.CONSTRAINT, ModeKind.NORMAL, ModeKind.BOLT, ModeKind.JOINT
@@ -201,18 +201,6 @@ def test_without_normal_modes(joint):
 def test_refuses_more_normal_modes_than_there_are(joint):
     with pytest.raises(ModelError, match="99999 normal modes asked for"):
         fy.craig_bampton(joint, normal_modes=99999)
-
-
-@pytest.mark.parametrize("count", [3, 100])  # Lanczos, and the dense solver where it has no room
-def test_lowest_modes_of_a_chain(count):
-    """Fixed chain of unit masses and springs: ω = 2 sin(k π / (2 (n + 1)))."""
-    n = 120
-    K = sp.diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(n, n)).tocsr()
-    M = sp.eye_array(n).tocsr()
-    squares, vectors = lowest_modes(K, M, fy.factorize(K), count)
-    expected = 4 * np.sin(np.arange(1, count + 1) * np.pi / (2 * (n + 1))) ** 2
-    np.testing.assert_allclose(squares, expected, rtol=1e-10)  # round-off of the eigensolver
-    np.testing.assert_allclose(vectors.T @ vectors, np.eye(count), atol=1e-10)
 
 
 def test_normal_modes_leave_the_boundary_at_rest(joint):
