@@ -190,13 +190,7 @@ def read_gap_field(path: str | Path, interface: Interface, node_ids: Indices) ->
 
 
 def read_gap_table(path: Path) -> NumberTable:
-    """Read the numbers of a gap field and the names of their columns.
-
-    Raises
-    ------
-    FormatError
-        As :func:`read_gap_field`.
-    """
+    """Read the numbers of a gap field and the names of their columns."""
     return read_number_table(path, (POINT_COLUMNS, NODE_COLUMNS), "the gap field")
 
 

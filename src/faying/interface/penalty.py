@@ -45,11 +45,6 @@ def facet_penalty(assembly: Assembly, facets: Facets) -> float:
     """Return 10 E/h [force/length³] of the elements that facets of both sides belong to.
 
     Facets of shells count only where neither side is of solids.
-
-    Raises
-    ------
-    ModelError
-        As :func:`automatic_penalty`.
     """
     if (facets.properties >= 0).any():
         facets = facets.taken(facets.properties >= 0)
@@ -71,13 +66,7 @@ def facet_penalty(assembly: Assembly, facets: Facets) -> float:
 
 
 def coupling_penalty(assembly: Assembly, coupling: Coupling) -> float:
-    """Return 10 E/h [force/length³] of the elements on both sides of a mortar coupling.
-
-    Raises
-    ------
-    ModelError
-        As :func:`automatic_penalty`.
-    """
+    """Return 10 E/h [force/length³] of the elements on both sides of a mortar coupling."""
     return facet_penalty(assembly, coupling.segments.minus.joined(coupling.segments.plus))
 
 

@@ -264,11 +264,6 @@ class Structure:
     def loaded_ports(self, patterns: Matrix) -> PortCompliance:
         """Return the port compliance with the forces (n_pattern, n_dof) of patterns as more ports.
 
-        Raises
-        ------
-        SingularMatrixError
-            As :attr:`port_compliance`.
-
         Notes
         -----
         One back-substitution for each pattern.

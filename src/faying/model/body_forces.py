@@ -13,11 +13,6 @@ def body_forces(assembly: Assembly, accelerations: Matrix) -> Matrix:
     Parameters
     ----------
     accelerations : (n_node, 3) [length/time²]
-
-    Raises
-    ------
-    ModelError
-        As :func:`faying.model.matrices.mass_times`.
     """
     motion = np.zeros((len(assembly.mesh.nodes), 6))
     motion[:, :3] = accelerations

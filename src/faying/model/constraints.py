@@ -81,11 +81,6 @@ def movable_components(assembly: Assembly, used: Mask) -> Mask:
 
     They are free, or depend on free ones; supported ones and those without any stiffness or mass
     behind them are not.
-
-    Raises
-    ------
-    ModelError
-        As :func:`constrain`.
     """
     T = constrain(assembly, used).transformation
     movable: Mask = np.diff(T.indptr) > 0

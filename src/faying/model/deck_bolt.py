@@ -57,11 +57,6 @@ def with_unlocked_bolts(assembly: Assembly, specs: Sequence[BoltSpec]) -> Assemb
     """Let bolts pull with their initial force whatever their length: hardly any stiffness is left.
 
     What is left holds a part that nothing but the bolt and contact hold.
-
-    Raises
-    ------
-    ModelError
-        As :func:`bolt_axis_element`.
     """
     ids = {bolt_axis_element(assembly, spec).id for spec in specs}
     return replace(
@@ -82,13 +77,7 @@ def with_unlocked_bolts(assembly: Assembly, specs: Sequence[BoltSpec]) -> Assemb
 
 
 def bolt_chain(assembly: Assembly, spec: BoltSpec) -> list[Beam | Spring]:
-    """Return the elements of a deck's bolt end to end, the end listed first in front.
-
-    Raises
-    ------
-    ModelError
-        As :func:`bolt_axis_element`.
-    """
+    """Return the elements of a deck's bolt end to end, the end listed first in front."""
     if not spec.elements:
         message = f"bolt '{spec.name}' names no elements; give the ids of its beam elements"
         raise ModelError(message)

@@ -101,11 +101,6 @@ def mass_times(assembly: Assembly, motion: Matrix) -> Matrix:
     Parameters
     ----------
     motion : (n_node, 6)
-
-    Raises
-    ------
-    ModelError
-        As :func:`assemble_matrices`.
     """
     forces = (_discrete_matrices(assembly)[0] @ motion.ravel()).reshape(-1, 6)
     if assembly.matrices is not None:
@@ -150,13 +145,7 @@ def used_components(assembly: Assembly) -> Mask:
 
 
 def mass_properties(assembly: Assembly) -> MassProperties:
-    """Return mass, centre of mass and inertia of an assembly: rᵀ M r, without the mass matrix.
-
-    Raises
-    ------
-    ModelError
-        As :func:`assemble_matrices`, shapes of elements excepted.
-    """
+    """Return mass, centre of mass and inertia of an assembly: rᵀ M r, without the mass matrix."""
     nodes = assembly.mesh.nodes
     origin = _middle(nodes)
     total, first, second = mass_moments(assembly, origin)

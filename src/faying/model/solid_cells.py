@@ -62,13 +62,7 @@ def check_nodes(block: CellBlock, element: SolidElement, n_node: int) -> None:
 
 
 def check_cells(assembly: Assembly) -> None:
-    """Refuse solids that no matrix could be formed of.
-
-    Raises
-    ------
-    ModelError
-        As :func:`faying.model.matrices.assemble_matrices`.
-    """
+    """Refuse solids that no matrix could be formed of."""
     for block in assembly.mesh.blocks:
         element = block_element(block, assembly.element)
         check_nodes(block, element, len(assembly.mesh.nodes))
@@ -120,11 +114,6 @@ def mass_moments(assembly: Assembly, origin: Vector) -> tuple[float, Vector, Mat
     """Return ∫ρ dV, ∫ρ x dV (3,) and ∫ρ x xᵀ dV (3, 3) of all solids, x from an origin.
 
     Integrated as the mass matrix is, so it is that matrix's share at rigid motions.
-
-    Raises
-    ------
-    ModelError
-        As :func:`faying.model.matrices.assemble_matrices`, shapes of elements excepted.
     """
     moments = np.zeros((4, 4))
     for block in assembly.mesh.blocks:

@@ -219,13 +219,7 @@ def with_sticking(model: Model, sticking: Sticking) -> Model:
 
 
 def checked_bolts(system: Joint, forces: Mapping[str, float]) -> list[str]:
-    """Return the names of all bolts, after a look at those that are to be tightened.
-
-    Raises
-    ------
-    ModelError
-        As :func:`tighten`.
-    """
+    """Return the names of all bolts, after a look at those that are to be tightened."""
     names = list(system.bolts)
     _check(forces, names)
     _check_stiffness(system)

@@ -79,11 +79,6 @@ def transient_windows(
     solutions, restarts
         Of each load the instants of the window, and where it stands after them. Windows of a run
         that was resumed are the same, to the bit, as those it would have had.
-
-    Raises
-    ------
-    ModelError
-        As :func:`~.transient.solve_transient_cases`.
     """
     check_times(steps.step, duration)
     last = round(duration / steps.step)

@@ -82,11 +82,6 @@ def beam_frames(beams: Sequence[Beam], axes: Matrix) -> tuple[Matrix, Vector]:
     ----------
     axes : (n_beam, 3) [length]
         From the first to the second node.
-
-    Raises
-    ------
-    ModelError
-        As :func:`beam_matrices`.
     """
     orientation = np.array([beam.orientation for beam in beams], dtype=float).reshape(-1, 3)
     length: Vector = np.linalg.norm(axes, axis=1)
