@@ -7,14 +7,15 @@ import numpy as np
 import pytest
 
 import faying as fy
+from fake_results import fake_results
 from faying.assessment.transient_error import HINT
-from faying.cli.outcome import _estimates
 from faying.exceptions import ModelError
 from faying.joint.free_matrices import FreeMatrices
 from faying.linalg.machine_memory import VARIABLE
 from faying.linalg.memory import NotEnoughMemoryError
 from faying.reduction.basis import ModeKind
 from faying.simulation.stepping import transient_solver
+from faying.study.judgement.remarks import remarks
 from faying.study.keys.schema import read_study
 from faying.study.results.store import read_results
 from faying.workflow.run import run
@@ -237,23 +238,32 @@ STATIC = "the flexibility of the interface is missing"
     ],
 )
 def test_runs_name_what_is_missing_where_it_is_missing(errors, hint):
-    methods = {
-        method: {"0": {"max_relative_error": error, "estimated_max_relative_error": error}}
-        for method, error in errors.items()
-    }
-    cases = {"jump": {"reference": {"model": "full"}, "methods": methods}}
-    hints = [line for line in _estimates(cases) if HINT in line or STATIC in line]
+    said = remarks(estimated(errors))
+    hints = [line for line in said if HINT in line or STATIC in line]
     assert len(hints) == (hint is not None)
     assert hint is None or hints[0].startswith(hint)
 
 
-def test_runs_say_what_is_estimated_of_tractions():
-    entry = {"max_relative_error": 0.02, "estimated_max_relative_error": 0.02}
-    for rubbed, said in (({}, False), ({"estimated_max_traction_error": 0.0888}, True)):
-        methods = {"compliance": {"0": entry | rubbed}}
-        lines = _estimates({"push": {"reference": {"model": "full"}, "methods": methods}})
-        assert lines[0].endswith("compliance 2.00% (tractions 8.88%)" if said else "2.00%")
-        assert ("of tractions" in lines[1]) == said
+def estimated(errors, traction=None):
+    """Return results of a transient by methods of which errors are estimated."""
+    results = fake_results()
+    case = results.cases["LC2-step"]
+    result = case.methods["compliance"][0]
+    methods = {}
+    for method, error in errors.items():
+        estimate = replace(result.accuracy, max_relative_error=error, max_traction_error=traction)
+        response = replace(result.response, estimate=estimate)
+        methods[method] = {0: replace(result, response=response)}
+    return replace(results, cases={"push": replace(case, methods=methods)})
+
+
+@pytest.mark.parametrize("traction", [None, 0.0888])
+def test_runs_say_what_is_estimated_of_tractions(traction):
+    said = remarks(estimated({"compliance": 0.02}, traction))
+    (line,) = (line for line in said if line.startswith("push, errors estimated"))
+    (observed,) = (line for line in said if line.startswith("(Estimates"))
+    assert line.endswith("compliance 2.00% (tractions 8.88%)" if traction else "2.00%")
+    assert ("of tractions" in observed) == (traction is not None)
 
 
 @pytest.mark.long

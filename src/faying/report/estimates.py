@@ -2,19 +2,11 @@
 
 import numpy as np
 
-from faying.assessment.transient_error import (
-    EXACT,
-    LARGE_ERROR,
-    OBSERVED_ON,
-    OBSERVED_RATIOS,
-    REMEDY,
-    TRACTIONS_OBSERVED,
-    remedy_hint,
-)
+from faying.assessment.transient_error import OBSERVED_ON, OBSERVED_RATIOS, TRACTIONS_OBSERVED
 from faying.display.quantities import number, percent
 from faying.report.methods import GOOD
 from faying.report.style import NOTHING
-from faying.study.results.second_solution import remedy_sentence, shapes_seconds
+from faying.study.judgement.remarks import hint
 from faying.study.results.values import Results
 
 
@@ -38,8 +30,7 @@ def estimate_note(results: Results) -> str:
     )
     rubbed = any(estimate.max_traction_error is not None for _, _, estimate, _ in estimates)
     said += f", {TRACTIONS_OBSERVED}, over the largest traction." if rubbed else "."
-    hint = remedy_hint(_worst(results))
-    said = f"{said} {hint}" if hint else said
+    said = f"{said} {hint(results)}".rstrip()
     ratios = [
         estimate.max_relative_error / true.max_relative_error
         for full, _, estimate, true in estimates
@@ -49,36 +40,6 @@ def estimate_note(results: Results) -> str:
         return said
     smallest, largest = (number(float(extreme(ratios)), 2) for extreme in (np.min, np.max))
     return f"{said} In this run it is {smallest} to {largest} times the true one."
-
-
-def _worst(results: Results) -> dict[str, float]:
-    """Return the largest estimated error of every method over the tolerance; 0 without estimate."""
-    worst: dict[str, float] = {}
-    for case in results.cases.values():
-        estimates = [
-            (name, result.response.estimate)
-            for name, sizes in case.methods.items()
-            for result in sizes.values()
-        ]
-        if not case.is_full:
-            estimates.append((EXACT, case.reference.estimate))
-        if case.remedy is not None:
-            estimates.append((REMEDY, None))
-        for name, estimate in estimates:
-            error = 0.0 if estimate is None else estimate.max_relative_error
-            error /= case.tolerance or LARGE_ERROR
-            worst[name] = max(error, worst.get(name, 0.0))
-    return worst
-
-
-def remedies(results: Results) -> list[str]:
-    """Say of each transient that was solved again what it was solved by, and what that cost."""
-    shapes = shapes_seconds(results.timings)
-    return [
-        remedy_sentence(name, case.remedy, shapes)
-        for name, case in results.cases.items()
-        if case.remedy is not None
-    ]
 
 
 def doubtful_references(results: Results) -> list[str]:

@@ -13,34 +13,31 @@ from faying.study.results.values import Results
 def peak_table(results: Results) -> Table:
     """Return the peak of each level, what contact does there, and what the backbone expected."""
     peaks = {
-        f"{name}, level {number(peak.level)}": (record, curve, peak, expected)
+        f"{name}, level {number(level.peak.level)}": (record.at, level)
         for name, record in results.frequencies.items()
-        for curve, peak, expected in record.peaks()
+        for level in record.peaks()
     }
 
-    def contact(field: str) -> Callable[[Any], float | None]:
-        def at_peak(row: Any) -> float | None:
-            record, curve, _, _ = row
-            top = int(np.argmax(np.abs(curve.response(record.at))))
-            contact_there = curve.contact
-            return None if contact_there is None else float(getattr(contact_there, field)[top])
-
-        return at_peak
-
-    def percent_of(field: str) -> Callable[[Any], float | None]:
-        value = contact(field)
-        return lambda row: None if (share := value(row)) is None else 100 * share
+    def percent_of(name: str) -> Callable[[Any], float | None]:
+        return lambda row: None if (share := row[1].there(name)) is None else 100 * share
 
     columns = (
-        Column("of", lambda row: row[0].at),
-        Column("peak at", lambda row: row[2].frequency, "1/time", 5),
-        Column("amplitude", lambda row: row[2].amplitude, "length"),
+        Column("of", lambda row: row[0]),
+        Column("peak at", lambda row: row[1].peak.frequency, "1/time", 5),
+        Column("amplitude", lambda row: row[1].peak.amplitude, "length"),
         Column("damping ratio", percent_of("damping_ratio"), "%", 3),
         Column("slipping area", percent_of("slip_share"), "%", 3),
         Column("opened", percent_of("open_share"), "%", 3),
-        Column("largest pressure", contact("peak_pressure"), PRESSURE),
-        Column("peak by the backbone", lambda row: row[3] and row[3].frequency, "1/time", 5),
-        Column("amplitude by it", lambda row: row[3] and row[3].amplitude, "length"),
+        Column("largest pressure", lambda row: row[1].there("peak_pressure"), PRESSURE),
+        Column(
+            "peak by the backbone",
+            lambda row: row[1].expected and row[1].expected.frequency,
+            "1/time",
+            5,
+        ),
+        Column(
+            "amplitude by it", lambda row: row[1].expected and row[1].expected.amplitude, "length"
+        ),
     )
     return described("peak", peaks.items(), columns, results.unit_set)
 

@@ -27,7 +27,7 @@ from faying.report.errors import (
     stage_table,
     timing_table,
 )
-from faying.report.estimates import doubtful_references, estimate_note, remedies
+from faying.report.estimates import doubtful_references, estimate_note
 from faying.report.figures import write_figures
 from faying.report.figures.entry import FigureEntry
 from faying.report.meanings import meanings
@@ -40,6 +40,7 @@ from faying.report.trust import trust
 from faying.report.view.scene import scene
 from faying.report.view.scripts import own, three
 from faying.study.judgement.model_warnings import barely_held, kept_share, missing_contact
+from faying.study.judgement.remarks import remedies
 from faying.study.judgement.verdict import run_verdict
 from faying.study.results.mode_choice import mode_sentences
 from faying.study.results.values import Results

@@ -10,7 +10,7 @@ from faying.display.quantities import number, percent
 from faying.reduction.methods import METHODS
 from faying.report.reference import against, reference_note
 from faying.report.style import label
-from faying.study.inputs.jumps import jump_sentence
+from faying.study.judgement.remarks import jumps
 from faying.study.judgement.step_check import step_check
 from faying.study.results.values import CaseResult, MethodResult, Results
 
@@ -216,10 +216,7 @@ def reservations(results: Results) -> list[str]:
             f"{len(results.omissions)} part(s) of the validation could not be computed; see the "
             "warnings."
         )
-    time = results.unit_set.time
-    for name, case in results.cases.items():
-        history = case.kind == "history"
-        said += filter(None, [jump_sentence(name, case.jumps, time, history=history)])
+    said.extend(jumps(results))
     said.extend(_undetermined(results))
     said.extend(_unseen(results))
     said.extend(_fewer_modes(results))

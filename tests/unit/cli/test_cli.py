@@ -28,6 +28,7 @@ def runner(monkeypatch):
     calls = []
     summary = {
         "load_cases": {},
+        "remarks": [],
         "warnings": [],
         "reference": {"kind": "full", "reason": ""},
         "timings": {"stages": {}},

@@ -1,11 +1,14 @@
 """Harmonic loads as they stand in ``summary.json``."""
 
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
-from faying.assessment.response_curve import Peak, ResponseCurve
-from faying.study.results.frequency_record import FrequencyRecord
+from faying.study.results.frequency_record import FrequencyRecord, LevelPeak
+
+AT_THE_PEAK = ("damping_ratio", "friction_energy", "load_work")
+"""What contact does there; other figures of contact are extremes over the curve."""
 
 
 def frequency_figures(record: FrequencyRecord) -> dict[str, Any]:
@@ -14,7 +17,7 @@ def frequency_figures(record: FrequencyRecord) -> dict[str, Any]:
     return {
         "component": record.at,
         "seconds": record.seconds,
-        "levels": [_level(record, *peak) for peak in record.peaks()],
+        "levels": [_level(peak) for peak in record.peaks()],
         "measured": {
             name: {
                 field: value if np.isfinite(value) else None
@@ -45,27 +48,19 @@ def frequency_figures(record: FrequencyRecord) -> dict[str, Any]:
     }
 
 
-def _level(
-    record: FrequencyRecord, curve: ResponseCurve, peak: Peak, expected: Peak | None
-) -> dict[str, Any]:
-    index = int(np.argmax(np.abs(curve.response(record.at))))
+def _level(level: LevelPeak) -> dict[str, Any]:
+    curve, peak, expected, contact = level.curve, level.peak, level.expected, level.curve.contact
     figures: dict[str, Any] = {
-        "level": curve.level,
-        "frequency": peak.frequency,
-        "amplitude": peak.amplitude,
-        "phase": peak.phase,
+        **asdict(peak),
         "points": len(curve.frequency),
         "missed": len(curve.missed),
         "harmonics": curve.harmonics.shape[1] - 1,
         "expected_frequency": None if expected is None else expected.frequency,
         "expected_amplitude": None if expected is None else expected.amplitude,
     }
-    if curve.contact is not None:
-        contact = curve.contact
+    if contact is not None:
         figures |= {
-            "damping_ratio": float(contact.damping_ratio[index]),
-            "friction_energy": float(contact.friction_energy[index]),
-            "load_work": float(contact.load_work[index]),
+            **{name: level.there(name) for name in AT_THE_PEAK},
             "max_imbalance": float(np.abs(contact.imbalance).max()),
             "max_pressure": float(contact.peak_pressure.max()),
             "stick_fraction": float(contact.stick_share.min()),

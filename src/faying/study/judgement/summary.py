@@ -15,6 +15,7 @@ from faying.study.judgement.comparison import backbone_errors, increments, rubbe
 from faying.study.judgement.frequency_figures import frequency_figures
 from faying.study.judgement.model_warnings import barely_held, missing_contacts
 from faying.study.judgement.opening import opening
+from faying.study.judgement.remarks import remarks
 from faying.study.judgement.step_check import step_check
 from faying.study.judgement.step_choice import step_choice
 from faying.study.judgement.verdict import required, run_verdict
@@ -74,6 +75,7 @@ def summarize(results: Results) -> dict[str, Any]:
         "assessment": None if results.assessment is None else plain(asdict(results.assessment)),
         "requirements": required(results.study_text),
         "verdict": plain(summarized(run_verdict(results))),
+        "remarks": remarks(results),
         "validation": _validation(results.validation),
         "timings": timings(results),
     }

@@ -4,6 +4,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import final
 
+import numpy as np
+
 from faying.assessment.backbone import Backbone
 from faying.assessment.response_curve import (
     FrequencyResponse,
@@ -11,6 +13,32 @@ from faying.assessment.response_curve import (
     ResponseCurve,
 )
 from faying.assessment.transient_check import TransientCheck
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LevelPeak:
+    """Where the curve of a level is highest.
+
+    Attributes
+    ----------
+    curve
+    peak
+    index
+        Of its point on the curve.
+    expected
+        By the backbone; None where it tells nothing.
+    """
+
+    curve: ResponseCurve
+    peak: Peak
+    index: int
+    expected: Peak | None
+
+    def there(self, name: str) -> float | None:
+        """Return what contact does there, by its name; None where contact is not looked at."""
+        contact = self.curve.contact
+        return None if contact is None else float(getattr(contact, name)[self.index])
 
 
 @final
@@ -44,19 +72,17 @@ class FrequencyRecord:
     measured: Mapping[str, ResponseCurve] = field(default_factory=dict)
     seconds: float = 0.0
 
-    def peaks(self) -> Iterator[tuple[ResponseCurve, Peak, Peak | None]]:
-        """Yield curves that have points with their peaks, and those expected by the backbone."""
-        levels = (
-            {} if self.expected is None else {level.level: level for level in self.expected.curves}
-        )
+    def peaks(self) -> Iterator[LevelPeak]:
+        """Yield the peaks of the curves that have points."""
+        curves = () if self.expected is None else self.expected.curves
+        expected = {curve.level: curve.peak(self.at) for curve in curves if len(curve.frequency)}
         for curve in self.response.curves:
             if len(curve.frequency):
-                expected = levels.get(curve.level)
-                is_known = expected is not None and len(expected.frequency) > 0
-                yield (
-                    curve,
-                    curve.peak(self.at),
-                    expected.peak(self.at) if is_known and expected else None,
+                yield LevelPeak(
+                    curve=curve,
+                    peak=curve.peak(self.at),
+                    index=int(np.argmax(np.abs(curve.response(self.at)))),
+                    expected=expected.get(curve.level),
                 )
 
     def compared(self) -> Iterator[tuple[str, Mapping[str, tuple[float, float]]]]:

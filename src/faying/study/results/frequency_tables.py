@@ -81,13 +81,13 @@ def _responses(name: str, curve: ResponseCurve) -> Iterator[tuple[object, ...]]:
 
 
 def _peaks(name: str, record: FrequencyRecord) -> Iterator[tuple[object, ...]]:
-    for curve, peak, expected in record.peaks():
-        index = int(np.argmax(np.abs(curve.response(record.at))))
+    for level in record.peaks():
+        peak, expected = level.peak, level.expected
+        rubbed, damped = level.there("friction_energy"), level.there("damping_energy")
         damping: tuple[object, object] = "", ""
-        if curve.contact is not None:
-            lost = curve.contact.damping_energy[index] + curve.contact.friction_energy[index]
-            share = curve.contact.friction_energy[index] / lost if lost > 0 else 0.0
-            damping = float(curve.contact.damping_ratio[index]), float(share)
+        if rubbed is not None and damped is not None:
+            lost = rubbed + damped
+            damping = level.there("damping_ratio"), rubbed / lost if lost > 0 else 0.0
         expected_values = ("", "") if expected is None else (expected.frequency, expected.amplitude)
         motion = (peak.frequency, peak.amplitude, peak.phase)
-        yield name, curve.level, record.at, *motion, *damping, *expected_values
+        yield name, peak.level, record.at, *motion, *damping, *expected_values

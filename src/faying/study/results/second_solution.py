@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 SHAPES, PROJECTION = "attachment modes", "project compliance+inertia"
 """Stages of a run that make the shapes of the interface and reduce the model to them."""
@@ -50,12 +49,6 @@ class Remedy:
         """Whether what was taken is estimated to be nearer the truth."""
         first, second = self.first.estimate, self.taken.estimate
         return second is not None and first is not None and second < first
-
-
-def remedy_from(summary: Mapping[str, Any]) -> Remedy:
-    """Return a remedy from its members, as a summary has them."""
-    tried = {key: Tried(**summary[key]) for key in ("first", "taken")}
-    return Remedy(**tried, tolerance=summary["tolerance"])
 
 
 def shapes_seconds(stages: Mapping[str, float]) -> float:

@@ -1,0 +1,154 @@
+"""What is said of a run beside its verdict: peaks, errors, and what was chosen and why."""
+
+from collections.abc import Iterator
+
+from faying.assessment.accuracy import Accuracy
+from faying.assessment.backbone import amplitude_unit
+from faying.assessment.transient_error import (
+    EXACT,
+    LARGE_ERROR,
+    OBSERVED_ON,
+    OBSERVED_RATIOS,
+    REMEDY,
+    TRACTIONS_OBSERVED,
+    remedy_hint,
+)
+from faying.display.facts import with_unit
+from faying.study.inputs.jumps import jump_sentence
+from faying.study.judgement.comparison import backbone_errors
+from faying.study.judgement.step_choice import choice_sentence, step_choice
+from faying.study.results.mode_choice import mode_sentences
+from faying.study.results.second_solution import remedy_sentence, shapes_seconds
+from faying.study.results.values import CaseResult, Results
+
+ROUND_OFF = 1e-7
+"""Errors below are the rounding of double precision and no property of a method."""
+
+
+def remarks(results: Results) -> list[str]:
+    """Return what the console says of a run, a sentence each."""
+    steps = {name: step_choice(case) for name, case in results.cases.items()}
+    return [
+        *_peaks(results),
+        *_backbones(results),
+        *_estimates(results),
+        *(choice_sentence(name, choice) for name, choice in steps.items() if choice is not None),
+        *mode_sentences(results.mode_choices, results.unit_set),
+        *remedies(results),
+        *(f"Doubtful: {said}" for said in jumps(results)),
+        *([f"Reference: {results.reference_reason}"] if results.reference_reason else []),
+    ]
+
+
+def shown_error(error: float) -> str:
+    """Return an error in percent, as a bound where it is round-off."""
+    return f"< {ROUND_OFF:.0e}".replace("e-0", "e-") if error < ROUND_OFF else f"{error:.2%}"
+
+
+def jumps(results: Results) -> list[str]:
+    """Say of each load case in which loads jump what would be better."""
+    time = results.unit_set.time
+    said = (
+        jump_sentence(name, case.jumps, time, history=case.kind == "history")
+        for name, case in results.cases.items()
+    )
+    return [text for text in said if text]
+
+
+def remedies(results: Results) -> list[str]:
+    """Say of each transient that was solved again what it was solved by, and what that cost."""
+    shapes = shapes_seconds(results.timings)
+    return [
+        remedy_sentence(name, case.remedy, shapes)
+        for name, case in results.cases.items()
+        if case.remedy is not None
+    ]
+
+
+def hint(results: Results) -> str:
+    """Return what to compare beside what was compared, by estimates; empty where nothing lacks."""
+    worst: dict[str, float] = {}
+    for case in results.cases.values():
+        estimates = [
+            (name, result.response.estimate)
+            for name, sizes in case.methods.items()
+            for result in sizes.values()
+        ]
+        if not case.is_full:
+            estimates.append((EXACT, case.reference.estimate))
+        if case.remedy is not None:
+            estimates.append((REMEDY, None))
+        for name, estimate in estimates:
+            error = 0.0 if estimate is None else estimate.max_relative_error
+            error /= case.tolerance or LARGE_ERROR
+            worst[name] = max(error, worst.get(name, 0.0))
+    return remedy_hint(worst)
+
+
+def _peaks(results: Results) -> Iterator[str]:
+    """Say where responses to harmonic loads peak, and what transients say of it."""
+    rate = f"1/{results.unit_set.time}"
+    for name, record in results.frequencies.items():
+        size = amplitude_unit(record.at, results.units)
+        for level in record.peaks():
+            peak, damping = level.peak, level.there("damping_ratio")
+            ratio = "" if damping is None else f", damping ratio {damping:.2%}"
+            missed = len(level.curve.missed)
+            yield (
+                f"{name}, level {peak.level:g}: {record.at} peaks at "
+                f"{with_unit(peak.frequency, rate)} with {with_unit(peak.amplitude, size)}{ratio}"
+                f"{f', {missed} frequencies without a motion' if missed else ''}"
+            )
+        yield from (f"{name}, {check.sentence}" for check in record.checks)
+
+
+def _backbones(results: Results) -> Iterator[str]:
+    """Say how far backbones of reduced models are from those of the full model."""
+    for name, case in results.cases.items():
+        for method, sizes in case.methods.items():
+            errors = backbone_errors(sizes[max(sizes)].response, case.reference) if sizes else None
+            if errors is not None:
+                yield (
+                    f"Backbones {name}, {method}: frequencies off by at most "
+                    f"{shown_error(errors.frequency)}, damping ratios by "
+                    f"{shown_error(errors.damping)}"
+                )
+
+
+def _estimates(results: Results) -> list[str]:
+    """Say of each transient how far off the methods are estimated to be, their largest bases."""
+    estimates = {name: dict(_estimated(case)) for name, case in results.cases.items()}
+    said = [
+        f"{name}, errors estimated without a full solution: "
+        f"{', '.join(f'{method} {_told(error)}' for method, error in errors.items())}"
+        for name, errors in estimates.items()
+        if errors
+    ]
+    if said:
+        low, high = OBSERVED_RATIOS
+        rubs = any(
+            error.max_traction_error is not None
+            for errors in estimates.values()
+            for error in errors.values()
+        )
+        of_tractions = f"; {TRACTIONS_OBSERVED}" if rubs else ""
+        said.append(
+            f"(Estimates, {low:g} to {high:g} times the true error on {OBSERVED_ON}{of_tractions}.)"
+        )
+    return [*said, *filter(None, [hint(results)])]
+
+
+def _estimated(case: CaseResult) -> Iterator[tuple[str, Accuracy]]:
+    """Yield the models of a load case whose errors are estimated, the largest of each method."""
+    for method, sizes in case.methods.items():
+        estimate = sizes[max(sizes)].response.estimate if sizes else None
+        if estimate is not None:
+            yield method, estimate
+    if case.reference.estimate is not None:
+        yield f"the reference, {case.reference_model}", case.reference.estimate
+
+
+def _told(estimate: Accuracy) -> str:
+    """Return estimated errors of pressures and, where something rubs, of tractions."""
+    rubs = estimate.max_traction_error
+    return f"{estimate.max_relative_error:.2%}{'' if rubs is None else f' (tractions {rubs:.2%})'}"
