@@ -34,13 +34,12 @@ from faying.model.cells import CellBlock
 from faying.reduction.mode_count import ModeCount
 from faying.reduction.model_fields import BOUNDARY, COORDINATES, PORTS
 from faying.study.inputs.jumps import Jump
+from faying.study.results.check import MEANINGS
 from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.results.nodal_motion import NodalMotion
-from faying.study.results.path_record import CycleRecord, PathRecord
+from faying.study.results.path_record import CycleRecord, PathRecord, SlipRecord
 from faying.study.results.recovered import RecoveredRecord
 from faying.study.results.second_solution import Remedy, Tried
-from faying.study.results.slip_record import SlipRecord
-from faying.study.results.store_fields import MEANINGS
 from faying.study.results.validation_record import (
     LoadSpaceRecord,
     LoadSpaceResult,

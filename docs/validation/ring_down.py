@@ -15,7 +15,7 @@ import scipy.linalg as la
 
 import faying as fy
 from faying._typing import Matrix, Vector
-from faying.assessment.decay import Decay
+from faying.assessment.ring_down import Decay
 from faying.assessment.stuck_stiffness import stuck_stiffness
 from faying.joint.load_pattern import LoadPattern
 

@@ -8,7 +8,6 @@ from faying.assessment.backbone_response import backbone_response as backbone_re
 from faying.assessment.certificate import certify as certify
 from faying.assessment.choose_joint_modes import choose_joint_modes as choose_joint_modes
 from faying.assessment.choose_normal_modes import choose_normal_modes as choose_normal_modes
-from faying.assessment.decay import free_decay as free_decay
 from faying.assessment.energy import energy_balance as energy_balance
 from faying.assessment.frequencies import count_frequencies_below as count_frequencies_below
 from faying.assessment.frequencies import preloaded_frequencies as preloaded_frequencies
@@ -28,6 +27,7 @@ from faying.assessment.preload_scatter import PreloadScatter as PreloadScatter
 from faying.assessment.recovery import recover_pressure as recover_pressure
 from faying.assessment.requirements import ClosedRing as ClosedRing
 from faying.assessment.requirements import Requirements as Requirements
+from faying.assessment.ring_down import free_decay as free_decay
 from faying.assessment.ring_down import ring_down as ring_down
 from faying.assessment.sensitivity import sensitivity as sensitivity
 from faying.assessment.slip_reserve import slip_reserve as slip_reserve

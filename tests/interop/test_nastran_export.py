@@ -14,8 +14,7 @@ import faying as fy
 from faying.exceptions import FormatError
 from faying.export.formats import export
 from faying.export.linearized import linearize
-from faying.export.nastran import superelement_rows
-from faying.export.nastran_cards import assembly_cards, punch_cards
+from faying.export.nastran import assembly_cards, punch_cards, superelement_rows
 from faying.io.extrn import read_extrn
 from faying.io.op4 import read_op4_matrices
 

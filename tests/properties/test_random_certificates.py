@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import faying as fy
-from faying.assessment.enclosure import enclose
+from faying.assessment.certificate import enclose
 from faying.assessment.flexibility import flexibility
 from faying.assessment.tresca import tresca_gap
 

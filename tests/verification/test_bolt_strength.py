@@ -7,11 +7,9 @@ import pytest
 
 import faying as fy
 from faying.assessment.joint_record import CaseState
-from faying.assessment.strength.checks import strength_checks
-from faying.assessment.strength.fatigue import miner_sum
+from faying.assessment.strength.checks import strength_checks, stripping_force
+from faying.assessment.strength.fatigue import miner_sum, rainflow
 from faying.assessment.strength.preload_ends import PreloadEnd
-from faying.assessment.strength.rainflow import rainflow
-from faying.assessment.strength.stripping import stripping_force
 from faying.assessment.strength.thread import tightening_stress, working_stress
 from faying.assessment.strength.tightening import force_of_utilisation
 

@@ -5,7 +5,7 @@ import pytest
 
 import faying as fy
 from faying.assessment import ring_down, stuck_modes
-from faying.assessment.decay import Decay
+from faying.assessment.ring_down import Decay
 from faying.assessment.stuck_modes import stuck_mode
 from faying.exceptions import ModelError
 from faying.simulation.cycles import MOST_CYCLES

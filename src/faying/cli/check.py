@@ -104,7 +104,7 @@ def _picture(loaded: "LoadedModel", model: "Model", path: Path) -> Path:
 def _gap_pictures(model: "Model", out: Path) -> Iterator[Path]:
     """Draw the gaps of interfaces whose surfaces part into a file, where there are such."""
     from faying.reduction.projection import contact_surfaces
-    from faying.report.figures.initial_gap import draw_initial_gaps
+    from faying.report.figures.gap import draw_initial_gaps
     from faying.report.style import save
     from faying.study.results.values import interface_record
     from faying.units import units_of

@@ -105,7 +105,7 @@ def _written(
     results: "Results", recovered: "RecoveredRecord", folder: Path, stem: str
 ) -> list[Path]:
     """Write what was recovered, and pictures of the instant of largest pressure."""
-    from faying.export.vtu import write_fields_vtu
+    from faying.export.vtk import write_fields_vtu
     from faying.files.names import file_names
     from faying.study.results.store import write_recovered
     from faying.study.stages.recover import peak_fields

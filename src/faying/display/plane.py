@@ -1,4 +1,4 @@
-"""The plane a surface is drawn in."""
+"""The map a surface is drawn in: its plane, or a cylinder unrolled, arc across and axis up."""
 
 from dataclasses import dataclass
 
@@ -88,3 +88,104 @@ def _normal(points: Matrix, normals: Matrix, weights: Vector) -> Vector:
 def _unit(vector: Vector) -> Vector:
     unit: Vector = vector / np.linalg.norm(vector)
     return unit
+
+
+ROUND = 0.02
+"""Distance of points from a circle, over its radius, up to which a surface is one: chords."""
+
+ACROSS = 0.05
+"""Root mean square of the normals' component along an axis that they go round."""
+
+BENT = 0.5
+"""Least share of the normals in either direction across the axis: a quarter of a circle has 0.8."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Unrolled:
+    """The map of a cylinder, cut open where it has least points.
+
+    Attributes
+    ----------
+    axes : (3, 3)
+        Two directions across the axis, and the axis.
+    centre : (2,) [length]
+        Of the circle, along the first two.
+    radius : [length]
+    cut : [rad]
+        Angle where the map begins.
+    labels
+        Names of the map's axes.
+    flat
+        Whether the surface lies in a plane: it does not.
+    """
+
+    axes: Matrix
+    centre: Vector
+    radius: float
+    cut: float
+    labels: tuple[str, str]
+    flat: bool = False
+
+    @property
+    def period(self) -> float:
+        """Length of the circumference [length]."""
+        return float(2 * np.pi * self.radius)
+
+    def project(self, points: Matrix) -> Matrix:
+        """Return map coordinates (n, 2) of points (n, 3)."""
+        arc = np.mod(self._angles(points) - self.cut, 2 * np.pi) * self.radius
+        return np.stack([arc, points @ self.axes[2]], axis=-1)
+
+    def directions(self, points: Matrix, vectors: Matrix) -> Matrix:
+        """Return the components (n, 2) along the map of vectors (n, 3) at points."""
+        angles = self._angles(points)
+        around = np.outer(-np.sin(angles), self.axes[0]) + np.outer(np.cos(angles), self.axes[1])
+        return np.stack([(vectors * around).sum(axis=-1), vectors @ self.axes[2]], axis=-1)
+
+    def _angles(self, points: Matrix) -> Vector:
+        x, y = np.moveaxis(points @ self.axes[:2].T - self.centre, -1, 0)
+        angles: Vector = np.arctan2(y, x)
+        return angles
+
+    def whole(self, polygons: Matrix) -> Matrix:
+        """Return polygons (n, n_corner, 2) of the map, those over the cut drawn at its end."""
+        arcs = polygons[..., :1]
+        over = np.ptp(arcs, axis=1, keepdims=True) > self.period / 2
+        moved = np.where(over & (arcs < self.period / 2), self.period, 0.0)
+        shifted: Matrix = polygons + np.concatenate([moved, np.zeros_like(moved)], axis=-1)
+        return shifted
+
+
+def unrolled(points: Matrix, normals: Matrix) -> Unrolled | None:
+    """Return the map of points (n, 3) on a cylinder; None where they lie on none.
+
+    The circle is that of least squares (Kåsa 1976).
+    """
+    if len(points) < 4 or len(normals) < 4:
+        return None
+    spread, directions = np.linalg.eigh(normals.T @ normals / len(normals))
+    if spread[0] > ACROSS**2 or spread[1] < BENT / 3:
+        return None
+    axis = directions[:, 0] * np.sign(directions[np.abs(directions[:, 0]).argmax(), 0])
+    first = directions[:, 2]
+    axes = np.stack([first, np.cross(axis, first), axis])
+    across = points @ axes[:2].T
+    system = np.column_stack([2 * across, np.ones(len(across))])
+    solution = np.linalg.lstsq(system, (across**2).sum(axis=1), rcond=None)[0]
+    centre = solution[:2]
+    radius = float(np.sqrt(max(solution[2] + centre @ centre, 0.0)))
+    away = np.linalg.norm(across - centre, axis=1)
+    if not radius > 0 or np.abs(away - radius).max() > ROUND * radius:
+        return None
+    angles = np.sort(np.arctan2(*(across - centre).T[::-1]))
+    gaps = np.diff(angles, append=angles[0] + 2 * np.pi)
+    widest = int(gaps.argmax())
+    aligned = np.abs(axis).max() > 1 - 1e-6
+    along = "xyz"[int(np.abs(axis).argmax())] if aligned else "along the axis"
+    return Unrolled(
+        axes=axes,
+        centre=centre,
+        radius=radius,
+        cut=float(angles[widest] + gaps[widest] / 2),
+        labels=("arc", along),
+    )

@@ -4,6 +4,7 @@
 """
 
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.path import last_of
 from faying.simulation.start import at_rest
+from faying.study.results.values import Results
 
 
 def variables(rom: ReducedModel) -> dict[str, Any]:
@@ -174,3 +176,14 @@ def _boundary_names(rom: ReducedModel) -> list[str]:
             boundary.nodes.tolist(), boundary.components.tolist(), strict=True
         )
     ]
+
+
+def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path, ...]:
+    """Write the variables of :mod:`faying.export.arrays` to a compressed archive.
+
+    N and T are kept as three arrays each, such as ``N_rows``, ``N_columns`` and ``N_values``;
+    nothing is pickled.
+    """
+    with path.open("wb") as file:
+        np.savez_compressed(file, **numpy_variables(rom))
+    return (path,)

@@ -77,7 +77,7 @@ FORMATS = {
     "fmu": Format(module="faying.export.fmu", kind=CONTACT, suffix=".fmu", friction=RUBS),
     "exudyn": Format(module="faying.export.exudyn", kind=CONTACT, suffix=".py", extra="exudyn"),
     "vtk": Format(module="faying.export.vtk", kind=PICTURES, suffix=""),
-    "npz": Format(module="faying.export.numpy_archive", kind=CONTACT, suffix=".npz", friction=RUBS),
+    "npz": Format(module="faying.export.arrays", kind=CONTACT, suffix=".npz", friction=RUBS),
     "uff": Format(
         module="faying.export.uff", kind=CURVES, suffix=".uff", extra="uff", friction=RUBS
     ),

@@ -1,6 +1,13 @@
-"""Long transients, written to HDF5 as they are computed: memory is that of one piece."""
+"""Long transients, written to HDF5 as they are computed: memory is that of one piece.
 
-from collections.abc import Callable, Mapping
+Space is taken before HDF5 writes: whatever it has begun to write it tries again when the file is
+closed, and once more when the program ends, each time with a report of its own; and on a full disk
+the file is damaged.
+"""
+
+import os
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 
@@ -11,7 +18,6 @@ from faying._typing import Matrix
 from faying.exceptions import FayingError, FormatError, ModelError
 from faying.files.described import member_name
 from faying.files.hdf5 import check_hdf5, damaged
-from faying.files.reserve import growing, reserve
 from faying.joint.system import System
 from faying.simulation.divided_steps import divided_steps
 from faying.simulation.integrators import ImplicitEuler, Integrator
@@ -21,6 +27,59 @@ from faying.simulation.solution import Solution
 from faying.simulation.stepping import transient_solver
 from faying.simulation.times import check_times
 from faying.simulation.transient_windows import Steps, transient_windows
+
+SLACK = 2**20
+"""Bytes for what HDF5 writes of itself: groups, attributes, and an index of the chunks."""
+
+
+@contextmanager
+def growing(path: Path, *, new: bool) -> Iterator[h5py.File]:
+    """Yield an HDF5 file to write to, once there is room to begin.
+
+    Parameters
+    ----------
+    new
+        Whether what the file holds is lost.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
+    with path.open("wb" if new else "ab") as probe:
+        size = os.fstat(probe.fileno()).st_size
+        _allocate(probe.fileno(), size, SLACK)
+        probe.truncate(size)
+    used = None
+    try:
+        with h5py.File(path, "w" if new or not size else "r+", track_order=True) as file:
+            reserve(file, 0)
+            try:
+                yield file
+            finally:
+                file.flush()
+                used = file.id.get_filesize()
+    finally:
+        if used is not None:
+            os.truncate(path, used)
+
+
+def reserve(file: h5py.File, n_bytes: int) -> None:
+    """Take the space for so many more bytes, and for what HDF5 writes with them.
+
+    Raises
+    ------
+    OSError
+        If there is none; the file is as it was.
+    """
+    _allocate(file.id.get_vfd_handle(), file.id.get_filesize(), n_bytes + SLACK)
+
+
+def _allocate(handle: int, offset: int, n_bytes: int) -> None:
+    # Elsewhere a full disk is met by HDF5 itself.
+    if hasattr(os, "posix_fallocate"):
+        os.posix_fallocate(handle, offset, n_bytes)
+
 
 FORMAT = "faying transient"
 STEPS_PER_WRITE = 2000

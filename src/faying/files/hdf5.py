@@ -1,14 +1,112 @@
-"""HDF5 files that others wrote, opened for reading."""
+"""HDF5 files that others wrote, opened for reading.
 
+The HDF5 library trusts the bytes of a file: a few damaged ones can let it loop for ever or crash.
+One process, started with the first file, looks through all files before this one opens them.
+"""
+
+import atexit
+import json
+import os
+import subprocess
+import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 import h5py
 
 from faying.exceptions import FayingError, FormatError
+from faying.files.child_python import python_command, python_environment
 from faying.files.contents import reason_of
-from faying.files.hdf5_watch import look_through
+from faying.linalg.machine_memory import free_memory
+
+STALLED = 20.0
+"""Seconds of a processor after which a file counts as damaged, where the system counts them."""
+
+PATIENCE = 120.0
+"""Seconds by the clock, of which a busy machine may need some to begin."""
+
+SLOWEST = 1e7
+"""Bytes a second below which looking counts as stalled; a healthy file takes a hundredth."""
+
+_LOCK = threading.Lock()
+_WATCHES: dict[int, "subprocess.Popen[str]"] = {}
+
+
+def look_through(path: Path, *, whole: bool = True) -> None:
+    """Let the other process walk through a file.
+
+    Parameters
+    ----------
+    whole
+        Whether all its data are to be read: then they must be there, and fit in memory.
+
+    Raises
+    ------
+    FileNotFoundError
+        If it cannot be opened as an HDF5 file.
+    OSError
+        If it is damaged, leads elsewhere, or holds more than the memory that is free.
+    """
+    extra = path.stat().st_size / SLOWEST if path.is_file() else 0.0
+    seconds = STALLED + extra
+    file = {"path": str(path.resolve()), "room": free_memory()}
+    request = {**file, "whole": whole, "seconds": seconds}
+    with _LOCK:
+        answer = _asked(json.dumps(request), PATIENCE + extra)
+    if answer is None:
+        message = "the HDF5 library crashes or stalls on it"
+        raise OSError(message)
+    if "closed" in answer:
+        raise FileNotFoundError(answer["closed"])
+    if "wrong" in answer:
+        raise OSError(answer["wrong"])
+
+
+def _asked(request: str, limit: float) -> Any:
+    """Return the answer, or None where the other process ended or took too long."""
+    watch = _WATCHES.get(os.getpid())
+    if watch is None or watch.poll() is not None:
+        _end()
+        watch = _WATCHES[os.getpid()] = _started()
+    assert watch.stdin is not None
+    assert watch.stdout is not None
+    timer = threading.Timer(limit, watch.kill)
+    timer.start()
+    line = ""
+    try:
+        watch.stdin.write(request + "\n")
+        watch.stdin.flush()
+        line = watch.stdout.readline()
+    except OSError:
+        pass
+    finally:
+        timer.cancel()
+        if not line.endswith("\n"):  # an interrupt too: its answer would be taken for the next
+            _end()
+    return json.loads(line) if line.endswith("\n") else None
+
+
+def _started() -> "subprocess.Popen[str]":
+    return subprocess.Popen(
+        python_command("-m", "faying.files.hdf5_walk"),
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+        encoding="utf-8",
+        env=python_environment(),
+    )
+
+
+@atexit.register
+def _end() -> None:
+    watch = _WATCHES.pop(os.getpid(), None)
+    if watch is not None:
+        watch.kill()
+        with suppress(BrokenPipeError), watch:
+            pass
 
 
 @contextmanager

@@ -1,7 +1,7 @@
 """A reduced model: a system like the full one, Eq. (15.16), whole without finite elements."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -11,18 +11,73 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.contact.condensed import CondensedContact, relative_compliance
+from faying.contact.contact import Contact
 from faying.display.facts import Shown, counted
 from faying.exceptions import ModelError
-from faying.joint.load_pattern import pattern_forces
-from faying.joint.system import PortCompliance, boundary_dofs, elongations, static_contact_of
+from faying.joint.load_pattern import LoadPattern, pattern_forces
+from faying.joint.system import (
+    Joint,
+    PortCompliance,
+    boundary_dofs,
+    boundary_slices,
+    elongations,
+    static_contact_of,
+)
 from faying.linalg.compressed import symmetrized
 from faying.linalg.factorization import Factorization
 from faying.linalg.relief import factorize_relieved
+from faying.model.bolt import Bolt
+from faying.model.boundary import Boundary
 from faying.reduction.basis import ModeKind
 from faying.reduction.model_data import ModelData
 from faying.reduction.model_writer import write_model
-from faying.reduction.portable_joint import PortableJoint, at_its_ports
 from faying.reduction.recovery import Recovery
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PortableJoint:
+    """The full model as seen through its ports.
+
+    Attributes
+    ----------
+    contact
+        Without degrees of freedom behind the pairs, ``relative_operator`` has no columns.
+    boundaries, bolts, load_patterns
+        By name; boundary degrees of freedom are numbered through, bolts have no elongation row and
+        load patterns no forces.
+    port_compliance
+        Q K⁻¹ Qᵀ of the full model.
+    """
+
+    contact: Contact
+    boundaries: Mapping[str, Boundary]
+    bolts: Mapping[str, Bolt]
+    port_compliance: PortCompliance
+    load_patterns: Mapping[str, LoadPattern] = field(default_factory=dict)
+
+    @cached_property
+    def static_contact(self) -> CondensedContact:
+        """The static contact problem of the full model."""
+        return static_contact_of(self)
+
+
+def at_its_ports(joint: Joint, ports: PortCompliance) -> PortableJoint:
+    """Return a joint as seen through its ports alone, from any system with the same ports."""
+    places = boundary_slices(joint.boundaries)
+    without = np.zeros((joint.contact.relative_operator.shape[0], 0))
+    return PortableJoint(
+        contact=replace(joint.contact, relative_operator=without, residual_compliance=None),
+        boundaries={
+            name: port.with_dofs(np.arange(places[name].start, places[name].stop))
+            for name, port in joint.boundaries.items()
+        },
+        bolts={name: port.at_ports() for name, port in joint.bolts.items()},
+        port_compliance=ports,
+        load_patterns={
+            name: replace(port, forces=np.zeros(0)) for name, port in joint.load_patterns.items()
+        },
+    )
 
 
 @final

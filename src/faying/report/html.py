@@ -19,7 +19,6 @@ from faying.assessment.joint_verdict import (
     verdict_rows,
 )
 from faying.files.atomic import write_text
-from faying.report.certified import sharpness
 from faying.report.errors import (
     choice_table,
     error_table,
@@ -27,18 +26,24 @@ from faying.report.errors import (
     stage_table,
     timing_table,
 )
-from faying.report.estimates import doubtful_references, estimate_note
+from faying.report.estimates import doubtful_references, estimate_note, sharpness
 from faying.report.figures import write_figures
 from faying.report.figures.entry import FigureEntry
-from faying.report.meanings import meanings
-from faying.report.methods import FAIR, GOOD, coarse_steps, headline, reservations, verdicts
+from faying.report.methods import (
+    FAIR,
+    GOOD,
+    against,
+    coarse_steps,
+    headline,
+    meanings,
+    reservations,
+    verdicts,
+)
 from faying.report.model_tables import bolt_table, interface_table, model_table
 from faying.report.questions import questions
-from faying.report.reference import against
 from faying.report.table import MARKS, Column, Table, described
 from faying.report.trust import trust
-from faying.report.view.scene import scene
-from faying.report.view.scripts import own, three
+from faying.report.view.scene import own, scene, three
 from faying.study.judgement.model_warnings import barely_held, kept_share, missing_contact
 from faying.study.judgement.remarks import remedies
 from faying.study.judgement.verdict import run_verdict

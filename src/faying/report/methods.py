@@ -1,18 +1,47 @@
-"""Which methods can be trusted for pressure, judged by their errors on the load cases of a run."""
+"""Which methods can be trusted for pressure, by their errors on the load cases of a run."""
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from faying.display.quantities import number, percent
 from faying.reduction.methods import METHODS
-from faying.report.reference import against, reference_note
 from faying.report.style import label
 from faying.study.judgement.remarks import jumps
 from faying.study.judgement.step_check import step_check
 from faying.study.results.values import CaseResult, MethodResult, Results
+
+
+def against(cases: Iterable[CaseResult]) -> str:
+    """Return "the full model", or "the reference" where a load case has another."""
+    return "the full model" if all(case.is_full for case in cases) else "the reference"
+
+
+def reference_note(results: Results) -> str:
+    """Say what the load cases were compared with in place of the full model; empty if with it."""
+    reduced = {name: case for name, case in results.cases.items() if not case.is_full}
+    if not reduced:
+        return ""
+    models = ", ".join(dict.fromkeys(case.reference_model for case in reduced.values()))
+    reason = f" ({results.reference_reason})" if results.reference_reason else ""
+    moving = [name for name, case in reduced.items() if case.times is not None]
+    confirmed = [name for name, case in results.cases.items() if case.is_full]
+    said = (
+        f"The full model did not solve {', '.join(reduced)}{reason}: the reference there is the "
+        f"reduced model {models}. Static solutions of it are the full model's up to round-off, and "
+        "all static errors are certified."
+    )
+    if confirmed:
+        said += f" The full model confirmed the worst static cases: {', '.join(confirmed)}."
+    if moving:
+        said += (
+            f" In {', '.join(moving)} errors tell how far the normal modes of the study are from "
+            "twice as many; what both miss shows in the difference to recovered pressures."
+        )
+    return said
+
 
 GOOD = 0.05
 """Largest relative pressure error that counts as trustworthy: the paper's method B, 20 modes."""
@@ -292,3 +321,9 @@ def _elsewhere(results: Results, verdict: MethodVerdict) -> float:
     sizes = validation.load_space.methods.get(verdict.method, {}) if validation.load_space else {}
     errors = [sizes[verdict.joint_modes].worst_error] if verdict.joint_modes in sizes else []
     return max(errors, default=0.0)
+
+
+def meanings(results: Results) -> dict[str, str]:
+    """Return what each method of a run is, in the order in which the study names them."""
+    names = dict.fromkeys(name for case in results.cases.values() for name in case.methods)
+    return {name: METHODS[name].meaning for name in names if name in METHODS}

@@ -1,6 +1,8 @@
-"""Tables of the model itself: its size, its interfaces, and its bolts as they were tightened."""
+"""Tables of the model itself: size, interfaces, bolts as tightened; and the loads of a study."""
 
+import tomllib
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -9,6 +11,7 @@ from faying.interface.surface import curve_of
 from faying.report.table import Column, Table, described, table
 from faying.study.judgement.model_warnings import kept_share
 from faying.study.results.values import InterfaceRecord, Results
+from faying.units import Units
 
 
 def model_table(results: Results) -> Table:
@@ -111,3 +114,36 @@ def bolt_table(results: Results) -> Table:
         Column("initial force it is locked at", lambda bolt: bolt.initial_force, "force", 5),
     )
     return described("bolt", results.bolts.items(), columns, results.unit_set)
+
+
+def applied_loads(study_text: str, units: Units) -> dict[str, str]:
+    """Return the loads of each load case as the study states them; empty where it cannot be read.
+
+    Results of a study that a later version wrote still make a report.
+    """
+    try:
+        cases = tomllib.loads(study_text).get("load_case", [])
+        return {case["name"]: _applied(case, units) for case in cases}
+    except (tomllib.TOMLDecodeError, KeyError, TypeError, AttributeError):
+        return {}
+
+
+def _applied(case: dict[str, Any], units: Units) -> str:
+    """Return the loads of a case, or what it has in their place."""
+    if case["kind"] == "backbone":
+        return f"mode{'s' * (len(case['modes']) > 1)} {', '.join(map(str, case['modes']))}"
+    return ", ".join(_force(force, units) for force in case["forces"])
+
+
+def _force(force: dict[str, object], units: Units) -> str:
+    value = force.get("value")
+    kind = next((key for key in ("deck_load", "temperature") if force.get(key) is not None), "")
+    name = f"{kind.replace('_', ' ')} {force[kind]}" if kind else None
+    target = name or f"{force['boundary']} {force['component']}"
+    if not isinstance(value, int | float):
+        return f"{target} from {force.get('file')}"
+    if name is not None:
+        return f"{value:g} × {target}".replace("-", "−")
+    is_moment = str(force["component"]).startswith("M")
+    unit = f"{units.force}·{units.length}" if is_moment else units.force
+    return f"{target} = {value:g} {unit}".replace("-", "−")

@@ -1,6 +1,5 @@
 """The sections of a report: one for each question an engineer asks of a joint."""
 
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -17,8 +16,8 @@ from faying.report.figures.backbone import abscissa, unit_of
 from faying.report.figures.entry import FigureEntry
 from faying.report.figures.frequency import PREFIX
 from faying.report.frequency_peaks import measured_table, peak_table
-from faying.report.slip import most_slip, slip_sentence
-from faying.report.slip_tables import demand_table, friction_table
+from faying.report.model_tables import applied_loads
+from faying.report.slip import demand_table, friction_table, most_slip, slip_sentence
 from faying.report.table import FL, PRESSURE, Cell, Column, Table, described, largest
 from faying.study.judgement.comparison import increments, rubbed
 from faying.study.judgement.opening import opening
@@ -369,39 +368,6 @@ def _bolt_force(case: CaseResult) -> float | None:
 def _opened(results: Results, case: CaseResult) -> float:
     openings = (opening(record, case) for record in results.interfaces.values())
     return 100 * max((item.opened for item in openings if item is not None), default=0.0)
-
-
-def applied_loads(study_text: str, units: Units) -> dict[str, str]:
-    """Return the loads of each load case as the study states them; empty where it cannot be read.
-
-    Results of a study that a later version wrote still make a report.
-    """
-    try:
-        cases = tomllib.loads(study_text).get("load_case", [])
-        return {case["name"]: _applied(case, units) for case in cases}
-    except (tomllib.TOMLDecodeError, KeyError, TypeError, AttributeError):
-        return {}
-
-
-def _applied(case: dict[str, Any], units: Units) -> str:
-    """Return the loads of a case, or what it has in their place."""
-    if case["kind"] == "backbone":
-        return f"mode{'s' * (len(case['modes']) > 1)} {', '.join(map(str, case['modes']))}"
-    return ", ".join(_force(force, units) for force in case["forces"])
-
-
-def _force(force: dict[str, object], units: Units) -> str:
-    value = force.get("value")
-    kind = next((key for key in ("deck_load", "temperature") if force.get(key) is not None), "")
-    name = f"{kind.replace('_', ' ')} {force[kind]}" if kind else None
-    target = name or f"{force['boundary']} {force['component']}"
-    if not isinstance(value, int | float):
-        return f"{target} from {force.get('file')}"
-    if name is not None:
-        return f"{value:g} × {target}".replace("-", "−")
-    is_moment = str(force["component"]).startswith("M")
-    unit = f"{units.force}·{units.length}" if is_moment else units.force
-    return f"{target} = {value:g} {unit}".replace("-", "−")
 
 
 def _figures(figures: Sequence[FigureEntry], case: str, *stems: str) -> list[FigureEntry]:

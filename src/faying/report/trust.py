@@ -7,8 +7,7 @@ import numpy as np
 from faying.display.quantities import number, percent, quantity
 from faying.interface.surface import curve_of
 from faying.report.methods import GOOD
-from faying.study.judgement.step_check import step_check
-from faying.study.judgement.step_choice import choice_sentence, step_choice
+from faying.study.judgement.step_check import choice_sentence, step_check, step_choice
 from faying.study.results.values import CaseResult, InterfaceRecord, Results
 from faying.units import Units
 

@@ -16,7 +16,7 @@ from faying.linalg.threads import one_thread
 from faying.reduction.method import CLASSIC
 from faying.study.judgement.summary import summarize
 from faying.study.keys.tables import Study
-from faying.study.results.frequency_tables import write_frequency_tables
+from faying.study.results.metric_table import write_frequency_tables
 from faying.study.results.store import write_results
 from faying.study.results.values import CaseResult, Results
 from faying.study.stages.books import Books, ProgressBar
@@ -167,7 +167,7 @@ def _largest_bound(case: CaseResult) -> float:
 
 def _write_files(study: Study, results: Results, out: Path, books: Books) -> None:
     """Write results, summary and pictures, the report last."""
-    from faying.export.vtu import write_interface_vtu
+    from faying.export.vtk import write_interface_vtu
 
     with books.stage("files"):
         write_results(results, out / "results.h5")

@@ -10,8 +10,8 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector
 from faying.assessment.case_metrics import Metric, metrics_of
 from faying.assessment.certificate import Certifier, certifier
-from faying.assessment.friction_metrics import friction_metrics
 from faying.assessment.opening import opening_margins
+from faying.assessment.slip_metrics import friction_metrics
 from faying.exceptions import ConvergenceError, StudyError
 from faying.execution.campaign import run_campaign
 from faying.execution.checkpoint import Arrays, Checkpoint

@@ -10,8 +10,8 @@ from faying._typing import Indices, Mask, Matrix
 from faying.assessment.case_metrics import Metric, bent_bolts, case_metrics
 from faying.assessment.certificate import Certificate
 from faying.assessment.envelope import envelope_of, joined
-from faying.assessment.friction_metrics import friction_figures
 from faying.assessment.sealing import Ring
+from faying.assessment.slip_metrics import friction_figures
 from faying.joint.tangential import TangentialRows
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.solution import Solution

@@ -22,7 +22,7 @@ from faying.cli import progress
 from faying.cli.interruption import resumable
 from faying.cli.outcome import show_outcome
 from faying.exceptions import FormatError, StudyError
-from faying.export.vtu import write_interface_vtu
+from faying.export.vtk import write_interface_vtu
 from faying.files.lock import held
 from faying.files.names import file_names
 from faying.report.html import render

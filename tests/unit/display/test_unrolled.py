@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from faying.display.plane import plane_of
-from faying.display.unrolled import unrolled
+from faying.display.plane import plane_of, unrolled
 
 RADIUS = 15.0
 

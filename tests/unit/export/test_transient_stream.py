@@ -10,8 +10,7 @@ import pytest
 import faying as fy
 from faying.exceptions import FormatError, ModelError
 from faying.export import transient_stream
-from faying.export.transient_stream import FIELDS
-from faying.files.reserve import SLACK
+from faying.export.transient_stream import FIELDS, SLACK
 
 STEP = 1e-5
 

@@ -10,7 +10,7 @@ import pytest
 
 from fake_results import NX, NY, fake_results
 from faying.exceptions import FormatError
-from faying.export.vtu import write_interface_vtu
+from faying.export.vtk import write_interface_vtu
 from faying.interface.interface import FacePairs
 from faying.study.results.interface_surface import pair_facets
 

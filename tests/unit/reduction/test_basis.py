@@ -9,9 +9,8 @@ import scipy.sparse as sp
 import faying as fy
 from faying.exceptions import ModelError
 from faying.reduction.basis import Basis, ModeKind
-from faying.reduction.jim_a import unit_pressure_loads
+from faying.reduction.jim_a import subareas, unit_pressure_loads
 from faying.reduction.normal_modes import fixed_interface_normal_modes
-from faying.reduction.subareas import subareas
 
 C, N, B, J = ModeKind.CONSTRAINT, ModeKind.NORMAL, ModeKind.BOLT, ModeKind.JOINT
 

@@ -26,15 +26,12 @@ from faying.report.figures import (
     plot_states,
     write_figures,
 )
-from faying.report.figures.convergence import convergence_figure
-from faying.report.figures.error import error_figure, errs, shown_methods
-from faying.report.figures.gap import STATES, gap_figure
-from faying.report.figures.initial_gap import initial_gap_figure
-from faying.report.figures.model import model_figure
-from faying.report.figures.plane import best_plane
+from faying.report.figures.error import convergence_figure, error_figure, errs, shown_methods
+from faying.report.figures.gap import STATES, gap_figure, initial_gap_figure
+from faying.report.figures.preload import model_figure
 from faying.report.figures.pressure import pressure_figure, summary
 from faying.report.figures.response import response_figure
-from faying.report.figures.surface_map import outline
+from faying.report.figures.surface_map import best_plane, outline
 from faying.report.style import colour, house_style, new_figure
 from faying.study.judgement.step_check import step_check
 from faying.units import units_of

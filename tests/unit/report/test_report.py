@@ -14,12 +14,12 @@ from fake_results import YIELD, fake_results
 from faying.display.quantities import number
 from faying.exceptions import FormatError
 from faying.report import style
-from faying.report.certified import sharpness
 from faying.report.errors import error_table, timing_table
+from faying.report.estimates import sharpness
 from faying.report.html import render, render_methods, write_report
-from faying.report.meanings import meanings
-from faying.report.methods import headline, reservations, verdicts
-from faying.report.questions import applied_loads, clamp_table, clamped_areas, questions
+from faying.report.methods import headline, meanings, reservations, verdicts
+from faying.report.model_tables import applied_loads
+from faying.report.questions import clamp_table, clamped_areas, questions
 from faying.report.table import Column, described
 from faying.report.trust import trust
 from faying.study.results.validation_record import ValidationRecord

@@ -13,13 +13,11 @@ import pytest
 from fake_results import fake_results
 from faying.model.cells import CellBlock
 from faying.model.mesh import Mesh
-from faying.report.view.explosion import explosion
-from faying.report.view.outer_surface import outer_surface
+from faying.report.view.outer_surface import explosion, outer_surface
 from faying.report.view.packing import STEPS, packed_integers, packed_numbers
-from faying.report.view.scene import scene
-from faying.report.view.scripts import own, three
+from faying.report.view.scene import own, scene, three
 from faying.study.results.interface_surface import nodal_average
-from faying.study.results.slip_record import SlipRecord
+from faying.study.results.path_record import SlipRecord
 
 RESULTS = fake_results()
 WEB = Path(__file__).parents[3] / "web"

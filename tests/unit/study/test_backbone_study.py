@@ -18,10 +18,9 @@ from faying.display.quantities import number
 from faying.exceptions import ModelError, StudyError
 from faying.report.errors import error_table
 from faying.report.figures import write_figures
-from faying.report.figures.backbone import backbone_figure, masing_remark
-from faying.report.figures.backbone_slip import backbone_slip_figure
+from faying.report.figures.backbone import backbone_figure, backbone_slip_figure, masing_remark
 from faying.report.methods import verdicts
-from faying.report.questions import applied_loads
+from faying.report.model_tables import applied_loads
 from faying.report.slip import slip_sentence
 from faying.study.inputs.load_model import build
 from faying.study.judgement.summary import summarize

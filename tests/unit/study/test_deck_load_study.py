@@ -11,7 +11,7 @@ from faying.assessment.imported_recovery import recover_from_boundary_loads
 from faying.exceptions import StudyError
 from faying.export.formats import export
 from faying.export.linearized import linearize
-from faying.report.questions import applied_loads
+from faying.report.model_tables import applied_loads
 from faying.study.inputs.load_model import build, load_model
 from faying.study.keys.schema import read_study
 from faying.study.results.store import read_results

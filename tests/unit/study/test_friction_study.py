@@ -20,8 +20,7 @@ from faying.files.flattening import flattened
 from faying.report.figures.slip import plot_slip_states
 from faying.report.html import write_report
 from faying.report.questions import questions
-from faying.report.slip import slip_sentence, slipping
-from faying.report.slip_tables import demand_table, friction_table
+from faying.report.slip import demand_table, friction_table, slip_sentence, slipping
 from faying.report.style import new_figure
 from faying.simulation.start import last_of
 from faying.simulation.without_friction import released_state

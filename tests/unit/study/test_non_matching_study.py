@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from faying.exceptions import FayingError
-from faying.report.figures.plane import best_plane
-from faying.report.figures.surface_map import covered
+from faying.report.figures.surface_map import best_plane, covered
 from faying.study.inputs.load_model import build
 from faying.study.keys.schema import read_study
 from faying.study.results.interface_surface import pair_facets

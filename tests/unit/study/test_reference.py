@@ -5,7 +5,7 @@ import json
 import pytest
 
 from faying.report.html import write_report
-from faying.report.reference import reference_note
+from faying.report.methods import reference_note
 from faying.study.inputs.load_model import build_loaded, load_model
 from faying.study.keys.schema import parse_study
 from faying.study.results.store import read_results

@@ -10,7 +10,7 @@ import faying as fy
 from faying.cli import app
 from faying.exceptions import ConvergenceError, StudyError
 from faying.report.html import write_report
-from faying.report.slip_tables import demand_table
+from faying.report.slip import demand_table
 from faying.study.judgement.verdict import run_verdict
 from faying.study.keys.schema import parse_study
 from faying.study.results.store import read_results

@@ -8,8 +8,8 @@ import pytest
 
 from fake_results import fake_results
 from faying.exceptions import FormatError
-from faying.files import hdf5_watch
-from faying.reduction.portable_joint import PortableJoint
+from faying.files import hdf5
+from faying.reduction.reduced_model import PortableJoint
 from faying.study.results.store import read_results, write_results
 from faying.study.stages.imported_history import read_imported_history
 
@@ -72,7 +72,7 @@ def with_an_endless_heap(data):
 
 @pytest.mark.long
 def test_byte_on_which_hdf5_stalls(path, monkeypatch):
-    monkeypatch.setattr(hdf5_watch, "STALLED", 1.0)
+    monkeypatch.setattr(hdf5, "STALLED", 1.0)
     whole = path.read_bytes()
     path.write_bytes(with_an_endless_heap(whole))
     with pytest.raises(FormatError, match="the HDF5 library crashes or stalls on it"):
@@ -87,7 +87,7 @@ def test_process_that_looks_is_started_anew_and_takes_no_modules_of_the_folder(
 ):
     """It may have been killed, for its memory; and a stranger's folder is no place for code."""
     read_results(path)
-    (watch,) = hdf5_watch._WATCHES.values()
+    (watch,) = hdf5._WATCHES.values()
     watch.kill()
     watch.wait()
     for name in ("h5py", "numpy", "json"):

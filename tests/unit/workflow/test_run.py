@@ -10,7 +10,7 @@ import pytest
 
 from faying.exceptions import ConvergenceError, StudyError
 from faying.execution.checkpoint import open_checkpoint
-from faying.export import vtu
+from faying.export import vtk
 from faying.joint import structure
 from faying.simulation.solution_parts import arrays_of
 from faying.simulation.transient import solve_transient
@@ -129,7 +129,7 @@ WORK = (
     (cases, "flattened"),
     (record, "contact_surfaces"),
     (runs, "write_results"),
-    (vtu, "write_interface_vtu"),
+    (vtk, "write_interface_vtu"),
 )
 """What runs once did outside all stages; a certificate of many points took longer than the rest."""
 

@@ -1,4 +1,4 @@
-"""Fatigue of threads: amplitudes against the endurance, and Miner's sum.
+"""Fatigue of threads: cycles in a history, amplitudes against the endurance, and Miner's sum.
 
 The endurance of threads rolled before heat treatment is quoted widely in the symbols of VDI 2230 as
 σ_ASV = 0.85 (150 mm/d + 45) MPa, of property classes 8.8 to 12.9 at N_D = 2·10⁶ cycles, and
@@ -8,7 +8,6 @@ The endurance of threads rolled before heat treatment is quoted widely in the sy
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.assessment.strength.rainflow import rainflow
 from faying.assessment.strength.thread import Thread
 from faying.exceptions import ModelError
 from faying.units import LENGTHS, pascals
@@ -94,3 +93,18 @@ def miner_sums(stresses: Matrix, repetitions: float, limit: float) -> Vector:
         lives = ENDURANCE_CYCLES * (limit / (ranges[harmful] / 2)) ** EXPONENT
         sums[fibre] = repetitions * (counts[harmful] / lives).sum()
     return sums
+
+
+def rainflow(values: Vector) -> Matrix:
+    """Return the cycles of a history: ranges and how many of each (n_cycle, 2).
+
+    A count of a half is a range that is not closed.
+
+    Notes
+    -----
+    One pass over the reversals, by the package ``rainflow``.
+    """
+    from rainflow import extract_cycles
+
+    cycles = [(size, count) for size, _, count, _, _ in extract_cycles(values.tolist()) if size > 0]
+    return np.array(cycles).reshape(-1, 2)

@@ -17,9 +17,8 @@ from faying.export.fmu.description import (
     fmi3_description,
 )
 from faying.export.fmu.library import compile_library, platform_folder, suffix
-from faying.export.fmu.quantities import fmu_units, seconds
 from faying.export.fmu.resources import joint_file, read_me, recovery_file
-from faying.export.fmu.variable import Variable
+from faying.export.fmu.variable import Variable, fmu_units, seconds
 from faying.export.fmu.variables import Defaults, scalars, with_arrays
 from faying.export.linearized import linearize
 from faying.reduction.reduced_model import ReducedModel

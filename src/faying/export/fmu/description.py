@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
 import faying
-from faying.export.fmu.quantities import Unit
-from faying.export.fmu.variable import Kind, Variable
+from faying.export.fmu.variable import Kind, Unit, Variable
 
 TYPES_2 = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
 TYPES_3 = {"real": "Float64", "integer": "Int32", "boolean": "Boolean"}

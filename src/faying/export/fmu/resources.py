@@ -11,7 +11,7 @@ from faying._typing import Vector
 from faying.contact.laws import Coulomb, Law
 from faying.exceptions import StudyError
 from faying.export.arrays import refuse_expanding_bolts, sparse_variables
-from faying.export.fmu.quantities import seconds
+from faying.export.fmu.variable import seconds
 from faying.export.fmu.variables import Defaults
 from faying.joint.load_pattern import pattern_forces
 from faying.joint.system import boundary_dofs, elongations

@@ -6,7 +6,92 @@ References are 2²⁰ times a kind plus an index, as ``sources/variables.c`` rea
 from dataclasses import dataclass
 from enum import IntEnum
 
-from faying.export.fmu import quantities
+from faying.units import Units, units_of
+
+LENGTHS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
+MASSES = {"t": 1e3, "kg": 1.0, "g": 1e-3, "slinch": 175.126835246476, "slug": 14.5939029372064}
+TIMES = {"s": 1.0, "ms": 1e-3}
+
+FORCE, MOMENT, LENGTH, ANGLE = "force", "moment", "length", "angle"
+VELOCITY, SPIN, PRESSURE, STIFFNESS = "velocity", "spin", "pressure", "stiffness"
+ENERGY, TIME, NONE = "energy", "time", ""
+
+# Exponents of kg, m, s and rad.
+DIMENSIONS = {
+    FORCE: (1, 1, -2, 0),
+    MOMENT: (1, 2, -2, 0),
+    ENERGY: (1, 2, -2, 0),
+    LENGTH: (0, 1, 0, 0),
+    ANGLE: (0, 0, 0, 1),
+    VELOCITY: (0, 1, -1, 0),
+    SPIN: (0, 0, -1, 1),
+    PRESSURE: (1, -1, -2, 0),
+    STIFFNESS: (1, -2, -2, 0),
+    TIME: (0, 0, 1, 0),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unit:
+    """A unit by name.
+
+    Attributes
+    ----------
+    exponents
+        Of kg, m, s, rad.
+    factor
+        SI units in one of it; None where the unit set is not a known one.
+    """
+
+    name: str
+    exponents: tuple[int, int, int, int]
+    factor: float | None
+
+
+def seconds(label: str) -> float:
+    """Return the seconds in one unit of time of a unit set; 1 where the set is not known."""
+    return TIMES.get(units_of(label).time, 1.0)
+
+
+def fmu_units(label: str) -> dict[str, Unit]:
+    """Return the unit of every quantity that an FMU has variables of."""
+    units = units_of(label)
+    return {
+        quantity: Unit(
+            name=_name(units, quantity),
+            exponents=exponents,
+            factor=_factor(units, quantity, exponents),
+        )
+        for quantity, exponents in DIMENSIONS.items()
+    }
+
+
+def _name(units: Units, quantity: str) -> str:
+    names = {
+        FORCE: units.force,
+        MOMENT: f"{units.force}.{units.length}",
+        ENERGY: f"{units.force}.{units.length}",
+        LENGTH: units.length,
+        ANGLE: "rad",
+        VELOCITY: f"{units.length}/s",
+        SPIN: "rad/s",
+        PRESSURE: units.pressure,
+        STIFFNESS: f"{units.pressure}/{units.length}",
+        TIME: "s",
+    }
+    return names[quantity]
+
+
+def _factor(units: Units, quantity: str, exponents: tuple[int, int, int, int]) -> float | None:
+    if quantity in (ANGLE, SPIN, TIME):
+        return 1.0
+    mass, length = MASSES.get(units.mass), LENGTHS.get(units.length)
+    time = 1.0 if quantity == VELOCITY else TIMES.get(units.time)
+    if mass is None or length is None or time is None:
+        return None
+    kg, m, s, _ = exponents
+    return float(mass**kg * length**m * time**s)
+
 
 INDEX_BITS = 20
 WHOLE = 2**INDEX_BITS - 1
@@ -55,7 +140,7 @@ class Variable:
     causality
         ``"parameter"``, ``"input"``, ``"output"`` or ``"local"``.
     quantity
-        Of :mod:`faying.export.fmu.quantities`; empty for a number.
+        Of :mod:`faying.export.fmu.variable`; empty for a number.
     start
         None where the FMU computes it.
     size
@@ -70,7 +155,7 @@ class Variable:
     causality: str
     description: str
     type: str = "real"
-    quantity: str = quantities.NONE
+    quantity: str = NONE
     start: float | None = None
     size: int | None = None
     limits: tuple[float | None, float | None] = (None, None)

@@ -5,10 +5,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from faying.contact.laws import Coulomb, Law
+from faying.contact.laws.coulomb import LARGEST_FRICTION
 from faying.exceptions import ModelError
-from faying.export.fmu import quantities
-from faying.export.fmu.interface_variables import fields, interface_outputs, law_parameters
-from faying.export.fmu.variable import WHOLE, Kind, Variable
+from faying.export.fmu.variable import (
+    ANGLE,
+    ENERGY,
+    FORCE,
+    LENGTH,
+    MOMENT,
+    NONE,
+    PRESSURE,
+    SPIN,
+    STIFFNESS,
+    TIME,
+    VELOCITY,
+    WHOLE,
+    Kind,
+    Variable,
+)
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary
 from faying.reduction.reduced_model import ReducedModel
 
@@ -84,7 +99,7 @@ def _parameters(rom: ReducedModel, defaults: Defaults) -> Iterator[Variable]:
         kind=Kind.STEP_SIZE,
         index=0,
         causality="parameter",
-        quantity=quantities.TIME,
+        quantity=TIME,
         start=defaults.step_size,
         limits=(0.0, None),
         description="longest internal time step; communication steps are divided equally",
@@ -124,21 +139,21 @@ def _parameters(rom: ReducedModel, defaults: Defaults) -> Iterator[Variable]:
 def _ports(rom: ReducedModel) -> Iterator[Variable]:
     turning = (False, False, False, True, True, True)
     families = (
-        (Kind.FORCE, FORCE_NAMES, "input", quantities.FORCE, quantities.MOMENT, "force on"),
+        (Kind.FORCE, FORCE_NAMES, "input", FORCE, MOMENT, "force on"),
         (
             Kind.DISPLACEMENT,
             DISPLACEMENT_NAMES,
             "output",
-            quantities.LENGTH,
-            quantities.ANGLE,
+            LENGTH,
+            ANGLE,
             "displacement, from the unloaded joint, of",
         ),
         (
             Kind.VELOCITY,
             VELOCITY_NAMES,
             "output",
-            quantities.VELOCITY,
-            quantities.SPIN,
+            VELOCITY,
+            SPIN,
             "velocity of",
         ),
     )
@@ -152,7 +167,7 @@ def _ports(rom: ReducedModel) -> Iterator[Variable]:
                 causality=causality,
                 quantity=unit,
                 start=0.0 if causality == "input" else None,
-                description=f"{'moment on' if unit is quantities.MOMENT else text} {port}",
+                description=f"{'moment on' if unit is MOMENT else text} {port}",
             )
         if kind == Kind.FORCE:
             yield from _initial_forces(rom)
@@ -163,7 +178,7 @@ def _ports(rom: ReducedModel) -> Iterator[Variable]:
             kind=Kind.BOLT_FORCE,
             index=index,
             causality="output",
-            quantity=quantities.FORCE,
+            quantity=FORCE,
             description=f"axial force of bolt '{name}', tension positive",
         )
 
@@ -175,7 +190,7 @@ def _initial_forces(rom: ReducedModel) -> Iterator[Variable]:
             kind=Kind.INITIAL_FORCE,
             index=index,
             causality="input",
-            quantity=quantities.FORCE,
+            quantity=FORCE,
             start=float(bolt.initial_force),
             description=f"force that bolt '{name}' would have at zero elongation; what tightening "
             "set, not the force it ends with",
@@ -221,3 +236,109 @@ def _motion(rom: ReducedModel, *, arrays: bool) -> Iterator[Variable]:
                 size=count if arrays else None,
                 description=f"{text}; for pressure recovery",
             )
+
+
+def law_parameters(rom: ReducedModel) -> Iterator[Variable]:
+    """Yield coefficients and stiffnesses, as far as they are finite."""
+    for index, name in enumerate(rom.contact.slices):
+        yield from _of_law(name, index, rom.contact.laws[name])
+
+
+def _of_law(name: str, index: int, law: Law) -> Iterator[Variable]:
+    stiffnesses = [(Kind.PENALTY, "penalty", "contact", law.penalty)]
+    if isinstance(law, Coulomb):
+        yield Variable(
+            name=f"{name}.friction",
+            kind=Kind.FRICTION,
+            index=index,
+            causality="parameter",
+            start=law.friction,
+            limits=(0.0, LARGEST_FRICTION),
+            description=f"coefficient of friction of interface {name}",
+        )
+        sticking = (Kind.TANGENTIAL_PENALTY, "tangential_penalty", "tangential")
+        stiffnesses.append((*sticking, law.tangential_penalty))
+    for kind, label, meaning, value in stiffnesses:
+        if np.isfinite(value):
+            yield Variable(
+                name=f"{name}.{label}",
+                kind=kind,
+                index=index,
+                causality="parameter",
+                quantity=STIFFNESS,
+                start=value,
+                limits=(0.0, None),
+                description=f"{meaning} stiffness of interface {name}",
+            )
+
+
+def interface_outputs(rom: ReducedModel) -> Iterator[Variable]:
+    """Yield forces, largest stresses and shares of area; of friction where there is some."""
+    smooth = (
+        (Kind.CONTACT_FORCE, "contact_force", FORCE, "normal force through"),
+        (Kind.MAX_PRESSURE, "max_pressure", PRESSURE, "largest contact pressure in"),
+        (
+            Kind.OPEN_FRACTION,
+            "open_fraction",
+            NONE,
+            "part of the area without pressure of",
+        ),
+    )
+    frictional = (
+        (
+            Kind.MAX_TRACTION,
+            "max_traction",
+            PRESSURE,
+            "largest tangential traction in",
+        ),
+        (Kind.STICK_FRACTION, "stick_fraction", NONE, "part of the area that sticks of"),
+        (
+            Kind.SLIP_FRACTION,
+            "slip_fraction",
+            NONE,
+            "part of the area that slipped in the last internal step of",
+        ),
+        (
+            Kind.DISSIPATED_ENERGY,
+            "dissipated_energy",
+            ENERGY,
+            "energy that friction took since initialization in",
+        ),
+    )
+    for kind, label, quantity, text in (*smooth, *frictional):
+        for index, name in enumerate(rom.contact.slices):
+            if kind >= Kind.MAX_TRACTION and not _rubs(rom, name):
+                continue
+            yield Variable(
+                name=f"{name}.{label}",
+                kind=kind,
+                index=index,
+                causality="output",
+                quantity=quantity,
+                description=f"{text} interface {name}",
+            )
+
+
+def _rubs(rom: ReducedModel, interface: str) -> bool:
+    return rom.contact.laws[interface].components > 1
+
+
+def fields(rom: ReducedModel) -> Iterator[Variable]:
+    """Yield pressures, and tractions where there is friction, as arrays over contact points."""
+    families = (
+        (Kind.PRESSURE, "pressure", "contact pressure"),
+        (Kind.TRACTION, "traction", "length of the tangential traction"),
+    )
+    for kind, label, text in families:
+        for index, (name, points) in enumerate(rom.contact.slices.items()):
+            count = points.stop - points.start
+            if count and (kind == Kind.PRESSURE or _rubs(rom, name)):
+                yield Variable(
+                    name=f"{name}.{label}",
+                    kind=kind,
+                    index=index,
+                    causality="output",
+                    quantity=PRESSURE,
+                    size=count,
+                    description=f"{text} at the points of interface {name}",
+                )

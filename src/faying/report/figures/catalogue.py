@@ -6,22 +6,16 @@ from pathlib import Path
 
 from faying.exceptions import FormatError
 from faying.files.names import file_names
-from faying.report.figures.backbone import backbone_figure
-from faying.report.figures.backbone_slip import backbone_slip_figure
-from faying.report.figures.convergence import convergence_figure
+from faying.report.figures.backbone import backbone_figure, backbone_slip_figure
 from faying.report.figures.entry import Drawn, FigureEntry
-from faying.report.figures.error import error_figure, errs
+from faying.report.figures.error import convergence_figure, error_figure, errs
 from faying.report.figures.frequency import PREFIX, frequency_figure
-from faying.report.figures.gap import gap_figure
-from faying.report.figures.initial_gap import initial_gap_figure
+from faying.report.figures.gap import gap_figure, initial_gap_figure
 from faying.report.figures.loops import fretting_figure, loop_figure
-from faying.report.figures.model import model_figure
-from faying.report.figures.path import motion_slip_figure, path_figure
-from faying.report.figures.preload import preload_figure
+from faying.report.figures.preload import model_figure, preload_figure, tightening_figure
 from faying.report.figures.pressure import pressure_figure
-from faying.report.figures.response import response_figure
+from faying.report.figures.response import motion_slip_figure, path_figure, response_figure
 from faying.report.figures.slip import slip_figure
-from faying.report.figures.tightening import tightening_figure
 from faying.report.style import house_style, save
 from faying.study.results.values import CaseResult, Results
 

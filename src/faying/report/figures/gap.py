@@ -1,12 +1,17 @@
-"""What a load opens: where contact was lost or gained since the preload, and the gap."""
+"""The gap before any load, and what a load opens or closes of the contact since the preload."""
+
+from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from faying._typing import Vector
+from faying.digits import DECK_DIGITS
 from faying.display.quantities import percent, place, quantity
 from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
+from faying.report.figures.pressure import POINTS
 from faying.report.figures.surface_map import draw_map, draw_states, map_panels, name_states
 from faying.report.style import GAP_MAP, OPEN_COLOUR
 from faying.study.judgement.opening import Opening, opening
@@ -120,3 +125,38 @@ def _when(case: CaseResult, widest: Opening, units: Units) -> str:
     if case.times is None or widest.instant is None:
         return ""
     return f", at {quantity(float(case.times[widest.instant]), units.time)}"
+
+
+def draw_initial_gaps(records: Mapping[str, InterfaceRecord], units: Units) -> Figure | None:
+    """Draw the gaps of the interfaces whose surfaces part, one row each; None where none does."""
+    parted = {name: record for name, record in records.items() if _parts(record)}
+    if not parted:
+        return None
+    figure, rows = map_panels(parted.values(), 1, 9.0, 0.9)
+    for (axes,), (name, record) in zip(rows, parted.items(), strict=True):
+        largest = float(record.initial_gap.max())
+        plot_gap(record, record.initial_gap, axes, units, largest=largest)
+        title = f"{name}: up to {quantity(largest, units.length)} before any load"
+        axes.set_title(plain(title), loc="left")
+    return figure
+
+
+def initial_gap_figure(results: Results) -> Drawn | None:
+    """Draw the gaps of a run's interfaces; None where all surfaces touch."""
+    figure = draw_initial_gaps(results.interfaces, results.unit_set)
+    if figure is None:
+        return None
+    return Drawn(
+        figure=figure,
+        stem="initial_gap",
+        title="Gap before any load",
+        caption=f"Gap between the surfaces before any load, a cross at the largest. {POINTS}.",
+        section="preload",
+    )
+
+
+def _parts(record: InterfaceRecord) -> bool:
+    if not len(record.points):
+        return False
+    size = float(np.ptp(record.points, axis=0).max())
+    return float(record.initial_gap.max()) > DECK_DIGITS * size

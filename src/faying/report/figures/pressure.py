@@ -7,8 +7,13 @@ from faying._typing import Vector
 from faying.display.quantities import percent, place, quantity
 from faying.display.style import PRESSURE_MAP, heading, plain
 from faying.report.figures.entry import Drawn
-from faying.report.figures.plane import Unrolled, best_plane, looks_both_ways
-from faying.report.figures.surface_map import draw_map, map_panels
+from faying.report.figures.surface_map import (
+    Unrolled,
+    best_plane,
+    draw_map,
+    looks_both_ways,
+    map_panels,
+)
 from faying.study.results.values import CaseResult, InterfaceRecord, Results
 from faying.units import Units
 

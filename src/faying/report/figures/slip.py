@@ -7,9 +7,8 @@ from faying._typing import Indices, Matrix, Vector
 from faying.display.quantities import percent, quantity
 from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
-from faying.report.figures.plane import best_plane
 from faying.report.figures.pressure import plot_pressure
-from faying.report.figures.surface_map import draw_states, map_panels, name_states
+from faying.report.figures.surface_map import best_plane, draw_states, map_panels, name_states
 from faying.report.slip import shown_slip, slipping
 from faying.report.style import OPEN_COLOUR
 from faying.study.results.values import CaseResult, InterfaceRecord, Results

@@ -14,13 +14,38 @@ from matplotlib.path import Path as Outline
 from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Matrix, Vector
+from faying.display.plane import Plane as Plane
+from faying.display.plane import Unrolled as Unrolled
+from faying.display.plane import plane_of, unrolled
 from faying.model.elements import FACES
 from faying.model.outline import outline_of
-from faying.report.figures.plane import Map, Unrolled, best_plane
 from faying.report.style import OPEN_COLOUR, new_figure
 from faying.study.results.interface_surface import pair_facets
 from faying.study.results.values import InterfaceRecord
 from faying.units import Units
+
+Map = Plane | Unrolled
+"""Where an interface is drawn."""
+
+
+def best_plane(record: InterfaceRecord) -> Map:
+    """Return the map of an interface: its plane, its cylinder unrolled, or the best plane."""
+    plane = plane_of(record.pair_points, record.normals, record.weights)
+    return plane if plane.flat else unrolled(record.pair_points, record.normals) or plane
+
+
+FACING = 0.9
+"""Cosine of a normal and that of a map from which a face lies along the map."""
+
+
+def looks_both_ways(record: InterfaceRecord) -> bool:
+    """Say whether faces lie over each other in a map, as those of both sides of a plate."""
+    plane = best_plane(record)
+    if isinstance(plane, Unrolled):
+        return False
+    across = record.normals @ np.cross(*plane.axes)
+    return bool((across > FACING).any() and (across < -FACING).any())
+
 
 RASTER = 700
 """Pixels along the longer side of a map of contact points."""

@@ -2,6 +2,8 @@
 
 import json
 from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
 from typing import Any
 
 import matplotlib as mpl
@@ -14,12 +16,10 @@ from faying.assessment.joint_verdict import JointVerdict
 from faying.display.quantities import percent
 from faying.display.style import BODY_COLOURS, BOLT_COLOUR, PRESSURE_MAP
 from faying.model.mesh import Mesh
-from faying.report.figures.plane import Unrolled, best_plane, looks_both_ways
+from faying.report.figures.surface_map import Unrolled, best_plane, looks_both_ways
 from faying.report.style import ERROR_MAP, GAP_MAP, OPEN_COLOUR, SLIP_MAP
-from faying.report.view.explosion import explosion
-from faying.report.view.fields import averages, fields, models
-from faying.report.view.frames import Frames, frames
-from faying.report.view.outer_surface import OuterSurface, outer_surface, triangles_of
+from faying.report.view.fields import Frames, averages, fields, frames, models
+from faying.report.view.outer_surface import OuterSurface, explosion, outer_surface, triangles_of
 from faying.report.view.packing import packed_integers, packed_numbers
 from faying.study.judgement.comparison import increments
 from faying.study.judgement.verdict import run_verdict
@@ -263,3 +263,31 @@ def _preload(results: Results) -> dict[str, Any]:
 def _short(values: Any) -> list[float]:
     """Return numbers to six digits, which no picture shows more of."""
     return [float(f"{value:.6g}") for value in values]
+
+
+OWN = (
+    "tables.js",
+    "unpack.js",
+    "colours.js",
+    "map.js",
+    "motion.js",
+    "chart.js",
+    "stage.js",
+    "view.js",
+)
+
+
+@cache
+def three() -> str:
+    """Return the part of three.js that the view uses, its licence before it."""
+    return f"/*! three.js\n{_text('three.LICENSE.txt')}*/\n{_text('three.min.js')}"
+
+
+@cache
+def own() -> str:
+    """Return the scripts of the page, which share a scope of their own."""
+    return '(() => {\n"use strict";\n' + "\n".join(map(_text, OWN)) + "})();"
+
+
+def _text(name: str) -> str:
+    return files("faying.report.view").joinpath(name).read_text(encoding="utf-8")

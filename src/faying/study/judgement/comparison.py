@@ -8,8 +8,7 @@ import numpy as np
 from faying._typing import Matrix
 from faying.assessment.accuracy import Accuracy, measure, traction_error
 from faying.joint.model import Model
-from faying.study.results.path_record import PathRecord
-from faying.study.results.slip_record import SlipRecord
+from faying.study.results.path_record import PathRecord, SlipRecord
 from faying.study.results.values import Response
 
 

@@ -16,7 +16,7 @@ from faying.assessment.transient_error import (
 from faying.display.facts import with_unit
 from faying.study.inputs.jumps import jump_sentence
 from faying.study.judgement.comparison import backbone_errors
-from faying.study.judgement.step_choice import choice_sentence, step_choice
+from faying.study.judgement.step_check import choice_sentence, step_choice
 from faying.study.results.mode_choice import mode_sentences
 from faying.study.results.second_solution import remedy_sentence, shapes_seconds
 from faying.study.results.values import CaseResult, Results

@@ -16,8 +16,7 @@ from faying.study.judgement.frequency_figures import frequency_figures
 from faying.study.judgement.model_warnings import barely_held, missing_contacts
 from faying.study.judgement.opening import opening
 from faying.study.judgement.remarks import remarks
-from faying.study.judgement.step_check import step_check
-from faying.study.judgement.step_choice import step_choice
+from faying.study.judgement.step_check import step_check, step_choice
 from faying.study.judgement.verdict import required, run_verdict
 from faying.study.keys.measurements import compared
 from faying.study.results.mode_choice import chosen_count, mode_sentences

@@ -13,8 +13,7 @@ from faying.joint.model import Model
 from faying.reduction.projection import full_displacement
 from faying.simulation.solution import Solution
 from faying.study.results.nodal_motion import NodalMotion, nodal_motion
-from faying.study.results.path_record import CycleRecord, PathRecord
-from faying.study.results.slip_record import SlipRecord, slip_fields
+from faying.study.results.path_record import CycleRecord, PathRecord, SlipRecord, slip_fields
 from faying.study.results.values import Response
 
 Seen = dict[str, dict[str, Matrix]]

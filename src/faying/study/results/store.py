@@ -40,9 +40,8 @@ from faying.reduction.mesh_shapes import MeshShapes
 from faying.reduction.model_reader import read_model, read_ports
 from faying.reduction.model_writer import write_models
 from faying.reduction.reduced_model import ReducedModel
-from faying.study.results.check import check_results
+from faying.study.results.check import MEANINGS, check_results
 from faying.study.results.recovered import RecoveredRecord
-from faying.study.results.store_fields import MEANINGS
 from faying.study.results.values import Results
 from faying.units import units_of
 

@@ -18,9 +18,8 @@ from faying.reduction.reduced_model import ReducedModel
 from faying.study.inputs.jumps import Jump
 from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.results.nodal_motion import NodalMotion
-from faying.study.results.path_record import CycleRecord, PathRecord
+from faying.study.results.path_record import CycleRecord, PathRecord, SlipRecord
 from faying.study.results.second_solution import Remedy
-from faying.study.results.slip_record import SlipRecord
 from faying.study.results.validation_record import ValidationRecord
 from faying.units import Units, units_of
 
