@@ -14,7 +14,7 @@ import scipy.sparse as sp
 import faying as fy
 from faying import cli
 from faying.io.nastran import write_deck
-from faying.model.assembly import Assembly, Beam, Spring
+from faying.model.assembly import Assembly, Beam
 from faying.model.cells import CellBlock
 
 MODEL = fy.lap_joint(element_size=5.0)
@@ -468,26 +468,6 @@ def test_bolt_stiffer_than_its_matrices(refused, matrices):
     study = MATRIX_STUDY.replace(f"{stiffness!r}", f"{1.01 * stiffness!r}")
     parts = ["bolt 'M6': its stiffness 299849 is not contained", "296881 in all", "give EA/L"]
     assert_says(refused(study, "run"), *parts)
-
-
-def test_preload_that_cannot_be_reached(refused, tmp_path):
-    """A cut with coincident nodes whose direction is reversed: tension pushes the parts apart."""
-    nut, head = JOINT.beams[0].nodes
-    upper = len(MESH.nodes)
-    mesh = replace(
-        MESH,
-        nodes=np.vstack([MESH.nodes, MESH.nodes[nut]]),
-        node_ids=np.append(MESH.node_ids, 478),
-    )
-    springs = tuple(
-        Spring(id=1000 + c, ends=((nut, c), (upper, c)), stiffness=1e6) for c in range(6)
-    )
-    beams = (replace(JOINT.beams[0], nodes=(upper, head)),)
-    cut = fy.build_model(replace(JOINT, mesh=mesh, beams=beams, springs=springs))
-    export(cut, tmp_path)
-    bolt = "nodes = [478, 476]\nstiffness = 1e6\ndirection = [0, 0, -1]"
-    message = refused(MATRIX_STUDY.replace(MATRIX_BOLT, bolt), "run")
-    assert_says(message, "bolt 'M6' clamps nothing", "closes no interface", "not reversed")
 
 
 # ---- the output folder
