@@ -5,12 +5,11 @@ from difflib import get_close_matches
 import numpy as np
 
 from faying._typing import Indices
+from faying.display.facts import MOST_SHOWN
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
 from faying.model.specs import Selection
 from faying.model.surface import Facets, padded, unique_rows
-
-_SHOWN = 8
 
 
 def select_facets(assembly: Assembly, selection: Selection) -> Facets:
@@ -83,9 +82,9 @@ def _by_number(assembly: Assembly, numbers: Indices) -> Facets:
             return exterior.taken(np.isin(owner, numbers))
     missing = numbers[~np.isin(numbers, elements)]
     message = (
-        f"there is no solid element with id {', '.join(map(str, missing[:_SHOWN]))}, nor do all of "
-        f"the given numbers name properties of solids; properties are "
-        f"{', '.join(map(str, np.unique(properties)[:_SHOWN])) or 'not defined'}"
+        f"there is no solid element with id {', '.join(map(str, missing[:MOST_SHOWN]))}, nor do "
+        f"all of the given numbers name properties of solids; properties are "
+        f"{', '.join(map(str, np.unique(properties)[:MOST_SHOWN])) or 'not defined'}"
     )
     raise ModelError(message)
 
@@ -116,9 +115,11 @@ def _unknown(assembly: Assembly, name: str) -> str:
     names = [*assembly.face_sets, *mesh.node_sets, *mesh.element_sets, *_body_names(assembly)]
     alike = get_close_matches(name, names, n=5, cutoff=0.5)
     if alike:
-        hint = f"did you mean {' or '.join(repr(alternative) for alternative in alike)}?"
+        hint = f"did you mean {' or '.join(map(repr, alike))}?"
     elif names:
-        hint = f"known names are {', '.join(repr(alternative) for alternative in names[:_SHOWN])}"
+        hint = (
+            f"known names are {', '.join(repr(alternative) for alternative in names[:MOST_SHOWN])}"
+        )
     else:
         hint = "the model has no named sets"
     return f"no face set, node set, element set or body is called {name!r}; {hint}"

@@ -1,7 +1,7 @@
 """Lines of a deck, and the file and line each comes from."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from os import PathLike, fspath
@@ -16,6 +16,9 @@ _PLACED = re.compile(r"^\S.*:\d+: ")
 MOST_FILES = 1000
 """Files of one deck, each counted as often as it is included: of twenty files that each include the
 next one twice there are a million."""
+
+DEEPEST = 20
+"""Files that include one another, from which on they are taken for a circle."""
 
 _UTF8_MARK, _UTF16_MARKS = b"\xef\xbb\xbf", (b"\xff\xfe", b"\xfe\xff")
 
@@ -73,8 +76,11 @@ class DeckFiles:
         self.names: list[str] = []
         self._kind, self._include, self._size = kind, include, 0
 
-    def read(self, path: Path, included_from: str) -> bytes:
-        """Return the text of the next file, included from a place unless that is empty."""
+    def read(self, path: Path, included_from: str, parents: Sequence[Path]) -> bytes:
+        """Return the text of the next file, included from a place unless that is empty.
+
+        ``parents`` are the files, resolved, that include one another up to it.
+        """
         try:
             data = deck_text(file_bytes(path), path)
             self._size += len(data)
@@ -89,6 +95,11 @@ class DeckFiles:
                 reason = "is not there"
             message = f"{origin}{self._kind} '{path}' {reason}; check the path"
             raise FormatError(message) from error
+        if path.resolve() in parents or len(parents) >= DEEPEST:
+            message = (
+                f"{included_from}: {self._include} of '{path}' goes in a circle; remove one of them"
+            )
+            raise FormatError(message)
         self.names.append(path.name if self.names else str(path))
         if len(self.names) > MOST_FILES:
             message = f"{included_from}: {self._include}: more than {MOST_FILES} files; merge them"

@@ -18,12 +18,11 @@ from faying.files.contents import file_bytes
 from faying.io.deck_lines import Lines
 from faying.io.line_texts import split_lines
 from faying.io.matrix_labels import LabelledMatrix
-from faying.io.named_matrices import DamageError, chosen_name
+from faying.io.named_matrices import SQUARE, SYMMETRIC, DamageError, chosen_name
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.tokenizer import read_cards
 
-SQUARE, SYMMETRIC = 1, 6
 REAL = (1, 2)
 _FORMS = {1: "square", 2: "rectangular", 6: "symmetric", 9: "rectangular"}
 

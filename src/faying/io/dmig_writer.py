@@ -3,10 +3,8 @@
 import numpy as np
 
 from faying._typing import Indices, Matrix
+from faying.io.named_matrices import REAL_DOUBLE, SQUARE, SYMMETRIC
 from faying.io.nastran.layout import large, small
-
-SQUARE, SYMMETRIC = 1, 6
-REAL_DOUBLE = 2
 
 
 def dmig_text(name: str, matrix: Matrix, dofs: Indices) -> str:

@@ -5,6 +5,12 @@ from collections.abc import Sequence
 LETTERS = {"M": "M", "K": "K", "C": "B"}
 """First letter of Nastran's names (KGG, MAA, BXX) per matrix."""
 
+SQUARE, RECTANGULAR, SYMMETRIC = 1, 2, 6
+"""Forms of Nastran's matrices that store every entry."""
+
+REAL_DOUBLE = 2
+"""Nastran's type of doubles."""
+
 
 class DamageError(ValueError):
     """What is wrong in a file, and where; the name of the file is added on the way out."""

@@ -19,15 +19,19 @@ from faying._typing import SparseMatrix
 from faying.exceptions import FormatError
 from faying.files.contents import file_bytes
 from faying.io.matrix_labels import LabelledMatrix
-from faying.io.named_matrices import DamageError, chosen_name
+from faying.io.named_matrices import (
+    RECTANGULAR,
+    SQUARE,
+    SYMMETRIC,
+    DamageError,
+    chosen_name,
+)
 from faying.io.op4_binary import BinaryFile, looks_binary
 from faying.io.op4_text import TextFile
 from faying.io.op4_values import COMPLEX, Header, Op4File, Strings, spread
 
-FORMS = {1: "square", 2: "rectangular", 6: "symmetric"}
-"""Matrix forms that store every entry; diagonal, triangular and other forms are refused."""
-
-SYMMETRIC = 6
+FORMS = {SQUARE: "square", RECTANGULAR: "rectangular", SYMMETRIC: "symmetric"}
+"""Matrix forms that are read; diagonal, triangular and other forms are refused."""
 
 
 def read_op4_matrices(path: str | PathLike[str]) -> dict[str, SparseMatrix]:

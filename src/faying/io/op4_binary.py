@@ -8,13 +8,10 @@ import numpy as np
 
 from faying._typing import Indices, Vector
 from faying.io.named_matrices import DamageError
-from faying.io.op4_values import Header, Strings, checked_header, chunks, spread
+from faying.io.op4_values import BIG_ROWS, Header, Strings, checked_header, chunks, spread
 
 _HEADER_BYTES = {24: 4, 48: 8}
 """Length of the header record to bytes per integer."""
-
-_BIG_ROWS = 65536
-"""Rows from which Nastran writes strings in the BIGMAT form even where it does not say so."""
 
 _Record = tuple[int, int]
 
@@ -103,7 +100,7 @@ class BinaryFile:
             columns=columns,
             form=form,
             kind=kind,
-            big=rows < 0 or rows >= _BIG_ROWS,
+            big=rows < 0 or rows >= BIG_ROWS,
             position=f"byte {start - 4}",
         )
         return checked_header(header, len(self._content))
@@ -193,8 +190,7 @@ class BinaryFile:
         head = self._integers(first)
         if header.big:
             return head - 1, self._integers(first + self._size // 4)
-        # Both in one word: row + 65536 (words + 1).
-        return head // _BIG_ROWS - 1, head % _BIG_ROWS
+        return head // BIG_ROWS - 1, head % BIG_ROWS
 
     def _integers(self, positions: Indices) -> Indices:
         width = self._size // 4

@@ -9,12 +9,11 @@ import numpy as np
 from faying._typing import Indices, Vector
 from faying.io.named_matrices import DamageError
 from faying.io.nastran.fields import reals
-from faying.io.op4_values import Header, Strings, checked_header, chunks, spread
+from faying.io.op4_values import BIG_ROWS, Header, Strings, checked_header, chunks, spread
 
 _FORMAT = re.compile(r"(?:1P,)?(\d{1,3})[ED](\d{1,3})\.\d{1,3}")
 _INTEGER = re.compile(r" *-?\d+")
 _DEFAULT_FORMAT = (5, 16)
-_BIG_ROWS = 65536
 
 _PACKED_WIDTH = 18
 """Row and length of a string in one integer stand alone in their line, eight columns or more."""
@@ -102,7 +101,7 @@ class TextFile:
             columns=columns,
             form=form,
             kind=kind,
-            big=rows < 0 or rows >= _BIG_ROWS,
+            big=rows < 0 or rows >= BIG_ROWS,
             position=f"line {line + 1}",
             layout=_layout(tail[8:].strip().upper(), line),
         )
@@ -162,7 +161,7 @@ class TextFile:
                 words, length = words - 1, length - words - 1
             else:
                 (packed,) = self._integers(line, self._line(line).strip(), 1, _PACKED_WIDTH)
-                words, row = packed // _BIG_ROWS - 1, packed % _BIG_ROWS
+                words, row = packed // BIG_ROWS - 1, packed % BIG_ROWS
                 length -= words + 1
             if words < 1 or words % width or length < 0:
                 message = f"line {line + 1}: a string of {words} words overruns column {column}"

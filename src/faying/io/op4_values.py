@@ -15,6 +15,10 @@ REAL, COMPLEX = (1, 2), (3, 4)
 SMALL = 1_000_000
 """Rows or columns that any file may claim; more must be justified by its size."""
 
+BIG_ROWS = 65536
+"""Rows from which Nastran writes strings in the BIGMAT form even where it does not say so; in the
+other form row and length share an integer, row + 65536 (words + 1)."""
+
 CHUNK = 1 << 20
 """Values fetched at once."""
 

@@ -9,9 +9,7 @@ import numpy.typing as npt
 
 from faying._typing import Matrix
 from faying.exceptions import ModelError
-
-SYMMETRIC, SQUARE, RECTANGULAR = 6, 1, 2
-REAL_DOUBLE = 2
+from faying.io.named_matrices import REAL_DOUBLE, RECTANGULAR, SQUARE, SYMMETRIC
 
 
 def write_op4(path: Path, matrices: Mapping[str, npt.ArrayLike]) -> None:

@@ -9,6 +9,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Mask
+from faying.display.facts import MOST_SHOWN
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, FaceSet, NodalLoads, RigidCoupling, Support
 from faying.model.bodies import body_names
@@ -16,7 +17,6 @@ from faying.model.description import JointDescription
 from faying.model.mesh import Mesh
 from faying.model.remaining_joint import remaining_joint
 
-_SHOWN = 5
 _LINKS = {
     "beams": "beam",
     "bushes": "bush",
@@ -220,8 +220,8 @@ class _Cut:
         """Refuse what ties a node that remains to one that is left out."""
         ties = np.flatnonzero(self.crossing)
         if ties.size:
-            shown = ", ".join(self.links.names[i] for i in ties[:_SHOWN].tolist())
-            more = f" and {ties.size - _SHOWN} more" if ties.size > _SHOWN else ""
+            shown = ", ".join(self.links.names[i] for i in ties[:MOST_SHOWN].tolist())
+            more = f" and {ties.size - MOST_SHOWN} more" if ties.size > MOST_SHOWN else ""
             message = (
                 f"{shown}{more}: these hold together what remains and what parts and without of "
                 "[model] leave out; keep both sides, or leave them out too by an element set"

@@ -10,11 +10,9 @@ from faying.model.assembly import Assembly, Material
 from faying.model.cells import CellBlock
 from faying.model.elements import SolidElement, block_element
 from faying.model.elements.geometry import check_shapes, inverted_corners, volume_factors
+from faying.model.elements.orientation import BATCH
 from faying.model.elements.solid_element import mass_tables
 from faying.model.surface import unique_rows
-
-# Cells of a batch whose few numbers at a point fill the processor's cache.
-_CELLS = 2048
 
 
 def materials_of(assembly: Assembly, block: CellBlock) -> tuple[list[Material], Indices]:
@@ -135,4 +133,4 @@ def mass_moments(assembly: Assembly, origin: Vector) -> tuple[float, Vector, Mat
 
 
 def _batches(n_cell: int) -> Iterator[slice]:
-    return (slice(start, start + _CELLS) for start in range(0, n_cell, _CELLS))
+    return (slice(start, start + BATCH) for start in range(0, n_cell, BATCH))

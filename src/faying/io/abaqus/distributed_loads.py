@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.io.abaqus.amplitudes import Amplitudes
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import check_count, integer, numbers, real
+from faying.io.abaqus.in_force import in_force
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.surfaces import Surfaces, facets_of_faces, find_surface
@@ -29,30 +31,19 @@ def read_distributed(
 ) -> Iterator[Matrix]:
     """Yield the forces (n_node, 6) of all distributed loads in force, step by step from 0.
 
-    A later step replaces loads of the same kind on the same set or surface; OP=NEW removes all
-    that earlier steps left, none of which acts in a linear perturbation.
+    As of :func:`~.in_force.in_force`, of the same kind on the same set or surface.
 
     Parameters
     ----------
     assembly
         With all elements, whose mass gravity acts on.
     """
-    result: dict[Key, list[tuple[Matrix, Keyword]]] = {}
-    for step in range(deck.n_step + 1):
-        new: dict[Key, list[tuple[Matrix, Keyword]]] = {}
-        result = {} if step in deck.perturbations else result
-        cleared: set[str] = set()
-        for keyword in (k for k in deck.of("DLOAD", "DSLOAD") if k.step == step):
-            keyword.check()
-            amplitudes.note(keyword, ignored)
-            if keyword.choice("OP") == "NEW" and keyword.name not in cleared:
-                result = {k: v for k, v in result.items() if not k[0].startswith(keyword.name)}
-                cleared.add(keyword.name)
-            for key, forces in _lines(keyword, assembly, sets, surfaces):
-                new.setdefault(key, []).append((forces, keyword))
-        result.update(new)
+    for keyword in deck.of("DLOAD", "DSLOAD"):
+        amplitudes.note(keyword, ignored)
+    read = partial(_lines, assembly=assembly, sets=sets, surfaces=surfaces)
+    for step, loads in enumerate(in_force(deck, ("DLOAD", "DSLOAD"), read)):
         total = np.zeros((len(assembly.mesh.nodes), 6))
-        for forces, keyword in (load for loads in result.values() for load in loads):
+        for forces, keyword in (load for loads_of_key in loads.values() for load in loads_of_key):
             total += amplitudes.factor(keyword, step) * forces
         yield total
 

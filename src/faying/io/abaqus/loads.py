@@ -1,6 +1,7 @@
 """``*CLOAD``: forces on nodes, step by step."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -9,10 +10,10 @@ from faying.io.abaqus.amplitudes import Amplitudes
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs, component
 from faying.io.abaqus.fields import check_count, real
+from faying.io.abaqus.in_force import in_force
 from faying.io.abaqus.keyword import Keyword
 
 Forces = dict[tuple[int, int], float]
-_Given = tuple[float, Keyword]
 
 
 def read_concentrated(
@@ -20,8 +21,7 @@ def read_concentrated(
 ) -> Iterator[Forces]:
     """Yield the *CLOAD in force, step by step from 0: (node, component) of the deck to the value.
 
-    A later step replaces what it names again; within a step values add up. OP=NEW removes what
-    earlier steps left, and none of it acts in a linear perturbation.
+    As of :func:`~.in_force.in_force`.
     """
     for load in deck.of("CLOAD"):
         amplitudes.note(load, ignored)
@@ -32,35 +32,11 @@ def read_concentrated(
             )
         if load.has("OMEGA0"):
             ignored.append(f"{load.where()}: OMEGA0 of *CLOAD: loads of statics have no frequency")
-    forces: dict[tuple[int, int], list[_Given]] = {}
-    for step, (new, changes) in enumerate(_steps(deck, dofs)):
-        forces = {**({} if new else forces), **changes}
-        yield _at(forces, amplitudes, step)
-
-
-def _at(
-    forces: Mapping[tuple[int, int], list[_Given]], amplitudes: Amplitudes, step: int
-) -> Forces:
-    """Return the forces at the end of a step."""
-    return {
-        dof: sum(value * amplitudes.factor(keyword, step) for value, keyword in values)
-        for dof, values in forces.items()
-    }
-
-
-def _steps(deck: Deck, dofs: Dofs) -> Iterator[tuple[bool, dict[tuple[int, int], list[_Given]]]]:
-    """Yield for each step whether it removes earlier forces, and those it names."""
-    for step in range(deck.n_step + 1):
-        changes: dict[tuple[int, int], list[_Given]] = {}
-        new = step in deck.perturbations
-        for keyword in (k for k in deck.of("CLOAD") if k.step == step):
-            keyword.check()
-            new |= keyword.choice("OP") == "NEW"
-            if _is_imaginary(keyword):
-                continue
-            for dof, value in _values(keyword, dofs):
-                changes.setdefault(dof, []).append((value, keyword))
-        yield new, changes
+    for step, forces in enumerate(in_force(deck, ("CLOAD",), partial(_values, dofs=dofs))):
+        yield {
+            dof: sum(value * amplitudes.factor(keyword, step) for value, keyword in values)
+            for dof, values in forces.items()
+        }
 
 
 def _is_imaginary(keyword: Keyword) -> bool:
@@ -69,6 +45,8 @@ def _is_imaginary(keyword: Keyword) -> bool:
 
 
 def _values(keyword: Keyword, dofs: Dofs) -> Iterator[tuple[tuple[int, int], float]]:
+    if _is_imaginary(keyword):
+        return
     for row, fields in enumerate(keyword.rows()):
         check_count(keyword, row, fields, (3,), "node or node set, degree of freedom, force")
         c = component(keyword, row, fields[1])

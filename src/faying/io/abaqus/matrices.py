@@ -15,8 +15,6 @@ _ALLOWED = re.compile(rb"[\d\s,.+\-EeDd]*")
 _DOF = re.compile(rb"\s*(\d{1,15})\.([1-6])\s*")
 # Abaqus writes this on the diagonal of what a boundary condition holds.
 _HELD = 1e36
-# Whole numbers of this size are exact in a double.
-_LARGEST = 2.0**53
 
 
 def read_abaqus_matrix(path: Path, name: str) -> LabelledMatrix:
@@ -147,7 +145,8 @@ def _finite(texts: list[bytes]) -> bool:
 
 
 def _whole(column: Vector, path: Path, name: str) -> Indices:
-    wrong = np.flatnonzero((column != np.floor(column)) | (np.abs(column) >= _LARGEST))
+    # Doubles hold whole numbers up to 2⁵³ exactly.
+    wrong = np.flatnonzero((column != np.floor(column)) | (np.abs(column) >= 2.0**53))
     if wrong.size:
         message = (
             f"matrix {name}: '{path}', entry {wrong[0] + 1}: {column[wrong[0]]:g} is no row, node "

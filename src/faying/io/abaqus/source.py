@@ -10,7 +10,6 @@ from faying.io.line_texts import with_usual_ends
 
 _INCLUDE = re.compile(rb"^\s*\*\s*INCLUDE\s*,", re.IGNORECASE)
 _INPUT = re.compile(rb"INPUT\s*=\s*(?:\"([^\"]*)\"|'([^']*)'|([^,]*))", re.IGNORECASE)
-_DEEPEST = 20
 
 
 def read_spans(path: Path) -> list[Span]:
@@ -25,11 +24,7 @@ def read_spans(path: Path) -> list[Span]:
 def _expand(
     path: Path, home: Path, files: DeckFiles, parents: tuple[Path, ...], included_from: str
 ) -> list[Span]:
-    text = with_usual_ends(files.read(path, included_from))
-    resolved = path.resolve()
-    if resolved in parents or len(parents) >= _DEEPEST:
-        message = f"{included_from}: *INCLUDE of '{path}' goes in a circle; remove one of them"
-        raise FormatError(message)
+    text = with_usual_ends(files.read(path, included_from, parents))
     file = TextFile(name=files.names[-1], text=text)
     parts, start = [], 0
     for begin, end in Span(file=file, start=0, end=len(text)).starred():
@@ -43,7 +38,7 @@ def _expand(
         included = next(
             (candidate for candidate in places if _is_file(candidate, origin)), places[0]
         )
-        parts += _expand(included, home, files, (*parents, resolved), origin)
+        parts += _expand(included, home, files, (*parents, path.resolve()), origin)
         start = min(end + 1, len(text))
     parts.append(Span(file=file, start=start, end=len(text)))
     return parts

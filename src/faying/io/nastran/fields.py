@@ -16,6 +16,9 @@ from faying._typing import Indices, Mask, Vector
 
 Fields = npt.NDArray[np.bytes_]
 
+ROW = 8
+"""Data fields of a line in small or free field."""
+
 SHORT_DIGITS = 1e-3
 """What eight columns leave of a number with sign and exponent, as -1.23-10."""
 

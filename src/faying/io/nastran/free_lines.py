@@ -6,9 +6,7 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.io.line_texts import LineTexts, joined
-
-_DATA = 8
-"""Data fields of a line."""
+from faying.io.nastran.fields import ROW
 
 _LONG = frozenset((b"CORD2R", b"CORD2C", b"CORD2S"))
 """Cards whose eleven fields are written in one line; in others a ninth is likely a slip."""
@@ -74,11 +72,11 @@ def _rows(lines: LineTexts) -> list[bytes] | None:
     """Fold the fields of one card, or of one line of it, into lines of eight, None if they are."""
     parts = [part.strip() for line in lines for part in line.rstrip().rstrip(b",").split(b",")]
     name, data = parts[0], parts[1:]
-    if len(data) <= _DATA or (len(lines) == 1 and name not in _LONG):
+    if len(data) <= ROW or (len(lines) == 1 and name not in _LONG):
         return None
-    marked = len(data) == _DATA + 1 and data[_DATA][:1] in (b"+", b"*")
+    marked = len(data) == ROW + 1 and data[ROW][:1] in (b"+", b"*")
     if marked or b"*" in name or b" " in name:
         return None
-    rows = [data[k : k + _DATA] for k in range(0, len(data), _DATA)]
+    rows = [data[k : k + ROW] for k in range(0, len(data), ROW)]
     heads = [name] + [b""] * (len(rows) - 1)
     return [b",".join([head, *row]) for head, row in zip(heads, rows, strict=True)]

@@ -15,7 +15,6 @@ from faying.io.nastran import fields as numbers
 
 _TIMES = re.compile(rb"=(?:\((\d+)\)|(\d+))")
 _STEP = re.compile(rb"\*(?:\(([^()]+)\)|([^()]+))")
-_DATA = 8
 _MOST = 1_000_000
 """Cards that one line may make: a slip in the number shall not fill the memory."""
 
@@ -74,9 +73,9 @@ def _split(line: bytes) -> list[bytes]:
         flat = line.expandtabs(8)
         # A count of repetitions may be longer than its field, as numbers of Nastran are not.
         if match := _TIMES.fullmatch(flat[:72].strip()):
-            return [match[0], *[b""] * _DATA]
+            return [match[0], *[b""] * numbers.ROW]
         parts = [flat[k : k + 8].strip() for k in range(0, min(len(flat), 72), 8)]
-    return (parts + [b""] * (_DATA + 1))[: _DATA + 1]
+    return (parts + [b""] * (numbers.ROW + 1))[: numbers.ROW + 1]
 
 
 def _continues(line: bytes) -> bool:
@@ -129,7 +128,7 @@ def _derived(row: list[bytes], above: _Above, where: str) -> tuple[list[bytes], 
     """Fields of a card that says what it repeats, and what it adds to each."""
     fields = [above.fields[0]]
     steps: dict[int, Decimal] = {}
-    for k in range(1, _DATA + 1):
+    for k in range(1, numbers.ROW + 1):
         if row[k] == b"==" or row[0] == b"==":
             return fields + above.fields[k:], steps
         if row[k] == b"=":

@@ -17,7 +17,6 @@ _BEGIN = re.compile(rb"^\s*BEGIN(?:[\s,]*BULK)?\b(.*)$")
 _CEND = re.compile(rb"^\s*CEND\b")
 _END = re.compile(rb"^\s*ENDDATA\b")
 _CONTROL = re.compile(rb"^\s*(?:CEND\b|SOL\s+\S|SUBCASE\s+\d)")
-_DEEPEST = 20
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -86,11 +85,7 @@ def _expand(
 ) -> list[_Part]:
     """Parts of a file and of what it includes, in their order."""
     index = len(files.names)
-    data = files.read(path, included_from)
-    resolved = path.resolve()
-    if resolved in parents or len(parents) >= _DEEPEST:
-        message = f"{included_from}: INCLUDE of '{path}' goes in a circle; remove one of them"
-        raise FormatError(message)
+    data = files.read(path, included_from, parents)
     original = split_lines(data)
     number = np.arange(1, len(original) + 1, dtype=np.int64)
     upper = original.upper()
@@ -104,7 +99,7 @@ def _expand(
         origin = f"{files.names[index]}:{number[candidate]}"
         name, line = _file_name(original, candidate, match.end(), origin)
         included = _included(name, path, parents)
-        parts += _expand(included, files, (*parents, resolved), origin)
+        parts += _expand(included, files, (*parents, path.resolve()), origin)
         start = line
     parts.append((upper[start:], number[start:], index))
     return parts

@@ -7,8 +7,8 @@ from faying.model.elements import SOLIDS
 from faying.model.elements.geometry import volume_factors
 from faying.model.elements.solid_element import SolidElement, corner_gradients
 
-# Cells of a batch whose few numbers at a point fill the processor's cache.
-_CELLS = 2048
+BATCH = 2048
+"""Cells whose few numbers at a point fill the processor's cache."""
 
 
 def right_side_out(kind: str, nodes: Indices, places: Matrix) -> tuple[Indices, Mask]:
@@ -31,8 +31,8 @@ def right_side_out(kind: str, nodes: Indices, places: Matrix) -> tuple[Indices, 
     element = SOLIDS[kind]
     turned: Mask = np.zeros(len(nodes), dtype=bool)
     with np.errstate(over="ignore", invalid="ignore"):
-        for start in range(0, len(nodes), _CELLS):
-            part = slice(start, start + _CELLS)
+        for start in range(0, len(nodes), BATCH):
+            part = slice(start, start + BATCH)
             determinant = volume_factors(corner_gradients(element), places[nodes[part]])
             turned[part] = (determinant < 0).all(axis=0)
     if not turned.any():
