@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import faying as fy
+from faying.assessment.opening import opening_factors
 from faying.assessment.strength.margins import (
     SHANK,
     contact_margin,
@@ -22,8 +23,10 @@ from faying.assessment.strength.tightening import PreloadRange, force_of_torque
 from faying.contact.laws import Coulomb
 from faying.exceptions import ModelError
 from faying.joint.tangential import tangential_rows
+from faying.model.bolt import Bolt
 from faying.reduction.projection import contact_surfaces
 from faying.simulation.preload import tighten
+from small_system import small_system
 
 
 def stiffness_factor(bolt, clamped):
@@ -78,6 +81,29 @@ def test_two_fittings_of_a_12_3():
     assert separation_load(2090 + 3135, share) == pytest.approx(6198, abs=0.5)
     # Its contact model: the first bolt is apart at about 5100 lb, between the sums by hand.
     assert 2 * separation_load(2090, share) < 5100 < separation_load(2090 + 3135, share)
+
+
+def apart(preload, share):
+    """Return the load that parts a fitting: it enters half-way up members of two springs each."""
+    member, head = 2e6, np.array([0.0, 1.0])
+    stiffness = share / (1 - share) * member / 2
+    bolt = Bolt(
+        name="bolt", elongation=head, stiffness=stiffness, initial_force=preload / (1 - share)
+    )
+    K = member * np.array([[1.0, -1.0], [-1.0, 1.0]]) + stiffness * np.outer(head, head)
+    fitting = small_system(
+        np.eye(2), np.zeros((2, 2)), K, [1.0, 0.0], gap=0.0, stiffness=member, bolts=[bolt]
+    )
+    assert fy.solve_static(fitting).bolt_force("bolt") == pytest.approx(preload, rel=1e-12)
+    (inputs,) = fy.Load({"mass.Fx": 1e3}).inputs(fitting, np.zeros(1))
+    return 1e3 * opening_factors(fitting, inputs, {}, interfaces=["stop"]).last["stop"]
+
+
+def test_contact_parts_two_fittings_at_the_loads_of_a_12_3():
+    loose, tight = apart(2090.0, 0.314), apart(3135.0, 0.314)
+    assert loose == pytest.approx(2479, abs=0.5)
+    assert 2 * loose == pytest.approx(4958, abs=1.0)
+    assert loose + tight == pytest.approx(6198, abs=0.5)
 
 
 def test_slip_of_a_12_4():

@@ -10,7 +10,6 @@ from faying.assessment.opening import (
     opening_factors,
     opening_margins,
 )
-from faying.simulation.static import solve_static_inputs
 from faying.simulation.without_friction import released_state
 
 BEND = fy.Load({"tip.Fx": 6e3, "tip.Fz": -500.0}, name="bend")
@@ -69,16 +68,13 @@ def test_around_each_bolt_less_than_half_is_left_from_its_factor_on(pair):
 def test_one_solution_says_on_which_side_of_its_factor_a_load_is(pair):
     areas = areas_that_open(pair.interfaces, pair.contact.slices, pair.bolts)
     bolts = fy.Load({"tip.Fx": 6e3}, bolt_forces={"bolt-1": 4e3})
-    # As many as are solved side by side with the states at rest.
     loads = [BEND, BEND.scaled(0.5), bolts, *(BEND.scaled(0.1 * part) for part in range(6, 9))]
     inputs = np.array([load.inputs(pair, np.zeros(1))[0] for load in loads])
     factors = np.array([min(opening_factors(pair, row, areas).opened.values()) for row in inputs])
-    forces = solve_static_inputs(pair, inputs).contact_forces
     for number, factor in enumerate(factors):
         # Factors are found to a millionth.
         below, above = (
-            opening_margins(pair, inputs, areas, factor * (1 + change), forces=forces)
-            for change in (-1e-5, 1e-5)
+            opening_margins(pair, inputs, areas, factor * (1 + change)) for change in (-1e-5, 1e-5)
         )
         assert below[number] > 0 > above[number]
         np.testing.assert_array_equal(above < 0, factor * (1 + 1e-5) >= factors)

@@ -7,12 +7,13 @@ from typing import Literal
 
 import numpy as np
 
-from faying._typing import Matrix, Vector
+from faying._typing import Mask, Matrix, Vector
 from faying.assessment.certificate import Certificate
 from faying.assessment.sealing import Ring, ring_pressure
 from faying.assessment.slip_demand import area_sums
 from faying.assessment.weak_share import weak_share
 from faying.interface.surface import ContactSurface
+from faying.joint.bolt_surroundings import surroundings
 from faying.joint.system import System
 from faying.joint.tangential import TangentialRows
 from faying.model.bolt import Bolt
@@ -63,7 +64,7 @@ def metrics_of(
     rings
         Names of rings around holes.
     areas
-        Interfaces whose needed friction is wanted, of static cases.
+        Names of areas whose needed friction is wanted, of static cases.
     """
     metrics: list[Metric] = []
     for name in interfaces:
@@ -77,6 +78,15 @@ def metrics_of(
                 worst="largest",
             )
         ]
+    metrics += [
+        Metric(
+            name=f"clamp_around.{interface}.{bolt}",
+            description="normal force on the points of the interface nearest to the bolt",
+            dimension="force",
+            worst="smallest",
+        )
+        for interface, bolt in _shared(interfaces, system.bolts)
+    ]
     metrics += [
         Metric(
             name=f"bolt_bending.{name}",
@@ -116,7 +126,7 @@ def metrics_of(
     metrics += [
         Metric(
             name=f"needed_friction.{name}",
-            description="coefficient of friction that carries what acts along the interface",
+            description="coefficient of friction that carries what acts along the area",
             dimension="1",
             worst="largest",
         )
@@ -199,12 +209,15 @@ def case_metrics(
     rings
         Around holes, by name.
     areas
-        What is carried along interfaces whose needed friction is wanted, of static cases.
+        What is carried along areas whose needed friction is wanted, of static cases.
     """
     columns: list[Vector] = []
     for name, surface in interfaces.items():
         columns += _interface_columns(name, surface, solution, certificate)
     columns += [np.asarray(solution.bolt_force(name)) for name in solution.system.bolts]
+    for (name, _), points in _shared(interfaces, solution.system.bolts).items():
+        span = slice(*interfaces[name].slice)
+        columns.append(solution.pressure[:, span] @ (interfaces[name].weights * points[span]))
     for name in bent_bolts(solution.system.bolts):
         moments = np.linalg.norm(solution.bolt_bending(name), axis=-1)
         columns.append(moments.max(axis=-1))
@@ -213,18 +226,29 @@ def case_metrics(
         columns += [moved @ boundary.pattern(FORCE_NAMES[c]) for c in _components(boundary)]
     columns += [weak_share(solution, body) for body in solution.system.weak_supports]
     columns += [ring_pressure(ring, solution.pressure) for ring in rings.values()]
-    columns += [_needed_friction(solution, interfaces[name], area) for name, area in areas.items()]
+    columns += [_needed_friction(solution, interfaces, area) for area in areas.values()]
     if certificate is not None:
         columns += [certificate.energy_error, certificate.max_relative_error]
     return np.column_stack(columns)
 
 
-def _needed_friction(solution: Solution, surface: ContactSurface, area: TangentialRows) -> Vector:
-    forces = solution.contact_forces
-    carried = area.carried(solution.inputs, solution.system.contact.at_pairs(forces).T)
-    return area_sums(
-        area, surface.points, forces[:, slice(*surface.slice)], carried
-    ).needed_friction
+def _needed_friction(
+    solution: Solution, interfaces: Mapping[str, ContactSurface], area: TangentialRows
+) -> Vector:
+    forces, surface, joint = solution.contact_forces, interfaces[area.interface], solution.system
+    carried = area.carried(solution.inputs, joint.contact.at_pairs(forces).T)
+    points = np.arange(*surface.slice)
+    if area.bolt:
+        points = points[surroundings(interfaces, joint.bolts)[area.interface, area.bolt][points]]
+    places = surface.points[points - surface.slice[0]]
+    return area_sums(area, places, forces[:, points], carried).needed_friction
+
+
+def _shared(
+    interfaces: Mapping[str, ContactSurface], bolts: Mapping[str, Bolt]
+) -> dict[tuple[str, str], Mask]:
+    """Return the points around each of several bolts; a single one has the whole interface."""
+    return surroundings(interfaces, bolts) if len(bolts) > 1 else {}
 
 
 def bent_bolts(bolts: Mapping[str, Bolt]) -> list[str]:

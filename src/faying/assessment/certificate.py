@@ -38,11 +38,14 @@ class Enclosure:
         c of the ball ‖λ* − c‖_H ≤ r, (C12).
     radius : (...) [√(force·length)]
         r.
+    slack : (..., n_point) [length]
+        s of the candidates.
     """
 
     energy: Vector
     centre: Matrix
     radius: Vector
+    slack: Matrix
 
 
 def enclose(flexibility: Flexibility, g_free: Matrix, forces: Matrix) -> Enclosure:
@@ -69,17 +72,19 @@ def enclose(flexibility: Flexibility, g_free: Matrix, forces: Matrix) -> Enclosu
     )
     pairs = [flexibility.admissible(slack, wish) for wish in wishes]
     works = np.array([(forces * z).sum(axis=-1) for z, _ in pairs])
-    energies = np.array([flexibility.energy(slack - z) for z, _ in pairs])
+    halves = np.array([flexibility.half(slack - z) for z, _ in pairs])
+    energies = (halves**2).sum(axis=-1)
     possible = np.array([exists for _, exists in pairs])
     bounds = np.where(possible, works + 0.5 * energies, np.inf)
     best = np.argmin(bounds, axis=0)[None]
-    z = np.take_along_axis(np.array([z for z, _ in pairs]), best[..., None], axis=0)[0]
+    half = np.take_along_axis(halves, best[..., None], axis=0)[0]
     energy = np.take_along_axis(bounds, best, axis=0)[0]
     squared = np.take_along_axis(works + 0.25 * energies, best, axis=0)[0]
     return Enclosure(
         energy=energy,
-        centre=forces - 0.5 * flexibility.forces(slack - z),
+        centre=forces - 0.5 * flexibility.half(half, back=True),
         radius=np.where(np.isfinite(energy), np.sqrt(squared), np.inf),
+        slack=slack,
     )
 
 
@@ -222,6 +227,9 @@ class Certifier:
         forces = candidate * contact.weights
         where = enclose(self.flexibility, g_free, forces)
         force_error = _functional_bound(forces - where.centre, where, self.flexibility.point_norms)
+        # ‖λ̂‖_H and the bound of the distance to the exact forces.
+        closed = ((where.slack - g_free) * forces).sum(axis=-1)
+        norm, distance = np.sqrt(np.maximum(closed, 0.0)), np.sqrt(2 * where.energy)
         error, weights = force_error / contact.weights, contact.weights
         totals = _totals(where, self.totals, self.total_norms)
         low, high = self._pressures(where)
@@ -230,7 +238,7 @@ class Certifier:
             pressure=candidate,
             clipped_pressure=np.maximum(-checked, 0.0).max(axis=-1, initial=0.0),
             energy=where.energy,
-            energy_error=self._energy_error(forces, where),
+            energy_error=_ratio(distance, norm - distance),
             pressure_low=low,
             pressure_high=high,
             contact_force={name: totals[..., row, :] for row, name in enumerate(contact.slices)},
@@ -285,11 +293,6 @@ class Certifier:
             reach = _product(where.radius, self.flexibility.norms(pattern))
             lowest = np.maximum(lowest, (middle - reach) / area)
         return lowest
-
-    def _energy_error(self, forces: Matrix, where: Enclosure) -> Vector:
-        norm = np.sqrt(np.maximum(((forces @ self.flexibility.H) * forces).sum(axis=-1), 0.0))
-        distance = np.sqrt(2 * where.energy)
-        return _ratio(distance, norm - distance)
 
     def _rms(self, forces: Matrix, where: Enclosure) -> Vector:
         if self.flexibility.range_basis is not None:

@@ -27,7 +27,7 @@ class Flexibility:
     ----------
     H : (n_point, n_point) [length/force]
     half_inverse : (n_point, rank)
-        T with H⁺ = T Tᵀ.
+        T with H⁺ = T Tᵀ, upper triangular of a definite H.
     range_basis : (n_point, rank) or None
         Orthonormal columns that span the range of a singular H; None where H is definite.
     """
@@ -36,19 +36,17 @@ class Flexibility:
     half_inverse: Matrix
     range_basis: Matrix | None
 
-    def energy(self, gaps: Matrix) -> Vector:
-        """Return xᵀ H⁺ x (...) of gaps x (..., n_point) in the range of H."""
-        energy: Vector = ((gaps @ self.half_inverse) ** 2).sum(axis=-1)
-        return energy
-
-    def forces(self, gaps: Matrix) -> Matrix:
-        """Return H⁺ x (..., n_point)."""
-        forces: Matrix = (gaps @ self.half_inverse) @ self.half_inverse.T
-        return forces
+    def half(self, gaps: Matrix, *, back: bool = False) -> Matrix:
+        """Return x T (..., rank), whose square is xᵀ H⁺ x; back from there, x Tᵀ (..., n_point)."""
+        if self.range_basis is not None:
+            return np.asarray(gaps @ (self.half_inverse.T if back else self.half_inverse))
+        columns = gaps.reshape(-1, gaps.shape[-1]).T
+        product = la.blas.dtrmm(1.0, self.half_inverse.T, columns, lower=1, trans_a=back)
+        return np.asarray(product.T.reshape(gaps.shape))
 
     def norms(self, functionals: Matrix) -> Vector:
         """Return √(ℓᵀ H⁺ ℓ) (k,) of force functionals ℓ (k, n_point); infinite off the range."""
-        norms = np.sqrt(self.energy(functionals))
+        norms = np.linalg.norm(self.half(functionals), axis=-1)
         missed = np.linalg.norm(functionals - self.projected(functionals), axis=-1)
         return np.where(missed > LARGEST_MISS * np.linalg.norm(functionals, axis=-1), np.inf, norms)
 

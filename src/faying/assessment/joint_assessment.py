@@ -126,7 +126,11 @@ def assess(
     areas, start = areas_that_open(surfaces, system.contact.slices, system.bolts), np.zeros(1)
     followed = {
         load.name: opening_factors(
-            full, load.inputs(full, start)[0], areas, open_below=demanded.open_share
+            full,
+            load.inputs(full, start)[0],
+            areas,
+            open_below=demanded.open_share,
+            interfaces=full.contact.slices,
         )
         for load in (loads if paths else ())
     }

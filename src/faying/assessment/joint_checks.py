@@ -5,7 +5,6 @@ loads themselves: where the study demands no more, the limit is one times the lo
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -160,11 +159,6 @@ def _opening(
         yield _unknown(name, "interface", "opening", unknown[0].reason, required=True)
     elif interface.opening:
         yield _least_factor(name, "interface", "opening", interface.opening, demands)
-    else:  # of many cases the one that decides alone is known
-        for one in demands:
-            if one.place == name or one.place.startswith(f"{name} around "):
-                used = one.limit / one.value if one.value > 0 else np.inf
-                yield _judged(replace(one, place=name), "interface", "opening", used, TIMES_LOAD)
 
 
 def _slip(

@@ -1,6 +1,6 @@
 """Load factors at which a joint opens: where too little is left of what the preload presses."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import TypeVar, final
 
@@ -14,7 +14,8 @@ from faying.digits import SOLVED
 from faying.joint.bolt_surroundings import nearest_bolts, told_apart
 from faying.joint.system import Joint, Placed
 from faying.model.bolt import Bolt
-from faying.simulation.static import SolvedCase, port_forces, solved_case, solved_cases
+from faying.simulation.solution import Solution
+from faying.simulation.static import SolvedCase, port_forces, solved_case
 
 State = TypeVar("State")
 
@@ -95,6 +96,7 @@ def opening_factors(
     *,
     open_below: float = OPEN_BELOW,
     largest: float = LARGEST_FACTOR,
+    interfaces: Collection[str] = (),
 ) -> Openings:
     """Find the factors at which a joint without friction opens under a static load.
 
@@ -110,6 +112,8 @@ def opening_factors(
         Share of the area pressed at rest; from 0, nothing left, to 1.
     largest
         Factor at which the search ends.
+    interfaces
+        Interfaces whose first and last point to open are sought as well.
 
     Raises
     ------
@@ -135,9 +139,10 @@ def opening_factors(
 
     start = reach(0.0, None)
     shares = pressed_shares(areas, pressed(start) > 0, contact.weights)
-    every = {name: np.zeros(contact.n_points) for name in contact.slices}
-    for name, points in contact.slices.items():
-        every[name][points] = 1.0 / (points.stop - points.start)
+    every = {name: np.zeros(contact.n_points) for name in interfaces}
+    for name, share in every.items():
+        points = contact.slices[name]
+        share[points] = 1.0 / (points.stop - points.start)
     asked = [
         *((OPENED, name, share, enough(open_below)) for name, share in shares.items()),
         *((FIRST, name, shares[name], enough(1.0)) for name in every if name in shares),
@@ -171,12 +176,11 @@ def opening_margins(
     factor: float,
     *,
     open_below: float = OPEN_BELOW,
-    forces: Matrix | None = None,
 ) -> Vector:
     """Return how deep the area nearest to opening is pressed at a factor of each load (n_case,).
 
     Negative where an area is open [length]: one contact solution a load, where
-    :func:`opening_factors` takes a hundred.
+    :func:`opening_factors` takes some thirty.
 
     Parameters
     ----------
@@ -184,29 +188,61 @@ def opening_margins(
         As of :func:`opening_factors`.
     inputs : (n_case, n_input)
         Of the loads.
-    forces : (n_case, n_point) or None [force]
-        Contact forces under the loads, to begin with.
     """
-    contact = system.contact
-    rows = np.array([growing_displacements(system, row) for row in inputs])
-    fixed, growing = np.moveaxis(rows, 0, 1)
-    rests, one, which = np.unique(fixed, axis=0, return_index=True, return_inverse=True)
-    touching = SOLVED * np.abs(contact.free_gap(rests)).max(axis=1, initial=0.0)
-    begun, solver = None, system.static_contact.cases
-    if forces is not None and solver is not None:
-        moved = fixed + growing + (solver.S @ contact.at_pairs(forces)).T
-        begun = np.vstack([moved[one], moved])
-    gaps = solved_cases(system, np.vstack([rests, fixed + factor * growing]), begun)[1]
-    shares = [
-        pressed_shares(areas, pressed_depth(contact, gap, close) > 0, contact.weights)
-        for gap, close in zip(gaps, touching, strict=False)
-    ]
-    margins = np.full(len(inputs), np.inf)
-    for number, gap in enumerate(gaps[len(rests) :]):
-        depth = pressed_depth(contact, gap, touching[which[number]])
-        for share in shares[which[number]].values():
+    contact, margins = system.contact, np.full(len(inputs), np.inf)
+    rested, case = None, None
+    for number, row in enumerate(inputs):
+        fixed, growing = growing_displacements(system, row)
+        if rested is None or not np.array_equal(fixed, rested):
+            touching = SOLVED * np.abs(contact.free_gap(fixed)).max(initial=0.0)
+            case, rested = solved_case(system, fixed), fixed
+            pressed = pressed_depth(contact, case.gap, touching) > 0
+            shares = pressed_shares(areas, pressed, contact.weights).values()
+        case = solved_case(system, fixed + factor * growing, None if case is None else case.state)
+        depth = pressed_depth(contact, case.gap, touching)
+        for share in shares:
             margins[number] = min(margins[number], _pressed_at(depth, share, enough(open_below)))
     return margins
+
+
+def estimated_openings(
+    rest: Solution, cases: Solution, areas: Mapping[str, Mask], open_below: float
+) -> Matrix:
+    """Return the factors at which loads would open areas (n_case, n_area), were contact linear.
+
+    Every point loses what presses it at rest in proportion to the load: depth, of hard contact
+    pressure. What is infinite never opens.
+
+    Parameters
+    ----------
+    rest, cases
+        Before any load, at its last state, and under the loads.
+    open_below
+        As of :func:`opening_factors`.
+    """
+    contact = cases.system.contact
+    hard = np.zeros(contact.n_points, dtype=bool)
+    for name, points in contact.slices.items():
+        hard[points] = not contact.laws[name].yields
+    before, under = (
+        [
+            np.where(hard & (pressure > 0), pressure, -gap)
+            for pressure, gap in zip(
+                np.atleast_2d(one.pressure), np.atleast_2d(one.gap), strict=True
+            )
+        ]
+        for one in (rest, cases)
+    )
+    lost = before[-1] - np.array(under)
+    losing = (before[-1] > 0) & (lost > 0)
+    factors = np.where(losing, before[-1] / np.where(losing, lost, 1.0), np.inf)
+    shares = pressed_shares(areas, before[-1] > 0, contact.weights)
+    opens = np.full((len(factors), len(areas)), np.inf)
+    for column, name in enumerate(areas):
+        if name in shares:
+            share, limit = shares[name], enough(open_below)
+            opens[:, column] = [_pressed_at(each, share, limit) for each in factors]
+    return opens
 
 
 def _pressed_at(depth: Vector, shares: Vector, least: float) -> float:

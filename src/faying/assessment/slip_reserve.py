@@ -13,7 +13,7 @@ none of a closed box. η is one where everything slips in the directions of one 
 small where what slips here cancels what slips there: under a flange that is bent by an axial load.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Self
 
@@ -22,6 +22,7 @@ import numpy as np
 from faying._typing import Mask, Matrix, Vector
 from faying.assessment.growth import LARGEST_FACTOR, Event, first_events
 from faying.assessment.opening import (
+    Openings,
     areas_that_open,
     enough,
     opening_event,
@@ -239,20 +240,43 @@ def slip_reserve(
     """
     _check(system, load, share, increments, largest)
     preloaded = solve_path(system, [Load()]) if initial is None else initial
-    search = _Search.of(system, load, preloaded)
-    stuck = search.stuck()
+    inputs = path_inputs(system, [load.scaled(0.0), load.scaled(1.0)])
+    return growing_reserve(
+        system,
+        inputs,
+        preloaded,
+        share=share,
+        increments=increments,
+        largest=largest,
+        open_below=open_below,
+    )
+
+
+def growing_reserve(
+    system: System,
+    inputs: Matrix,
+    preloaded: Solution,
+    *,
+    share: float | None = None,
+    increments: int = 10,
+    largest: float = LARGEST_FACTOR,
+    open_below: float | None = None,
+) -> SlipReserve:
+    """Find the load factors of a load whose inputs (2, n_input) at factors 0 and 1 are given.
+
+    Parameters
+    ----------
+    share
+        As of :func:`slip_reserve`; without one, only slip as a whole and openings are sought.
+    """
+    search = _Search.of(system, inputs, preloaded)
     opens = {} if open_below is None else search.opening(open_below)
     events: dict[str, Event[PathStep]] = {
         **{f"{AREA}{name}": happens for name, happens in opens.items()},
-        "first": _whether(lambda trial, state: search.states(trial, state).slip_share[-1] > 0),
-        "onset": _whether(
-            lambda trial, state: search.share(search.states(trial, state), stuck) >= ONSET_SHARE
-        ),
-        "share": _whether(
-            lambda trial, state: search.states(trial, state).slip_of_closed[-1] >= share
-        ),
         "gross": _whether(lambda trial, _: bool(search.sliding(trial))),
     }
+    if share is not None:
+        events |= search.slipping(share)
     events_found = first_events(
         search.at, search.start, events, increments=increments, largest=largest
     )
@@ -263,7 +287,7 @@ def slip_reserve(
         interface=interface,
         point=point,
         onset=factors.get("onset"),
-        share=share,
+        share=share or 0.0,
         share_slip=factors.get("share"),
         gross_slip=factors.get("gross"),
         largest=events_found.largest,
@@ -276,6 +300,39 @@ def slip_reserve(
 
 AREA = "area "
 """Prefix of the events that are openings."""
+
+
+def followed_openings(reserves: Mapping[str, SlipReserve]) -> dict[str, Openings]:
+    """Return the openings of load cases that were followed with friction."""
+    return {
+        case: Openings(
+            opened=dict(zip(reserve.areas, reserve.openings, strict=True)), followed=reserve.largest
+        )
+        for case, reserve in reserves.items()
+        if reserve.areas
+    }
+
+
+def friction_used(system: System, name: str, forces: Matrix) -> float:
+    """Return the share of the friction against a rigid motion that an interface uses.
+
+    Parameters
+    ----------
+    forces : (3, n_point) [force]
+        Of contact, normal and along both tangents.
+    """
+    contact = system.contact
+    if contact.tangents is None:
+        return 0.0
+    points = contact.slices[name]
+    pressed = np.flatnonzero(forces[0, points] > 0)
+    chosen = pressed + points.start
+    return resistance_used(
+        system.interfaces[name].points[pressed],
+        contact.tangents[:, chosen],
+        forces[1:, chosen],
+        contact.laws[name].friction * forces[0, chosen],
+    )
 
 
 def _check(system: System, load: Load, share: float, increments: int, largest: float) -> None:
@@ -317,9 +374,8 @@ class _Search:
     growing: Vector
 
     @classmethod
-    def of(cls, system: System, load: Load, preloaded: Solution) -> Self:
+    def of(cls, system: System, inputs: Matrix, preloaded: Solution) -> Self:
         """Begin at a preloaded state."""
-        inputs = path_inputs(system, [load.scaled(0.0), load.scaled(1.0)])
         fixed, full = moved_alone(system, inputs)
         start = path_start(system, preloaded)
         return cls(system=system, start=start, fixed=fixed, growing=full - fixed)
@@ -333,6 +389,19 @@ class _Search:
         """Tell what the points do in one increment."""
         forces, slip = trial.increment.forces, np.array([state.slip, trial.slip])
         return point_states(self.system.contact, forces[:1], forces[None, 1:], slip)
+
+    def slipping(self, share: float) -> dict[str, Event[PathStep]]:
+        """Return when points slip: the first, the onset, and a share of the area."""
+        stuck = self.stuck()
+        return {
+            "first": _whether(lambda trial, state: self.states(trial, state).slip_share[-1] > 0),
+            "onset": _whether(
+                lambda trial, state: self.share(self.states(trial, state), stuck) >= ONSET_SHARE
+            ),
+            "share": _whether(
+                lambda trial, state: self.states(trial, state).slip_of_closed[-1] >= share
+            ),
+        }
 
     def stuck(self) -> Mask:
         """Return the points (n_point,) whose traction the preload leaves within its bound."""
@@ -351,21 +420,10 @@ class _Search:
     def sliding(self, trial: PathStep) -> str:
         """Return the interface on which all that is closed slips along one motion; none if ''."""
         contact, forces = self.system.contact, trial.increment.forces
-        if contact.tangents is None:
-            return ""
         for name, points in contact.slices.items():
             bounds = contact.laws[name].friction * forces[0, points]
-            if not np.hypot(*forces[1:, points]).sum() > SPENT_SHARE * bounds.sum():
-                continue
-            pressed = np.flatnonzero(forces[0, points] > 0)
-            points_pressed = pressed + points.start
-            used = resistance_used(
-                self.system.interfaces[name].points[pressed],
-                contact.tangents[:, points_pressed],
-                forces[1:, points_pressed],
-                bounds[pressed],
-            )
-            if used >= SLIDING_SHARE:
+            spent = np.hypot(*forces[1:, points]).sum() > SPENT_SHARE * bounds.sum()
+            if spent and friction_used(self.system, name, forces) >= SLIDING_SHARE:
                 return name
         return ""
 

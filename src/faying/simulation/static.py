@@ -132,18 +132,11 @@ def solved_case(
     )
 
 
-def solved_cases(
-    system: Joint, free: Matrix, begun: Matrix | None = None
-) -> tuple[Matrix, Matrix, Indices, Vector]:
+def solved_cases(system: Joint, free: Matrix) -> tuple[Matrix, Matrix, Indices, Vector]:
     """Return forces, gaps, iterations and error bounds of cases whose pairs move without contact.
 
     Similar cases are solved side by side where contact yields in proportion to pressure, and one
     from the other else.
-
-    Parameters
-    ----------
-    begun : (n_case, n_relative) or None [length]
-        Relative displacements in similar cases, to begin with.
     """
     contact, solver = system.contact, system.static_contact.cases
     contact.check_forgetful("cases that do not follow each other", "solve_path")
@@ -153,12 +146,9 @@ def solved_cases(
     shapes, start = contact.free_gap(free), None
     if side_by_side(solver, len(free)):
         for cases in similar_groups(shapes, TOGETHER):
-            if begun is None:
-                central = ((shapes[cases] - shapes[cases].mean(axis=0)) ** 2).sum(axis=1).argmin()
-                first = solver.solve(free[cases[central]], contact.offset()).moved
-                begin = np.broadcast_to(first, (len(cases), len(first)))
-            else:
-                begin = begun[cases]
+            central = ((shapes[cases] - shapes[cases].mean(axis=0)) ** 2).sum(axis=1).argmin()
+            first = solver.solve(free[cases[central]], contact.offset()).moved
+            begin = np.broadcast_to(first, (len(cases), len(first)))
             solution = solve_similar(solver, free[cases], begin)
             forces[cases], gaps[cases], iterations[cases] = solution
         return forces, gaps, iterations, errors

@@ -12,7 +12,6 @@ import numpy as np
 
 from faying import __version__
 from faying.assessment.case_metrics import WEAK_SHARE
-from faying.assessment.joint_checks import joint_checks
 from faying.assessment.joint_verdict import joint_verdict, summarized
 from faying.assessment.requirements import Requirements, check_names
 from faying.assessment.weak_share import weak_warnings
@@ -35,13 +34,7 @@ from faying.study.stages.books import Books, ProgressBar
 from faying.units import Units
 from faying.workflow.outcome import Outcome
 from faying.workflow.solve_cases import CaseSolver
-from faying.workflow.solved_assessment import (
-    assess_solved,
-    demanded_of,
-    not_judged,
-    rows_judged,
-    sliding_checks,
-)
+from faying.workflow.solved_assessment import demanded_of, solved_checks
 from faying.workflow.solved_cases import SolvedCases
 
 
@@ -146,9 +139,9 @@ def solve_loads(
             checkpoint=checkpoint,
             books=books,
             worst=chosen.worst,
-            chosen={*named, *rows_judged(loads)},
+            chosen=named,
             certificates=chosen.certificates,
-            demanded=demanded_of(chosen.requirements, rom, path),
+            demanded=demanded_of(chosen.requirements, chosen.strengths, rom, path),
             tightening=path,
         )
         if executor is not None:
@@ -158,14 +151,11 @@ def solve_loads(
         assessment, units = None, rom.unit_set
         verdict = joint_verdict((), units, "see the warnings")
         with books.stage("requirements"), books.attempt("requirements"):
-            judged = assess_solved(
+            verdicts, checks = solved_checks(
                 solver, chosen.requirements, chosen.strengths, static, transients
             )
-            checks = [*joint_checks(judged, units), *sliding_checks(rom, static, transients)]
             verdict = joint_verdict(checks, units)
-            assessment = {"verdicts": plain([asdict(demand) for demand in judged.verdicts])}
-        table = summarized(verdict)
-        table["open_questions"] += not_judged(loads, static, rubs=path is not None)
+            assessment = {"verdicts": plain([asdict(demand) for demand in verdicts])}
         with books.stage("files"):
             files = _written(rom, static, transients, named, out, chosen)
         summary = {
@@ -175,7 +165,7 @@ def solve_loads(
             **files,
             "requirements": stated(chosen.requirements),
             "assessment": assessment,
-            "verdict": plain(table),
+            "verdict": plain(summarized(verdict)),
             "warnings": [*loads.remarks, *_barely_held(files), *books.failed],
             "timings": books.account(),
         }

@@ -1,16 +1,14 @@
 """Many static cases, or a transient, solved on a reduced model a part at a time."""
 
-from collections.abc import Callable, Collection, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, Vector
+from faying._typing import Indices, Matrix
 from faying.assessment.case_metrics import Metric, metrics_of
 from faying.assessment.certificate import Certifier, certifier
-from faying.assessment.opening import opening_margins
 from faying.assessment.slip_metrics import friction_metrics
 from faying.exceptions import ConvergenceError, StudyError
 from faying.execution.campaign import run_campaign
@@ -29,8 +27,8 @@ from faying.study.inputs.load_set import LoadSet, TimedLoad
 from faying.study.keys.tables import DEFAULT_INCREMENTS
 from faying.study.stages.books import FAILED, Books
 from faying.study.stages.path_cases import rest_state
-from faying.workflow.solved_cases import OPENING, SolvedCases
-from faying.workflow.solved_pieces import Demanded, Opening, arrays_of
+from faying.workflow.solved_cases import SolvedCases
+from faying.workflow.solved_pieces import Demanded, arrays_of, factors_of
 
 PIECE_NUMBERS = 2**18
 """Numbers of one field of all cases solved together: 2 MB, of which some twenty are at hand."""
@@ -184,27 +182,9 @@ class CaseSolver:
             ]
         metrics = self._metrics(static=True)
         arrays = arrays_of(self.rom, rows, judged, self.demanded, metrics, self.worst, self.chosen)
-        if self.demanded.opening is not None:
-            with self.books.timed("openings"):
-                arrays |= {OPENING: self._margins(self.demanded.opening, rows, solved)}
+        with self.books.timed("load factors"):
+            arrays |= factors_of(rows, judged, self.demanded, self.rest)
         return arrays | {FAILED: np.array(failed, dtype=str)}
-
-    def _margins(
-        self, opening: Opening, rows: Indices, solved: Sequence[tuple[Indices, Solution]]
-    ) -> Vector:
-        """Return how deep what must not open is pressed at the demanded factor of each case."""
-        margins = np.full(len(rows), -np.inf)
-        for numbers, state in solved:
-            with suppress(ConvergenceError):  # followed increment by increment, which says so
-                margins[np.searchsorted(rows, numbers)] = opening_margins(
-                    self.rom.joint,
-                    state.inputs,
-                    opening.areas,
-                    opening.factor,
-                    open_below=opening.open_below,
-                    forces=state.contact_forces,
-                )
-        return margins
 
     def _solved(self, rows: Indices) -> tuple[list[tuple[Indices, Solution]], list[str]]:
         """Solve static cases together; where one fails, in halves until it is alone."""

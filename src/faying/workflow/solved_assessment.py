@@ -7,11 +7,14 @@ import numpy as np
 
 from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.check import Check
-from faying.assessment.joint_record import Assessment, CaseState
-from faying.assessment.opening import areas_that_open, opening_margins
+from faying.assessment.joint_checks import joint_checks
+from faying.assessment.joint_record import CaseState
+from faying.assessment.opening import Openings, area_name, areas_that_open
 from faying.assessment.requirements import ClosedRing, Requirements, Verdict
 from faying.assessment.sealing import Ring, ring_around
 from faying.assessment.slip_demand import slip_coefficients
+from faying.assessment.slip_reserve import SlipReserve, followed_openings
+from faying.assessment.strength.fatigue import fibre_stresses
 from faying.assessment.strength.preload_ends import PreloadEnd
 from faying.assessment.verdicts import ring_surface
 from faying.exceptions import ModelError
@@ -20,21 +23,14 @@ from faying.joint.tangential import TangentialRows
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import InputRow, Load
 from faying.study.inputs.load_set import LoadSet
+from faying.study.judgement.margins import NASA
 from faying.study.keys.threads import BoltStrengths
 from faying.study.stages.joint_judge import JointJudge, certified_cases, rest_of
 from faying.study.stages.path_cases import rest_state
+from faying.workflow.deciding_cases import Deciding
 from faying.workflow.solve_cases import CaseSolver
-from faying.workflow.solved_cases import SolvedCases
-from faying.workflow.solved_pieces import Demanded, Opening
-
-ALL_JUDGED = 50
-"""Static cases up to which all are judged one by one; some milliseconds each at every end."""
-
-FOLLOWED = 5
-"""Static cases that are followed to their openings, seconds each: those that open the first.
-
-Where a factor is demanded all are solved at it, which decides; else those that are judged at one.
-"""
+from faying.workflow.solved_cases import OPENS, SLIDES, SolvedCases
+from faying.workflow.solved_pieces import Demanded
 
 STATIC = ""
 """Name of the static cases among sets of cases."""
@@ -42,21 +38,18 @@ STATIC = ""
 ALL_STATIC = "all static cases"
 """Where a range of stress over all of them is from."""
 
-RUBBED = "it is followed with friction by faying run alone"
-"""Why nothing is known of the opening and sliding of joints with friction."""
-
 
 def demanded_of(
-    requirements: Requirements, rom: ReducedModel, tightening: tuple[Load, ...] | None
+    requirements: Requirements,
+    strengths: BoltStrengths,
+    rom: ReducedModel,
+    tightening: tuple[Load, ...] | None,
 ) -> Demanded:
     """Return what is asked of every case because a requirement judges it."""
-    opening, radius = None, requirements.no_opening_within
-    if requirements.min_opening_factor is not None and not len(rom.contact.rubbing):
-        opening = Opening(
-            areas=areas_that_open(rom.interfaces, rom.contact.slices, rom.bolts),
-            factor=requirements.min_opening_factor,
-            open_below=requirements.open_share,
-        )
+    # With friction openings are followed where they are demanded.
+    follows = tightening is None or requirements.min_opening_factor is not None
+    opens = areas_that_open(rom.interfaces, rom.contact.slices, rom.bolts) if follows else {}
+    radius = requirements.no_opening_within
     near = {}
     if radius is not None:
         preload = rest_of(rest_state(rom, tightening or ())).pressure[0]
@@ -66,18 +59,29 @@ def demanded_of(
         }
     return Demanded(
         rings=dict(_rings(requirements.closed_ring, rom)),
-        areas=_areas(requirements, rom),
-        opening=opening,
+        areas=_areas(requirements, strengths, rom),
+        opens=opens,
+        open_below=requirements.open_share,
         pressed={name: points for name, points in near.items() if points.any()},
     )
 
 
-def _areas(requirements: Requirements, rom: ReducedModel) -> dict[str, TangentialRows]:
-    """Return what is carried along the interfaces whose slip is judged by sums, by name."""
+def _areas(
+    requirements: Requirements, strengths: BoltStrengths, rom: ReducedModel
+) -> dict[str, TangentialRows]:
+    """Return what is carried along the areas whose slip is judged by sums, by name.
+
+    Those around bolts are judged by the margins of a standard alone.
+    """
     smooth = [name for name, surface in rom.interfaces.items() if not surface.friction > 0]
     judged = slip_coefficients(requirements.slip_friction, smooth)
-    carried = {rows.interface: rows for rows in rom.tangential if not rows.bolt}
-    return {name: carried[name] for name in judged if name in carried and not carried[name].unknown}
+    judged |= strengths.rubbing(rom.interfaces)
+    around = strengths.margins is not None and strengths.margins.standard == NASA
+    return {
+        area_name(rows.interface, rows.bolt): rows
+        for rows in rom.tangential
+        if rows.interface in judged and not rows.unknown and (around or not rows.bolt)
+    }
 
 
 def _rings(rings: Sequence[ClosedRing], rom: ReducedModel) -> Iterator[tuple[str, Ring]]:
@@ -89,41 +93,19 @@ def _rings(rings: Sequence[ClosedRing], rom: ReducedModel) -> Iterator[tuple[str
         yield name, ring_around(rom.interfaces[surface], ring.around)
 
 
-def rows_judged(loads: LoadSet, static: SolvedCases | None = None) -> list[int]:
-    """Return the static cases that are judged one by one.
-
-    All where they are few; else those that decide, once they are solved: these alone are solved at
-    the ends of the preloads and under factored loads.
-    """
-    if len(loads.names) <= ALL_JUDGED:
-        return list(range(len(loads.names)))
-    return [] if static is None else static.deciding()
-
-
-def not_judged(loads: LoadSet, static: SolvedCases | None, *, rubs: bool) -> list[str]:
-    """Say what a run judges of its cases, and many that are solved leave open."""
-    if rubs:
-        return [
-            "opening and sliding factors, and slip at the ends of the scatter: faying run follows "
-            "joints with friction"
-        ]
-    n_judged = len(rows_judged(loads, static))
-    if n_judged == len(loads.names):
-        return []
-    return [
-        "opening, clamp around bolts, and ends of the scatter: beyond the "
-        f"{n_judged} of {len(loads.names)} static cases in which some metric is worst"
-    ]
-
-
-def assess_solved(
+def solved_checks(
     solver: CaseSolver,
     requirements: Requirements,
     strengths: BoltStrengths,
     static: SolvedCases | None,
     transients: Mapping[str, SolvedCases],
-) -> Assessment:
+) -> tuple[tuple[Verdict, ...], tuple[Check, ...]]:
     """Judge a joint over the cases and instants that decide, and its bolts over all.
+
+    Returns
+    -------
+    tuple of Verdict, tuple of Check
+        On what is required, and of every bolt and interface.
 
     Raises
     ------
@@ -132,9 +114,8 @@ def assess_solved(
     """
     rom, loads, rubs = solver.rom, solver.loads, solver.tightening is not None
     sets = {**({} if static is None else {STATIC: static}), **transients}
-    decided = {} if static is None else static.states(rows_judged(loads, static))
+    decided = {} if static is None else static.states(static.deciding(solver.worst))
     rows = list(decided)
-    deciding = [InputRow(name=loads.names[row], row=loads.inputs[row]) for row in rows]
     states = {loads.names[row]: state for row, state in decided.items()}
     if rows and solver.judge is not None:
         pressure = np.concatenate([state.pressure for state in decided.values()])
@@ -142,15 +123,25 @@ def assess_solved(
         clamps = certified_cases(solver.judge, rom, names, loads.inputs[rows], pressure)
         states = {name: replace(states[name], certified=clamps[name]) for name in names}
     for name, cases in transients.items():
-        at = cases.states(cases.deciding())
+        at = cases.states(cases.deciding(solver.worst))
         states |= {cases.named(name, row): state for row, state in at.items()}
     if not states:
         message = "no case was solved, so there is nothing to judge"
         raise ModelError(message)
-    followed = []
-    if static is not None and not rubs:
-        followed = _followed(solver, requirements, static, deciding)
-    decide = {load.name for load in deciding}
+    openings: Mapping[str, Openings] = {}
+    reserves: Mapping[str, SlipReserve] = {}
+    if static is not None:
+        demanded = solver.demanded
+        followed = Deciding(
+            rom=rom, loads=loads, areas=demanded.opens, open_below=demanded.open_below
+        )
+        slides, opens = static.factors(SLIDES), static.factors(OPENS)
+        if rubs:
+            reserves = followed.reserves(solver.rest, slides, opens)
+            openings = followed_openings(reserves)
+        else:
+            openings = followed.openings(opens)
+    deciding = _loads(loads, [loads.names[row] for row in rows])
     judge = JointJudge(
         system=rom,
         exact=rom,
@@ -159,51 +150,49 @@ def assess_solved(
         requirements=requirements,
         strengths=strengths,
         books=solver.books,
-        loads=() if rubs else [*deciding, *(load for load in followed if load.name not in decide)],
-        followed={load.name for load in followed},
+        loads=() if rubs else _loads(loads, [load.name for load in deciding] + list(openings)),
         summed=deciding,
         factored=deciding,
+        reserves=reserves,
+        openings=openings,
     )
     assessment = judge.assessment()
-    if rubs:
-        assessment = replace(assessment, verdicts=tuple(map(_left_to_a_run, assessment.verdicts)))
     histories = {name: _history(cases, rom) for name, cases in sets.items()} if rom.bolts else {}
     histories = {name: state for name, state in histories.items() if len(state.pressure)}
-    ends = judge.ends(histories)
+    while True:
+        ends = judge.ends(histories)
+        apart = [_told_apart(end, loads) for end in ends]
+        stressed = judge.strengthened(assessment, histories, apart, loads.repetitions)
+        names = [loads.names[row] for row in sorted(_worst_rows(strengths, apart, stressed.checks))]
+        known = {load.name for load in judge.loads}
+        more = _loads(loads, [name for name in names if name not in known])
+        if not more or not ends[0].solved:
+            break
+        judge = replace(judge, loads=[*judge.loads, *more])
     assessment = judge.at_ends(assessment, ends)
-    apart = [_told_apart(end, loads) for end in ends]
     assessment = judge.strengthened(assessment, histories, apart, loads.repetitions)
     checks = tuple(_labelled(check, sets) for check in assessment.checks)
-    return judge.with_margins(replace(assessment, checks=checks))
+    assessment = judge.with_margins(replace(assessment, checks=checks))
+    return assessment.verdicts, joint_checks(assessment, rom.unit_set, reserves)
 
 
-def _left_to_a_run(verdict: Verdict) -> Verdict:
-    """Say of what only a run follows with friction that it does."""
-    left = verdict.requirement in ("min_opening_factor", "min_sliding_factor")
-    return replace(verdict, reason=RUBBED) if left and verdict.met is None else verdict
+def _loads(loads: LoadSet, names: Sequence[str]) -> list[InputRow]:
+    """Return static cases as loads, each once."""
+    rows = {name: row for row, name in enumerate(loads.names)}
+    return [InputRow(name=name, row=loads.inputs[rows[name]]) for name in dict.fromkeys(names)]
 
 
-def _followed(
-    solver: CaseSolver,
-    requirements: Requirements,
-    static: SolvedCases,
-    deciding: Sequence[InputRow],
-) -> list[InputRow]:
-    """Return the static cases that open the first, which are followed to their openings."""
-    rom, loads = solver.rom, solver.loads
-    if solver.demanded.opening is not None:
-        first = np.argsort(static.margins(), kind="stable")[:FOLLOWED]
-        return [InputRow(name=loads.names[case], row=loads.inputs[case]) for case in first]
-    if len(deciding) <= FOLLOWED:
-        return list(deciding)
-    margins = opening_margins(
-        rom.joint,
-        np.array([load.row for load in deciding]),
-        areas_that_open(rom.interfaces, rom.contact.slices, rom.bolts),
-        1.0,
-        open_below=requirements.open_share,
-    )
-    return [deciding[case] for case in np.argsort(margins, kind="stable")[:FOLLOWED]]
+def _worst_rows(
+    strengths: BoltStrengths, ends: Sequence[PreloadEnd], checks: Sequence[Check]
+) -> set[int]:
+    """Return the static cases that decide a check, or in which a fibre of a thread is at an end."""
+    rows = {int(one.instant) for one in checks if one.case == STATIC and one.instant is not None}
+    for state in (end.cases[STATIC] for end in ends if STATIC in end.cases):
+        for bolt, thread in strengths.threads.items():
+            stresses = fibre_stresses(thread, state.bolt_forces[bolt], state.bolt_moments.get(bolt))
+            extremes = np.concatenate([stresses.argmax(axis=0), stresses.argmin(axis=0)])
+            rows |= set(np.asarray(state.times)[extremes].astype(int).tolist())
+    return rows
 
 
 def _history(cases: SolvedCases, rom: ReducedModel) -> CaseState:
@@ -266,44 +255,3 @@ def _labelled(check: Check, sets: Mapping[str, SolvedCases]) -> Check:
     elif check.quantity.startswith("fatigue"):
         label = label or ALL_STATIC
     return replace(check, case=label, instant=None)
-
-
-def sliding_checks(
-    rom: ReducedModel, static: SolvedCases | None, transients: Mapping[str, SolvedCases]
-) -> Iterator[Check]:
-    """Judge interfaces with friction: what sticks somewhere in a case does not slide in it."""
-    sets = {**({} if static is None else {"": static}), **transients}
-    for name, surface in rom.interfaces.items():
-        if not surface.friction > 0:
-            continue
-        shares: list[tuple[float, str]] = []
-        for label, cases in sets.items():
-            open_area, at_bound = (
-                cases.column(f"{metric}.{name}") for metric in ("open_area", "area_at_bound")
-            )
-            closed = surface.weights.sum() - open_area
-            slips = np.where(closed > 0, at_bound / np.where(closed > 0, closed, 1.0), 0.0)
-            if not np.isnan(slips).all():
-                row = int(np.nanargmax(slips))
-                shares.append((float(slips[row]), cases.named(label, row)))
-        share, case = max(shares, default=(np.inf, ""))
-        slides = share > 1 - ALL
-        yield Check(
-            part=name,
-            kind="interface",
-            quantity="slipping share",
-            outcome="unknown" if slides else "met",
-            utilisation=share,
-            value=100 * share,
-            limit=100.0,
-            unit="%",
-            case=case,
-            reason=SLIPS_ALL if slides else "",
-        )
-
-
-ALL = 1e-9
-"""Distance from one from which a share of area is all of it: round-off of sums."""
-
-SLIPS_ALL = "all that touches is at its friction bound; faying run tells whether it slides"
-"""Why nothing is known of an interface that sticks nowhere."""

@@ -15,8 +15,8 @@ from faying.execution.checkpoint import Arrays, Bundles
 BENDING = "bending "
 """What begins the names of arrays of bending moments, before that of the bolt."""
 
-OPENING = "opening margin"
-"""Name of the array of what is left to an opening."""
+OPENS, SLIDES = "opens", "slides"
+"""Names of the arrays of factors at which cases would open areas, and slide, as estimated."""
 
 SMALLEST = "smallest"
 """Name of the array of what requirements judge at its least, beside the worst of metrics."""
@@ -110,9 +110,9 @@ class SolvedCases:
                 )[:count]
         return [entry for entries in worst.values() for entry in entries]
 
-    def deciding(self) -> list[int]:
-        """Return the rows of worst metrics, and where what is judged at its least is smallest."""
-        worst = {entry.row for entry in self.worst(1)}
+    def deciding(self, count: int) -> list[int]:
+        """Return the worst rows of metrics, and where what is judged at its least is smallest."""
+        worst = {entry.row for entry in self.worst(count)}
         return sorted(worst | smallest_rows(self._of_all(SMALLEST)))
 
     def states(self, rows: Collection[int]) -> dict[int, CaseState]:
@@ -155,12 +155,9 @@ class SolvedCases:
         """Return the bending moments of a bolt (n_row, 2, 2), NaN where there is no solution."""
         return self._of_all(f"{BENDING}{bolt}")
 
-    def margins(self) -> Vector:
-        """Return how deep what must not open is pressed at the demanded factor (n_row,) [length].
-
-        Minus infinity where there is no solution.
-        """
-        return self._of_all(OPENING)
+    def factors(self, what: str) -> Matrix:
+        """Return the estimated factors of all cases (n_row, n_part), NaN without a solution."""
+        return self._of_all(what)
 
     def _of_all(self, name: str, column: int | None = None) -> Matrix:
         """Return an array of all cases or instants, or a column of it, in their order."""

@@ -10,33 +10,19 @@ from faying._typing import Indices, Mask, Matrix
 from faying.assessment.case_metrics import Metric, bent_bolts, case_metrics
 from faying.assessment.certificate import Certificate
 from faying.assessment.envelope import envelope_of, joined
-from faying.assessment.sealing import Ring
 from faying.assessment.slip_metrics import friction_figures
+from faying.assessment.opening import estimated_openings
+from faying.assessment.requirements import OPEN_BELOW
+from faying.assessment.sealing import Ring
+from faying.assessment.slip_reserve import friction_used
+from faying.digits import ROUND_OFF
 from faying.joint.tangential import TangentialRows
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.solution import Solution
-from faying.workflow.solved_cases import BENDING, SMALLEST, smallest_rows, worst_rows
+from faying.workflow.solved_cases import BENDING, OPENS, SLIDES, SMALLEST, smallest_rows, worst_rows
 
 Judged = tuple[Indices, Solution, Certificate | None]
 """Rows of cases or instants, increasing, with their solution and its certificate."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Opening:
-    """A load factor at which areas must not have opened.
-
-    Attributes
-    ----------
-    areas
-        Name to the points (n_point,) of what opens.
-    factor
-    open_below
-        Share of the area pressed at rest.
-    """
-
-    areas: Mapping[str, Mask]
-    factor: float
-    open_below: float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -48,16 +34,19 @@ class Demanded:
     rings
         Around holes, by name.
     areas
-        What is carried along interfaces whose slip is judged in static cases.
-    opening
-        What must not open at which factor of static cases.
+        What is carried along areas whose slip is judged in static cases.
+    opens
+        Name to the points (n_point,) of what may open in static cases.
+    open_below
+        Share of the area pressed at rest below which it is open.
     pressed
         Bolt to the points (n_point,) around it that must stay pressed.
     """
 
     rings: Mapping[str, Ring] = field(default_factory=dict)
     areas: Mapping[str, TangentialRows] = field(default_factory=dict)
-    opening: Opening | None = None
+    opens: Mapping[str, Mask] = field(default_factory=dict)
+    open_below: float = OPEN_BELOW
     pressed: Mapping[str, Mask] = field(default_factory=dict)
 
 
@@ -125,6 +114,32 @@ def arrays_of(
     arrays |= {name: arrays[name].reshape(-1, n_point) for name in ("pressure", "gap")}
     envelopes = [envelope_of(solution, numbers) for numbers, solution, _ in solved]
     return arrays | (vars(joined(envelopes)) if envelopes else {})
+
+
+def factors_of(
+    rows: Indices, solved: Sequence[Judged], demanded: Demanded, rest: Solution
+) -> dict[str, np.ndarray]:
+    """Return the factors at which static cases would open areas, and slide, as estimated."""
+    system = rest.system
+    rubbing = [name for name, law in system.contact.laws.items() if law.friction > 0]
+
+    def opens(solution: Solution, _: object) -> Matrix:
+        return estimated_openings(rest, solution, demanded.opens, demanded.open_below)
+
+    def slides(solution: Solution, _: object) -> Matrix:
+        if solution.shear_forces is None:
+            return np.full((len(solution.contact_forces), len(rubbing)), np.inf)
+        normal = solution.contact_forces[:, None]
+        used = [
+            [friction_used(system, name, forces) for name in rubbing]
+            for forces in np.concatenate([normal, solution.shear_forces], axis=1)
+        ]
+        return np.asarray(1 / np.maximum(used, ROUND_OFF))
+
+    return {
+        OPENS: _placed(rows, solved, (len(demanded.opens),), opens),
+        SLIDES: _placed(rows, solved, (len(rubbing),), slides),
+    }
 
 
 def _placed(

@@ -28,7 +28,7 @@ from faying.study.keys.requirement_tables import MarginsSection
 from faying.study.keys.schema import read_load_cases, read_study
 from faying.study.keys.threads import BoltStrengths
 from faying.study.results.store import read_results
-from faying.workflow import solve_cases
+from faying.workflow import deciding_cases, solve_cases
 from faying.workflow.reduce import reduce_study
 from faying.workflow.run import run
 from faying.workflow.solve import SolveOptions, solve_loads
@@ -808,3 +808,38 @@ def test_many_loads_have_the_verdict_of_a_run(tmp_path):
     checks = [check for part in expected["parts"] for check in part["checks"]]
     assert {"P_p,min", "P_p,max"} <= {check["scatter"].split(", ")[0] for check in checks}
     assert any("hot" in check["scatter"] for check in checks)
+
+
+@pytest.mark.long
+def test_cases_that_decide_have_the_verdict_of_all(tmp_path, monkeypatch):
+    """Many loads of any direction, at both ends of the scatter, with openings and margins."""
+    study, model = tmp_path / "two.toml", tmp_path / "two.faying"
+    margins = '[requirement.margins]\nstandard = "nasa-std-5020b"\nFS_u = 1.4\nFS_sep = 1.2\n'
+    demanded = f"min_opening_factor = 1.2\n\n{margins}\n[reduction]"
+    study.write_text(TWO_BOLTS.replace("[reduction]", demanded))
+    runner = CliRunner()
+    assert runner.invoke(app, ["reduce", str(study), "--out", str(model)]).exit_code == 0
+    rows = np.random.default_rng(5).normal(size=(24, 4)) * (80.0, 300.0, 4e3, 60.0)
+    lines = (f"c{number}," + ",".join(map(repr, row)) for number, row in enumerate(rows.tolist()))
+    loads = tmp_path / "loads.csv"
+    loads.write_text("case,tip.Fz,tip.Fx,tip.Mx,tip.Fy\n" + "\n".join(lines))
+
+    def solved(*options: str):
+        out = tmp_path / f"out{len(options)}"
+        runner.invoke(app, ["solve", str(model), str(loads), "--out", str(out), *options])
+        return json.loads((out / "summary.json").read_text())["verdict"]
+
+    found = solved()
+    followed = []
+    monkeypatch.setattr(
+        deciding_cases,
+        "least_factor",
+        lambda factors, exact, *_: followed.append([exact(row) for row in range(len(factors))]),
+    )
+    every = solved("--worst", str(len(rows)))
+    assert {len(factors) for factors in followed} == {len(rows)}
+    assert found["table"] == every["table"]
+    assert found["open_questions"] == every["open_questions"]
+    checks = [check for part in every["parts"] for check in part["checks"]]
+    assert {"opening", "MS_u", "MS_sep"} <= {check["quantity"].split(" at ")[0] for check in checks}
+    assert len({check["case"] for check in checks}) > 5

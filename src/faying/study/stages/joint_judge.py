@@ -198,7 +198,11 @@ class JointJudge:
                 with self.books.attempt(f"{load.name}, load factors of opening"):
                     (inputs,) = self._inputs([load], initial)
                     openings[load.name] = opening_factors(
-                        joint, inputs, areas, open_below=self.requirements.open_share
+                        joint,
+                        inputs,
+                        areas,
+                        open_below=self.requirements.open_share,
+                        interfaces=system.contact.slices if initial is None else (),
                     )
         return openings
 

@@ -7,9 +7,8 @@ import numpy as np
 
 from faying.assessment.clamp_range import CertifiedClamps
 from faying.assessment.joint_record import Assessment, CaseState
-from faying.assessment.opening import Openings
 from faying.assessment.preload_scatter import PreloadScatter, Spread, preload_spreads
-from faying.assessment.slip_reserve import SlipReserve
+from faying.assessment.slip_reserve import followed_openings
 from faying.joint.model import Model
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import Load
@@ -69,7 +68,9 @@ def assess_run(
             summed=_summed(study.load_cases),
             factored=loads,
             reserves=reserves,
-            openings=_rubbed_paths(static, reserves),
+            openings=followed_openings(
+                {case.name: reserves[case.name] for case in static if case.name in reserves}
+            ),
         )
         assessment = judge.assessment()
         assessment = replace(assessment, scatter=_scatter(study, exact, loads, judge))
@@ -168,16 +169,3 @@ def _summed(cases: Sequence[LoadCaseSection]) -> list[Load]:
             for end, factor in zip(ENDS, (largest, -largest), strict=True):
                 loads.append(replace(load.scaled(factor), name=f"{case.name}, {end}"))
     return loads
-
-
-def _rubbed_paths(
-    static: Sequence[LoadCaseSection], reserves: Mapping[str, SlipReserve]
-) -> dict[str, Openings]:
-    """Return the openings of static load cases that were followed with friction."""
-    return {
-        case.name: Openings(
-            opened=dict(zip(reserve.areas, reserve.openings, strict=True)), followed=reserve.largest
-        )
-        for case in static
-        if (reserve := reserves.get(case.name)) is not None and reserve.areas
-    }
