@@ -267,17 +267,6 @@ def loosest_checks(loose: Assessment, units: Units) -> tuple[Check, ...]:
     )
 
 
-def opening_cases(assessment: Assessment) -> list[str]:
-    """Return the load cases that open some area before all others do."""
-    areas = [interface.opening for interface in assessment.interfaces.values()]
-    areas += [
-        factors for bolt in assessment.bolts.values() for factors in bolt.opening_around.values()
-    ]
-    return list(
-        dict.fromkeys(min(factors, key=factors.__getitem__) for factors in areas if factors)
-    )
-
-
 def _interface(
     name: str,
     surface: ContactSurface,

@@ -197,3 +197,14 @@ class Assessment:
     def met(self) -> bool:
         """Whether every requirement is known to be met."""
         return all(verdict.met is True for verdict in self.verdicts)
+
+    @property
+    def opening_first(self) -> list[str]:
+        """Load cases that open some area before all others do."""
+        areas = [interface.opening for interface in self.interfaces.values()]
+        areas += [
+            factors for bolt in self.bolts.values() for factors in bolt.opening_around.values()
+        ]
+        return list(
+            dict.fromkeys(min(factors, key=factors.__getitem__) for factors in areas if factors)
+        )

@@ -10,7 +10,7 @@ from faying._typing import Matrix, Vector
 from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.certificate import Certifier
 from faying.assessment.clamp_range import CertifiedClamps, certified_clamps
-from faying.assessment.joint_assessment import judged, loosest_checks, opening_cases
+from faying.assessment.joint_assessment import judged, loosest_checks
 from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.opening import Openings, areas_that_open, opening_factors
 from faying.assessment.requirements import Requirements
@@ -131,7 +131,7 @@ class JointJudge:
         initial = loosest_forces(system, self.preloaded, self.strengths.ranges)
         if initial is None:
             return replace(assessment, checks=clamps)
-        paths = self._paths(opening_cases(assessment), initial)
+        paths = self._paths(assessment.opening_first, initial)
         loose = self._judged(paths, self._demands(initial))
         loosened = loosest_checks(loose, units_of(units))
         return replace(assessment, checks=clamps, loosened=loosened)
