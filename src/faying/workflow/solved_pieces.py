@@ -10,10 +10,10 @@ from faying._typing import Indices, Mask, Matrix
 from faying.assessment.case_metrics import Metric, bent_bolts, case_metrics
 from faying.assessment.certificate import Certificate
 from faying.assessment.envelope import envelope_of, joined
-from faying.assessment.slip_metrics import friction_figures
 from faying.assessment.opening import estimated_openings
 from faying.assessment.requirements import OPEN_BELOW
 from faying.assessment.sealing import Ring
+from faying.assessment.slip_metrics import friction_figures
 from faying.assessment.slip_reserve import friction_used
 from faying.digits import ROUND_OFF
 from faying.joint.tangential import TangentialRows
