@@ -1,9 +1,10 @@
 """The Brake-Reuss beam with measured surfaces, against backbones that others computed of it.
 
 ``python docs/validation/full_beam.py FOLDER`` prints the tables of docs/measured_joint.md; behind
-the folder ``flat-alike`` has one tangential stiffness at all points. The folder holds Job.inp
-(github.com/Nidish96/Abaqus4Joints, assets/demo), brb_surface_data.mat, brb_epmc_flat.yaml and
-brb_epmc_meso.yaml (github.com/tmd-lab/tmdsimpy, examples/structures).
+the folder ``flat-alike`` has one tangential stiffness at all points, ``flat-heights`` prints what
+asperities at a hundred heights in each point damp that move as the stuck joint does. The folder
+holds Job.inp (github.com/Nidish96/Abaqus4Joints, assets/demo), brb_surface_data.mat,
+brb_epmc_flat.yaml and brb_epmc_meso.yaml (github.com/tmd-lab/tmdsimpy, examples/structures).
 """
 
 import re
@@ -57,6 +58,11 @@ class Asperities:
 
     def at(self, closure: float) -> tuple[float, float, float]:
         """Return pressure, and normal and tangential stiffness per area on the way back."""
+        force, normal, shear = self.at_heights(closure)
+        return float(force.sum()), float(normal.sum()), float(shear.sum())
+
+    def at_heights(self, closure: float) -> tuple[Vector, Vector, Vector]:
+        """Return the same of the asperities at each height (101,)."""
         modulus = YOUNG / (2 * (1 - POISSON**2))
         hard = 1.295 * np.exp(0.736 * POISSON) * np.pi * YIELD
         limit = self.radius * (hard / (2 * modulus)) ** 2
@@ -72,7 +78,7 @@ class Asperities:
         contact = np.sqrt(self.radius * depth)
         shear = YOUNG / (4 * (1 + POISSON) * (2 - POISSON))
         met = self.numbers * (closure > self.gaps)
-        return met @ force, met @ (2 * modulus * contact), met @ (8 * shear * contact)
+        return met * force, met * 2 * modulus * contact, met * 8 * shear * contact
 
     def _flattened(self, ratio: Vector, modulus: float, hard: float, depth: Vector) -> Vector:
         """Return forces beyond yielding (Ghaednia et al., J. Tribology 141 (2019))."""
@@ -169,7 +175,35 @@ def released(system: fy.Model, state: fy.Solution) -> fy.Solution:
     return replace(state, shear_forces=np.zeros_like(slip), shear_slip=slip)
 
 
-def compare(folder: Path, surface: str, alike: bool) -> None:
+def lost(stiffness: Vector, limit: Vector, moved: Vector) -> Vector:
+    """Return what springs that slip at a limit lose in a cycle of an amplitude."""
+    slips = stiffness * moved > limit
+    return np.where(slips, 4 * limit * (moved - limit / np.where(slips, stiffness, 1.0)), 0.0)
+
+
+def damping_of_heights(grain: Asperities, law: fy.GasketClosure, state: fy.Solution) -> None:
+    """Print damping of friction where points move as the stuck joint does, one spring each or many.
+
+    Slip does not spread here, so that it holds for small amplitudes.
+    """
+    model, (lap,) = state.system, state.system.interfaces.values()
+    modes = stuck_modes(model, state, 200.0, 1)
+    circular, shape = 2 * np.pi * modes.frequencies[0], modes.shapes[:, 0]
+    moved = np.hypot(
+        *(model.contact.shear @ (model.contact.relative_operator @ shape)).reshape(2, -1)
+    )
+    closures = np.interp(np.atleast_2d(state.pressure)[-1], law.pressures, law.closures)
+    for q in LEVELS:
+        one = many = 0.0
+        for weight, motion, closure in zip(lap.weights, q * moved, closures, strict=True):
+            force, _, shear = grain.at_heights(closure)
+            many += weight * lost(shear, FRICTION * force, motion).sum()
+            one += weight * float(lost(shear.sum(), FRICTION * force.sum(), motion))
+        ratios = [100 * work / (4 * np.pi * (circular * q) ** 2 / 2) for work in (one, many)]
+        sys.stdout.write(f"{q:.2e}: one spring {ratios[0]:.3f} %, by heights {ratios[1]:.3f} %\n")
+
+
+def compare(folder: Path, surface: str, way: str) -> None:
     """Print the backbone of one surface beside the reference."""
     grain = asperities(folder)
     closures = np.concatenate([np.linspace(0.6e-6, 2e-6, 5), np.linspace(3e-6, 30e-6, 28)])
@@ -191,7 +225,7 @@ def compare(folder: Path, surface: str, alike: bool) -> None:
     state = fy.solve_path(model, [fy.Load({"step 1": part}) for part in (0.25, 0.5, 1.0)])
     pressed = np.atleast_2d(state.pressure)[-1]
     held = np.interp(pressed, (0.0, *pressures), (shear[0], *shear))
-    if alike:
+    if way == "alike":
         held[:] = lap.weights * held @ pressed / (lap.weights @ pressed)
     sys.stdout.write(
         f"{surface}: peak {pressed.max() / 1e6:.1f} MPa, {lap.weights @ pressed:.0f} N, "
@@ -200,6 +234,9 @@ def compare(folder: Path, surface: str, alike: bool) -> None:
     face = model.interfaces["lap"]
     rubbing = model.with_interfaces({"lap": face.with_law(Rough(face.law, FRICTION, held))})
     state = released(rubbing, state)
+    if way == "heights":
+        damping_of_heights(grain, law, replace(state, system=rubbing))
+        return
     modes = stuck_modes(rubbing, state, 1300.0, 6)
     sys.stdout.write(f"{surface}: {modes.frequencies.round(2).tolist()} Hz for {MODES[surface]}\n")
     circular = 2 * np.pi * modes.frequencies[0]
@@ -243,4 +280,5 @@ if __name__ == "__main__":
         if name == "open":
             without_contact(Path(sys.argv[1]))
             continue
-        compare(Path(sys.argv[1]), name.removesuffix("-alike"), name.endswith("-alike"))
+        surface, _, way = name.partition("-")
+        compare(Path(sys.argv[1]), surface, way)

@@ -11,6 +11,7 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
+from matplotlib import pyplot
 from scipy.io import loadmat
 
 import faying as fy
@@ -243,7 +244,7 @@ def compare(path: Path) -> None:
 
 
 def predict(path: Path, measured: Path) -> None:
-    """Print peaks under the loads of the force-controlled curves, which nothing was fitted to.
+    """Compare the force-controlled curves, which nothing was fitted to, under their own forces.
 
     Parameters
     ----------
@@ -255,23 +256,42 @@ def predict(path: Path, measured: Path) -> None:
     levels = np.geomspace(0.01, 0.36, 8)
     curve = fy.backbone(system, 1, levels, at="driving point.uz", initial=state, increments=24)
     rows = [
-        "| force [N] | f [Hz] | predicted | amplitude [mm] | predicted |",
-        "|---|---|---|---|---|",
+        "| force [N] | f [Hz] | predicted | amplitude [mm] | predicted | curve | moved |",
+        "|---|---|---|---|---|---|---|",
     ]
-    for test in tests:
+    axes = pyplot.figure(figsize=(7.0, 4.2), layout="constrained").add_subplot()
+    for number, test in enumerate(tests):
         amplitude = 1e3 * test.amplitude / (2 * np.pi * test.frequency) ** 2
         top = int(np.argmax(amplitude))
         force, f, highest = test.force[top], test.frequency[top], amplitude[top]
-        response = fy.backbone_response(
-            system, curve, {"driving point.Fz": 1.0}, (77.0, 84.0), [force], initial=state
+        # The force falls towards the peak: each point has its own.
+        swept = fy.backbone_response(
+            system, curve, {"driving point.Fz": 1.0}, (77.0, 84.0), test.force, initial=state
         )
-        peak = response.curves[0].peak("driving point.uz")
+        ups = [
+            (one.frequency[one.swept_up], np.abs(one.response("driving point.uz")[one.swept_up]))
+            for one in swept.curves
+        ]
+        peak = swept.curves[top].peak("driving point.uz")
         ratios = (peak.frequency / f, peak.amplitude / highest)
         error_f, error = (100 * (ratio - 1) for ratio in ratios)
+        deviations_of = []
+        for ratio, style in ((1.0, "-"), (ratios[0], "--")):
+            there = [np.interp(ratio * at, *up) for at, up in zip(test.frequency, ups, strict=True)]
+            deviations_of.append(100 * np.sqrt(np.mean((there - amplitude) ** 2)) / highest)
+            axes.plot(test.frequency, there, style, color=f"C{number}")
+        axes.plot(
+            test.frequency, amplitude, "^", mfc="none", color=f"C{number}", label=f"{force:.2f} N"
+        )
         rows.append(
             f"| {force:.3f} | {f:.2f} | {peak.frequency:.2f} ({error_f:+.1f} %) "
-            f"| {highest:.4f} | {peak.amplitude:.4f} ({error:+.0f} %) |"
+            f"| {highest:.4f} | {peak.amplitude:.4f} ({error:+.0f} %) "
+            f"| {deviations_of[0]:.0f} % | {deviations_of[1]:.0f} % |"
         )
+    axes.set_xlabel("frequency [Hz]")
+    axes.set_ylabel("amplitude at the driving point [mm]")
+    axes.legend(title="measured, at the peak")
+    axes.get_figure().savefig(path.with_name("half_beam_forced.png"), dpi=110)
     sys.stdout.write("\n".join([*rows, ""]))
 
 

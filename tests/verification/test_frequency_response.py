@@ -271,15 +271,16 @@ def test_a_mass_that_slides_keeps_its_inertia(slider, ratio):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("ratio", "samples", "tolerance"),
-    # Reversals fall between samples, and velocity has corners: 0.05 and 0.18 % were seen.
-    [(0.9, 2048, 1e-3), (0.7, 1024, 2.5e-3)],
+    ("ratio", "harmonics"),
+    # Velocity has corners, which harmonics round, so that it reverses late: 0.28, 0.18 and 0.09 %
+    # with 9, 15 and 35 of them at 0.7, for any samples; 0.05 % with 15 at 0.9.
+    [(0.9, 15), (0.7, 35)],
 )
-def test_rigid_friction_is_den_hartogs(slider, ratio, samples, tolerance):
+def test_rigid_friction_is_den_hartogs(slider, ratio, harmonics):
     """J. P. den Hartog, Trans. ASME 53 (1931) APM-107: motion without stops."""
     force = 5 * LIMIT
-    found = largest(rubbing_mass(slider, 1e9), force, ratio, harmonics=15, samples=samples)
+    found = largest(rubbing_mass(slider, 1e9), force, ratio, harmonics=harmonics, samples=2048)
     free = 1 / (1 - ratio**2)
     turned = np.sin(np.pi / ratio) / (ratio * (1 + np.cos(np.pi / ratio)))
     expected = force / SPRING * np.sqrt(free**2 - (LIMIT / force * turned) ** 2)
-    assert found == pytest.approx(expected, rel=tolerance)
+    assert found == pytest.approx(expected, rel=1e-3)

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-import numpy.typing as npt
 import scipy.linalg as la
 
-from faying._typing import Indices, Matrix, Vector
+from faying._typing import Indices, Mask, Matrix, Vector
 from faying.contact.increment import Increment
 from faying.contact.stuck_points import LocalContact
 from faying.simulation.path import PathStep, follow
@@ -134,21 +133,25 @@ def _increment(
             slack = (z + local.laws.yielded(forces))[1:]
             return w, forces, slack if k > 1 else np.zeros((2, m))
         last = left
-        w = w + _solved(local, K, residual)[:, 0]
+        w = w + _solved(local, K, residual)
         size = max(size, float(np.abs(w).max(initial=0.0)))
     return None
 
 
-def _changed(local: LocalContact, K: Matrix) -> tuple[Indices, Indices, Matrix]:
-    """Return the points off their springs, their rows and Δ (n, components, components)."""
+def _changed(local: LocalContact, K: Matrix) -> tuple[Indices, Indices, Matrix, Mask]:
+    """Return points off their springs, their rows, Δ (n, components, components) and its rows.
+
+    Those are the rows in which Δ is not zero: slip leaves that of the normal force as it is.
+    """
     k, m = local.springs.shape
     change = K.copy()
     diagonal = np.arange(k)
     change[:, diagonal, diagonal] -= local.springs.T
-    stiffest = float(local.springs.max(initial=0.0))
-    points = np.flatnonzero(np.abs(change).max(axis=(1, 2)) > UNCHANGED * stiffest)
+    least = UNCHANGED * float(local.springs.max(initial=0.0))
+    by_row = np.abs(change).max(axis=2)
+    points = np.flatnonzero(by_row.max(axis=1) > least)
     rows = (m * np.arange(k)[:, None] + points).ravel()
-    return points, rows, change[points]
+    return points, rows, change[points], (least < by_row[points].T).ravel()
 
 
 def _blocks(change: Matrix, values: Matrix) -> Matrix:
@@ -158,35 +161,27 @@ def _blocks(change: Matrix, values: Matrix) -> Matrix:
     return np.asarray(np.einsum("nij,jnx->inx", change, shaped).reshape(values.shape))
 
 
-def _times(matrix: Matrix, change: Matrix) -> Matrix:
-    """Return a matrix (r, components n) times Δ."""
-    n, k, _ = change.shape
-    shaped, result = matrix.reshape(len(matrix), k, n), np.zeros((len(matrix), k, n))
-    for i in range(k):
-        for j in range(k):
-            if change[:, j, i].any():
-                result[:, i] += shaped[:, j] * change[:, j, i]
-    return result.reshape(matrix.shape)
+def _resisted(T: Matrix, change: Matrix, acting: Mask, right: Matrix) -> Matrix:
+    """Return Δ x of (I + T Δ) x = right between the points that are off their springs.
+
+    Between its rows alone: (I + Δ T) Δ x = Δ right.
+    """
+    result = np.zeros_like(right)
+    if acting.any():
+        core = _blocks(change, T[:, acting])[acting]
+        core.flat[:: len(core) + 1] += 1.0
+        result[acting] = la.solve(
+            core, _blocks(change, right)[acting], overwrite_a=True, check_finite=False
+        )
+    return result
 
 
-def _solved(local: LocalContact, K: Matrix, right: Matrix) -> Matrix:
-    """Solve (I + T Δ) x = right (components n_point[, x])."""
-    right = right.reshape(len(right), -1)
-    _, rows, change = _changed(local, K)
-    if not len(rows):
-        return right
+def _solved(local: LocalContact, K: Matrix, right: Vector) -> Vector:
+    """Solve (I + T Δ) x = right (components n_point,)."""
+    _, rows, change, acting = _changed(local, K)
     T = local.compliance[rows]
-    inner = _within(T[:, rows], change, right[rows])
-    return np.asarray(right - T.T @ _blocks(change, inner))
-
-
-def _within(T: Matrix, change: Matrix, right: Matrix) -> Matrix:
-    """Solve (I + T Δ) x = right between the points that are off their springs."""
-    if not len(right):
-        return right
-    core = _times(T, change)
-    core.flat[:: len(core) + 1] += 1.0
-    return np.asarray(la.solve(core, right, overwrite_a=True, check_finite=False))
+    resisted = _resisted(T[:, rows], change, acting, right[rows, None])
+    return np.asarray(right - resisted[:, 0] @ T)
 
 
 def _otherwise(
@@ -214,27 +209,16 @@ def _otherwise(
     return next(follow(solver, target(ahead)[None], start))
 
 
-@final
-@dataclass(frozen=True, eq=False, kw_only=True)
-class LocalDerivatives:
-    """What changes along a path with unknowns.
-
-    Attributes
-    ----------
-    moved : (n_increment, components n_point, x)
-        Of w, in single precision, which is enough to begin increments with.
-    excess : (n_increment,) of ((n_active,), (n_active, x))
-        Rows of μ that change, and how.
-    """
-
-    moved: npt.NDArray[np.float32]
-    excess: list[tuple[Indices, Matrix]]
+Excess = Sequence[tuple[Indices, Matrix]]
+"""Of each increment, rows of μ (n_active,) that change with unknowns, and how (n_active, x)."""
 
 
 def local_derivatives(
     local: LocalContact, path: LocalPath, shapes: Matrix, columns: Matrix
-) -> LocalDerivatives:
-    """Return the derivatives of a path, exact along it but for single precision.
+) -> Excess:
+    """Return how forces beside those of springs change with unknowns along a path.
+
+    Exact along it but for single precision.
 
     Parameters
     ----------
@@ -246,31 +230,28 @@ def local_derivatives(
     (k, m), N, count = local.springs.shape, len(columns), columns.shape[2]
     single = local.compliance.astype(np.float32)
     s = np.zeros((k, m, count))
-    moved = np.zeros((len(path.moved), k * m, count), dtype=np.float32)
     excess = list[tuple[Indices, Matrix]]()
     slip, rubs = np.zeros((2, m)), local.contact.coefficients > 0
     slid = np.zeros(m, dtype=bool)
-    first = shapes.astype(np.float32)
     for number, w in enumerate(path.moved):
         anchor = local.at_rest.copy()
         anchor[1:] -= slip[: k - 1]
         K = local.laws.respond(anchor + w.reshape(k, m))[1]
-        points, rows, change = _changed(local, K)
-        step = columns[number % N]
+        points, rows, change, acting = _changed(local, K)
         # Where points slid before, or are off their springs, μ changes: by K s − Δ w.
         active = slid.copy()
         active[points] = True
         chosen = np.flatnonzero(active)
         every = (m * np.arange(k)[:, None] + chosen).ravel()
         pulled = _blocks(K[chosen], s[:, chosen].reshape(k * len(chosen), count))
-        along = first @ step.astype(np.float32)
-        along += single[every].T @ pulled.astype(np.float32)
-        inner = _within(local.compliance[np.ix_(rows, rows)], change, along[rows].astype(float))
-        resisted = _blocks(change, inner)
+        along = shapes[rows] @ columns[number % N]
+        along += single[np.ix_(rows, every)] @ pulled.astype(np.float32)
+        T = local.compliance[np.ix_(rows, rows)]
+        resisted = _resisted(T, change, acting, along)
         pulled[np.isin(every, rows)] -= resisted
         excess.append((every, pulled))
-        moved[number] = along - single[rows].T @ resisted.astype(np.float32)
         if k > 1 and len(points):
+            inner = along - T[:, acting] @ resisted[acting]
             yields = local.laws.closure(_whole(path.forces[number]))[1][1:, points, None]
             relative = inner.reshape(k, len(points), count)
             answered = -_blocks(K[points], (relative - s[:, points]).reshape(len(rows), count))
@@ -279,7 +260,21 @@ def local_derivatives(
             s[1:, ~rubs] = 0.0
             slid[points] = rubs[points]
         slip = path.slipped[number]
-    return LocalDerivatives(moved=moved, excess=excess)
+    return excess
+
+
+def moved_by(local: LocalContact, linear: Matrix, excess: Excess, change: Vector) -> Matrix:
+    """Return how far points move (n_increment, components n_point) as unknowns change (x,).
+
+    Parameters
+    ----------
+    linear : (n_increment, components n_point) [length]
+        With all of them stuck.
+    """
+    forces = np.zeros_like(linear)
+    for row, (rows, per_unknown) in zip(forces, excess, strict=True):
+        row[rows] = per_unknown @ change
+    return np.asarray(linear + forces @ local.compliance)
 
 
 def _whole(forces: Matrix) -> Matrix:

@@ -18,7 +18,6 @@ from functools import cached_property
 from typing import Any, final
 
 import numpy as np
-import numpy.typing as npt
 import scipy.linalg as la
 import scipy.sparse as sp
 
@@ -26,7 +25,13 @@ from faying._typing import ComplexMatrix, ComplexVector, Indices, Matrix, Vector
 from faying.contact.stuck_points import LocalContact, StuckPoints
 from faying.joint.system import System, input_forces
 from faying.model.bolt import Bolt
-from faying.simulation.local_path import LocalPath, follow_local, local_derivatives
+from faying.simulation.local_path import (
+    Excess,
+    LocalPath,
+    follow_local,
+    local_derivatives,
+    moved_by,
+)
 
 PERIODS = 2
 """Periods of a path; what the second leaves differed from its start by 1e-6 of the amplitude."""
@@ -158,12 +163,15 @@ class Derivatives:
     Attributes
     ----------
     residual : (size, size + 1)
-    moved : (PERIODS N, components n_local, size + 1)
-        Of the points along the path.
+    columns : (N, n_column, size + 1)
+        Of the load columns along a period.
+    excess : (PERIODS N,)
+        Of the forces beside those of springs.
     """
 
     residual: Matrix
-    moved: npt.NDArray[np.float32]
+    columns: Matrix
+    excess: Excess
 
 
 @final
@@ -300,16 +308,16 @@ class PeriodicProblem:
         modal = slice(2, 2 + m)
         change = np.einsum("mc,ncx->nmx", self.loads.answers[modal], columns)
         shapes = self._at_points[:, :n]
-        derivatives = local_derivatives(self.local, motion.path, shapes, columns)
-        for number, (rows, excess) in enumerate(derivatives.excess[-N:]):
-            change[number] += shapes[rows, modal].T @ excess
+        excess = local_derivatives(self.local, motion.path, shapes, columns)
+        for number, (rows, per_unknown) in enumerate(excess[-N:]):
+            change[number] += shapes[rows, modal].T @ per_unknown
         answer = self._harmonics(change).reshape((H + 1) * m, size + 1)
         result = np.concatenate([answer.real, answer[m:].imag])
         squares = np.repeat(order**2, m)
         result[:, :size] += np.diag(np.concatenate([squares, squares[m:]]))
         inertia = 2 * (order**2 / motion.circular)[:, None] * motion.harmonics
         result[:, size] += self.packed(inertia)
-        return Derivatives(residual=result, moved=derivatives.moved)
+        return Derivatives(residual=result, columns=columns, excess=excess)
 
     def displaced(self, motion: Motion) -> Matrix:
         """Return δ of all pairs along all periods (n_relative, PERIODS N)."""
@@ -323,9 +331,11 @@ class PeriodicProblem:
         self, motion: Motion, change: Vector | None = None, by: Derivatives | None = None
     ) -> Sequence[Vector]:
         """Return where the points were in a motion, moved on as unknowns and ω change."""
-        places = motion.path.moved.copy()
+        places = motion.path.moved
         if change is not None and by is not None:
-            places += by.moved @ change.astype(np.float32)
+            shapes = self._at_points[:, : self.loads.n_column]
+            linear = np.tile((by.columns @ change) @ shapes.T, (PERIODS, 1))
+            places = places + moved_by(self.local, linear, by.excess, change)
         return list(places)
 
     def watching(self, points: Indices) -> "PeriodicProblem":
