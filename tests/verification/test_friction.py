@@ -11,6 +11,7 @@ from test_reference_cantilever import AXIAL, generated, node_map, reference_pres
 import faying as fy
 from faying.assessment.stuck_modes import stuck_mode
 from faying.contact import yielding
+from faying.contact.between_pairs import ByCompliance
 from faying.contact.frictional import ROUND_OFF, SOLVED, FrictionalContact
 from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.contact.laws.coulomb import automatic_tangential_penalty
@@ -22,9 +23,15 @@ from faying.joint.system import input_forces
 from faying.simulation.path import moved_alone, path_inputs
 
 FRICTION, TANGENTIAL = 0.2, 8e5
+
+
+def by_displacements(contact, S):
+    return YieldingContact.of(contact, ByCompliance(S))
+
+
 SOLVERS = (
     pytest.param(lambda contact, S: FrictionalContact(contact=contact, S=S), id="forces"),
-    pytest.param(YieldingContact.of, id="displacements"),
+    pytest.param(by_displacements, id="displacements"),
 )
 LOADS = {
     "P": fy.Load(),
@@ -438,7 +445,7 @@ def test_what_knows_no_friction_refuses_it(coarse):
     ("solver_of", "round_off"),
     [
         (lambda contact, S: FrictionalContact(contact=contact, S=S), ROUND_OFF),
-        (YieldingContact.of, yielding.ROUND_OFF),
+        (by_displacements, yielding.ROUND_OFF),
     ],
     ids=["forces", "displacements"],
 )

@@ -12,6 +12,7 @@ import scipy.linalg as la
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.active_set import ActiveSetSpace, solve_complementarity
+from faying.contact.between_pairs import BetweenPairs, ByCompliance, ByStiffness
 from faying.contact.compressed_space import CompressedSpace
 from faying.contact.contact import Contact
 from faying.contact.dense_points import DensePoints
@@ -119,19 +120,32 @@ class CondensedContact:
     """
 
     contact: Contact
-    compliance: Compliance
+    compliance: Compliance | BetweenPairs
     pulled: Vector | None = None
 
     @cached_property
-    def total(self) -> Compliance:
-        """Compliance between pairs with the residual compliance, dense or compressed."""
-        residual = self.contact.residual_compliance
-        if residual is None:
-            return self.compliance
+    def between(self) -> BetweenPairs:
+        """The structure between pairs, residual compliance included."""
+        residual, known = self.contact.residual_compliance, self.compliance
+        if isinstance(known, ByStiffness) and residual is None:
+            return known
+        compliance = known.compliance if isinstance(known, ByCompliance | ByStiffness) else known
         if isinstance(residual, CompressedCompliance):
             # Only reduced models have residuals, and their own compliance is smooth.
-            return residual.added(cast("CompressedCompliance", self.compliance))
-        return np.asarray(cast("Matrix", self.compliance) + residual)
+            return ByCompliance(residual.added(cast("CompressedCompliance", compliance)))
+        if residual is None:
+            return ByCompliance(compliance)
+        return ByCompliance(np.asarray(cast("Matrix", compliance) + residual))
+
+    @property
+    def total(self) -> Compliance:
+        """Compliance between pairs with the residual compliance, dense or compressed."""
+        return self.between.compliance
+
+    @property
+    def _compressed(self) -> bool:
+        known = isinstance(self.between, ByStiffness)
+        return not known and isinstance(self.total, CompressedCompliance)
 
     @cached_property
     def space(self) -> ActiveSetSpace:
@@ -179,23 +193,29 @@ class CondensedContact:
         ModelError
             If the compliance between pairs is compressed.
         """
-        forces = self.frictional
-        if not self.contact.yields:
+        if self._compressed or not self.contact.yields:
+            forces = self.frictional
             self.contact.check_forgetful("joints with hard contact", "a penalty there")
             return forces
+        between = self.between
+        _ = _finite(
+            between.stiffness
+            if isinstance(between, ByStiffness)
+            else cast("Matrix", between.compliance)
+        )
         try:
-            return YieldingContact.of(self.contact, forces.S, self.pulled)
+            return YieldingContact.of(self.contact, self.between, self.pulled)
         except la.LinAlgError:
             self.contact.check_forgetful(
                 "solutions for forces, as where the compliance between pairs is singular,",
                 "the full model or compliance=True",
             )
-            return forces
+            return self.frictional
 
     @property
     def cases(self) -> IncrementSolver | None:
         """Increments for displacements; with friction or curves also for forces."""
-        if isinstance(self.total, CompressedCompliance):
+        if self._compressed:
             return None
         forces = not isinstance(self.increments, YieldingContact)
         if forces and self.contact.components == 1 and self.contact.proportional:
@@ -205,7 +225,7 @@ class CondensedContact:
     @property
     def order(self) -> int:
         """Order of the dense matrices that contact problems are solved with."""
-        return min(self.contact.n_points, int(self.total.shape[0]))
+        return min(self.contact.n_points, int(self.contact.relative_operator.shape[0]))
 
     @cached_property
     def flexibility(self) -> Matrix:

@@ -98,6 +98,10 @@ class FrictionalContact:
     contact: Contact
     S: Matrix
 
+    def moved_by(self, forces: Vector) -> Vector:
+        """Return S p (n_relative,) [length] of forces between the pairs."""
+        return np.asarray(self.S @ forces)
+
     @cached_property
     def laws(self) -> LawsAtPoints:
         """What the contact points admit and yield."""

@@ -2,7 +2,8 @@
 
 With Σ = S⁻¹, the stiffness of the structure between pairs, and B = Gᵀ K G, that of the points, a
 Newton step is (Σ + B) d = b. Two inverses serve every step: U = (Σ + B₀)⁻¹ with all points closed
-and stuck, and with all open but a few that hold what only weak springs would. Where the points
+and stuck, and with all open but a few that hold what only weak springs would, which is made where
+a step first needs it. Where the points
 whose ΔB = B − B₀ does not vanish act along rows r of it and feel its columns c,
 
     (I + ΔB_rc U_cr) m = ΔB_rc (U b)_c,   d = U (b − m),                                    (F7)
@@ -11,21 +12,18 @@ and of both inverses the one with the fewer such rows is taken. U exists where b
 alone hold a part.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, final
+from functools import cache, partial
+from typing import Any, cast, final
 
 import numpy as np
 import numpy.typing as npt
 from scipy.linalg import LinAlgError, lapack
 
-from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
-from faying.contact.held_pairs import (
-    REGULAR,
-    HeldPairs,
-    anchored_pairs,
-    inverse,
-    pressed_points,
-)
+from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying.contact.between_pairs import BetweenPairs
+from faying.contact.held_pairs import HeldPairs, anchored_pairs, pressed_points
 from faying.contact.point_springs import PointSprings
 from faying.linalg.gmres import corrected
 
@@ -104,21 +102,25 @@ class GluedPairs:
         Σ.
     glued
         Points closed and stuck.
-    open
-        Points open, but for some that hold what is else free; None where nothing does, or where
-        Σ + B itself is factorized.
+    form_open
+        Returns points open, but for some that hold what is else free, once made; None where nothing
+        does, or where Σ + B itself is factorized.
     """
 
     points: PointSprings
     structure: Matrix
     glued: HeldPairs
-    open: HeldPairs | None
+    form_open: Callable[[], HeldPairs | None]
 
     @classmethod
     def of(
-        cls, G: SparseMatrix | Matrix, springs: Matrix, S: Matrix, pulled: Vector | None = None
+        cls,
+        G: SparseMatrix | Matrix,
+        springs: Matrix,
+        between: BetweenPairs,
+        pulled: Vector | None = None,
     ) -> "GluedPairs":
-        """Return the pairs of a structure whose compliance between them is S.
+        """Return the pairs of a structure.
 
         Parameters
         ----------
@@ -135,18 +137,18 @@ class GluedPairs:
 
         Notes
         -----
-        Two inverses, 2 n³ multiplications for n relative displacements, and a few factorizations
+        An inverse, n³ multiplications for n relative displacements, and a few factorizations
         of those along normals to find the points that bolts press on.
         """
-        structure = frozen(inverse(S, REGULAR))
+        structure = between.stiffness
         points, glued = PointSprings(G=G, components=len(springs)), springs
         if pulled is not None:
-            glued = springs * pressed_points(points, springs, S, pulled)
+            glued = springs * pressed_points(points, springs, structure, pulled)
         return cls(
             points=points,
             structure=structure,
             glued=HeldPairs.on_springs(points, glued, structure),
-            open=None if _whole(G) else anchored_pairs(points, springs, S),
+            form_open=cache(partial(_open_pairs, points, springs, between)),
         )
 
     def glued_by(self, springs: Matrix) -> "GluedPairs":
@@ -183,16 +185,19 @@ class GluedPairs:
         yields : (n_spring, n_spring) [length/force]
             What a spring yields to its initial force with the pairs held.
         """
-        try:
-            opened = None if self.open is None else self.open.loosened(shapes, yields)
-        except LinAlgError:  # nothing but these springs holds a part
-            opened = None
         return replace(
             self,
             structure=self.structure - shapes.T @ np.linalg.solve(yields, shapes),
             glued=self.glued.loosened(shapes, yields),
-            open=opened,
+            form_open=cache(partial(self._open_loosened, shapes, yields)),
         )
+
+    def _open_loosened(self, shapes: Matrix, yields: Matrix) -> HeldPairs | None:
+        opened = self.form_open()
+        try:
+            return None if opened is None else opened.loosened(shapes, yields)
+        except LinAlgError:  # nothing but these springs holds a part
+            return None
 
     def step(
         self, K: Matrix, right: Vector, left: float, factors: Factors | None = None
@@ -260,7 +265,7 @@ class GluedPairs:
             self.points.add_to(system, K)
             return np.asarray(np.linalg.solve(system, right))
         # S has fewer digits beside weak springs.
-        changed = replace(self, open=None)._changed(K, right)
+        changed = self._changed_from(self.glued, K, right)
         block = changed.block[changed.rows]
         system = block @ changed.between(changed.rows)
         system.flat[:: len(system) + 1] += 1.0
@@ -269,12 +274,17 @@ class GluedPairs:
 
     def _changed(self, K: Matrix, right: Matrix) -> "_Changed":
         """Return what K and b change of the pairs that it is nearest to."""
-        candidates = [reference for reference in (self.glued, self.open) if reference is not None]
-        changes = [reference.change_to(K) for reference in candidates]
-        touched = [self.points.touched(change) for change in changes]
-        nearest = min(range(len(candidates)), key=lambda number: len(touched[number][0]))
-        reference, (rows, columns) = candidates[nearest], touched[nearest]
-        block = self.points.between_pairs(changes[nearest])[:, columns]
+        nearest, rows = self.glued, len(self.points.touched(self.glued.change_to(K))[0])
+        if len(self.points.touched(K)[0]) < rows:
+            opened = self.form_open()
+            if opened and len(self.points.touched(opened.change_to(K))[0]) < rows:
+                nearest = opened
+        return self._changed_from(nearest, K, right)
+
+    def _changed_from(self, reference: HeldPairs, K: Matrix, right: Matrix) -> "_Changed":
+        change = reference.change_to(K)
+        rows, columns = self.points.touched(change)
+        block = self.points.between_pairs(change)[:, columns]
         return _Changed(reference, rows, columns, block, right, reference.compliance @ right)
 
 
@@ -352,6 +362,12 @@ class _Changed:
         shared = block @ self.moved[self.columns]
         reduced = corrected(product, shared, enough, MOST_CORRECTIONS)
         return None if reduced is None else self.moved_by(rows, solved(reduced))
+
+
+def _open_pairs(points: PointSprings, springs: Matrix, between: BetweenPairs) -> HeldPairs | None:
+    if _whole(points.G):
+        return None
+    return anchored_pairs(points, springs, cast("Matrix", between.compliance))
 
 
 def _whole(G: SparseMatrix | Matrix) -> bool:

@@ -8,16 +8,11 @@ from typing import Any, final
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import LinAlgError, cho_factor, cho_solve, lapack, solve_triangular
+from scipy.linalg import cho_factor, cho_solve, lapack, solve_triangular
 
 from faying._typing import Matrix, SparseMatrix, Vector, frozen
 from faying.contact.point_springs import PointSprings
-
-REGULAR = 1e-11
-"""Smallest over largest squared pivot of S from which it has an inverse worth using.
-
-Springs of 1 N/mm beside elasticity leave 1e-7, a basis of fewer modes than pairs 1e-16.
-"""
+from faying.linalg.cholesky import inverse
 
 ROUNDS = 3
 """Times that points which the bolts pull apart are opened; the rest is left to Newton's method."""
@@ -30,9 +25,6 @@ FREE, MOST_ANCHORS = 100.0, 100
 
 Factors in single precision have seven digits. A body that weak springs alone hold has 1e5.
 """
-
-ROWS = 256
-"""Rows that are mirrored at once."""
 
 
 @final
@@ -65,7 +57,7 @@ class HeldPairs:
         """
         glue, both = points.of_diagonal(springs), structure.copy()
         _add(both, glue)
-        return cls(frozen(springs), glue, frozen(inverse(both)))
+        return cls(frozen(springs), glue, inverse(both))
 
     def change_to(self, K: Matrix) -> Matrix:
         """Return K − K₀ (n_point, components, components), round-off taken for nothing."""
@@ -105,21 +97,23 @@ def anchored_pairs(points: PointSprings, springs: Matrix, S: Matrix) -> HeldPair
     return HeldPairs(anchors, points.of_diagonal(anchors), S - half.T @ half if chosen else S)
 
 
-def pressed_points(points: PointSprings, springs: Matrix, S: Matrix, pulled: Vector) -> Vector:
+def pressed_points(
+    points: PointSprings, springs: Matrix, structure: Matrix, pulled: Vector
+) -> Vector:
     """Return ones (n_point,) at points that the bolts press on, all of them where none is left.
 
-    Along normals alone: what sticks there makes little difference.
+    Pairs move along normals alone: what slips makes little difference.
     """
     every = np.ones(springs.shape[1])
     gaps = points.G[: len(every)]
     felt = np.flatnonzero(abs(gaps).sum(axis=0))
     normal = PointSprings(G=gaps[:, felt], components=1)
-    stiffness, moved = inverse(S[felt].take(felt, axis=1)), pulled[felt]
+    stiffness, pull = structure[felt].take(felt, axis=1), structure[felt] @ pulled
     pressed = every
     for _ in range(ROUNDS):
-        glue, system = normal.of_diagonal(springs[:1] * pressed), stiffness.copy()
-        _add(system, glue)
-        lifted = moved - cho_solve(cho_factor(system, overwrite_a=True), glue @ moved)
+        system = stiffness.copy()
+        _add(system, normal.of_diagonal(springs[:1] * pressed))
+        lifted = lapack.dposv(system.T, pull, lower=1, overwrite_a=1)[1]
         previous, pressed = pressed, 1.0 * (normal.G @ lifted < 0)
         if np.array_equal(previous, pressed):
             break
@@ -133,25 +127,3 @@ def _add(matrix: npt.NDArray[Any], entries: SparseMatrix | Matrix) -> None:
         return
     where = entries.tocoo()
     matrix[where.row, where.col] += where.data
-
-
-def inverse(matrix: Matrix, smallest: float = 0.0) -> Matrix:
-    """Return the inverse of a positive definite matrix, by Cholesky.
-
-    Raises
-    ------
-    LinAlgError
-        If a squared pivot is not positive, or below ``smallest`` times the largest.
-    """
-    lower, failed = lapack.dpotrf(matrix, lower=1, clean=0)
-    pivots = np.diag(lower)
-    if failed or pivots.min(initial=1) ** 2 < smallest * pivots.max(initial=1) ** 2:
-        message = "the matrix is not positive definite"
-        raise LinAlgError(message)
-    whole: Matrix = np.ascontiguousarray(lapack.dpotri(lower, lower=1, overwrite_c=1)[0])
-    for row in range(0, len(whole), ROWS):
-        strip = slice(row, row + ROWS)
-        whole[strip, row + ROWS :] = whole[row + ROWS :, strip].T
-        corner = whole[strip, strip]
-        whole[strip, strip] = np.tril(corner) + np.tril(corner, -1).T
-    return whole

@@ -23,6 +23,10 @@ class IncrementSolver(Protocol):
         """Compliance between pairs (n_relative, n_relative) [length/force]."""
         ...
 
+    def moved_by(self, forces: Vector) -> Vector:
+        """Return S p (n_relative,) [length] of forces between the pairs."""
+        ...
+
     @property
     def laws(self) -> LawsAtPoints:
         """What the contact points answer."""
@@ -56,4 +60,5 @@ def displaced(solver: IncrementSolver, free: Vector, forces: Matrix) -> Vector:
     free : (n_relative,) [length]
         Without contact forces.
     """
-    return np.asarray(free + solver.S @ solver.contact.at_pairs(forces[0], forces[1:]))
+    pressed = solver.contact.at_pairs(forces[0], forces[1:])
+    return np.asarray(free + solver.moved_by(pressed))

@@ -15,12 +15,13 @@ the bounds of the last normal ones, which is convex again (Tresca).
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import final
+from typing import cast, final
 
 import numpy as np
 from scipy.linalg import LinAlgError, lapack
 
 from faying._typing import Matrix, SparseMatrix, Vector
+from faying.contact.between_pairs import BetweenPairs, ByCompliance, ByStiffness
 from faying.contact.contact import Contact
 from faying.contact.frictional import FrictionalContact
 from faying.contact.glued_pairs import Factors, GluedPairs
@@ -78,8 +79,8 @@ class YieldingContact:
     ----------
     contact
         Gaps, tangential displacements and laws.
-    S : (n_relative, n_relative) [length/force]
-        Compliance between pairs.
+    between
+        Structure between pairs.
     pairs
         The linear systems of Newton steps.
     shapes : (n_relative, rank) or None
@@ -88,13 +89,15 @@ class YieldingContact:
     """
 
     contact: Contact
-    S: Matrix
+    between: BetweenPairs
     pairs: GluedPairs
     shapes: Matrix | None = None
 
     @classmethod
-    def of(cls, contact: Contact, S: Matrix, pulled: Vector | None = None) -> "YieldingContact":
-        """Return the solver of a compliance between pairs.
+    def of(
+        cls, contact: Contact, between: BetweenPairs, pulled: Vector | None = None
+    ) -> "YieldingContact":
+        """Return the solver of a structure.
 
         Parameters
         ----------
@@ -108,24 +111,35 @@ class YieldingContact:
         """
         springs = LawsAtPoints(contact=contact).springs
         try:
-            pairs = GluedPairs.of(contact.rows, springs, S, pulled)
+            pairs = GluedPairs.of(contact.rows, springs, between, pulled)
         except LinAlgError:
-            return cls._of_singular(contact, springs, S)
+            return cls._of_singular(contact, springs, between)
         if (pairs.glued.glue.diagonal() > STIFFEST * np.diag(pairs.structure)).any():
             message = "contact is far stiffer than the structure"
             raise LinAlgError(message)
-        return cls(contact=contact, S=S, pairs=pairs)
+        return cls(contact=contact, between=between, pairs=pairs)
 
     @classmethod
-    def _of_singular(cls, contact: Contact, springs: Matrix, S: Matrix) -> "YieldingContact":
+    def _of_singular(
+        cls, contact: Contact, springs: Matrix, between: BetweenPairs
+    ) -> "YieldingContact":
         """Return the solver of rigid bodies, or of a basis of fewer modes than pairs."""
-        shapes = _shapes(S)
+        shapes = _shapes(cast("Matrix", between.compliance))
         G = np.asarray(contact.rows @ shapes)
         if (springs.ravel() * (G * G).sum(axis=1) > STIFFEST).any():
             message = "contact is far stiffer than the structure"
             raise LinAlgError(message)
-        pairs = GluedPairs.of(G, springs, np.eye(shapes.shape[1]))
-        return cls(contact=contact, S=S, pairs=pairs, shapes=shapes)
+        pairs = GluedPairs.of(G, springs, ByCompliance(np.eye(shapes.shape[1])))
+        return cls(contact=contact, between=between, pairs=pairs, shapes=shapes)
+
+    @property
+    def S(self) -> Matrix:
+        """Compliance between pairs (n_relative, n_relative) [length/force]."""
+        return cast("Matrix", self.between.compliance)
+
+    def moved_by(self, forces: Vector) -> Vector:
+        """Return S p (n_relative,) [length] of forces between the pairs."""
+        return self.between.moved_by(forces)
 
     @cached_property
     def laws(self) -> LawsAtPoints:
@@ -159,7 +173,8 @@ class YieldingContact:
 
     def _solved(self, free: Vector, offset: Matrix, start: Increment | None) -> Increment:
         if self.shapes is None:
-            return solve_yielding(self.laws, self.pairs, free, offset, start, compliance=self.S)
+            S = None if isinstance(self.between, ByStiffness) else self.S
+            return solve_yielding(self.laws, self.pairs, free, offset, start, compliance=S)
         moved = offset.copy()
         moved[: self.laws.components] += (self.contact.rows @ free).reshape(-1, offset.shape[1])
         if start is not None:

@@ -8,10 +8,12 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
+from faying.contact.between_pairs import ByCompliance, ByStiffness
 from faying.digits import ROUND_OFF
 from faying.joint.free_matrices import FreeMatrices
 from faying.joint.system import PortCompliance
 from faying.linalg.budget import default_budget, pairs_fit
+from faying.linalg.cholesky import inverse
 from faying.linalg.compressed import Compliance, plus, symmetrized
 from faying.linalg.estimate import estimate_memory, estimate_port_memory
 from faying.linalg.factorization import (
@@ -22,8 +24,9 @@ from faying.linalg.factorization import (
     factorize_condensed,
 )
 from faying.linalg.memory import FactorMemory
-from faying.linalg.partial import compressed_port_compliance, port_compliance
+from faying.linalg.partial import compressed_port_compliance, port_stiffness
 from faying.linalg.relief import balanced, supported, supports
+from faying.linalg.substitution import solved_gram
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -236,15 +239,32 @@ class Structure:
 
         Notes
         -----
-        One factorization of K_ii bordered by P, or a back-substitution per row of P.
+        The inverse of :attr:`held_stiffness`, or a back-substitution per row of P.
         """
+        if self.held_stiffness is not None:
+            return inverse(self.held_stiffness)
         if self.places is None or self.is_kept_whole:
-            return port_compliance(self._held_ports, self.interior_factor)
+            return solved_gram(self.interior_factor.solve, self._held_ports.T)
         return compressed_port_compliance(self._held_ports, self.interior_factor, self.places)
 
-    def take_held_compliance(self, compliance: Matrix) -> None:
-        """Use a compliance with the boundary held that was formed before; it is not checked."""
-        vars(self)["held_compliance"] = frozen(compliance)
+    @cached_property
+    def held_stiffness(self) -> Matrix | None:
+        """(P K_ii⁻¹ Pᵀ)⁻¹ (n_relative, n_relative), boundary held.
+
+        None of few pairs, of such as have no degrees of freedom of their own, and where dense
+        matrices of its size exceed the dense budget or the memory that is free.
+
+        Notes
+        -----
+        One more factorization of K_ii, (F14).
+        """
+        if not self.is_kept_whole:
+            return None
+        return port_stiffness(self._held_ports, self.interior_factor)
+
+    def take_held(self, name: str, matrix: Matrix) -> None:
+        """Use a held stiffness or compliance that was formed before; it is not checked."""
+        vars(self)[name] = frozen(matrix)
 
     @cached_property
     def _held_ports(self) -> SparseMatrix:
@@ -299,14 +319,33 @@ class Structure:
         moved, others, core = self._relief
         columns += others @ core @ moved.T
         inputs += others @ core @ others.T
+        smooth = np.hstack([seen, moved]), la.block_diag(condensed, core)
+        stiffness, P = self._free_stiffness, self.relative_operator
         return PortCompliance(
-            relative=plus(
-                self.held_compliance, np.hstack([seen, moved]), la.block_diag(condensed, core)
+            pairs=ByCompliance(plus(self.held_compliance, *smooth))
+            if stiffness is None
+            else ByStiffness(
+                stiffness,
+                lambda forces: P @ self.solve(P.T @ forces),
+                lambda: plus(self.held_compliance, *smooth),
             ),
             contact_columns=columns,
             input_rows=symmetrized(inputs),
             n_boundary=len(self.boundary),
         )
+
+    @property
+    def _free_stiffness(self) -> Matrix | None:
+        """Σ with the boundary free, if the structure is held then, and if it is with it held."""
+        held = self.held_stiffness
+        if held is None or self.rigid_motions.shape[1]:
+            return None
+        seen = self.relative_operator @ self.constraint_modes
+        moved = held @ seen
+        core = la.cholesky(self.boundary_stiffness + symmetrized(seen.T @ moved), lower=True)
+        given_way = la.solve_triangular(core, moved.T, lower=True)
+        free: Matrix = frozen(held - given_way.T @ given_way)
+        return free
 
     @cached_property
     def _relief(self) -> tuple[Matrix, Matrix, Matrix]:

@@ -13,6 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
+from faying.contact.between_pairs import BetweenPairs, ByCompliance
 from faying.contact.condensed import CondensedContact, ContactSolver
 from faying.contact.contact import Contact
 from faying.joint.load_pattern import LoadPattern, pattern_forces
@@ -31,8 +32,8 @@ class PortCompliance:
 
     Attributes
     ----------
-    relative : (n_relative, n_relative)
-        Relative displacement per contact force, dense or compressed.
+    pairs
+        Relative displacement per contact force, or the stiffness that is its inverse.
     contact_columns : (n_input, n_relative)
         All other ports per contact force.
     input_rows : (n_input, n_input)
@@ -43,17 +44,20 @@ class PortCompliance:
         Number of load patterns.
     """
 
-    relative: Compliance
+    pairs: BetweenPairs
     contact_columns: Matrix
     input_rows: Matrix
     n_boundary: int
     n_pattern: int = 0
 
     def __post_init__(self) -> None:
-        if isinstance(self.relative, np.ndarray):
-            object.__setattr__(self, "relative", frozen(self.relative))
         for name in ("contact_columns", "input_rows"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
+
+    @property
+    def relative(self) -> Compliance:
+        """Relative displacement per contact force (n_relative, n_relative), formed once."""
+        return self.pairs.compliance
 
     @property
     def bolts(self) -> slice:
@@ -91,7 +95,7 @@ def port_compliance_of(
 ) -> PortCompliance:
     """Return the port compliance of one symmetric matrix (n_port, n_port)."""
     return PortCompliance(
-        relative=matrix[:n_relative, :n_relative],
+        pairs=ByCompliance(frozen(matrix[:n_relative, :n_relative])),
         contact_columns=matrix[n_relative:, :n_relative],
         input_rows=matrix[n_relative:, n_relative:],
         n_boundary=n_boundary,
@@ -285,4 +289,4 @@ def static_contact_of(system: Joint) -> CondensedContact:
     ports = system.port_compliance
     columns = ports.contact_columns[ports.bolts]
     pulled = -columns.sum(axis=0) if len(columns) else None
-    return CondensedContact(contact=system.contact, compliance=ports.relative, pulled=pulled)
+    return CondensedContact(contact=system.contact, compliance=ports.pairs, pulled=pulled)

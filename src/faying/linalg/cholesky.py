@@ -11,6 +11,9 @@ from faying._typing import Matrix, SparseMatrix, Vector
 from faying.linalg.singular import MECHANISM, SingularMatrixError
 from faying.linalg.substitution import dense
 
+ROWS = 256
+"""Rows that are mirrored at once."""
+
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -66,3 +69,27 @@ def factorize_condensed(A: Matrix, singly: Vector) -> DenseFactorization:
         motion = vectors[:, 0] * scale
         raise SingularMatrixError(motion / np.abs(motion).max())
     return DenseFactorization(factor=np.asfortranarray(la.cholesky(A, lower=True)))
+
+
+def inverse(matrix: Matrix, smallest: float = 0.0) -> Matrix:
+    """Return the inverse of a positive definite matrix, by Cholesky; it is read-only.
+
+    Raises
+    ------
+    LinAlgError
+        If a squared pivot is not positive, or below ``smallest`` times the largest.
+    """
+    # LAPACK works in column order: of a symmetric matrix the transpose is the same.
+    lower, failed = lapack.dpotrf(matrix.T, lower=1, clean=0)
+    pivots = np.diag(lower)
+    if failed or pivots.min(initial=1) ** 2 < smallest * pivots.max(initial=1) ** 2:
+        message = "the matrix is not positive definite"
+        raise la.LinAlgError(message)
+    whole: Matrix = lapack.dpotri(lower, lower=1, overwrite_c=1)[0].T
+    for row in range(0, len(whole), ROWS):
+        strip = slice(row, row + ROWS)
+        whole[row + ROWS :, strip] = whole[strip, row + ROWS :].T
+        corner = whole[strip, strip]
+        whole[strip, strip] = np.triu(corner) + np.triu(corner, 1).T
+    whole.setflags(write=False)
+    return whole

@@ -7,7 +7,7 @@ import scipy.sparse as sp
 from faying._typing import Matrix, SparseMatrix
 from faying.linalg.backends import chosen_backend
 from faying.linalg.memory import FactorMemory
-from faying.linalg.pardiso import estimate_gram_pardiso, estimate_pardiso
+from faying.linalg.pardiso import estimate_pardiso, estimate_stiffness_pardiso
 from faying.linalg.superlu import estimate_superlu
 
 _ESTIMATES: dict[str, Callable[[SparseMatrix], FactorMemory]] = {
@@ -43,7 +43,7 @@ def estimate_port_memory(
     Returns
     -------
     at_once, one_by_one
-        By a bordered factorization, and by a substitution for each port.
+        By (F14), and by a substitution for each port.
 
     Notes
     -----
@@ -52,4 +52,4 @@ def estimate_port_memory(
     dense = DENSE * 8 * int(ports.shape[0]) ** 2
     if chosen_backend(backend) != "pardiso":
         return dense, dense
-    return max(dense, estimate_gram_pardiso(A, ports.T)), dense
+    return max(dense, estimate_stiffness_pardiso(A, ports)), dense

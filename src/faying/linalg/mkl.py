@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy.sparse as sp
 
 from faying._typing import Matrix
 from faying.linalg.blocks import Integers
@@ -122,14 +121,6 @@ class PardisoHandle:
         parameters[35] = 1 if border else 0  # the Schur complement onto the marked rows
         parameters[36] = self.block if self.block > 1 else 0
         self._call(ANALYSE)
-
-    @property
-    def upper(self) -> sp.csr_array:
-        """The upper triangle of the matrix, without zeros."""
-        whole = sp.bsr_array((self._data, self._indices, self._indptr), shape=(self.n, self.n))
-        triangle = sp.triu(whole, format="csr")
-        triangle.eliminate_zeros()
-        return triangle
 
     @property
     def entries(self) -> int:

@@ -1,12 +1,4 @@
-"""Cholesky factorization by MKL PARDISO: the fastest that pip installs on x86-64.
-
-The compliance between ports Q is what the elimination of A leaves of a bordered matrix,
-
-    [[A, Qᵀ], [Q, 0]]  →  −Q A⁻¹ Qᵀ,
-
-its Schur complement. Ports come in where their unknowns are eliminated and not before, so METIS's
-order of A serves, whatever the ports are.
-"""
+"""Cholesky factorization by MKL PARDISO: the fastest that pip installs on x86-64."""
 
 import logging
 import threading
@@ -19,8 +11,10 @@ import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix
 from faying.linalg.blocks import node_blocks, upper_blocks
+from faying.linalg.cholesky import inverse
 from faying.linalg.memory import FactorMemory, NotEnoughMemoryError, require_memory
 from faying.linalg.mkl import INDEFINITE, PardisoHandle
+from faying.linalg.relative_unknowns import with_relative_unknowns
 from faying.linalg.singular import InertiaError, NotDefiniteError, check_signs
 from faying.linalg.substitution import column_blocks, solved_gram
 
@@ -32,26 +26,6 @@ FEW = 100
 As much at 110 to 250 ports on joints of 8000 to 49 000 degrees of freedom.
 """
 
-AGREEMENT = 1e-9
-"""Difference of a Schur complement from a substitution, over the result; 1e-12 is usual."""
-
-UNCERTAIN = 10
-"""As much more may they differ as refining the substitution changes it.
-
-On a roof held by springs of 1 N/mm they differ by 3e-9, and refinement changes as much.
-"""
-
-
-COMPARED = 3
-"""Random combinations of columns that are substituted.
-
-On two plates held by weak springs a complement differs from one of twelve by 0.3 to 11 times what
-refinement changes it, from the largest of three by 1.0 to 1.9 times.
-"""
-
-PAIR = sp.csr_array(np.array([[1.0, 0.5], [0.0, 1.0]]))
-"""Two rows that are connected: without any such MKL 2026 crashes, as of a diagonal matrix."""
-
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -62,9 +36,12 @@ class PardisoFactorization:
     ----------
     order
         Rows of the matrix; PARDISO may hold some more, which fill a block.
+    matrix
+        What was factorized.
     """
 
     order: int
+    matrix: SparseMatrix
     handle: PardisoHandle
     backend: str = "pardiso"
     _turn: threading.Lock = field(default_factory=threading.Lock, init=False, repr=False)
@@ -91,38 +68,29 @@ class PardisoFactorization:
                 solution[:, block] = _solved(self.handle, columns[:, block])
         return solution.reshape(B.shape)
 
-    def gram(self, columns: SparseMatrix | Matrix) -> Matrix:
-        """Return Bᵀ A⁻¹ B for B (n, k).
+    def stiffness(self, ports: SparseMatrix | Matrix) -> Matrix | None:
+        """Return (Q A⁻¹ Qᵀ)⁻¹ (n_port, n_port) of many ports Q (n_port, n), by (F14).
 
-        Notes
-        -----
-        Of many sparse columns the Schur complement of the bordered matrix, which substitutions
-        of a few random combinations check; a substitution for each where that does not fit into the
-        memory that is free, which is logged.
+        Returns
+        -------
+        ndarray or None
+            None of few ports, of such as have no degrees of freedom of their own, and where the
+            elimination does not fit into the memory that is free, which is logged.
         """
-        if sp.issparse(columns) and columns.shape[1] > FEW:
-            upper = self.handle.upper[: self.order, : self.order]
-            try:
-                gram = schur_gram(upper, columns)
-            except NotDefiniteError:  # where rows are eliminated in another order
-                return solved_gram(self.solve, columns)
-            except NotEnoughMemoryError as error:
-                _log.warning("%d ports are solved for one by one, for %s", columns.shape[1], error)
-                return solved_gram(self.solve, columns)
-            if self._agrees(gram, upper, columns):
-                return gram
-        return solved_gram(self.solve, columns)
+        if not sp.issparse(ports) or ports.shape[0] <= FEW:
+            return None
+        try:
+            return port_stiffness(self.matrix, ports)
+        except NotDefiniteError:  # where rows are eliminated in another order
+            return None
+        except NotEnoughMemoryError as error:
+            _log.warning("%d ports are solved for one by one, for %s", ports.shape[0], error)
+            return None
 
-    def _agrees(self, gram: Matrix, upper: SparseMatrix, columns: SparseMatrix) -> bool:
-        """Compare Bᵀ A⁻¹ B with the substitution of a few random combinations of columns."""
-        probe = np.random.default_rng(0).standard_normal((columns.shape[1], COMPARED))
-        forces = columns @ probe
-        moved = self.solve(forces)
-        residual = forces - upper @ moved - upper.T @ moved + upper.diagonal()[:, None] * moved
-        expected, uncertain = columns.T @ moved, columns.T @ self.solve(residual)
-        difference = np.abs(gram @ probe - expected).max()
-        allowed = AGREEMENT * np.abs(expected).max() + UNCERTAIN * np.abs(uncertain).max()
-        return bool(difference <= allowed)
+    def gram(self, columns: SparseMatrix | Matrix) -> Matrix:
+        """Return Bᵀ A⁻¹ B for B (n, k)."""
+        stiffness = self.stiffness(columns.T)
+        return solved_gram(self.solve, columns) if stiffness is None else inverse(stiffness)
 
 
 def factorize_pardiso(A: SparseMatrix) -> PardisoFactorization:
@@ -144,11 +112,16 @@ def factorize_pardiso(A: SparseMatrix) -> PardisoFactorization:
     except BaseException:
         handle.release()
         raise
-    return PardisoFactorization(order=A.shape[0], handle=handle)
+    return PardisoFactorization(order=A.shape[0], matrix=A, handle=handle)
 
 
-def schur_gram(upper: SparseMatrix, columns: SparseMatrix) -> Matrix:
-    """Return Bᵀ A⁻¹ B (k, k) for sparse B (n, k) and the upper triangle of A.
+def port_stiffness(A: SparseMatrix, ports: SparseMatrix) -> Matrix | None:
+    """Return (Q A⁻¹ Qᵀ)⁻¹ (n_port, n_port) of ports Q (n_port, n), by (F14).
+
+    Returns
+    -------
+    ndarray or None
+        None where ports have no degrees of freedom of their own.
 
     Raises
     ------
@@ -157,33 +130,25 @@ def schur_gram(upper: SparseMatrix, columns: SparseMatrix) -> Matrix:
     NotEnoughMemoryError
         If the factor would not fit into the memory that is free.
     """
-    handle = _bordered(upper, columns)
+    handle = _bordered(A, ports)
+    if handle is None:
+        return None
     try:
-        require_memory(_expected(handle, *columns.shape))
-        gram = handle.schur_complement()
+        require_memory(_expected(handle, A.shape[0], ports.shape[0]))
+        return handle.schur_complement()
     finally:
         handle.release()
-    return np.negative(gram, out=gram)
 
 
-def _bordered(upper: SparseMatrix, columns: SparseMatrix) -> PardisoHandle:
-    """Analyse [[A, B], [Bᵀ, 0]] for the upper triangle of A, with a pair of rows on its own.
-
-    All zeros of the border are stored: with its diagonal alone the analysis of MKL 2026 reads
-    memory that is not its own (valgrind), and crashes now and then.
-    """
-    k = columns.shape[1]
-    rows = sp.block_array([[upper, None, columns], [None, PAIR, None]], format="csr")
-    rows.sort_indices()
-    counts = np.arange(k, 0, -1, dtype=np.int32)
-    ends = np.cumsum(counts, dtype=np.int32)
-    border = np.arange(ends[-1], dtype=np.int32) - np.repeat(ends - k, counts)
-    return PardisoHandle(
-        np.append(rows.data, np.zeros(len(border)))[:, None, None],
-        np.append(rows.indices, rows.shape[0] + border).astype(np.int32),
-        np.append(rows.indptr, rows.indptr[-1] + ends).astype(np.int32),
-        border=k,
-    )
+def _bordered(A: SparseMatrix, ports: SparseMatrix) -> PardisoHandle | None:
+    """Analyse A with relative displacements as its last unknowns."""
+    unknowns = with_relative_unknowns(ports)
+    if unknowns is None:
+        return None
+    upper = sp.triu(unknowns.T @ (A @ unknowns), format="csr")
+    upper.sort_indices()
+    places = upper.indices.astype(np.int32), upper.indptr.astype(np.int32)
+    return PardisoHandle(upper.data[:, None, None], *places, border=ports.shape[0])
 
 
 def count_negative_pardiso(A: SparseMatrix) -> int:
@@ -221,13 +186,13 @@ def estimate_pardiso(A: SparseMatrix) -> FactorMemory:
         handle.release()
 
 
-def estimate_gram_pardiso(A: SparseMatrix, columns: SparseMatrix) -> int:
-    """Tell the most bytes that Bᵀ A⁻¹ B takes beyond the factors of A, from the pattern alone."""
-    if columns.shape[1] <= FEW:
-        return 8 * int(columns.shape[1]) ** 2
-    handle = _bordered(sp.triu(_with_diagonal(A), format="csr"), columns)
+def estimate_stiffness_pardiso(A: SparseMatrix, ports: SparseMatrix) -> int:
+    """Tell the most bytes that (Q A⁻¹ Qᵀ)⁻¹ takes beyond the factors of A, from patterns alone."""
+    handle = _bordered(_with_diagonal(A), ports) if ports.shape[0] > FEW else None
+    if handle is None:
+        return 0
     try:
-        return _expected(handle, *columns.shape).peak
+        return _expected(handle, A.shape[0], ports.shape[0]).peak
     finally:
         handle.release()
 

@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 
 from faying._typing import Matrix, frozen
+from faying.contact.between_pairs import ByCompliance
 from faying.contact.contact import Contact
 from faying.contact.laws import LAWS, Law
 from faying.exceptions import FormatError
@@ -186,7 +187,7 @@ def _ports(
     rows = numbers(group, "input_rows", (n_input, n_input))
     check_definite(rows, f"{group.name}/input_rows")
     return PortCompliance(
-        relative=relative,
+        pairs=ByCompliance(relative),
         contact_columns=numbers(group, "contact_columns", (n_input, n_relative)),
         input_rows=rows,
         n_boundary=n_boundary,

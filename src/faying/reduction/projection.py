@@ -7,6 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, frozen
+from faying.contact.between_pairs import ByCompliance
 from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface, contact_surface
 from faying.joint.model import Model
@@ -312,9 +313,10 @@ def _beyond(model: Model, basis: Basis, stiffness: Matrix, forces: Matrix) -> Ma
 
 
 def _ports(model: Model) -> PortCompliance | None:
-    """Return the compliance of the full model; None where nothing holds it but its boundary."""
+    """Return the compliance of the full model; None where nothing but its boundary holds it."""
     try:
-        return model.port_compliance
+        ports = model.port_compliance
+        return replace(ports, pairs=ByCompliance(ports.relative))
     except SingularMatrixError:
         return None
 

@@ -10,6 +10,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Matrix
+from faying.contact.between_pairs import ByCompliance
 from faying.contact.condensed import CondensedContact, relative_compliance
 from faying.contact.contact import Contact
 from faying.display.facts import Shown, counted
@@ -123,7 +124,7 @@ class ReducedModel(Shown, ModelData):
         outer = np.vstack([np.eye(n_mode)[dofs], elongations(self.bolts, n_mode), loads])
         answers = factor.solve(outer.T)
         return PortCompliance(
-            relative=relative_compliance(contact, factor),
+            pairs=ByCompliance(relative_compliance(contact, factor)),
             contact_columns=(contact.relative_operator @ answers).T,
             input_rows=symmetrized(outer @ answers),
             n_boundary=len(dofs),

@@ -201,7 +201,7 @@ def follow(
         If an increment is not solved even when it is divided; the message names its load.
     """
     numbers = range(len(relative)) if part is None else part
-    with threads_for(len(solver.S)):
+    with threads_for(solver.contact.rows.shape[1]):
         for number in numbers:
             try:
                 step = _to(solver, step, relative[number], MOST_DIVISIONS)

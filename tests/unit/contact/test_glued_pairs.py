@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import LinAlgError
 
+from faying.contact.between_pairs import ByCompliance
 from faying.contact.glued_pairs import ACCURATE, GluedPairs
 from few_points import ELASTIC, PAIRS, N, joint
 
@@ -12,7 +13,7 @@ def glued(seed):
     """Pairs, and what is written out: G, B₀ and Σ."""
     plain, _ = joint(seed, ELASTIC)
     springs = plain.laws.springs
-    pairs = GluedPairs.of(plain.contact.rows, springs, plain.S)
+    pairs = GluedPairs.of(plain.contact.rows, springs, ByCompliance(plain.S))
     G = plain.contact.rows.toarray()
     return pairs, G, G.T @ np.diag(springs.ravel()) @ G, np.linalg.inv(plain.S)
 
@@ -56,15 +57,16 @@ def test_few_closed_points_are_solved_beside_open_ones(monkeypatch):
     random = np.random.default_rng(1)
     motions = random.normal(size=(3 * PAIRS, 2))
     S = plain.S + 1e6 * motions @ motions.T
-    pairs, stiffness = GluedPairs.of(rows, springs, S), np.linalg.inv(S)
-    assert 0 < np.count_nonzero(pairs.open.springs[0]) < N
+    pairs, stiffness = GluedPairs.of(rows, springs, ByCompliance(S)), np.linalg.inv(S)
+    opened = pairs.form_open()
+    assert 0 < np.count_nonzero(opened.springs[0]) < N
     # The largest of S is 1e7 times as much.
-    assert np.abs(pairs.open.compliance).max() < 10.0
+    assert np.abs(opened.compliance).max() < 10.0
     K, diagonal = np.zeros((N, 3, 3)), np.arange(3)
     K[:2, diagonal, diagonal] = springs[:, :2].T
     right = random.normal(size=3 * PAIRS)
     d, forces, factors = pairs.step(K, right, 0.0)
-    assert factors.reference is pairs.open
+    assert factors.reference is opened
     exact = np.linalg.solve(stiffness + dense(rows.toarray(), K), right)
     np.testing.assert_allclose(d, exact, rtol=0, atol=10 * ACCURATE * np.abs(exact).max())
     # S and its inverse agree to 1e-9, as 1e7 beside round-off leaves.
@@ -93,9 +95,10 @@ def test_a_singular_compliance_has_no_stiffness(ratio):
     rows, springs = plain.contact.rows, plain.laws.springs
     shapes = np.linalg.eigh(plain.S)[1]
     sizes = np.r_[ratio, np.ones(len(shapes) - 1)]
+    singular, regular = (shapes * sizes) @ shapes.T, (shapes * np.r_[1e7, sizes[1:]]) @ shapes.T
     with pytest.raises(LinAlgError, match="not positive definite"):
-        GluedPairs.of(rows, springs, (shapes * sizes) @ shapes.T)
-    GluedPairs.of(rows, springs, (shapes * np.r_[1e7, sizes[1:]]) @ shapes.T)
+        GluedPairs.of(rows, springs, ByCompliance(singular))
+    GluedPairs.of(rows, springs, ByCompliance(regular))
 
 
 def test_points_that_feel_every_pair_are_solved_with_the_whole_matrix(monkeypatch):
@@ -103,7 +106,7 @@ def test_points_that_feel_every_pair_are_solved_with_the_whole_matrix(monkeypatc
     monkeypatch.setattr("faying.contact.glued_pairs.DIRECT", 0)
     plain, _ = joint(2, ELASTIC)
     G, springs = plain.contact.rows.toarray(), plain.laws.springs
-    pairs, K = GluedPairs.of(G, springs, plain.S), np.zeros((N, 3, 3))
+    pairs, K = GluedPairs.of(G, springs, ByCompliance(plain.S)), np.zeros((N, 3, 3))
     K[:, np.arange(3), np.arange(3)] = 0.5 * springs.T
     right = np.random.default_rng(2).normal(size=3 * PAIRS)
     exact = np.linalg.solve(np.linalg.inv(plain.S) + dense(G, K), right)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from faying.contact import yielding
+from faying.contact.between_pairs import ByCompliance
 from faying.contact.frictional import SOLVED
 from faying.contact.glued_pairs import GluedPairs
 from faying.contact.increment import Increment
@@ -36,8 +37,9 @@ STILL = np.zeros(3 * PAIRS)
 def by_displacements(plain):
     """The solver of the same increments that paths take where every point yields."""
     laws = LawsAtPoints(contact=plain.contact)
-    pairs = GluedPairs.of(plain.contact.rows, laws.springs, plain.S)
-    return YieldingContact(contact=plain.contact, S=plain.S, pairs=pairs)
+    between = ByCompliance(plain.S)
+    pairs = GluedPairs.of(plain.contact.rows, laws.springs, between)
+    return YieldingContact(contact=plain.contact, between=between, pairs=pairs)
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -8,7 +8,6 @@ import faying as fy
 from faying.exceptions import ModelError
 from faying.joint.free_matrices import FreeMatrices
 from faying.joint.structure import Structure
-from faying.linalg import pardiso
 from faying.linalg.factorization import SingularMatrixError
 from faying.linalg.partial import port_compliance
 from faying.linalg.substitution import COLUMN_BLOCK
@@ -112,25 +111,3 @@ def test_port_compliance(form, n_port):
     # Round-off times the condition of the chain, 6e5.
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * np.abs(expected).max(initial=1))
     np.testing.assert_array_equal(found, found.T)
-
-
-def test_a_border_is_stored_whole(monkeypatch):
-    """With its diagonal alone MKL's analysis reads memory that is not its own (valgrind).
-
-    Behind the matrix stands a pair of rows, for the analysis crashes where no two are connected.
-    """
-    seen = {}
-
-    def handle(data, indices, indptr, border):
-        seen["border"] = sp.csr_array((data.ravel(), indices, indptr)), border
-        return
-
-    monkeypatch.setattr(pardiso, "PardisoHandle", handle)
-    columns = sp.random_array((40, 5), density=0.2, rng=np.random.default_rng(0), format="csr")
-    pardiso._bordered(sp.triu(chain(40), format="csr"), sp.csr_array(columns))
-    matrix, border = seen["border"]
-    assert (matrix.shape, border) == ((47, 47), 5)
-    block = matrix[42:]
-    assert (block.nnz, np.abs(block.data).max()) == (15, 0.0)
-    np.testing.assert_array_equal(block.indices, 42 + np.triu_indices(5)[1])
-    np.testing.assert_array_equal(matrix[:40, 42:].toarray(), columns.toarray())

@@ -45,14 +45,20 @@ def check_same_joint(checkpoint: Bundles, model: Model) -> None:
 
 
 def keep_compliance(checkpoint: Bundles, key: str, structure: Structure) -> None:
-    """Let a structure take its compliance between pairs from a run before, or keep it for one.
+    """Let a structure take what is between its pairs from a run before, or keep it for one.
 
     Compressed compliances are formed anew: they are made of more than one array.
     """
     if not structure.is_kept_whole:
         return
-    arrays = checkpoint.bundle(key, lambda: {"held": np.asarray(structure.held_compliance)})
-    structure.take_held_compliance(arrays["held"])
+
+    def arrays() -> dict[str, Matrix]:
+        if structure.held_stiffness is not None:
+            return {"held_stiffness": structure.held_stiffness}
+        return {"held_compliance": np.asarray(structure.held_compliance)}
+
+    for name, matrix in checkpoint.bundle(key, arrays).items():
+        structure.take_held(name, matrix)
 
 
 def kept_tightening(
