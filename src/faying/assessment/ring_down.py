@@ -217,9 +217,9 @@ def ring_down(
 
     Notes
     -----
-    Decay and cycles agree where neighbouring modes follow quasi-statically: within 5 % at small
-    amplitudes, and up to several times apart where a multiple of the frequency meets another mode
-    (``docs/theory/friction.md``).
+    Decay and cycles agree where neighbouring modes follow quasi-statically: within 5 to 9 % at
+    small amplitudes, and up to several times apart where a multiple of the frequency meets another
+    mode (``docs/theory/friction.md``).
 
     Examples
     --------
