@@ -10,7 +10,7 @@ from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Beam, RigidCoupling, Spring, Support
 from faying.model.cells import CellBlock
 from faying.model.generate import brick_grid
-from faying.model.generated_bolt import round_section
+from faying.model.generated_bolt import bolt_section
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 from faying.reduction.projection import completed
@@ -36,7 +36,7 @@ def standing_bolt(beams=1, *, spring=False, hinged=False):
     shank = np.column_stack([np.full(beams + 1, 2.0), np.full(beams + 1, 2.0), heights])
     nodes = np.vstack([grid.nodes - [0, 0, 2.0], grid.nodes, shank])
     foot, head = 2 * n, 2 * n + beams
-    section = round_section(BoltSpec(name="bolt", diameter=6.0), STEEL)
+    section = bolt_section(BoltSpec(name="bolt", diameter=6.0), STEEL)
     line = () if spring else tuple(
         Beam(id=90 + k, nodes=(foot + k, foot + k + 1), section=section, material=STEEL,
              orientation=(0.3, 1.0, 0.0))
@@ -101,7 +101,7 @@ def test_the_moment_of_a_turned_head_is_that_of_beam_theory():
     solution = fy.solve_static(model, fy.Load({"head.My": 400.0}))
     motion = solution.displacement("head")
     sway, turn = motion[0], motion[4]
-    section = round_section(BoltSpec(name="bolt", diameter=6.0), STEEL)
+    section = bolt_section(BoltSpec(name="bolt", diameter=6.0), STEEL)
     bending_stiffness, shear = (
         STEEL.youngs_modulus * section.inertia_y,
         STEEL.shear_modulus * section.area,

@@ -7,6 +7,7 @@ from scipy.sparse.csgraph import connected_components
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Beam, Spring
+from faying.model.links import joined_nodes
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 
@@ -75,13 +76,8 @@ def element_seats(assembly: Assembly, cut: Beam | Spring) -> tuple[Indices, Indi
 
 def _links(assembly: Assembly, cut: tuple[int, int]) -> SparseMatrix:
     """Return the nodes (n_link, n_node) that each beam, spring, coupling and equation joins."""
-    parts = [np.array(beam.nodes) for beam in assembly.beams]
-    parts += [np.array([node for node, _ in spring.ends]) for spring in assembly.springs]
-    parts += [np.array(bush.nodes) for bush in assembly.bushes]
+    parts = [nodes for _, nodes in joined_nodes(assembly)]
     parts += [shell for block in assembly.shells for shell in block.nodes]
-    parts += [np.append(rigid.nodes, rigid.reference) for rigid in assembly.rigid_couplings]
-    parts += [np.append(mean.nodes, mean.reference) for mean in assembly.average_couplings]
-    parts += [np.array([node for node, _, _ in e.terms]) for e in assembly.equations]
     parts = [part for part in parts if np.setdiff1d(part, cut).size]
     columns = np.concatenate([np.empty(0, dtype=np.int64), *parts])
     rows = np.repeat(np.arange(len(parts)), [len(part) for part in parts])

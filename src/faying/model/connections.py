@@ -7,7 +7,8 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices
-from faying.model.assembly import Assembly
+from faying.model.assembly import Assembly, Beam, Spring
+from faying.model.links import joined_nodes
 
 
 def connected_parts(assembly: Assembly, without: Collection[int] = ()) -> Indices:
@@ -40,20 +41,9 @@ def connected_parts(assembly: Assembly, without: Collection[int] = ()) -> Indice
     cells = [block.nodes for block in assembly.mesh.blocks]
     for members in (*cells, *(block.nodes for block in assembly.shells)):
         join(np.repeat(members[:, 0], members.shape[1]), members)
-    lines: list[tuple[int, ...]] = [beam.nodes for beam in assembly.beams if beam.id not in without]
-    lines += [
-        tuple(node for node, _ in spring.ends)
-        for spring in assembly.springs
-        if spring.id not in without
-    ]
-    lines += [bush.nodes for bush in assembly.bushes]
-    lines += [tuple(node for node, _, _ in equation.terms) for equation in assembly.equations]
-    for nodes in lines:
-        join(nodes[0], np.array(nodes[1:] if len(nodes) > 1 else [ground]))
-    for rigid in assembly.rigid_couplings:
-        join(rigid.reference, rigid.nodes)
-    for average in assembly.average_couplings:
-        join(average.reference, average.nodes)
+    for member, nodes in joined_nodes(assembly):
+        if not (isinstance(member, Beam | Spring) and member.id in without):
+            join(nodes[0], nodes[1:] if len(nodes) > 1 else np.array([ground]))
     for support in assembly.supports:
         join(ground, support.nodes)
     if assembly.matrices is not None:

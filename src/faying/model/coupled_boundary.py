@@ -48,12 +48,18 @@ def add_coupled_boundary(
     reduced_spec = replace(
         spec, node=int(mesh.node_ids[reference]), set=None, coupling=None, at=None
     )
-    if spec.coupling == "rbe2":
+    moved = replace(assembly, mesh=mesh)
+    return with_coupling(moved, spec.coupling or "rbe2", number, reference, nodes), reduced_spec
+
+
+def with_coupling(
+    assembly: Assembly, kind: str, number: int, reference: int, nodes: Indices
+) -> Assembly:
+    """Let nodes follow a reference node (``"rbe2"``), or it their mean (``"rbe3"``)."""
+    if kind == "rbe2":
         rigid = RigidCoupling(id=number, reference=reference, nodes=nodes)
-        couplings = (*assembly.rigid_couplings, rigid)
-        return replace(assembly, mesh=mesh, rigid_couplings=couplings), reduced_spec
+        return replace(assembly, rigid_couplings=(*assembly.rigid_couplings, rigid))
     average = AverageCoupling(
         id=number, reference=reference, nodes=nodes, weights=np.ones(len(nodes))
     )
-    averages = (*assembly.average_couplings, average)
-    return replace(assembly, mesh=mesh, average_couplings=averages), reduced_spec
+    return replace(assembly, average_couplings=(*assembly.average_couplings, average))

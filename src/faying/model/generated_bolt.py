@@ -8,20 +8,20 @@ from faying._typing import Indices, Mask, Matrix, Vector
 from faying.exceptions import ModelError
 from faying.model.assembly import (
     Assembly,
-    AverageCoupling,
     Beam,
     BeamSection,
     Material,
     PointMass,
-    RigidCoupling,
 )
+from faying.model.axes import any_across, round_section
 from faying.model.clamping import check_clamping
+from faying.model.coupled_boundary import with_coupling
 from faying.model.deck_bolt import bolt_axis_element
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 from faying.model.surface import facet_normals
 
-__all__ = ["add_bolt", "bolt_axis_element", "round_section"]
+__all__ = ["add_bolt", "bolt_axis_element", "bolt_section"]
 
 # A facet bears the washer if it faces along the axis within 25° and lies off the bearing plane by
 # at most a fifth of the washer's radius: slightly curved or inclined seats are seats, hole walls
@@ -72,9 +72,9 @@ def add_bolt(assembly: Assembly, spec: BoltSpec) -> Assembly:
     beam = Beam(
         id=first_id,
         nodes=(n_node, n_node + 1),
-        section=round_section(spec, material),
+        section=bolt_section(spec, material),
         material=material if spec.mass else replace(material, density=0.0),
-        orientation=_perpendicular(ends[1] - ends[0]),
+        orientation=any_across(ends[1] - ends[0]),
     )
     fittings = tuple(
         PointMass(id=first_id + 3 + i, node=n_node + i, mass=mass)
@@ -88,28 +88,16 @@ def add_bolt(assembly: Assembly, spec: BoltSpec) -> Assembly:
         masses=(*assembly.masses, *fittings),
     )
     for i, seat in enumerate(seats):
-        result = _with_washer(result, spec, first_id + 1 + i, n_node + i, seat)
+        result = with_coupling(result, spec.washer, first_id + 1 + i, n_node + i, seat)
     return result
 
 
-def round_section(spec: BoltSpec, material: Material) -> BeamSection:
-    """Return the section of a solid round bolt.
-
-    The shear factor is 6 (1 + ν) / (7 + 6 ν): G. R. Cowper, "The shear coefficient in Timoshenko's
-    beam theory", J. Appl. Mech. 33 (1966) 335-340.
-    """
-    diameter = spec.diameter or 0.0
-    inertia = np.pi * diameter**4 / 64
-    nu = material.poissons_ratio
-    shear = 6 * (1 + nu) / (7 + 6 * nu) if spec.shear_flexible else np.inf
-    return BeamSection(
-        area=np.pi * diameter**2 / 4,
-        inertia_y=inertia,
-        inertia_z=inertia,
-        torsion=2 * inertia,
-        shear_factor_y=shear,
-        shear_factor_z=shear,
-    )
+def bolt_section(spec: BoltSpec, material: Material) -> BeamSection:
+    """Return the section of a solid round bolt."""
+    section = round_section((spec.diameter or 0.0) / 2, 0.0, material.poissons_ratio)
+    if spec.shear_flexible:
+        return section
+    return replace(section, shear_factor_y=np.inf, shear_factor_z=np.inf)
 
 
 def _ends(spec: BoltSpec) -> Matrix:
@@ -198,22 +186,3 @@ def _seat(
     np.minimum.at(closest, labels[nodes], offset)
     closest_plane: Mask = closest <= closest.min() + _SAME_PLANE * radius
     return nodes[closest_plane[labels[nodes]]]
-
-
-def _with_washer(
-    assembly: Assembly, spec: BoltSpec, coupling_id: int, reference: int, seat: Indices
-) -> Assembly:
-    """Couple the end of a bolt to its seat."""
-    if spec.washer == "rbe2":
-        rigid = RigidCoupling(id=coupling_id, reference=reference, nodes=seat)
-        return replace(assembly, rigid_couplings=(*assembly.rigid_couplings, rigid))
-    average = AverageCoupling(
-        id=coupling_id, reference=reference, nodes=seat, weights=np.ones(len(seat))
-    )
-    return replace(assembly, average_couplings=(*assembly.average_couplings, average))
-
-
-def _perpendicular(axis: Vector) -> tuple[float, float, float]:
-    """Return the coordinate direction farthest from the axis."""
-    x, y, z = np.eye(3)[int(np.argmin(np.abs(axis)))].tolist()
-    return x, y, z

@@ -14,20 +14,9 @@ from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, FaceSet, NodalLoads, RigidCoupling, Support
 from faying.model.bodies import body_names
 from faying.model.description import JointDescription
+from faying.model.links import LINKS, linked_nodes
 from faying.model.mesh import Mesh
 from faying.model.remaining_joint import remaining_joint
-
-_LINKS = {
-    "beams": "beam",
-    "bushes": "bush",
-    "springs": "spring",
-    "masses": "point mass",
-    "scalar_masses": "scalar mass",
-    "rigid_couplings": "rigid coupling",
-    "average_couplings": "average coupling",
-    "equations": "equation",
-}
-"""Families of an assembly whose members hold nodes together, and what one is called."""
 
 
 def part_of(
@@ -142,7 +131,7 @@ class _Cut:
             outside[block.nodes[~mask]] = True
         self.gone = outside & ~inside
         self.through = int((inside & outside).sum())
-        self.families = {name: getattr(whole, name) for name in _LINKS}
+        self.families = {name: getattr(whole, name) for name in LINKS}
         self.links = self._links()
         chosen = np.isin(self._ids(), dropped)
         touching = np.zeros(self.links.n, dtype=bool)
@@ -157,12 +146,12 @@ class _Cut:
 
     def _links(self) -> _Links:
         tables = [
-            np.asarray(_nodes(name, member), dtype=np.int64)
+            linked_nodes(name, member)
             for name, family in self.families.items()
             for member in family
         ]
         names = [
-            f"{_LINKS[name]} {getattr(member, 'id', '')}".strip()
+            f"{LINKS[name]} {getattr(member, 'id', '')}".strip()
             for name, family in self.families.items()
             for member in family
         ]
@@ -209,7 +198,7 @@ class _Cut:
 
     def _trimmable(self) -> Mask:
         """Tell which rigid couplings keep their reference and some other nodes."""
-        first = sum(len(self.families[name]) for name in list(_LINKS)[:5])
+        first = sum(len(self.families[name]) for name in list(LINKS)[:5])
         result = np.zeros(self.links.n, dtype=bool)
         for i, coupling in enumerate(self.whole.rigid_couplings):
             stays = not self.gone[coupling.reference] and bool((~self.gone[coupling.nodes]).any())
@@ -303,17 +292,3 @@ class _Cut:
             if count := int(self.dead[load.nodes].sum()):
                 lines.append(f"load '{name}' on {count} of {len(load.nodes)} nodes")
         return lines
-
-
-def _nodes(family: str, member: Any) -> Sequence[int] | Indices:
-    """Return the nodes that something holds."""
-    if family in ("springs", "scalar_masses"):
-        return [node for node, _ in member.ends]
-    if family == "masses":
-        return [member.node]
-    if family == "equations":
-        return [node for node, _, _ in member.terms]
-    nodes: Sequence[int] | Indices = member.nodes
-    if family.endswith("couplings"):
-        return np.append(nodes, member.reference)
-    return nodes

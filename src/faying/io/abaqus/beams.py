@@ -13,8 +13,8 @@ from faying.io.abaqus.fields import numbers, padded, parameter, positive
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets, assign
 from faying.io.abaqus.solid_sections import find_isotropic
-from faying.io.axes import rectangular_section, round_section
 from faying.model.assembly import Beam, BeamSection, Material
+from faying.model.axes import rectangular_section, round_section
 
 TYPES = ("B31", "B31R", "B33", "B32", "B32R")
 

@@ -11,7 +11,7 @@ from faying.io.abaqus.fields import integer, only_line, padded
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.nodes import Nodes
 from faying.io.abaqus.sets import NamedSets
-from faying.io.axes import axes_along
+from faying.model.axes import axes_along
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -9,7 +9,7 @@ from faying.exceptions import FormatError
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import integers, padded, reals, table
 from faying.io.abaqus.keyword import Keyword
-from faying.io.axes import axes_along
+from faying.model.axes import axes_along
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -8,7 +8,7 @@ from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import integer, padded, real
 from faying.io.abaqus.keyword import Keyword, named
 from faying.io.abaqus.sets import NamedSets
-from faying.io.axes import axes_along
+from faying.model.axes import axes_along
 
 
 def distributed_axes(

@@ -10,8 +10,8 @@ from faying.io.abaqus.elements import ElementBlock, Elements
 from faying.io.abaqus.fields import check_count, real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets, assign
-from faying.io.axes import any_across, axes_along
 from faying.model.assembly import Bush, Spring
+from faying.model.axes import any_across, axes_along
 
 
 def read_springs(

@@ -11,8 +11,8 @@ from faying.io.abaqus.fields import positive
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.solid_sections import find_isotropic
-from faying.io.axes import any_across
 from faying.model.assembly import Beam, BeamSection, Material
+from faying.model.axes import any_across
 
 TYPES = ("T3D2",)
 

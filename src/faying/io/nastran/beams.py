@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.io.axes import axes_along
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.beam_ends import BeamEnds
 from faying.io.nastran.bushes import orientation
@@ -15,6 +14,7 @@ from faying.io.nastran.grids import Grids
 from faying.io.nastran.principal_axes import turned_about
 from faying.io.nastran.sections import Property
 from faying.model.assembly import Beam
+from faying.model.axes import axes_along
 
 
 def read_beams(

@@ -7,11 +7,11 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.digits import DECK_DIGITS
-from faying.io.axes import any_across, axes_along
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, Cards, by_id, property_of
 from faying.io.nastran.grids import Grids
 from faying.model.assembly import Bush
+from faying.model.axes import any_across, axes_along
 
 _ROWS = ("K", "B", "GE", "RCV", "M", "T", "D", "")
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, frozen
 from faying.digits import ROUND_OFF
-from faying.io.axes import axes_along
 from faying.io.nastran.cards import Card, Cards
+from faying.model.axes import axes_along
 
 CARDS = "CORD2R, ..."
 """Cards of coordinate systems."""

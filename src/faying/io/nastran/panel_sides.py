@@ -11,11 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from faying.io.axes import any_across
 from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.solids import material_of
 from faying.model.assembly import Beam, BeamSection, Material
+from faying.model.axes import any_across
 
 _FULL = 1.01
 

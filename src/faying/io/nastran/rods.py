@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from faying.io.axes import any_across
 from faying.io.nastran.cards import Card, Cards, by_id, property_of
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.sections import with_shear
 from faying.io.nastran.solids import material_of
 from faying.model.assembly import Beam, BeamSection, Material
+from faying.model.axes import any_across
 
 Member = tuple[BeamSection, Material]
 

@@ -5,13 +5,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from faying.io.axes import rectangular_section, round_section
 from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.fields import SHORT_DIGITS
 from faying.io.nastran.principal_axes import principal
 from faying.io.nastran.solids import material_of
 from faying.io.nastran.walled_sections import ESTIMATED, SHAPES, walled_section
 from faying.model.assembly import BeamSection, Material
+from faying.model.axes import rectangular_section, round_section
 
 
 class Property(NamedTuple):
