@@ -1,6 +1,6 @@
 """What an engineer asks of every load case or instant: a few numbers, not fields."""
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
@@ -17,14 +17,16 @@ from faying.joint.bolt_surroundings import surroundings
 from faying.joint.system import System
 from faying.joint.tangential import TangentialRows
 from faying.model.bolt import Bolt
-from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary
+from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES
 from faying.simulation.solution import Solution
+
+PRESSURE = "force/length²"
 
 WEAK_SHARE = "weak_share."
 """What names of metrics of weak springs begin with."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Metric:
     """One number of every load case or instant.
 
@@ -43,6 +45,20 @@ class Metric:
     description: str
     dimension: str
     worst: Literal["largest", "smallest"] | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Cases:
+    """Many cases or instants, as solved."""
+
+    solution: Solution
+    certificate: Certificate | None
+    rings: Mapping[str, Ring]
+    areas: Mapping[str, TangentialRows]
+
+
+Group = tuple[list[Metric], Callable[[_Cases], Sequence[Vector]]]
+"""Metrics, and what takes cases to their columns (n_case,)."""
 
 
 def metrics_of(
@@ -66,129 +82,8 @@ def metrics_of(
     areas
         Names of areas whose needed friction is wanted, of static cases.
     """
-    metrics: list[Metric] = []
-    for name in interfaces:
-        metrics += _of_interface(name, certified=certified)
-    for name in system.bolts:
-        metrics += [
-            Metric(
-                name=f"bolt_force.{name}",
-                description="axial force, tension positive",
-                dimension="force",
-                worst="largest",
-            )
-        ]
-    metrics += [
-        Metric(
-            name=f"clamp_around.{interface}.{bolt}",
-            description="normal force on the points of the interface nearest to the bolt",
-            dimension="force",
-            worst="smallest",
-        )
-        for interface, bolt in _shared(interfaces, system.bolts)
-    ]
-    metrics += [
-        Metric(
-            name=f"bolt_bending.{name}",
-            description="larger of the bending moments where the beams of the bolt begin and end",
-            dimension="force·length",
-            worst="largest",
-        )
-        for name in bent_bolts(system.bolts)
-    ]
-    for name, boundary in system.boundaries.items():
-        metrics += [
-            Metric(
-                name=f"displacement.{name}.{DISPLACEMENT_NAMES[component]}",
-                description="displacement or rotation, average over the nodes of the boundary",
-                dimension="length" if component < 3 else "1",
-            )
-            for component in _components(boundary)
-        ]
-    metrics += [
-        Metric(
-            name=f"{WEAK_SHARE}{body}",
-            description="what weak springs between the bodies carry over the contact force",
-            dimension="1",
-            worst="largest",
-        )
-        for body in system.weak_supports
-    ]
-    metrics += [
-        Metric(
-            name=f"ring_pressure.{name}",
-            description="smallest pressure on the best closed ring around a hole",
-            dimension="force/length²",
-            worst="smallest",
-        )
-        for name in rings
-    ]
-    metrics += [
-        Metric(
-            name=f"needed_friction.{name}",
-            description="coefficient of friction that carries what acts along the area",
-            dimension="1",
-            worst="largest",
-        )
-        for name in areas
-    ]
-    if certified:
-        metrics += [
-            Metric(
-                name="certified_energy_error",
-                description="bound of the error of all contact forces in the energy norm",
-                dimension="1",
-                worst="largest",
-            ),
-            Metric(
-                name="certified_pressure_error",
-                description="bound of the largest pressure error over the largest pressure",
-                dimension="1",
-            ),
-        ]
-    return metrics
-
-
-def _of_interface(name: str, *, certified: bool) -> Iterator[Metric]:
-    pressure, length = "force/length²", "length"
-    yield Metric(
-        name=f"max_pressure.{name}",
-        description="largest pressure of a contact point",
-        dimension=pressure,
-        worst="largest",
-    )
-    for axis in "xyz":
-        yield Metric(
-            name=f"max_pressure_{axis}.{name}", description="where it is", dimension=length
-        )
-    yield Metric(
-        name=f"max_nodal_pressure.{name}",
-        description="largest average pressure around a node",
-        dimension=pressure,
-        worst="largest",
-    )
-    yield Metric(
-        name=f"clamp_force.{name}",
-        description="total normal force",
-        dimension="force",
-        worst="smallest",
-    )
-    if certified:
-        for end in ("low", "high"):
-            yield Metric(
-                name=f"clamp_force_{end}.{name}",
-                description="the full model's lies between low and high",
-                dimension="force",
-            )
-    yield Metric(
-        name=f"open_area.{name}",
-        description="area without pressure",
-        dimension="length²",
-        worst="largest",
-    )
-    yield Metric(
-        name=f"max_gap.{name}", description="largest gap", dimension=length, worst="largest"
-    )
+    groups = _groups(system, interfaces, rings, areas, certified=certified)
+    return [metric for metrics, _ in groups for metric in metrics]
 
 
 def case_metrics(
@@ -211,25 +106,149 @@ def case_metrics(
     areas
         What is carried along areas whose needed friction is wanted, of static cases.
     """
-    columns: list[Vector] = []
+    cases = _Cases(solution=solution, certificate=certificate, rings=rings, areas=areas)
+    certified = certificate is not None
+    groups = _groups(solution.system, interfaces, rings, areas, certified=certified)
+    return np.column_stack([column for _, columns in groups for column in columns(cases)])
+
+
+def _groups(
+    system: System,
+    interfaces: Mapping[str, ContactSurface],
+    rings: Collection[str],
+    areas: Collection[str],
+    *,
+    certified: bool,
+) -> Iterator[Group]:
+    """Yield what is told of cases: a few metrics at a time, beside how they are computed."""
     for name, surface in interfaces.items():
-        columns += _interface_columns(name, surface, solution, certificate)
-    columns += [np.asarray(solution.bolt_force(name)) for name in solution.system.bolts]
-    for (name, _), points in _shared(interfaces, solution.system.bolts).items():
-        span = slice(*interfaces[name].slice)
-        columns.append(solution.pressure[:, span] @ (interfaces[name].weights * points[span]))
-    for name in bent_bolts(solution.system.bolts):
-        moments = np.linalg.norm(solution.bolt_bending(name), axis=-1)
-        columns.append(moments.max(axis=-1))
-    for name, boundary in solution.system.boundaries.items():
-        moved = solution.displacement(name)
-        columns += [moved @ boundary.pattern(FORCE_NAMES[c]) for c in _components(boundary)]
-    columns += [weak_share(solution, body) for body in solution.system.weak_supports]
-    columns += [ring_pressure(ring, solution.pressure) for ring in rings.values()]
-    columns += [_needed_friction(solution, interfaces, area) for area in areas.values()]
-    if certificate is not None:
-        columns += [certificate.energy_error, certificate.max_relative_error]
-    return np.column_stack(columns)
+        yield _of_interface(name, surface, certified=certified)
+    force, about = "axial force, tension positive", "force"
+    yield (
+        [Metric(f"bolt_force.{name}", force, about, "largest") for name in system.bolts],
+        lambda cases: [np.asarray(cases.solution.bolt_force(name)) for name in system.bolts],
+    )
+    surrounding = "normal force on the points of the interface nearest to the bolt"
+    shared = _shared(interfaces, system.bolts)
+    yield (
+        [
+            Metric(f"clamp_around.{interface}.{bolt}", surrounding, "force", "smallest")
+            for interface, bolt in shared
+        ],
+        lambda cases: [
+            _clamp_force(cases.solution, interfaces[name], points)
+            for (name, _), points in shared.items()
+        ],
+    )
+    bent = bent_bolts(system.bolts)
+    moment = "larger of the bending moments where the beams of the bolt begin and end"
+    yield (
+        [Metric(f"bolt_bending.{name}", moment, "force·length", "largest") for name in bent],
+        lambda cases: [_largest_moment(cases.solution, name) for name in bent],
+    )
+    moved = "displacement or rotation, average over the nodes of the boundary"
+    components = [
+        (name, boundary, component)
+        for name, boundary in system.boundaries.items()
+        for component in sorted(set(boundary.components.tolist()))
+    ]
+    yield (
+        [
+            Metric(
+                f"displacement.{name}.{DISPLACEMENT_NAMES[component]}",
+                moved,
+                "length" if component < 3 else "1",
+            )
+            for name, _, component in components
+        ],
+        lambda cases: [
+            cases.solution.displacement(name) @ boundary.pattern(FORCE_NAMES[component])
+            for name, boundary, component in components
+        ],
+    )
+    weak = "what weak springs between the bodies carry over the contact force"
+    yield (
+        [Metric(f"{WEAK_SHARE}{body}", weak, "1", "largest") for body in system.weak_supports],
+        lambda cases: [weak_share(cases.solution, body) for body in system.weak_supports],
+    )
+    closed = "smallest pressure on the best closed ring around a hole"
+    yield (
+        [Metric(f"ring_pressure.{name}", closed, PRESSURE, "smallest") for name in rings],
+        lambda cases: [
+            ring_pressure(ring, cases.solution.pressure) for ring in cases.rings.values()
+        ],
+    )
+    needed = "coefficient of friction that carries what acts along the area"
+    yield (
+        [Metric(f"needed_friction.{name}", needed, "1", "largest") for name in areas],
+        lambda cases: [
+            _needed_friction(cases.solution, interfaces, area) for area in cases.areas.values()
+        ],
+    )
+    energy = "bound of the error of all contact forces in the energy norm"
+    largest = "bound of the largest pressure error over the largest pressure"
+    if certified:
+        yield (
+            [
+                Metric("certified_energy_error", energy, "1", "largest"),
+                Metric("certified_pressure_error", largest, "1"),
+            ],
+            lambda cases: (
+                []
+                if cases.certificate is None
+                else [cases.certificate.energy_error, cases.certificate.max_relative_error]
+            ),
+        )
+
+
+def _of_interface(name: str, surface: ContactSurface, *, certified: bool) -> Group:
+    between = "the full model's lies between low and high"
+    average = "largest average pressure around a node"
+    metrics = [
+        Metric(f"max_pressure.{name}", "largest pressure of a contact point", PRESSURE, "largest"),
+        *(Metric(f"max_pressure_{axis}.{name}", "where it is", "length") for axis in "xyz"),
+        Metric(
+            f"max_nodal_pressure.{name}",
+            "largest average pressure around a node",
+            PRESSURE,
+            "largest",
+        ),
+        Metric(f"clamp_force.{name}", "total normal force", "force", "smallest"),
+        *(
+            Metric(f"clamp_force_{end}.{name}", between, "force")
+            for end in (("low", "high") if certified else ())
+        ),
+        Metric(f"open_area.{name}", "area without pressure", "length²", "largest"),
+        Metric(f"max_gap.{name}", "largest gap", "length", "largest"),
+    ]
+
+    def columns(cases: _Cases) -> list[Vector]:
+        solution, points = cases.solution, slice(*surface.slice)
+        pressure, gap = solution.pressure[:, points], solution.gap[:, points]
+        bounds = cases.certificate
+        return [
+            pressure.max(axis=1),
+            *surface.points[pressure.argmax(axis=1)].T,
+            surface.nodal_average(pressure.T).max(axis=0),
+            np.asarray(solution.contact_force(name)),
+            *([] if bounds is None else bounds.contact_force[name].T),
+            (pressure <= 0) @ surface.weights,
+            gap.max(axis=1),
+        ]
+
+    return metrics, columns
+
+
+def _clamp_force(solution: Solution, surface: ContactSurface, points: Mask) -> Vector:
+    """Return the normal force on some points, of all that there are, of an interface."""
+    span = slice(*surface.slice)
+    force: Vector = solution.pressure[:, span] @ (surface.weights * points[span])
+    return force
+
+
+def _largest_moment(solution: Solution, bolt: str) -> Vector:
+    moments: Vector = np.linalg.norm(solution.bolt_bending(bolt), axis=-1).max(axis=-1)
+    return moments
 
 
 def _needed_friction(
@@ -254,25 +273,3 @@ def _shared(
 def bent_bolts(bolts: Mapping[str, Bolt]) -> list[str]:
     """Return the names of the bolts whose bending is seen."""
     return [name for name, bolt in bolts.items() if bolt.bending is not None]
-
-
-def _components(boundary: Boundary) -> list[int]:
-    return sorted(set(boundary.components.tolist()))
-
-
-def _interface_columns(
-    name: str, surface: ContactSurface, solution: Solution, certificate: Certificate | None
-) -> list[Vector]:
-    points = slice(*surface.slice)
-    pressure, gap = solution.pressure[:, points], solution.gap[:, points]
-    peak = pressure.argmax(axis=1)
-    bounds = [] if certificate is None else list(certificate.contact_force[name].T)
-    return [
-        pressure.max(axis=1),
-        *surface.points[peak].T,
-        surface.nodal_average(pressure.T).max(axis=0),
-        np.asarray(solution.contact_force(name)),
-        *bounds,
-        (pressure <= 0) @ surface.weights,
-        gap.max(axis=1),
-    ]

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.assessment.case_metrics import Metric, case_metrics
+from faying.assessment.case_metrics import PRESSURE, Metric, case_metrics
 from faying.assessment.slip import ON_THE_BOUND, SLIP, slip_states
 from faying.contact.laws import Coulomb
 from faying.interface.surface import ContactSurface
@@ -16,38 +16,22 @@ from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.path import assembled, follow, moved_alone, path_start
 from faying.simulation.solution import Solution
 
+FAR = "largest distance slipped, tightening included"
+
 
 def friction_metrics(interfaces: Iterable[str]) -> list[Metric]:
     """Return the metrics of interfaces of a joint with friction."""
-    return [metric for name in interfaces for metric in _of_interface(name)]
-
-
-def largest_slip(name: str) -> Metric:
-    """Return the metric of how far an interface slips."""
-    return Metric(
-        name=f"max_slip.{name}",
-        description="largest distance slipped, tightening included",
-        dimension="length",
-        worst="largest",
-    )
-
-
-def _of_interface(name: str) -> tuple[Metric, ...]:
-    return (
-        Metric(
-            name=f"max_traction.{name}",
-            description="largest tangential traction of a contact point",
-            dimension="force/length²",
-            worst="largest",
-        ),
-        Metric(
-            name=f"area_at_bound.{name}",
-            description="area in contact whose traction is at its friction bound",
-            dimension="length²",
-            worst="largest",
-        ),
-        largest_slip(name),
-    )
+    traction = "largest tangential traction of a contact point"
+    bound = "area in contact whose traction is at its friction bound"
+    return [
+        metric
+        for name in interfaces
+        for metric in (
+            Metric(f"max_traction.{name}", traction, PRESSURE, "largest"),
+            Metric(f"area_at_bound.{name}", bound, "length²", "largest"),
+            Metric(f"max_slip.{name}", FAR, "length", "largest"),
+        )
+    ]
 
 
 def friction_figures(solution: Solution, interfaces: Mapping[str, ContactSurface]) -> Matrix:
@@ -78,17 +62,13 @@ INCREMENTS = 10
 
 def slip_metrics(interfaces: Iterable[str]) -> list[Metric]:
     """Return what is told of interfaces beside the metrics of cases without friction."""
+    area = "area that slips at the end of the load"
     return [
         metric
         for name in interfaces
         for metric in (
-            Metric(
-                name=f"slip_area.{name}",
-                description="area that slips at the end of the load",
-                dimension="length²",
-                worst="largest",
-            ),
-            largest_slip(name),
+            Metric(f"slip_area.{name}", area, "length²", "largest"),
+            Metric(f"max_slip.{name}", FAR, "length", "largest"),
         )
     ]
 
