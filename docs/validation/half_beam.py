@@ -18,7 +18,7 @@ import faying as fy
 from faying._typing import Vector
 from faying.assessment.measured_curve import deviations
 from faying.assessment.stuck_modes import stuck_modes
-from faying.report.figures.measured import draw_fit
+from faying.report.figures.backbone import draw_fit
 from faying.study.keys.measurements import measured_curves
 from faying.study.keys.schema import read_study
 from faying.study.stages.varied import varied_joint

@@ -9,7 +9,7 @@ from test_backbone import DAMPER, LIMIT, MASS, SLIDER, SPRING, mass_on_a_slider
 
 import faying as fy
 from faying.assessment.forced_joint import ForcedJoint
-from faying.assessment.steady_state import steady_state
+from faying.assessment.resonance import steady_state
 from faying.contact.contact import Contact
 from faying.contact.laws import Coulomb, Penalty
 from faying.exceptions import ModelError

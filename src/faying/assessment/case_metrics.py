@@ -207,12 +207,7 @@ def _of_interface(name: str, surface: ContactSurface, *, certified: bool) -> Gro
     metrics = [
         Metric(f"max_pressure.{name}", "largest pressure of a contact point", PRESSURE, "largest"),
         *(Metric(f"max_pressure_{axis}.{name}", "where it is", "length") for axis in "xyz"),
-        Metric(
-            f"max_nodal_pressure.{name}",
-            "largest average pressure around a node",
-            PRESSURE,
-            "largest",
-        ),
+        Metric(f"max_nodal_pressure.{name}", average, PRESSURE, "largest"),
         Metric(f"clamp_force.{name}", "total normal force", "force", "smallest"),
         *(
             Metric(f"clamp_force_{end}.{name}", between, "force")

@@ -1,7 +1,8 @@
 """The mode that a harmonic load brings to resonance, and its backbone as far as the load drives it.
 
 Amplitudes double from that of the static response to the smallest level, until the mode resists the
-largest one: at resonance the load p feeds what damping takes, p = 2 ζ α of (F5).
+largest one: at resonance the load p feeds what damping takes, p = 2 ζ α of (F5). Transients that
+settle under the load check it.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,14 +11,19 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import Vector
+from faying._typing import ComplexVector, Vector
 from faying.assessment.backbone_response import LinearResponse
 from faying.assessment.modal_analysis import ModalAnalysis, modal_analysis
 from faying.assessment.modal_cycles import ModalCycle, StillModeError
+from faying.assessment.response_curve import boundary_components, rows_of
 from faying.assessment.stuck_modes import stuck_modes
 from faying.joint.system import System
 from faying.simulation.harmonic_load import harmonic_inputs
+from faying.simulation.integrators import GeneralizedAlpha
+from faying.simulation.load import History, Load
 from faying.simulation.solution import Solution
+from faying.simulation.stepping import transient_solver
+from faying.simulation.transient_windows import transient_windows
 
 MOST_AMPLITUDES = 24
 """Amplitudes at most, each twice the one before: seven decades."""
@@ -95,4 +101,100 @@ def resonance(
         analysis=analysis,
         force=float(np.max(levels)) * force,
         linear=float(linear.damping[number]) / (2 * circular),
+    )
+
+
+STEPS = 400
+"""Steps of a period: twice as many changed amplitudes by 0.08 % and phases by 0.1°."""
+
+RISE, PIECE, MOST = 20, 10, 600
+"""Periods over which the load rises, after which the motion is looked at again, and at most."""
+
+SETTLED = 2e-3
+"""Change that is still to come, over the amplitude, at which a motion has settled."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SteadyState:
+    """The last period of a transient.
+
+    Attributes
+    ----------
+    components : (n_boundary,)
+        What moves, as ``"tip.uz"``.
+    fundamental : (n_boundary,) [length]
+        Complex, against the load.
+    periods
+        How many were computed.
+    to_come : [1]
+        Change that is still to come, over the amplitude, by how the last changes shrank.
+    """
+
+    components: tuple[str, ...]
+    fundamental: ComplexVector
+    periods: int
+    to_come: float
+
+
+def steady_state(
+    system: System,
+    load: Mapping[str, complex],
+    level: float,
+    frequency: float,
+    initial: Solution | None = None,
+) -> SteadyState:
+    """Integrate the motion under a harmonic load until it repeats.
+
+    Parameters
+    ----------
+    system
+        Full or reduced model.
+    load
+        As of :func:`faying.frequency_response`.
+    initial
+        State to start from at rest.
+
+    Notes
+    -----
+    Generalized-α with a spectral radius of 0.8 and 400 steps a period, which makes periods 2e-5 too
+    long. The load rises over 20 periods.
+    """
+    period = 1 / frequency
+    times: Vector = np.asarray(np.arange(MOST * STEPS + 1) * (period / STEPS), dtype=float)
+    rising: Vector = np.asarray(level * np.minimum(times / (RISE * period), 1.0), dtype=float)
+    turn = 2 * np.pi * frequency * times
+    forces = {
+        name: History(times, np.asarray(rising * np.real(value * np.exp(1j * turn)), dtype=float))
+        for name, value in load.items()
+    }
+    wave = 2 / STEPS * np.exp(-1j * turn[1 : STEPS + 1])
+    solver = transient_solver(system, step=period / STEPS, integrator=GeneralizedAlpha())
+    parts = transient_windows(
+        solver,
+        [Load(forces, name="harmonic load")],
+        duration=float(times[-1]),
+        length=PIECE * STEPS,
+        initial=None if initial is None else [initial],
+    )
+    fundamentals: list[ComplexVector] = []
+    to_come, periods = np.inf, 0
+    for (part,), _ in parts:
+        periods += PIECE
+        last = rows_of(part.states[-STEPS:].T, system)
+        fundamentals.append(last @ wave)
+        if periods > RISE + 2 * PIECE:
+            size = float(np.linalg.norm(fundamentals[-1]))
+            steps = np.diff(np.array(fundamentals[-3:]), axis=0)
+            early, late = np.linalg.norm(steps, axis=1).tolist()
+            # Changes shrink like a geometric series; where they do not, nothing is known yet.
+            left = late * late / (early - late) if early > late else np.inf
+            to_come = max(left, late) / size
+            if to_come <= SETTLED:
+                break
+    return SteadyState(
+        components=boundary_components(system),
+        fundamental=fundamentals[-1],
+        periods=periods,
+        to_come=to_come,
     )

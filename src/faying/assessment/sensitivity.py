@@ -18,8 +18,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Matrix
-from faying.assessment.derivatives import Derivatives
-from faying.assessment.linear_increments import LinearIncrement, linear_increments
+from faying.assessment.linear_increments import Derivatives, LinearIncrement, linear_increments
 from faying.digits import SOLVED
 from faying.exceptions import ModelError
 from faying.joint.system import System, boundary_slices, unstretched_bolt_forces
@@ -282,9 +281,9 @@ def sensitivity(system: System, solution: Solution, initial: Solution | None = N
     Sensitivity
         ``.loads`` (of the last state), ``.initial_bolt_forces``, ``.initial_gap(directions)``,
         without friction ``.final_preloads``, with it ``.friction`` and ``.tangential_penalty`` of
-        every interface; each a :class:`~faying.assessment.derivatives.Derivatives`: pressures,
-        tractions, slip, dissipation, bolt forces, boundary displacements, and the range in which
-        no point changes its state.
+        every interface; each a :class:`~faying.assessment.linear_increments.Derivatives`:
+        pressures, tractions, slip, dissipation, bolt forces, boundary displacements, and the range
+        in which no point changes its state.
 
     Raises
     ------

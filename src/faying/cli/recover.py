@@ -8,7 +8,7 @@ import typer
 from faying.cli.arguments import Integrator
 
 if TYPE_CHECKING:
-    from faying.study.results.recovered import RecoveredRecord
+    from faying.study.results.solved_fields import RecoveredRecord
     from faying.study.results.values import Results
 
 

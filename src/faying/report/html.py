@@ -21,12 +21,14 @@ from faying.assessment.joint_verdict import (
 from faying.files.atomic import write_text
 from faying.report.errors import (
     choice_table,
+    doubtful_references,
     error_table,
+    estimate_note,
     load_space_table,
+    sharpness,
     stage_table,
     timing_table,
 )
-from faying.report.estimates import doubtful_references, estimate_note, sharpness
 from faying.report.figures import write_figures
 from faying.report.figures.entry import FigureEntry
 from faying.report.methods import (

@@ -21,7 +21,7 @@ from faying.files.atomic import write_text
 from faying.files.csv_rows import write_rows
 from faying.files.lock import held
 from faying.files.names import file_names
-from faying.report.figures.measured import draw_band, draw_fit
+from faying.report.figures.backbone import draw_band, draw_fit
 from faying.study.judgement.summary import plain
 from faying.study.keys.measurements import compared, measured_curves
 from faying.study.keys.parameter_tables import steps_to, value_at

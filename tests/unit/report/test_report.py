@@ -14,8 +14,7 @@ from fake_results import YIELD, fake_results
 from faying.display.quantities import number
 from faying.exceptions import FormatError
 from faying.report import style
-from faying.report.errors import error_table, timing_table
-from faying.report.estimates import sharpness
+from faying.report.errors import error_table, sharpness, timing_table
 from faying.report.html import render, render_methods, write_report
 from faying.report.methods import headline, meanings, reservations, verdicts
 from faying.report.model_tables import applied_loads

@@ -42,8 +42,8 @@ from faying.study.inputs.jumps import Jump
 from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.results.nodal_motion import NodalMotion
 from faying.study.results.path_record import CycleRecord, PathRecord, SlipRecord
-from faying.study.results.recovered import RecoveredRecord
 from faying.study.results.second_solution import Remedy, Tried
+from faying.study.results.solved_fields import RecoveredRecord
 from faying.study.results.validation_record import (
     LoadSpaceRecord,
     LoadSpaceResult,

@@ -41,7 +41,7 @@ from faying.reduction.model_reader import read_model, read_ports
 from faying.reduction.model_writer import write_models
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.results.check import MEANINGS, check_results
-from faying.study.results.recovered import RecoveredRecord
+from faying.study.results.solved_fields import RecoveredRecord
 from faying.study.results.values import Results
 from faying.units import units_of
 

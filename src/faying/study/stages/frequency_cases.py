@@ -10,14 +10,13 @@ from faying.assessment.backbone import Backbone
 from faying.assessment.backbone_response import backbone_response
 from faying.assessment.forced_joint import ForcedJoint, linear_range
 from faying.assessment.modal_cycles import ModalCycle
-from faying.assessment.resonance import resonance
+from faying.assessment.resonance import resonance, steady_state
 from faying.assessment.response_curve import (
     FrequencyResponse,
     ResponseCurve,
     boundary_components,
     remarks_of,
 )
-from faying.assessment.steady_state import steady_state
 from faying.assessment.transient_check import TransientCheck
 from faying.exceptions import ConvergenceError, naming
 from faying.execution.checkpoint import Arrays

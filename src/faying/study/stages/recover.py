@@ -21,7 +21,7 @@ from faying.simulation.integrators import Integrator
 from faying.simulation.load import History, Load
 from faying.study.keys.errors import nearest, quoted
 from faying.study.results.interface_surface import nodal_average
-from faying.study.results.recovered import RecoveredRecord
+from faying.study.results.solved_fields import RecoveredRecord
 from faying.study.results.store import read_results
 from faying.study.results.values import Results
 from faying.study.stages.imported_history import ImportedHistory, read_imported_history
