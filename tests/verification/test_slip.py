@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import faying as fy
+from faying.assessment.sliding import resistance_used
 from faying.assessment.slip import OPEN, SLIP, STICK, slip_states
-from faying.assessment.slip_reserve import resistance_used
 from faying.exceptions import ModelError
 from faying.simulation.cycles import loop_area
 from faying.simulation.frictional_preload import tighten_with_friction

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from faying.assessment.slip_reserve import resistance_used
+from faying.assessment.sliding import resistance_used
 
 N = 40
 
