@@ -3,7 +3,8 @@
 import hashlib
 import shutil
 import zipfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,8 +13,9 @@ import numpy as np
 from faying import __version__
 from faying._typing import Matrix
 from faying.exceptions import FormatError, StudyError
-from faying.files.atomic import replacing, write_text
+from faying.files.atomic import remove_left_over, replacing, write_text
 from faying.files.contents import reason_of
+from faying.files.lock import held
 from faying.files.numpy_archive import read_arrays
 
 Arrays = Mapping[str, Matrix]
@@ -126,6 +128,26 @@ def open_checkpoint(out: Path, study_text: str, *, resume: bool) -> Checkpoint:
     folder.mkdir(parents=True, exist_ok=True)
     write_text(stamp, mark.hexdigest())
     return Checkpoint(folder)
+
+
+@contextmanager
+def results_in(out: Path, mark: str, *, resume: bool) -> Iterator[Checkpoint]:
+    """Hold a folder for results, and yield the checkpoint of what leads to them.
+
+    It is discarded where they are written without an error.
+
+    Raises
+    ------
+    StudyError
+        As :func:`open_checkpoint`, or if another process holds the folder.
+    """
+    out.mkdir(parents=True, exist_ok=True)
+    with held(out):
+        for folder in (out, out / "figures"):
+            remove_left_over(folder)
+        checkpoint = open_checkpoint(out, mark, resume=resume)
+        yield checkpoint
+        checkpoint.discard()
 
 
 def _write(path: Path, arrays: Arrays) -> None:

@@ -162,7 +162,7 @@ def _curves(
     advance: Callable[[int], object] | None = None,
 ) -> list[Curves]:
     """Compute the backbones of trials, or take over those that are kept."""
-    prepare = partial(prepare_curves, study.source.text, study.source.path, __version__)
+    prepare = partial(prepare_curves, study.source.text, study.source.path)
     tasks = {
         ", ".join(f"{name} = {value!r}" for name, value in trial.items()): dict(trial)
         for trial in trials

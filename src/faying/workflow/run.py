@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from faying.assessment.transient_error import REMEDY
-from faying.execution.checkpoint import open_checkpoint
+from faying.execution.checkpoint import results_in
 from faying.execution.executor import Executor
-from faying.files.atomic import remove_left_over, write_text
-from faying.files.lock import held
+from faying.files.atomic import write_text
 from faying.linalg.threads import one_thread
 from faying.reduction.method import CLASSIC
 from faying.study.judgement.summary import summarize
@@ -71,19 +70,13 @@ def run(
         the folder. Solutions that do not converge
         are recorded instead, and so is validation that fails.
     """
-    out.mkdir(parents=True, exist_ok=True)
-    with held(out):
-        for folder in (out, out / "figures"):
-            remove_left_over(folder)
-        checkpoint = open_checkpoint(out, study.text, resume=resume)
+    with results_in(out, study.text, resume=resume) as checkpoint, ExitStack() as limits:
         books = Books(progress, since, checkpoint)
-        with ExitStack() as limits:
-            # Libraries are loaded for it, which a full disk makes talk: the folder is tried before.
-            with books.timed("libraries"):
-                limits.enter_context(one_thread())
-            results, converged = _computed(study, books, executor)
-            _write_files(study, results, out, books)
-        checkpoint.discard()
+        # Libraries are loaded for it, which a full disk makes talk: the folder is tried before.
+        with books.timed("libraries"):
+            limits.enter_context(one_thread())
+        results, converged = _computed(study, books, executor)
+        _write_files(study, results, out, books)
         # Once more, for what the report took is known only now.
         summary = _write_summary(replace(results, timings=books.account()), out)
     return Outcome(converged=converged, summary=summary)

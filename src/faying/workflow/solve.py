@@ -16,10 +16,9 @@ from faying.assessment.joint_verdict import joint_verdict, summarized
 from faying.assessment.requirements import Requirements, check_names
 from faying.assessment.weak_share import weak_warnings
 from faying.exceptions import StudyError
-from faying.execution.checkpoint import open_checkpoint
+from faying.execution.checkpoint import results_in
 from faying.execution.executor import Executor
-from faying.files.atomic import remove_left_over, write_text
-from faying.files.lock import held
+from faying.files.atomic import write_text
 from faying.files.names import file_names
 from faying.linalg.threads import one_thread
 from faying.reduction.reduced_model import ReducedModel
@@ -126,11 +125,8 @@ def solve_loads(
             "follow the loads with faying.solve_path"
         )
         raise StudyError(message)
-    out.mkdir(parents=True, exist_ok=True)
-    with held(out):
-        remove_left_over(out)
-        path = tuple(tightening or ()) if rubbing else None
-        checkpoint = open_checkpoint(out, _mark(rom, loads, chosen, path), resume=resume)
+    path = tuple(tightening or ()) if rubbing else None
+    with results_in(out, _mark(rom, loads, chosen, path), resume=resume) as checkpoint:
         books = Books(progress)
         named = [loads.names.index(name) for name in chosen.named]
         solver = CaseSolver(
@@ -170,7 +166,6 @@ def solve_loads(
             "timings": books.account(),
         }
         write_text(out / "summary.json", json.dumps(summary, indent=2) + "\n")
-        checkpoint.discard()
     return Outcome(converged=not summary["not_converged"], summary=summary)
 
 

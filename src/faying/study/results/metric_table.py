@@ -1,6 +1,6 @@
 """Tables that other programs read: metrics of load cases, and responses over frequency."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Literal
@@ -44,9 +44,17 @@ def write_metrics(
     StudyError
         If Parquet is asked for without pyarrow.
     """
-    writer: Callable[..., None] = _parquet if path.suffix == ".parquet" else _csv
-    with replacing(path) as temporary:
-        writer(temporary, label, metrics, rows, units)
+    if path.suffix == ".parquet":
+        with replacing(path) as temporary:
+            _write_parquet(temporary, label, metrics, rows, units)
+        return
+    header = [label, *(metric.name for metric in metrics)]
+    cells = (
+        [name, *row]
+        for names, table in rows
+        for name, row in zip(names, table.tolist(), strict=True)
+    )
+    write_rows(path, chain([header], cells), DIGITS)
 
 
 def check_table_format(name: TableFormat) -> None:
@@ -60,21 +68,9 @@ def check_table_format(name: TableFormat) -> None:
         pyarrow_for("--table parquet", "take csv")
 
 
-def _csv(path: Path, label: str, metrics: Sequence[Metric], rows: Rows, _: Units) -> None:
-    header = [label, *(label_text.name for label_text in metrics)]
-    with path.open("w", encoding="utf-8") as file:
-        file.write(",".join(map(_quoted, header)) + "\n")
-        for labels, values in rows:
-            names = np.array([_quoted(label_text) for label_text in labels], dtype=object)
-            table = np.column_stack([names, values.astype(object)])
-            np.savetxt(file, table, fmt=["%s", *[DIGITS] * len(metrics)], delimiter=",")
-
-
-def _quoted(text: str) -> str:
-    return '"' + text.replace('"', '""') + '"' if any(c in text for c in ',"#') else text
-
-
-def _parquet(path: Path, label: str, metrics: Sequence[Metric], rows: Rows, units: Units) -> None:
+def _write_parquet(
+    path: Path, label: str, metrics: Sequence[Metric], rows: Rows, units: Units
+) -> None:
     arrow, parquet = pyarrow_for(path.name, "take csv")
     columns = [
         arrow.field(

@@ -7,10 +7,9 @@ from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
-from faying import __version__
 from faying.assessment.backbone import Backbone
 from faying.assessment.modal_analysis import backbone
-from faying.exceptions import StudyError, naming
+from faying.exceptions import naming
 from faying.execution.checkpoint import Arrays
 from faying.execution.executor import Function
 from faying.files.flattening import flattened, restored
@@ -165,22 +164,9 @@ def varied_joint(study: Study) -> VariedJoint:
 
 
 @lru_cache(maxsize=1)
-def prepare_curves(text: str, path: Path, version: str) -> Function:
-    """Prepare the joint of a study on a worker; what it returns packs the curves of values.
-
-    Raises
-    ------
-    StudyError
-        If the worker has another version of faying.
-    """
-    if version != __version__:
-        message = (
-            f"a worker has faying {__version__}, this run is of {version}; "
-            "install the same version everywhere"
-        )
-        raise StudyError(message)
-    study = parse_study(text, path)
-    return partial(_packed, varied_joint(study))
+def prepare_curves(text: str, path: Path) -> Function:
+    """Prepare the joint of a study on a worker; what it returns packs the curves of values."""
+    return partial(_packed, varied_joint(parse_study(text, path)))
 
 
 @one_thread()
