@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import faying as fy
+from faying.assessment.joint_checks import joint_checks
+from faying.assessment.joint_verdict import joint_verdict
 from faying.assessment.slip_demand import area_sums, least_mean_arm
 from faying.cli.description import _signs
 from faying.exceptions import ModelError
@@ -13,6 +15,7 @@ from faying.interface.relative_displacement import common_normal
 from faying.joint.build import build_model
 from faying.joint.tangential import TangentialRows, tangential_rows
 from faying.model.assembly import Support
+from faying.units import units_of
 
 PULL = {"tip.Fx": 1.2e3, "tip.Fy": 80.0, "tip.Mz": 500.0, "tip.Fz": -100.0}
 LOADS = [fy.Load(PULL, name="pull"), fy.Load({"tip.Fz": -200.0}, name="bend")]
@@ -59,6 +62,28 @@ def test_what_is_carried_is_what_the_tip_takes(pair, sticking):
         "min_slip_safety", "joint", "pull",
     )  # fmt: skip
     assert verdict.met == (0.2 / needed >= 1.0)
+
+
+def test_friction_exceeded_around_one_bolt_alone_is_said(pair):
+    """What its surroundings need, the whole interface does not: the verdict leaves it open."""
+    uneven = fy.preload(pair, dict(zip(pair.bolts, (8e3, 2e3), strict=True)))
+    found = fy.assess(uneven, LOADS, fy.Requirements(slip_friction=0.2), paths=False)
+    whole = found.interfaces["joint"].slip.needed_friction["pull"]
+    around = {name: bolt.slip_around["joint"] for name, bolt in found.bolts.items()}
+    most = max(around, key=lambda name: around[name].needed_friction["pull"])
+    between = np.sqrt(whole * around[most].needed_friction["pull"])
+    enough = 1.01 * around[most].needed_friction["pull"]
+    for friction, told in ((between, [most]), (enough, [])):
+        found = fy.assess(uneven, LOADS, fy.Requirements(slip_friction=friction), paths=False)
+        checks = joint_checks(found, units_of("mm-t-s"))
+        local = [check for check in checks if check.quantity == "slip at joint"]
+        assert [check.part for check in local] == told
+        assert all(check.outcome == "unknown" for check in local)
+        verdict = joint_verdict(checks, units_of("mm-t-s"))
+        assert any(text.startswith("slip at joint") for text in verdict.open_questions) == bool(
+            told
+        )
+        assert verdict.holds
 
 
 def test_surroundings_of_bolts_share_what_is_carried(pair):

@@ -43,6 +43,8 @@ def joint_checks(
     checks: list[Check] = []
     for name, bolt in found.bolts.items():
         checks += _bolt_checks(name, bolt, found, demands, units)
+        if not reserves:
+            checks += _local_slip(name, bolt, found, demands.get("min_slip_safety", ()))
     for name, interface in found.interfaces.items():
         at_ends = [
             check
@@ -107,6 +109,24 @@ def _bolt_checks(
     for verdict in demands.get("no_opening_within", ()):
         if verdict.place == name:
             yield _judged(verdict, "bolt", f"pressed within {verdict.limit:g} {units.length}")
+
+
+def _local_slip(
+    name: str, bolt: BoltAssessment, found: Assessment, demands: Sequence[Verdict]
+) -> Iterator[Check]:
+    """Yield where the sums around a bolt exceed friction while those of its interface do not."""
+    limit = max((demand.limit for demand in demands), default=1.0)
+    for place, demand in bolt.slip_around.items():
+        whole = found.interfaces[place].slip
+        if whole is None or not whole.safety or not demand.safety:
+            continue
+        case, least = min(demand.safety, key=demand.safety.__getitem__), min(whole.safety.values())
+        if demand.safety[case] < limit <= least:
+            reason = (
+                f"S_G {demand.safety[case]:.2f} around it in {case}, {least:.2f} of the interface: "
+                "what slips there others carry, which friction of the interface would tell"
+            )
+            yield _unknown(name, "bolt", f"slip at {place}", reason)
 
 
 def _interface_checks(

@@ -92,6 +92,23 @@ def add_bolt(assembly: Assembly, spec: BoltSpec) -> Assembly:
     return result
 
 
+def seat_offset(mesh: Mesh, spec: BoltSpec) -> float:
+    """Return how far beside the axis the nodes under head and nut lie on average [length].
+
+    The larger of both. A seat of all the nodes around a hole has next to none.
+
+    Raises
+    ------
+    ModelError
+        As :func:`add_bolt`.
+    """
+    ends = _ends(spec)
+    axis = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
+    seats = zip(_seats(mesh, spec, ends), ends, strict=True)
+    beside = [np.cross(mesh.nodes[seat].mean(axis=0) - end, axis) for seat, end in seats]
+    return float(np.linalg.norm(beside, axis=1).max())
+
+
 def bolt_section(spec: BoltSpec, material: Material) -> BeamSection:
     """Return the section of a solid round bolt."""
     section = round_section((spec.diameter or 0.0) / 2, 0.0, material.poissons_ratio)

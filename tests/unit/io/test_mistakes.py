@@ -2,6 +2,7 @@
 
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,10 @@ from faying.export.formats import format_named
 from faying.io import abaqus, nastran
 from faying.io.deck_lines import naming
 from faying.model.assembly import Material
+from faying.model.cells import CellBlock
+from faying.model.generate import brick_grid
+from faying.model.mesh import Mesh
+from faying.model.specs import BoltSpec
 from faying.study.inputs.load_model import build, build_loaded, load_model
 from faying.study.judgement.solid_constants import bolt_doubts, doubts
 from faying.study.keys.history import read_history
@@ -349,6 +354,33 @@ def test_what_no_solid_and_no_bolt_bears_is_said(tmp_path):
     assert "E is 0.21 GPa and rho 7.85 kg/m³ in mm-kg-s" in said["mm-kg-s", "10e3"]
     assert "a preload of 10000 mN" in said["mm-kg-s", "10e3"]
     assert "as of no tightened bolt" in said["mm-t-s", "1e8"]
+
+
+@pytest.mark.parametrize(("at", "share"), [(0.0, None), (3.0, "12%")])
+def test_nodes_that_lie_unevenly_under_heads_are_said(tmp_path, at, share):
+    """A grid of 10 mm: within 11 mm of (3, 0) are its neighbours but one, 0.5 mm beside."""
+    study = parse_study(STUDY, tmp_path / "study.toml")
+    grid = np.arange(-20.0, 21.0, 10.0)
+    plates = brick_grid(grid, grid, np.array([0.0, 8.0]))
+    mesh = Mesh(
+        nodes=plates.nodes,
+        node_ids=np.arange(len(plates.nodes)),
+        blocks=(
+            CellBlock(
+                kind="hex8",
+                nodes=plates.cells,
+                ids=np.arange(16),
+                properties=np.ones(16, dtype=int),
+            ),
+        ),
+    )
+    axis = ((at, 0.0, 0.0), (at, 0.0, 8.0))
+    bolt = BoltSpec(name="bolt", axis=axis, diameter=8.0, washer_radius=11.0)
+    loaded = load_model(study)
+    loaded = replace(loaded, bolts=(bolt,), assembly=replace(loaded.assembly, mesh=mesh))
+    said = [text for text in bolt_doubts(study, loaded) if "unevenly" in text]
+    assert len(said) == (share is not None)
+    assert share is None or (f"by some {share} of" in said[0] and "0.5 mm beside" in said[0])
 
 
 def test_a_run_says_what_no_solid_bears(tmp_path):
