@@ -15,15 +15,15 @@ alone hold a part.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from typing import Any, cast, final
+from typing import cast, final
 
 import numpy as np
-import numpy.typing as npt
-from scipy.linalg import LinAlgError, lapack
+from scipy.linalg import LinAlgError
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.contact.between_pairs import BetweenPairs
 from faying.contact.held_pairs import HeldPairs, anchored_pairs, pressed_points
+from faying.contact.pair_factors import LU, Factors, PairSystem, WholeFactors
 from faying.contact.point_springs import PointSprings
 from faying.linalg.gmres import corrected
 
@@ -36,57 +36,8 @@ DIRECT = 500
 MOST_CORRECTIONS = 15
 """Products of GMRES, which take as long as a factorization."""
 
-CHANGED, MOST_CHANGED = 0.1, 20
-"""Change of K at a point, over the largest K, that counts, and how many such serve for GMRES."""
-
-MOST_BESIDE = 1.1
-"""Pairs that a system may have over those of the factors at hand."""
-
-
 IN_CACHE = 64
 """Rows that are gathered at once: 0.046 s for 6500 by 5500 of 8160 numbers, all at once 0.083."""
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class Factors:
-    """LU factors of (I + ΔB_rc U_cr)ᵀ.
-
-    Attributes
-    ----------
-    K : (n_point, components, components) [force/length]
-        What it was made of.
-    reference
-        Whose U; None where Σ + B itself is factorized.
-    rows, columns
-        r and c.
-    between : (n_column, n_row) or None
-        U_cr, as long to gather as to multiply twice; None as of the reference.
-    lu, pivots
-        In single precision, double where that does not do.
-    """
-
-    K: Matrix
-    reference: HeldPairs | None
-    rows: Indices
-    columns: Indices
-    between: Matrix | None
-    lu: Matrix
-    pivots: Indices
-
-    def serve(self, K: Matrix, reference: HeldPairs) -> bool:
-        """Say whether K is another at few points only."""
-        if self.reference is not reference:
-            return False
-        changed = np.abs(K - self.K).max(axis=(1, 2)) > CHANGED * np.abs(K).max()
-        return bool(np.count_nonzero(changed) <= MOST_CHANGED)
-
-    def solve(self, right: npt.NDArray[Any]) -> npt.NDArray[Any]:
-        """Return the solution of a right-hand side at the pairs c."""
-        single = self.lu.dtype == np.float32
-        substitute = lapack.sgetrs if single else lapack.dgetrs
-        right = np.asarray(right, dtype=self.lu.dtype)
-        return np.asarray(substitute(self.lu, self.pivots, right, trans=1)[0], dtype=float)
 
 
 @final
@@ -200,9 +151,9 @@ class GluedPairs:
             return None
 
     def step(
-        self, K: Matrix, right: Vector, left: float, factors: Factors | None = None
-    ) -> tuple[Vector, Vector, Factors | None]:
-        """Return d, Σ d and the factors used.
+        self, K: Matrix, right: Vector, left: float, factors: Factors | WholeFactors | None = None
+    ) -> tuple[Vector, Vector, Factors | WholeFactors | None]:
+        """Return d, Σ d and the factors used, if they may serve again.
 
         Parameters
         ----------
@@ -217,36 +168,33 @@ class GluedPairs:
         Two products with U or S, and factors of as many rows as are changed.
         """
         if _whole(self.G):
-            if factors is None or not np.array_equal(K, factors.K):
+            if not (isinstance(factors, WholeFactors) and np.array_equal(K, factors.K)):
                 both = self.structure.copy()
                 self.points.add_to(both, K)
-                every = np.arange(len(both))
-                factors = Factors(K, None, every, every, None, *_factorized(both))
-            d = factors.solve(right)
+                factors = WholeFactors(K, LU.of(both))
+            d = factors.lu.solve(right)
             return d, self.structure @ d, factors
         changed = self._changed(K, right)
         if not len(changed.rows):
             return *changed.moved_by(changed.rows, np.empty(0)), factors
         enough = float(np.clip(0.05 * left, ACCURATE, LOOSE)) * float(np.linalg.norm(right))
-        if factors is not None and factors.serve(K, changed.reference):
-            together = np.concatenate([factors.rows, np.setdiff1d(changed.rows, factors.rows)])
-            if len(together) <= MOST_BESIDE * len(factors.rows):
-                between = changed.between(together, factors)
-                answer = changed.solved(together, between, enough, factors)
-                if answer is not None:
-                    return *answer, factors
-        between = changed.between(changed.rows)
         # What overflows single precision is solved in double.
         with np.errstate(over="ignore", invalid="ignore"):
+            if isinstance(factors, Factors) and factors.reference is changed.reference:
+                updated = factors.updated(K, changed.rows, self.points)
+                if updated is not None:
+                    system = changed.system(updated.system.rows, factors.system)
+                    answer = changed.solved(replace(updated, system=system), enough)
+                    if answer is not None:
+                        return answer
+            system = changed.system(changed.rows)
             try:
-                factors = changed.factors(K, between, np.float32)
-                answer = changed.solved(changed.rows, between, enough, factors)
+                answer = changed.solved(Factors.of(changed.reference, K, system), enough)
             except LinAlgError:
                 answer = None
         if answer is not None:
-            return *answer, factors
-        shared = changed.block[changed.rows] @ changed.moved[changed.columns]
-        exact = changed.factors(K, between, np.float64).solve(shared)
+            return answer
+        exact = system.factorized(np.float64).solve(changed.shared(system))
         return *changed.moved_by(changed.rows, exact), None
 
     def solved(self, springs: Matrix, right: Matrix) -> Matrix:
@@ -266,10 +214,8 @@ class GluedPairs:
             return np.asarray(np.linalg.solve(system, right))
         # S has fewer digits beside weak springs.
         changed = self._changed_from(self.glued, K, right)
-        block = changed.block[changed.rows]
-        system = block @ changed.between(changed.rows)
-        system.flat[:: len(system) + 1] += 1.0
-        exact = np.linalg.solve(system, block @ changed.moved[changed.columns])
+        system = changed.system(changed.rows)
+        exact = system.factorized(np.float64).solve(changed.shared(system))
         return changed.moved_by(changed.rows, exact)[0]
 
     def _changed(self, K: Matrix, right: Matrix) -> "_Changed":
@@ -285,7 +231,7 @@ class GluedPairs:
         change = reference.change_to(K)
         rows, columns = self.points.touched(change)
         block = self.points.between_pairs(change)[:, columns]
-        return _Changed(reference, rows, columns, block, right, reference.compliance @ right)
+        return _Changed(reference, rows, columns, block, right, reference.moved_by(right))
 
 
 @final
@@ -312,56 +258,39 @@ class _Changed:
     right: Matrix
     moved: Matrix
 
-    def between(self, rows: Indices, factors: Factors | None = None) -> Matrix:
-        """Return U_cr of some rows, which factors may hold."""
-        if factors is not None and factors.between is not None:
-            alike = (rows, factors.rows), (self.columns, factors.columns)
-            if all(np.array_equal(*indices) for indices in alike):
-                return factors.between
+    def system(self, rows: Indices, previous: PairSystem | None = None) -> PairSystem:
+        """Return the system of some rows, whose U_cr a previous one may hold."""
+        alike = previous is not None and np.array_equal(rows, previous.rows)
+        if previous is not None and alike and np.array_equal(self.columns, previous.columns):
+            return replace(previous, block=self.block[rows])
         between = np.empty((len(self.columns), len(rows)))
         for first in range(0, len(between), IN_CACHE):
             strip = self.reference.compliance[self.columns[first : first + IN_CACHE]]
             strip.take(rows, axis=1, out=between[first : first + IN_CACHE], mode="clip")
-        return between
+        return PairSystem(rows, self.columns, self.block[rows], between)
 
-    def factors(self, K: Matrix, between: Matrix, precision: type[np.floating[Any]]) -> Factors:
-        """Factorize I + ΔB_rc U_cr, given U_cr, in single or double precision."""
-        product = self.block[self.rows].astype(precision) @ between.astype(precision, copy=False)
-        product.flat[:: len(product) + 1] += 1.0
-        lu = _factorized(product)
-        return Factors(K, self.reference, self.rows, self.columns, between, *lu)
+    def shared(self, system: PairSystem) -> Matrix:
+        """Return ΔB_rc (U b)_c."""
+        return np.asarray(system.block @ self.moved[self.columns])
 
     def moved_by(self, rows: Indices, taken: Matrix) -> tuple[Matrix, Matrix]:
         """Return d and Σ d of m at some rows."""
         forces = self.right.copy()
         forces[rows] -= taken
-        d = self.reference.compliance @ forces
+        d = self.reference.moved_by(forces)
         return d, forces - self.reference.glue @ d
 
-    def solved(
-        self, rows: Indices, between: Matrix, enough: float, factors: Factors
-    ) -> tuple[Matrix, Matrix] | None:
-        """Return d and Σ d by factors in single precision of the first of some rows, or nothing.
-
-        Parameters
-        ----------
-        between
-            U_cr of these rows.
-        enough
-            Residual that is left [force].
-        """
-        block, n = self.block[rows], len(factors.rows)
-
-        def solved(right: Vector) -> Vector:
-            return np.concatenate([factors.solve(right[:n]), right[n:]])
+    def solved(self, factors: Factors, enough: float) -> tuple[Matrix, Matrix, Factors] | None:
+        """Return d, Σ d and the factors, up to a residual [force]; None where they do not serve."""
+        system = factors.system
 
         def product(right: Vector) -> Vector:
-            solution = solved(right)
-            return np.asarray(solution + block @ (between @ solution))
+            return system.times(factors.solve(right))
 
-        shared = block @ self.moved[self.columns]
-        reduced = corrected(product, shared, enough, MOST_CORRECTIONS)
-        return None if reduced is None else self.moved_by(rows, solved(reduced))
+        reduced = corrected(product, self.shared(system), enough, MOST_CORRECTIONS)
+        if reduced is None:
+            return None
+        return *self.moved_by(system.rows, factors.solve(reduced)), factors
 
 
 def _open_pairs(points: PointSprings, springs: Matrix, between: BetweenPairs) -> HeldPairs | None:
@@ -373,14 +302,3 @@ def _open_pairs(points: PointSprings, springs: Matrix, between: BetweenPairs) ->
 def _whole(G: SparseMatrix | Matrix) -> bool:
     """Say whether Σ + B itself is factorized: few pairs, or points that feel them all."""
     return int(G.shape[1]) <= DIRECT or isinstance(G, np.ndarray)
-
-
-def _factorized(matrix: npt.NDArray[Any]) -> tuple[npt.NDArray[Any], Indices]:
-    """Factorize the transpose of a matrix, which is overwritten, in its own precision."""
-    factorize = lapack.sgetrf if matrix.dtype == np.float32 else lapack.dgetrf
-    # LAPACK works in column order: it factorizes the transpose in place.
-    lu, pivots, failed = factorize(matrix.T, overwrite_a=1)
-    if failed or not np.isfinite(lu).all():
-        message = "singular system of a Newton step"
-        raise LinAlgError(message)
-    return lu, pivots

@@ -8,7 +8,7 @@ from typing import Any, final
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import cho_factor, cho_solve, lapack, solve_triangular
+from scipy.linalg import blas, cho_factor, cho_solve, lapack, solve_triangular
 
 from faying._typing import Matrix, SparseMatrix, Vector, frozen
 from faying.contact.point_springs import PointSprings
@@ -58,6 +58,13 @@ class HeldPairs:
         glue, both = points.of_diagonal(springs), structure.copy()
         _add(both, glue)
         return cls(frozen(springs), glue, inverse(both))
+
+    def moved_by(self, forces: Matrix) -> Matrix:
+        """Return U times forces (n_relative,) or (n_relative, k)."""
+        if forces.ndim > 1:
+            return np.asarray(self.compliance @ forces)
+        # One triangle to read instead of all: 10 ms for 19 at 8160 pairs.
+        return np.asarray(blas.dsymv(1.0, self.compliance.T, forces, lower=1))
 
     def change_to(self, K: Matrix) -> Matrix:
         """Return K − K₀ (n_point, components, components), round-off taken for nothing."""

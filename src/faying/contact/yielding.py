@@ -24,20 +24,21 @@ from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.between_pairs import BetweenPairs, ByCompliance, ByStiffness
 from faying.contact.contact import Contact
 from faying.contact.frictional import FrictionalContact
-from faying.contact.glued_pairs import Factors, GluedPairs
+from faying.contact.glued_pairs import GluedPairs
 from faying.contact.increment import Increment
 from faying.contact.increment_solver import displaced
 from faying.contact.laws_at_points import LawsAtPoints
+from faying.contact.pair_factors import Factors, WholeFactors
 from faying.exceptions import ConvergenceError, ModelError
 
-ROUND_OFF = 2e-15
-"""Residual over the largest force at which a problem is solved."""
+ROUND_OFF = 1e-13
+"""Residual over the largest force at which a problem is solved; one more step would leave 1e-15."""
+
+FORMED = 1e-5
+"""Residual over the largest force from which on S forms what steps summed up."""
 
 SOLVED = 1e-9
-"""Residual over the largest force that is accepted where round-off allows no less.
-
-From there on S forms what steps summed up.
-"""
+"""Residual over the largest force that is accepted where round-off allows no less."""
 
 COUNTS = 1e-4
 """Part of what would hold all points closed below which the largest force is no measure."""
@@ -248,10 +249,10 @@ def solve_yielding(
     pulled = np.zeros(len(free)) if pull is None else pull
     state = _begun(laws, pairs, free, law_offset, start, pulled)
     steps, short, bounded, formed = 0, 0, False, False
-    factors: Factors | None = None
+    factors: Factors | WholeFactors | None = None
     previous = np.inf
     while steps < MOST_STEPS and short < MOST_SHORT and np.isfinite(state.left):
-        if state.left <= SOLVED and not formed:
+        if state.left <= FORMED and not formed:
             # What Newton's method summed up step by step is formed once more, by S or by Σ.
             # Beside rigid motions on weak springs this alone balances forces to round-off.
             if compliance is None:
@@ -321,7 +322,7 @@ def _begun(
         # As if every point were closed and stuck: what then pulls opens in the steps that follow.
         glued = pairs.glued
         pressed = pull + pairs.transposed @ (glued.springs * _at(G, free, offset)).ravel()
-        moved = glued.compliance @ -pressed
+        moved = glued.moved_by(-pressed)
         y, p = free + moved, -pressed - glued.glue @ moved + pull
     else:
         y = start.moved

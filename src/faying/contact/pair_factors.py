@@ -1,0 +1,199 @@
+"""Factors between changed pairs, kept from step to step and updated where few points change."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Self, final
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import LinAlgError, lapack
+
+from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying.contact.held_pairs import HeldPairs
+from faying.contact.point_springs import PointSprings
+
+CHANGED = 0.1
+"""Change of K at a point, over the largest K, that factors are updated by; GMRES does the rest."""
+
+MOST_UPDATED = 0.15
+"""Rows that factors are updated by, over their own, from which new ones take no longer."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class LU:
+    """LU factors of the transpose of a matrix, in its own precision."""
+
+    lu: npt.NDArray[Any]
+    pivots: Indices
+
+    @classmethod
+    def of(cls, matrix: npt.NDArray[Any]) -> Self:
+        """Factorize a matrix, which is overwritten.
+
+        Raises
+        ------
+        LinAlgError
+            If it is singular, or overflows.
+        """
+        factorize = lapack.sgetrf if matrix.dtype == np.float32 else lapack.dgetrf
+        # LAPACK works in column order: it factorizes the transpose in place.
+        lu, pivots, failed = factorize(matrix.T, overwrite_a=1)
+        if failed or not np.isfinite(lu).all():
+            message = "singular system of a Newton step"
+            raise LinAlgError(message)
+        return cls(lu, pivots)
+
+    def solve(self, right: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Return the solution of right-hand sides, in the precision of the factors."""
+        substitute = lapack.sgetrs if self.lu.dtype == np.float32 else lapack.dgetrs
+        right = np.asarray(right, dtype=self.lu.dtype)
+        return np.asarray(substitute(self.lu, self.pivots, right, trans=1)[0])
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class WholeFactors:
+    """Factors of Σ + B itself, of some K (n_point, components, components) [force/length]."""
+
+    K: Matrix
+    lu: LU
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class PairSystem:
+    """I + ΔB_rc U_cr.
+
+    Attributes
+    ----------
+    rows, columns
+        r and c.
+    block : (n_row, n_column) sparse
+        ΔB_rc.
+    between : (n_column, n_row)
+        U_cr, as long to gather as to multiply twice.
+    """
+
+    rows: Indices
+    columns: Indices
+    block: SparseMatrix
+    between: Matrix
+
+    def times(self, solution: Vector) -> Vector:
+        """Return its product with a vector."""
+        return np.asarray(solution + self.block @ (self.between @ solution))
+
+    def factorized(self, precision: type[np.floating[Any]]) -> LU:
+        """Return its factors."""
+        product = self.block.astype(precision) @ self.between.astype(precision, copy=False)
+        product.flat[:: len(product) + 1] += 1.0
+        return LU.of(product)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Factors:
+    """Factors of a system between changed pairs, of a K before and what takes them to this one.
+
+    Attributes
+    ----------
+    reference
+        Whose U.
+    K : (n_point, components, components) [force/length]
+    system
+        Of K.
+    first, first_system, lu
+        K and system that were factorized, in single precision.
+    update
+        None where K is the first one.
+    """
+
+    reference: HeldPairs
+    K: Matrix
+    system: PairSystem
+    first: Matrix
+    first_system: PairSystem
+    lu: LU
+    update: "Update | None" = None
+
+    @classmethod
+    def of(cls, reference: HeldPairs, K: Matrix, system: PairSystem) -> Self:
+        """Factorize a system."""
+        return cls(reference, K, system, K, system, system.factorized(np.float32))
+
+    def solve(self, right: Vector) -> Vector:
+        """Return the solution of a right-hand side at the rows."""
+        solver = self.lu if self.update is None else self.update
+        return np.asarray(solver.solve(right), dtype=float)
+
+    def updated(self, K: Matrix, rows: Indices, points: PointSprings) -> "Factors | None":
+        """Return factors of K at some rows and more; None where new ones take no longer.
+
+        By Woodbury's formula for the rows that points feel whose K is another.
+        """
+        if np.isin(rows, self.system.rows).all() and not _beyond(K, self.K).any():
+            return self
+        own, change = self.first_system, _beyond(K, self.first)
+        beside, (acting, feeling) = np.setdiff1d(rows, own.rows), points.touched(change)
+        if len(acting) + len(beside) > MOST_UPDATED * len(own.rows):
+            return None
+        together, compliance = np.concatenate([own.rows, beside]), self.reference.compliance
+        coupling = own.block @ compliance[np.ix_(own.columns, beside)]
+        block = points.between_pairs(change)[acting][:, feeling]
+        felt = block @ compliance[np.ix_(feeling, together)]
+        order = np.argsort(together)
+        places = order[np.searchsorted(together, acting, sorter=order)]
+        update = Update(self.lu, places, coupling.astype(np.float32), felt.astype(np.float32))
+        return replace(self, K=K, system=replace(self.system, rows=together), update=update)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Update:
+    """What takes factors to those of another K, at more rows.
+
+    Attributes
+    ----------
+    lu
+        The factors.
+    places : (n_acting,)
+        Which rows points feel whose K is another.
+    coupling : (n_row, n_more)
+        ΔB U between the rows of the factors and the others.
+    felt : (n_acting, n_row + n_more)
+        The change of ΔB, times U.
+    """
+
+    lu: LU
+    places: Indices
+    coupling: npt.NDArray[np.float32]
+    felt: npt.NDArray[np.float32]
+
+    def solve(self, right: Vector) -> npt.NDArray[np.float32]:
+        """Return the solution of a right-hand side at all rows."""
+        solution = self._before(right.astype(np.float32))
+        return np.asarray(solution - self._answers @ (self.felt @ solution))
+
+    def _before(self, right: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+        """Return the solution with the K of the factors."""
+        n = len(self.coupling)
+        solved = self.lu.solve(right[:n] - self.coupling @ right[n:])
+        return np.concatenate([solved, right[n:]])
+
+    @cached_property
+    def _answers(self) -> npt.NDArray[np.float32]:
+        """What forces at the places move, once the change is felt."""
+        units = np.zeros((self.felt.shape[1], len(self.places)), dtype=np.float32)
+        units[self.places, np.arange(len(self.places))] = 1.0
+        answers = self._before(units)
+        core = self.felt @ answers
+        core.flat[:: len(core) + 1] += 1.0
+        return np.asarray(answers @ np.linalg.inv(core))
+
+
+def _beyond(K: Matrix, previous: Matrix) -> Matrix:
+    """Return K less a previous one where it is far from it, else zero."""
+    change = K - previous
+    change[np.abs(change).max(axis=(1, 2)) <= CHANGED * np.abs(K).max()] = 0.0
+    return change
