@@ -248,7 +248,7 @@ def modal_analysis(
         swing=Swing.of(
             system,
             start,
-            system.static_contact.increments,
+            system.static_contact.increments.about(start.increment),
             stuck,
             measure,
             Neighbours.of(system, preloaded, stuck, mode),

@@ -139,6 +139,10 @@ class FrictionalContact:
         scale[1:] *= TANGENTIAL_SCALE
         return np.asarray(scale)
 
+    def about(self, state: Increment) -> "FrictionalContact":  # noqa: ARG002
+        """Return itself: forces are unknowns wherever a path is."""
+        return self
+
     def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
         """Solve one increment; see :meth:`.IncrementSolver.solve`."""
         z_free = self.contact.moved(free) + offset

@@ -113,6 +113,11 @@ class GluedPairs:
         return replace(self, glued=HeldPairs.on_springs(self.points, springs, self.structure))
 
     @property
+    def whole(self) -> bool:
+        """Whether Σ + B itself is factorized."""
+        return _whole(self.G)
+
+    @property
     def G(self) -> SparseMatrix | Matrix:
         """Displacements at the points (components n_point, n_relative), component by component."""
         return self.points.G
@@ -167,7 +172,7 @@ class GluedPairs:
         -----
         Two products with U or S, and factors of as many rows as are changed.
         """
-        if _whole(self.G):
+        if self.whole:
             if not (isinstance(factors, WholeFactors) and np.array_equal(K, factors.K)):
                 both = self.structure.copy()
                 self.points.add_to(both, K)
@@ -208,10 +213,10 @@ class GluedPairs:
         k, n = springs.shape
         K = np.zeros((n, k, k))
         K[:, np.arange(k), np.arange(k)] = springs.T
-        if _whole(self.G):
-            system = self.structure.copy()
-            self.points.add_to(system, K)
-            return np.asarray(np.linalg.solve(system, right))
+        if self.whole:
+            both = self.structure.copy()
+            self.points.add_to(both, K)
+            return np.asarray(np.linalg.solve(both, right))
         # S has fewer digits beside weak springs.
         changed = self._changed_from(self.glued, K, right)
         system = changed.system(changed.rows)

@@ -1,6 +1,6 @@
 """What paths, cases and time steps ask of a solver of increments."""
 
-from typing import Protocol
+from typing import Protocol, Self
 
 import numpy as np
 
@@ -30,6 +30,10 @@ class IncrementSolver(Protocol):
     @property
     def laws(self) -> LawsAtPoints:
         """What the contact points answer."""
+        ...
+
+    def about(self, state: Increment) -> Self:
+        """Return the solver of many increments about a state."""
         ...
 
     def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:

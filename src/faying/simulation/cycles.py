@@ -138,7 +138,7 @@ def _repeated(
     """
     rise, cycle = (path_inputs(system, scaled_loads(load, factor)) for factor in factors)
     here = path_start(system, rest)
-    solver = system.static_contact.increments
+    solver = system.static_contact.increments.about(here.increment)
     steps = list(follow(solver, moved_alone(system, rise), here))
     relative = moved_alone(system, cycle)
     ends = cycle[[len(cycle) // 2 - 1, -1]]

@@ -1,0 +1,42 @@
+"""Factors between changed pairs, updated to other points, against products with the system."""
+
+import numpy as np
+import pytest
+
+from faying.contact.glued_pairs import GluedPairs
+from faying.contact.pair_factors import Factors, PairSystem
+from few_points import ELASTIC, PAIRS, N, joint
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_factors_are_updated_to_other_points_and_more_pairs(seed, monkeypatch):
+    """Those that the first ones know, others, and both."""
+    monkeypatch.setattr("faying.contact.pair_factors.MOST_UPDATED", 9.0)
+    monkeypatch.setattr("faying.contact.pair_factors.CHANGED", 0.0)
+    plain, _ = joint(seed, ELASTIC)
+    pairs = GluedPairs.of(plain.contact.rows, plain.laws.springs, plain.S)
+    random, glued = np.random.default_rng(seed), pairs.glued
+
+    def changed(points):
+        K = np.zeros((N, 3, 3))
+        K[:, np.arange(3), np.arange(3)] = glued.springs.T
+        K[points] *= random.uniform(0.2, 0.5, (len(points), 3, 3))
+        change = glued.change_to(K)
+        rows, columns = pairs.points.touched(change)
+        block = pairs.points.between_pairs(change)[:, columns]
+        between = glued.compliance[columns]
+        return K, rows, lambda r: PairSystem(r, columns, block[r], between[:, r])
+
+    K, rows, system = changed([0])
+    first = Factors.of(glued, K, system(rows))
+    assert len(rows) < 3 * PAIRS
+    for points in ([0], [0, N - 1], [N - 1], range(N)):
+        K, rows, system = changed(list(points))
+        factors = first.updated(K, rows, pairs.points)
+        right = random.normal(size=len(factors.system.rows))
+        product = system(factors.system.rows).times(factors.solve(right))
+        # Single precision.
+        np.testing.assert_allclose(product, right, rtol=0, atol=1e-5)
+        assert factors.updated(K, rows, pairs.points) is factors
+    monkeypatch.setattr("faying.contact.pair_factors.MOST_UPDATED", 0.0)
+    assert first.updated(K, rows, pairs.points) is None
