@@ -61,7 +61,7 @@ class HeldPairs:
 
     def moved_by(self, forces: Matrix) -> Matrix:
         """Return U times forces (n_relative,) or (n_relative, k)."""
-        if forces.ndim > 1:
+        if forces.ndim > 1 or not forces.size:
             return np.asarray(self.compliance @ forces)
         # One triangle to read instead of all: 10 ms for 19 at 8160 pairs.
         return np.asarray(blas.dsymv(1.0, self.compliance.T, forces, lower=1))

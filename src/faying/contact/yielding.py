@@ -31,8 +31,8 @@ from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.pair_factors import Factors, WholeFactors
 from faying.exceptions import ConvergenceError, ModelError
 
-ROUND_OFF = 1e-13
-"""Residual over the largest force at which a problem is solved; one more step would leave 1e-15."""
+ROUND_OFF = 1e-14
+"""Residual over the largest force at which a problem is solved; one more step leaves 1e-15."""
 
 FORMED = 1e-5
 """Residual over the largest force from which on S forms what steps summed up."""
