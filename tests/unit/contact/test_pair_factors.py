@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from faying.contact.between_pairs import ByCompliance
 from faying.contact.glued_pairs import GluedPairs
 from faying.contact.pair_factors import Factors, PairSystem
 from few_points import ELASTIC, PAIRS, N, joint
@@ -14,7 +15,7 @@ def test_factors_are_updated_to_other_points_and_more_pairs(seed, monkeypatch):
     monkeypatch.setattr("faying.contact.pair_factors.MOST_UPDATED", 9.0)
     monkeypatch.setattr("faying.contact.pair_factors.CHANGED", 0.0)
     plain, _ = joint(seed, ELASTIC)
-    pairs = GluedPairs.of(plain.contact.rows, plain.laws.springs, plain.S)
+    pairs = GluedPairs.of(plain.contact.rows, plain.laws.springs, ByCompliance(plain.S))
     random, glued = np.random.default_rng(seed), pairs.glued
 
     def changed(points):
