@@ -134,12 +134,12 @@ class Factors:
         """
         if np.isin(rows, self.system.rows).all() and not _beyond(K, self.K).any():
             return self
-        own, change = self.first_system, _beyond(K, self.first)
-        beside, (acting, feeling) = np.setdiff1d(rows, own.rows), points.touched(change)
-        if len(acting) + len(beside) > MOST_UPDATED * len(own.rows):
+        base, change = self.first_system, _beyond(K, self.first)
+        added, (acting, feeling) = np.setdiff1d(rows, base.rows), points.touched(change)
+        if len(acting) + len(added) > MOST_UPDATED * len(base.rows):
             return None
-        together, compliance = np.concatenate([own.rows, beside]), self.reference.compliance
-        coupling = own.block @ compliance[np.ix_(own.columns, beside)]
+        together, compliance = np.concatenate([base.rows, added]), self.reference.compliance
+        coupling = base.block @ compliance[np.ix_(base.columns, added)]
         block = points.between_pairs(change)[acting][:, feeling]
         felt = block @ compliance[np.ix_(feeling, together)]
         order = np.argsort(together)
