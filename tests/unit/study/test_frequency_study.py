@@ -10,6 +10,7 @@ from faying.assessment.response_curve import ResponseCurve
 from faying.exceptions import StudyError
 from faying.files.flattening import flattened, restored
 from faying.report.figures.frequency import frequency_figure
+from faying.report.frequency_peaks import measured_table
 from faying.study.judgement.summary import summarize
 from faying.study.keys.schema import parse_study, read_study
 from faying.study.results.store import read_results
@@ -133,7 +134,7 @@ def test_a_run_keeps_its_levels_and_resumes(folder, monkeypatch):
     assert beside["frequency_error"] == pytest.approx(computed.frequency / 650 - 1, rel=1e-9)
     assert beside["amplitude_error"] == pytest.approx(computed.amplitude / 0.04 - 1, rel=1e-6)
     drawn = frequency_figure(kept, "shaker")
-    assert "Computed over measured, test, level 1: frequency" in drawn.caption
+    assert [cell.text for cell in measured_table(kept).rows[0][:2]] == ["test, level 1", "650"]
     heights = [line.get_ydata().max() for line in drawn.figure.axes[0].lines]
     assert pytest.approx(0.04, rel=1e-9) in heights
     with (out / "frf.csv").open() as file:

@@ -48,10 +48,6 @@ def frequency_figure(results: Results, name: str) -> Drawn:
             "Dotted, crosses: estimated from the backbone of mode "
             f"{record.backbone.mode if record.backbone else ''}, blind to other modes."
         )
-    for test, pairs in record.compared():
-        off = ((what, 100 * (pair[1] / pair[0] - 1)) for what, pair in pairs.items())
-        known = (f"{what.replace('_', ' ')} {x:+.2g} %" for what, x in off if np.isfinite(x))
-        said.append(f"Computed over measured, {test}: {', '.join(known)}.")
     said += [f"{one.sentence[0].upper()}{one.sentence[1:]}." for one in record.checks]
     said += [f"{text[0].upper()}{text[1:]}." for text in record.response.remarks]
     largest = {
