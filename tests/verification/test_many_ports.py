@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 import faying as fy
 from faying.linalg import pardiso
 from faying.linalg.backends import available_backends
+from faying.linalg.budget import DENSE_COPIES
 from faying.linalg.estimate import estimate_memory, estimate_port_memory
 from faying.linalg.factorization import factorize
 from faying.linalg.mkl import PardisoHandle
@@ -118,17 +119,18 @@ def test_ports_of_any_rows(n, density, n_port, port_density, seed):
 
 def test_memory_is_foretold_and_what_does_not_fit_takes_longer(plates, monkeypatch, caplog):
     K, ports = plates
-    told, _ = estimate_port_memory(K, ports, backend="pardiso")
+    told, dense = estimate_port_memory(K, ports, backend="pardiso")
     assert told > max(24 * ports.shape[0] ** 2, estimate_memory(K).peak)
+    assert dense == 8 * DENSE_COPIES * ports.shape[0] ** 2
     factor = factorize(K, backend="pardiso")
     right = port_compliance(ports, factor)
     factors = estimate_memory(K, backend="pardiso")
     monkeypatch.setenv("FAYING_MEMORY", str(10 * (factors.factor + told)))
-    at_once = factors.with_ports(*estimate_port_memory(K, ports, backend="pardiso"))
-    assert at_once.peak == factors.factor + told
+    assert factors.with_ports(told, 0).peak == factors.factor + told
+    assert not factors.with_ports(told, dense).one_by_one
     monkeypatch.setenv("FAYING_MEMORY", str(told // 2))
-    foretold = factors.with_ports(*estimate_port_memory(K, ports, backend="pardiso"))
+    foretold = factors.with_ports(told, dense)
     assert foretold.one_by_one
-    assert foretold.peak == max(factors.peak, factors.factor + 24 * ports.shape[0] ** 2)
+    assert foretold.peak == max(factors.peak, factors.factor + dense)
     assert_agree(port_compliance(ports, factor), right)
     assert f"{ports.shape[0]} ports are solved for one by one" in caplog.text

@@ -7,7 +7,8 @@ from faying._typing import Mask, Matrix
 from faying.joint.model import Model
 from faying.joint.structure import Structure
 from faying.linalg.backends import chosen_backend
-from faying.linalg.estimate import DENSE, estimate_memory
+from faying.linalg.budget import DENSE_COPIES
+from faying.linalg.estimate import estimate_memory
 from faying.linalg.memory import FactorMemory
 from faying.linalg.pardiso import FEW
 from faying.model.assembly import Assembly
@@ -71,15 +72,15 @@ def expected_memory(model: Model) -> FactorMemory:
 
 
 def _between_pairs(structure: Structure, factor: int) -> tuple[float, float]:
-    """Estimate what the compliance between pairs takes while it is made, at once or one by one."""
+    """Estimate what elimination of all but the pairs takes, and matrices between these."""
     if not structure.is_kept_whole:
         return 0.0, 0.0
     n_relative = int(structure.relative_operator.shape[0])
-    dense = 8.0 * DENSE * n_relative**2
+    dense = 8.0 * DENSE_COPIES * n_relative**2
     if n_relative <= FEW:
-        return dense, dense
+        return 0.0, dense
     border = n_relative * (n_relative / 2 + _SEPARATORS * structure.n_dof ** (2 / 3))
-    return max(float(_BORDERED * (factor + 8 * border)), dense), dense
+    return float(_BORDERED * (factor + 8 * border)), dense
 
 
 def dissected(places: Matrix, spacing: float) -> float:

@@ -344,7 +344,9 @@ class Structure:
         moved = held @ seen
         core = la.cholesky(self.boundary_stiffness + symmetrized(seen.T @ moved), lower=True)
         given_way = la.solve_triangular(core, moved.T, lower=True)
-        free: Matrix = frozen(held - given_way.T @ given_way)
+        free: Matrix = given_way.T @ given_way
+        np.subtract(held, free, out=free)
+        free.setflags(write=False)
         return free
 
     @cached_property

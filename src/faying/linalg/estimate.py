@@ -6,6 +6,7 @@ import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix
 from faying.linalg.backends import chosen_backend
+from faying.linalg.budget import DENSE_COPIES
 from faying.linalg.memory import FactorMemory
 from faying.linalg.pardiso import estimate_pardiso, estimate_stiffness_pardiso
 from faying.linalg.superlu import estimate_superlu
@@ -14,10 +15,6 @@ _ESTIMATES: dict[str, Callable[[SparseMatrix], FactorMemory]] = {
     "pardiso": estimate_pardiso,
     "superlu": estimate_superlu,
 }
-
-
-DENSE = 3
-"""Matrices between ports alive at once: the compliance, one held before, and a copy of either."""
 
 
 def estimate_memory(A: SparseMatrix | Matrix, *, backend: str | None = None) -> FactorMemory:
@@ -38,18 +35,19 @@ def estimate_memory(A: SparseMatrix | Matrix, *, backend: str | None = None) -> 
 def estimate_port_memory(
     A: SparseMatrix, ports: SparseMatrix, *, backend: str | None = None
 ) -> tuple[int, int]:
-    """Tell the most bytes that Q A⁻¹ Qᵀ of Q (n_port, n) takes beyond the factors of A.
+    """Tell the most bytes that ports Q (n_port, n) take beyond the factors of A.
 
     Returns
     -------
-    at_once, one_by_one
-        By (F14), and by a substitution for each port.
+    elimination, dense
+        While all but the ports are eliminated (F14), zero where they are not, and of matrices
+        between them.
 
     Notes
     -----
     PARDISO analyses the pattern once more.
     """
-    dense = DENSE * 8 * int(ports.shape[0]) ** 2
+    dense = DENSE_COPIES * 8 * int(ports.shape[0]) ** 2
     if chosen_backend(backend) != "pardiso":
-        return dense, dense
-    return max(dense, estimate_stiffness_pardiso(A, ports)), dense
+        return 0, dense
+    return estimate_stiffness_pardiso(A, ports), dense

@@ -45,17 +45,17 @@ class FactorMemory:
     counted: bool
     one_by_one: bool = False
 
-    def with_ports(self, at_once: float, one_by_one: float) -> "FactorMemory":
-        """Add what a compliance between ports takes beside the factors, as it will be made.
+    def with_ports(self, elimination: float, dense: float) -> "FactorMemory":
+        """Add what ports take beside the factors, as it will be made.
 
         Parameters
         ----------
-        at_once, one_by_one
-            Bytes by a bordered factorization, which is tried first, and by substitutions.
+        elimination, dense
+            Bytes of the elimination of all but the ports, if it fits, and of matrices between them.
         """
         free = free_memory()
-        fits = free is None or at_once == one_by_one or self.factor + at_once <= free
-        peak_bytes = self.factor + (at_once if fits else one_by_one)
+        fits = free is None or not elimination or self.factor + elimination <= free
+        peak_bytes = self.factor + max(dense, elimination if fits else 0.0)
         return replace(self, peak=max(self.peak, int(peak_bytes)), one_by_one=not fits)
 
 
