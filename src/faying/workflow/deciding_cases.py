@@ -20,7 +20,11 @@ from faying.study.inputs.load_set import LoadSet
 from faying.study.keys.tables import DEFAULT_INCREMENTS
 
 TRIED = 8
-"""Cases that are tried at once beside the one that is followed, which costs four times as much."""
+"""Cases that are tried first beside the one that is followed, which costs eight times as much.
+
+Of 1000 random loads on a roof joint the first to open was the first or second by estimates; of 24
+on a coarse lap joint that opens at three times the load it was among the first nine, and not five.
+"""
 
 TRIED_BY_PATHS = 2
 """The same where each is followed in increments."""
