@@ -13,7 +13,9 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import gmsh
+import numpy as np
 
+import faying as fy
 from faying.assessment.check import Check
 from faying.assessment.joint_record import BoltAssessment, InterfaceAssessment
 from faying.study.judgement.verdict import run_verdict
@@ -26,6 +28,7 @@ MU_FACE = 0.15
 YOUNGS = 210e3
 
 FLANGE = {"circle": 130.0, "inner": 40.0, "outer": 85.0, "pipe": 50.0, "thick": 16.0, "stub": 50.0}
+PULLED = {"pull": {"Fz": 40e3}, "bend": {"My": 1.5e6}}
 BRACKET = {"base": 20.0, "foot": 12.0, "rows": 40.0, "height": 80.0, "wall": -34.0}
 
 
@@ -173,11 +176,7 @@ def written_flange(folder: Path) -> None:
         )
         for number, (x, y) in enumerate(flange_places(), 1)
     )  # fmt: skip
-    cases = {
-        "pull": {"Fz": 40e3},
-        "bend": {"My": 1.5e6},
-        "shear and twist": {"Fx": 8e3, "Mz": 0.8e6},
-    }
+    cases = PULLED | {"shear and twist": {"Fx": 8e3, "Mz": 0.8e6}}
     (folder / "flange.toml").write_text(study("flange.msh", "lower", "upper", bolts, cases))
 
 
@@ -277,6 +276,40 @@ def bracket_rows(folder: Path) -> Iterator[Row]:
     yield "opening around a bolt, lift", opens, opening(bolts, "lift"), "× load"
 
 
+def at_opening(folder: Path, load: fy.Load, places: list[tuple[float, float]], entry: float) -> str:
+    """Return what the area of the bolt that opens first is in balance with when half is open.
+
+    Parameters
+    ----------
+    places
+        Of the bolts, which are seen along the direction from the centre of the joint (flange), or
+        along x (bracket).
+    entry
+        Where the load enters along it.
+    """
+    results, case = read_results(folder / "results.h5"), load.name
+    rom, surface = results.reduced["compliance"][0], results.interfaces["joint"]
+    factors = {
+        name: bolt.opening_around["joint"][case] for name, bolt in results.assessment.bolts.items()
+    }
+    first = min(factors, key=factors.__getitem__)
+    number = list(factors).index(first)
+    x, y = places[number]
+    along = np.array([x, y, 0.0]) / hypot(x, y) if len(places) > 4 else np.array([1.0, 0.0, 0.0])
+    away = [np.hypot(surface.points[:, 0] - a, surface.points[:, 1] - b) for a, b in places]
+    own = np.argmin(away, axis=0) == number
+    opened = fy.solve_static(rom, load.scaled(factors[first]))
+    forces = (opened.pressure * surface.weights)[own]
+    bolt, at = float(opened.bolt_force(first)), float(np.array([x, y, 0.0]) @ along)
+    acts = float(forces @ (surface.points[own] @ along)) / forces.sum()
+    taken = bolt - forces.sum()
+    borne = 1 - forces.sum() * (acts - at) / (taken * (at - entry))
+    return (
+        f"{case}, {first}: pressure acts at {acts:.1f} mm, the load takes {taken / 1e3:.1f} kN, "
+        f"and the part itself bears {borne:.0%} of its moment\n"
+    )
+
+
 def strength_rows(thread: Thread, force: float, checks: Checks) -> Iterator[Row]:
     """Yield the strength of the most loaded bolt, whose force by hand is that of tightening."""
     strongest = largest(checks, "stripping")
@@ -332,6 +365,12 @@ def main() -> None:
                 cells = (name, f"{hand:.4g} {unit}", f"{program:.4g}", f"{program / hand - 1:+.1%}")
                 sys.stdout.write("| " + " | ".join(cells) + " |\n")
             sys.stdout.write("\n")
+        pipe = (FLANGE["pipe"] + FLANGE["inner"]) / 2
+        for name in ("pull", "bend"):
+            load = fy.Load({f"end.{key}": value for key, value in PULLED[name].items()}, name=name)
+            sys.stdout.write(at_opening(folder / "flange", load, flange_places(), pipe))
+        lift = fy.Load({"end.Fz": 4e3}, name="lift")
+        sys.stdout.write(at_opening(folder / "bracket", lift, bracket_places(), BRACKET["wall"]))
 
 
 if __name__ == "__main__":
