@@ -17,7 +17,7 @@ from faying.assessment.imported_recovery import (
     recover_from_boundary_loads as recover_from_boundary_loads,
 )
 from faying.assessment.imported_recovery import recover_from_modal as recover_from_modal
-from faying.assessment.joint_assessment import assess as assess
+from faying.assessment.joint_judge import assess as assess
 from faying.assessment.measured_curve import MeasuredCurve as MeasuredCurve
 from faying.assessment.mesh_error import mesh_error as mesh_error
 from faying.assessment.modal_analysis import backbone as backbone

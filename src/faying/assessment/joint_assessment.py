@@ -1,16 +1,14 @@
 """The joint judged over its load cases: bolts, interfaces, and what it must hold."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
-from faying._typing import Mask, Matrix, Vector
+from faying._typing import Mask, Vector
 from faying.assessment.bolt_bending import bending_of
-from faying.assessment.case_metrics import bent_bolts
-from faying.assessment.certificate import certifier
 from faying.assessment.check import Check
-from faying.assessment.clamp_range import ClampRange, certified_clamps, clamp_range
+from faying.assessment.clamp_range import ClampRange, clamp_range
 from faying.assessment.joint_checks import joint_checks
 from faying.assessment.joint_record import (
     Assessment,
@@ -18,31 +16,16 @@ from faying.assessment.joint_record import (
     CaseState,
     InterfaceAssessment,
 )
-from faying.assessment.opening import Openings, area_name, areas_that_open, opening_factors
-from faying.assessment.preload_scatter import PreloadScatter, preload_spreads
-from faying.assessment.recovery import solve_cases_at_ports
-from faying.assessment.requirements import Requirements, check_names
-from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
+from faying.assessment.opening import Openings, area_name
+from faying.assessment.requirements import Requirements
+from faying.assessment.slip_demand import SlipDemand
 from faying.assessment.slip_reserve import SlipReserve
-from faying.assessment.strength.clamp_ends import clamp_checks
-from faying.assessment.strength.preload_ends import LEAST, preload_ends
-from faying.assessment.strength.stressed import with_threads
-from faying.assessment.strength.thread import Thread
-from faying.assessment.strength.tightening import PreloadRange, variation_of
-from faying.assessment.verdicts import verdicts, wanted_clamps
+from faying.assessment.strength.preload_ends import LEAST
+from faying.assessment.verdicts import verdicts
 from faying.digits import DECK_DIGITS
-from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import nearest_bolts, surroundings
-from faying.joint.model import Model
-from faying.joint.tangential import tangential_rows
 from faying.model.bolt import Bolt
-from faying.reduction.projection import contact_surfaces
-from faying.reduction.reduced_model import ReducedModel
-from faying.simulation.load import Load
-from faying.simulation.solution import Solution
-from faying.simulation.static import solve_static_cases
-from faying.simulation.static_case import solve_static
 from faying.units import Units
 
 SMALLEST_AXIAL_SHARE = 0.2
@@ -52,120 +35,6 @@ Where a load lifts a flange off one has up to all of it, 0.4 to 0.6 on a tee and
 are pulled; where it bends or turns, pressure that is lost on one side of the bolt comes on the
 other, and 0 to 0.03 are left, of any sign.
 """
-
-
-def assess(
-    system: Model | ReducedModel,
-    loads: Sequence[Load],
-    requirements: Requirements | None = None,
-    *,
-    paths: bool = True,
-    threads: Mapping[str, Thread] | None = None,
-    scatter: PreloadScatter | None = None,
-) -> Assessment:
-    """Judge a joint without friction over static load cases.
-
-    Parameters
-    ----------
-    system
-        Preloaded full or reduced model.
-    loads
-        Histories are taken at time zero.
-    requirements
-        What must hold.
-    paths
-        Whether each load is followed to its openings
-        (:func:`~faying.assessment.opening.opening_factors`).
-    threads
-        Bolt to its thread, whose stress is then compared with the grade.
-    scatter
-        Of the preloads, over which the metrics of each load are then told too.
-
-    Raises
-    ------
-    ModelError
-        If a load does not fit, or there is none.
-
-    Notes
-    -----
-    Some milliseconds a load, besides its path. Clamp forces of the full model
-    are certified: those of a reduced model whose basis gives contact its forces from a static
-    solution at the ports of the full one, another some milliseconds a load.
-    """
-    if not loads:
-        message = "there is no load to assess the joint under; give one or more"
-        raise ModelError(message)
-    names = [load.name for load in loads]
-    if len(set(names)) < len(names):
-        message = "two loads have the same name; give each a name of its own, Load(…, name=…)"
-        raise ModelError(message)
-    demanded = requirements or Requirements()
-    check_names(demanded, list(system.contact.slices), list(system.contact.slices))
-    preloaded, cases = solve_static(system), solve_static_cases(system, loads)
-    full = system.joint if isinstance(system, ReducedModel) else system
-    surfaces = contact_surfaces(system) if isinstance(system, Model) else system.interfaces
-    certificate = certifier(full).certify_inputs(
-        cases.inputs, _exact(system, loads, cases), surroundings(surfaces, system.bolts)
-    )
-    bolt_forces = {name: np.asarray(cases.bolt_force(name)) for name in system.bolts}
-    bent = {name: cases.bolt_bending(name) for name in bent_bolts(system.bolts)}
-    states = {
-        name: CaseState(
-            pressure=cases.pressure[row : row + 1],
-            bolt_forces={bolt: force[row : row + 1] for bolt, force in bolt_forces.items()},
-            certified=certified_clamps(certificate, row),
-            bolt_moments={bolt: moments[row : row + 1] for bolt, moments in bent.items()},
-        )
-        for row, name in enumerate(names)
-    }
-    at_rest = CaseState(
-        pressure=preloaded.pressure[None],
-        bolt_forces={name: np.atleast_1d(preloaded.bolt_force(name)) for name in system.bolts},
-        bolt_moments={name: preloaded.bolt_bending(name)[None] for name in bent},
-    )
-    areas, start = areas_that_open(surfaces, system.contact.slices, system.bolts), np.zeros(1)
-    followed = {
-        load.name: opening_factors(
-            full,
-            load.inputs(full, start)[0],
-            areas,
-            open_below=demanded.open_share,
-            interfaces=full.contact.slices,
-        )
-        for load in (loads if paths else ())
-    }
-    demands = slip_demands(
-        system,
-        surfaces,
-        tangential_rows(system) if isinstance(system, Model) else system.tangential,
-        names,
-        cases.inputs,
-        cases.pressure,
-        slip_coefficients(demanded.slip_friction, list(surfaces)),
-    )
-    assessment = judged(
-        surfaces, system.bolts, at_rest, states, demanded, followed, demands=demands
-    )
-    spreads = [
-        spread
-        for load in loads
-        if scatter is not None
-        for spread in preload_spreads(system, surfaces, load, scatter, threads or {})
-    ]
-    factor = 1.0 if scatter is None else scatter.tightening_factor
-    ranges = dict.fromkeys(system.bolts, PreloadRange(variation=variation_of(factor)))
-    ends = preload_ends(system, at_rest, states, {load.name: load for load in loads}, ranges)
-    limits = wanted_clamps(demanded.min_clamp_force, surfaces)
-    clamps = tuple(clamp_checks(ends, surfaces, system.bolts, limits, system.units))
-    assessment = replace(assessment, scatter=tuple(spreads), checks=clamps)
-    return with_threads(assessment, states, threads or {}, system.units, ends)
-
-
-def _exact(system: Model | ReducedModel, loads: Sequence[Load], cases: Solution) -> Matrix:
-    """Return the full model's pressures (n_case, n_point), to be certified."""
-    if isinstance(system, Model) or system.contact.residual_compliance is not None:
-        return cases.pressure
-    return solve_cases_at_ports(system.joint, loads).pressure
 
 
 def judged(

@@ -1,7 +1,6 @@
 """``faying solve``: many loads on a reduced model, without the full one."""
 
 from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -90,7 +89,8 @@ def solve(
             certificates=certificates,
             table=table,
             requirements=requirements_of(demanded),
-            strengths=replace(stored_strengths(text, rom.units), margins=demanded.margins),
+            strengths=stored_strengths(text, rom.units),
+            margins=demanded.margins,
         )
         with ExitStack() as stack:
             executor = shared_executor(workers, scheduler, stack)

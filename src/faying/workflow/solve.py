@@ -14,6 +14,7 @@ from faying import __version__
 from faying.assessment.case_metrics import WEAK_SHARE
 from faying.assessment.joint_verdict import joint_verdict, summarized
 from faying.assessment.requirements import Requirements, check_names
+from faying.assessment.strength.bolt_strengths import BoltStrengths
 from faying.assessment.weak_share import weak_warnings
 from faying.exceptions import StudyError
 from faying.execution.checkpoint import results_in
@@ -26,7 +27,7 @@ from faying.simulation.load import History, Load
 from faying.study.inputs.load_set import LoadSet
 from faying.study.judgement.summary import plain
 from faying.study.keys.errors import nearest
-from faying.study.keys.threads import BoltStrengths
+from faying.study.keys.requirement_tables import MarginsSection
 from faying.study.results.metric_table import TableFormat, check_table_format, write_metrics
 from faying.study.results.solved_fields import SolvedFields, write_solved
 from faying.study.stages.books import Books, ProgressBar
@@ -55,6 +56,8 @@ class SolveOptions:
         What must hold.
     strengths
         What the strength of bolts is judged by.
+    margins
+        Standard that is demanded of it, with its factors.
     """
 
     worst: int = 1
@@ -63,6 +66,7 @@ class SolveOptions:
     table: TableFormat = "csv"
     requirements: Requirements = field(default_factory=Requirements)
     strengths: BoltStrengths = field(default_factory=BoltStrengths)
+    margins: MarginsSection | None = None
 
 
 @one_thread()
@@ -137,7 +141,7 @@ def solve_loads(
             worst=chosen.worst,
             chosen=named,
             certificates=chosen.certificates,
-            demanded=demanded_of(chosen.requirements, chosen.strengths, rom, path),
+            demanded=demanded_of(chosen.requirements, chosen.strengths, chosen.margins, rom, path),
             tightening=path,
         )
         if executor is not None:
@@ -148,7 +152,7 @@ def solve_loads(
         verdict = joint_verdict((), units, "see the warnings")
         with books.stage("requirements"), books.attempt("requirements"):
             verdicts, checks = solved_checks(
-                solver, chosen.requirements, chosen.strengths, static, transients
+                solver, chosen.requirements, chosen.strengths, chosen.margins, static, transients
             )
             verdict = joint_verdict(checks, units)
             assessment = {"verdicts": plain([asdict(demand) for demand in verdicts])}

@@ -8,12 +8,14 @@ import numpy as np
 from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.check import Check
 from faying.assessment.joint_checks import joint_checks
+from faying.assessment.joint_judge import JointJudge, certified_cases, rest_of
 from faying.assessment.joint_record import CaseState
 from faying.assessment.opening import Openings, area_name, areas_that_open
 from faying.assessment.requirements import ClosedRing, Requirements, Verdict
 from faying.assessment.sealing import Ring, ring_around
 from faying.assessment.slip_demand import slip_coefficients
 from faying.assessment.slip_reserve import SlipReserve, followed_openings
+from faying.assessment.strength.bolt_strengths import BoltStrengths
 from faying.assessment.strength.fatigue import fibre_stresses
 from faying.assessment.strength.preload_ends import PreloadEnd
 from faying.assessment.verdicts import ring_surface
@@ -23,9 +25,8 @@ from faying.joint.tangential import TangentialRows
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import InputRow, Load
 from faying.study.inputs.load_set import LoadSet
-from faying.study.judgement.margins import NASA
-from faying.study.keys.threads import BoltStrengths
-from faying.study.stages.joint_judge import JointJudge, certified_cases, rest_of
+from faying.study.judgement.margins import NASA, with_margins
+from faying.study.keys.requirement_tables import MarginsSection
 from faying.study.stages.path_cases import rest_state
 from faying.workflow.deciding_cases import Deciding
 from faying.workflow.solve_cases import CaseSolver
@@ -42,6 +43,7 @@ ALL_STATIC = "all static cases"
 def demanded_of(
     requirements: Requirements,
     strengths: BoltStrengths,
+    margins: MarginsSection | None,
     rom: ReducedModel,
     tightening: tuple[Load, ...] | None,
 ) -> Demanded:
@@ -59,7 +61,7 @@ def demanded_of(
         }
     return Demanded(
         rings=dict(_rings(requirements.closed_ring, rom)),
-        areas=_areas(requirements, strengths, rom),
+        areas=_areas(requirements, strengths, margins, rom),
         opens=opens,
         open_below=requirements.open_share,
         pressed={name: points for name, points in near.items() if points.any()},
@@ -67,7 +69,10 @@ def demanded_of(
 
 
 def _areas(
-    requirements: Requirements, strengths: BoltStrengths, rom: ReducedModel
+    requirements: Requirements,
+    strengths: BoltStrengths,
+    margins: MarginsSection | None,
+    rom: ReducedModel,
 ) -> dict[str, TangentialRows]:
     """Return what is carried along the areas whose slip is judged by sums, by name.
 
@@ -76,7 +81,7 @@ def _areas(
     smooth = [name for name, surface in rom.interfaces.items() if not surface.friction > 0]
     judged = slip_coefficients(requirements.slip_friction, smooth)
     judged |= strengths.rubbing(rom.interfaces)
-    around = strengths.margins is not None and strengths.margins.standard == NASA
+    around = margins is not None and margins.standard == NASA
     return {
         area_name(rows.interface, rows.bolt): rows
         for rows in rom.tangential
@@ -97,6 +102,7 @@ def solved_checks(
     solver: CaseSolver,
     requirements: Requirements,
     strengths: BoltStrengths,
+    margins: MarginsSection | None,
     static: SolvedCases | None,
     transients: Mapping[str, SolvedCases],
 ) -> tuple[tuple[Verdict, ...], tuple[Check, ...]]:
@@ -149,10 +155,9 @@ def solved_checks(
         cases=states,
         requirements=requirements,
         strengths=strengths,
-        books=solver.books,
+        attempt=solver.books.attempt,
         loads=() if rubs else _loads(loads, [load.name for load in deciding] + list(openings)),
         summed=deciding,
-        factored=deciding,
         reserves=reserves,
         openings=openings,
     )
@@ -172,7 +177,7 @@ def solved_checks(
     assessment = judge.at_ends(assessment, ends)
     assessment = judge.strengthened(assessment, histories, apart, loads.repetitions)
     checks = tuple(_labelled(check, sets) for check in assessment.checks)
-    assessment = judge.with_margins(replace(assessment, checks=checks))
+    assessment = with_margins(replace(assessment, checks=checks), judge, margins, deciding)
     return assessment.verdicts, joint_checks(assessment, rom.unit_set, reserves)
 
 

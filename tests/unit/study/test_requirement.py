@@ -7,6 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 import faying as fy
+from faying.assessment import joint_judge as assessing
 from faying.cli import app
 from faying.exceptions import ConvergenceError, StudyError
 from faying.report.html import write_report
@@ -14,7 +15,6 @@ from faying.report.slip import demand_table
 from faying.study.judgement.verdict import run_verdict
 from faying.study.keys.schema import parse_study
 from faying.study.results.store import read_results
-from faying.study.stages import joint_judge as assessing
 from faying.workflow.run import run
 from small_study import BEND, JUMP, NO_REPORT, SMALL_JOINT, UNCHECKED, reduction
 from table_cells import cells

@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 
 import faying as fy
 from faying.assessment.case_metrics import metrics_of
+from faying.assessment.strength.bolt_strengths import BoltStrengths
 from faying.assessment.strength.thread import Thread
 from faying.assessment.strength.tightening import PreloadRange, variation_of
 from faying.cli import app
@@ -26,7 +27,6 @@ from faying.study.inputs.load_table import read_load_table
 from faying.study.keys.requirement_rules import requirements_of
 from faying.study.keys.requirement_tables import MarginsSection
 from faying.study.keys.schema import read_load_cases, read_study
-from faying.study.keys.threads import BoltStrengths
 from faying.study.results.store import read_results
 from faying.workflow import deciding_cases, solve_cases
 from faying.workflow.reduce import reduce_study
@@ -645,9 +645,9 @@ def test_fatigue_and_the_ends_of_preloads_are_judged_over_all_cases(rom, tmp_pat
     strengths = BoltStrengths(
         threads={"bolt": thread},
         ranges={"bolt": spread},
-        margins=MarginsSection(standard="nasa-std-5020b", FS_u=1.4),
     )
-    options = SolveOptions(strengths=strengths)
+    margins = MarginsSection(standard="nasa-std-5020b", FS_u=1.4)
+    options = SolveOptions(strengths=strengths, margins=margins)
     summary = solve_loads(rom, read_loads(path, rom), tmp_path / "out", options).summary
     each = [fy.Load({"tip.Fz": force}, name=name) for name, force in forces.items()]
     scatter = fy.PreloadScatter(tightening_factor=1.6, samples=1)

@@ -1,17 +1,12 @@
 """The margins of bolts that a study demands, by the standard it names."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 
-from faying.assessment.check import Check
+from faying.assessment.joint_judge import JointJudge, surfaces_of, tangential_of
 from faying.assessment.joint_record import Assessment
 from faying.assessment.strength.nasa_std_5020b import DesignFactors, margin_checks
 from faying.assessment.strength.safeties import Safeties, with_safeties
-from faying.assessment.strength.thread import Thread
-from faying.assessment.strength.tightening import PreloadRange
-from faying.joint.model import Model
-from faying.joint.tangential import tangential_rows
-from faying.reduction.projection import contact_surfaces
-from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import NamedLoad
 from faying.study.keys.requirement_tables import MarginsSection
 
@@ -31,28 +26,20 @@ def design_factors(section: MarginsSection) -> DesignFactors:
     )
 
 
-def demanded_checks(
-    margins: MarginsSection | None,
-    ranges: Mapping[str, PreloadRange],
-    system: Model | ReducedModel,
-    threads: Mapping[str, Thread],
-    loads: Sequence[NamedLoad],
-    coefficients: Mapping[str, float],
+def with_margins(
     assessment: Assessment,
-    units: str,
-) -> tuple[Check, ...]:
-    """Return the checks of bolts with what the standard of a study adds to them.
+    judge: JointJudge,
+    margins: MarginsSection | None,
+    loads: Sequence[NamedLoad],
+) -> Assessment:
+    """Return an assessment with what the standard of a study adds to the checks of bolts.
 
     Parameters
     ----------
-    ranges
-        Bolt to the range of its preload.
-    loads
-        Static load cases.
-    coefficients
-        Interface to the coefficient slip is judged with.
     assessment
         With the checks of the strength of bolts.
+    loads
+        Static load cases, which margins multiply.
 
     Raises
     ------
@@ -60,20 +47,20 @@ def demanded_checks(
         As :func:`faying.assessment.strength.nasa_std_5020b.margin_checks`.
     """
     if margins is None:
-        return assessment.checks
+        return assessment
     if margins.standard == VDI:
         safeties = Safeties(yields=margins.S_F, fatigue=margins.S_D, pressure=margins.S_p)
-        return tuple(with_safeties(assessment.checks, safeties))
+        return replace(assessment, checks=tuple(with_safeties(assessment.checks, safeties)))
     added = margin_checks(
-        system,
-        contact_surfaces(system) if isinstance(system, Model) else system.interfaces,
-        tangential_rows(system) if isinstance(system, Model) else system.tangential,
-        threads,
+        judge.exact,
+        surfaces_of(judge.exact),
+        tangential_of(judge.exact),
+        judge.strengths.threads,
         loads,
         {name: bolt.preload for name, bolt in assessment.bolts.items()},
-        ranges,
+        judge.strengths.ranges,
         design_factors(margins),
-        coefficients,
-        units,
+        judge.coefficients,
+        judge.system.units,
     )
-    return (*assessment.checks, *added)
+    return replace(assessment, checks=(*assessment.checks, *added))

@@ -1,11 +1,12 @@
 """The threads of the bolts of a study, and the forces that torque or utilisation bring them to."""
 
 import tomllib
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from faying.assessment.strength.bolt_strengths import BoltStrengths
 from faying.assessment.strength.grades import BoltStrength
 from faying.assessment.strength.thread import Thread
 from faying.assessment.strength.tightening import (
@@ -14,7 +15,6 @@ from faying.assessment.strength.tightening import (
     force_of_utilisation,
     variation_of,
 )
-from faying.interface.surface import ContactSurface
 from faying.simulation.load import Load
 from faying.study.keys.model_tables import BoltSection
 from faying.study.keys.requirement_tables import MarginsSection, RequirementSection, ScatterSection
@@ -52,46 +52,6 @@ def thread_of(bolt: BoltSection, units: str) -> Thread | None:
     return replace(thread, bearing=(outer, inner), head_diameter=rubs)
 
 
-@dataclass(frozen=True, kw_only=True)
-class BoltStrengths:
-    """What the strength of bolts is judged by.
-
-    Attributes
-    ----------
-    threads
-        Of the bolts whose size and grade are known.
-    ranges
-        Of the preloads.
-    margins
-        Standard that is demanded, with its factors.
-    scatter
-        Of the preloads, with temperatures and friction.
-    tightened : [force]
-        Bolt to the force it was tightened to.
-    """
-
-    threads: Mapping[str, Thread] = field(default_factory=dict)
-    ranges: Mapping[str, PreloadRange] = field(default_factory=dict)
-    margins: MarginsSection | None = None
-    scatter: ScatterSection | None = None
-    tightened: Mapping[str, float] = field(default_factory=dict)
-
-    @property
-    def temperatures(self) -> dict[str, Load]:
-        """Those that every static load case may have beside its loads."""
-        names = () if self.scatter is None else self.scatter.temperatures
-        return {name: Load({name: 1.0}, name=name) for name in names}
-
-    def rubbing(self, surfaces: Mapping[str, ContactSurface]) -> dict[str, float]:
-        """Return the coefficients of the interfaces that have friction, of a range the smallest."""
-        ends = None if self.scatter is None else self.scatter.surface_friction
-        return {
-            name: surface.friction if ends is None else ends[0]
-            for name, surface in surfaces.items()
-            if surface.friction > 0
-        }
-
-
 def strengths_of(study: Study) -> BoltStrengths:
     """Return what the strength of the bolts of a study is judged by."""
     scatter, margins = study.preload_scatter, study.requirement.margins
@@ -116,12 +76,14 @@ def _strengths(
     margins: MarginsSection | None,
     units: str,
 ) -> BoltStrengths:
+    rubs = None if scatter is None else scatter.surface_friction
+    heated = () if scatter is None else scatter.temperatures
     return BoltStrengths(
         threads=_threads(bolts, units),
         ranges=_ranges(bolts, scatter, margins, units),
-        margins=margins,
-        scatter=scatter,
         tightened=_final_forces(bolts, scatter, units),
+        temperatures={name: Load({name: 1.0}, name=name) for name in heated},
+        smallest_friction=None if rubs is None else rubs[0],
     )
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from faying.assessment.clamp_range import CertifiedClamps
+from faying.assessment.joint_judge import JointJudge, certified_cases, rest_of, surfaces_of
 from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.preload_scatter import PreloadScatter, Spread, preload_spreads
 from faying.assessment.slip_reserve import followed_openings
@@ -14,12 +15,12 @@ from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import Load
 from faying.study.inputs.loads import case_load
 from faying.study.judgement.comparison import increments
+from faying.study.judgement.margins import with_margins
 from faying.study.keys.requirement_rules import requirements_of
 from faying.study.keys.tables import LoadCaseSection, Study
 from faying.study.keys.threads import strengths_of
 from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.results.values import CaseResult
-from faying.study.stages.joint_judge import JointJudge, certified_cases, rest_of, surfaces_of
 from faying.study.stages.offline import PreparedJoint
 
 
@@ -62,11 +63,10 @@ def assess_run(
             cases=states,
             requirements=requirements_of(study.requirement),
             strengths=replace(strengths_of(study), tightened=joint.loaded.preloads),
-            books=books,
+            attempt=books.attempt,
             loads=smooth,
             followed=[load.name for load in smooth],
             summed=_summed(study.load_cases),
-            factored=loads,
             reserves=reserves,
             openings=followed_openings(
                 {case.name: reserves[case.name] for case in static if case.name in reserves}
@@ -80,7 +80,7 @@ def assess_run(
             counted = {c.name: c.repetitions for c in study.load_cases if c.repetitions}
             assessment = judge.strengthened(assessment, states, ends, counted)
         with books.attempt("margins of bolts"):
-            return judge.with_margins(assessment)
+            return with_margins(assessment, judge, study.requirement.margins, loads)
         return assessment
     return None
 
@@ -103,7 +103,7 @@ def _scatter(
         return ()
     scatter = PreloadScatter(**study.preload_scatter.model_dump(exclude={"temperatures"}))
     spreads: list[Spread] = []
-    with judge.books.attempt("preload scatter"):
+    with judge.attempt("preload scatter"):
         for load in loads:
             spreads += preload_spreads(
                 exact, surfaces_of(exact), load, scatter, judge.strengths.threads

@@ -1,6 +1,7 @@
-"""What judges a joint over load cases that are solved, those of a run and many of one model."""
+"""What judges a joint over load cases that are solved, whatever solved them."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -8,35 +9,41 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.assessment.case_metrics import bent_bolts
-from faying.assessment.certificate import Certifier
+from faying.assessment.certificate import Certifier, certifier
 from faying.assessment.clamp_range import CertifiedClamps, certified_clamps
 from faying.assessment.joint_assessment import judged, loosest_checks
 from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.opening import Openings, areas_that_open, opening_factors
-from faying.assessment.requirements import Requirements
+from faying.assessment.preload_scatter import PreloadScatter, preload_spreads
+from faying.assessment.recovery import solve_cases_at_ports
+from faying.assessment.requirements import Requirements, check_names
 from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
 from faying.assessment.slip_reserve import SlipReserve
+from faying.assessment.strength.bolt_strengths import BoltStrengths
 from faying.assessment.strength.clamp_ends import clamp_checks
 from faying.assessment.strength.preload_ends import (
     PreloadEnd,
     loosest_forces,
     preload_ends,
+    state_of,
     with_initial,
 )
 from faying.assessment.strength.stressed import with_threads
+from faying.assessment.strength.thread import Thread
+from faying.assessment.strength.tightening import PreloadRange, variation_of
 from faying.assessment.verdicts import wanted_clamps
+from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import surroundings
 from faying.joint.model import Model
-from faying.joint.tangential import tangential_rows
+from faying.joint.tangential import TangentialRows, tangential_rows
 from faying.reduction.projection import contact_surfaces
 from faying.reduction.reduced_model import ReducedModel
-from faying.simulation.load import NamedLoad
+from faying.simulation.load import Load, NamedLoad
 from faying.simulation.solution import Solution
+from faying.simulation.static import solve_static_cases
+from faying.simulation.static_case import solve_static
 from faying.simulation.without_friction import pressures_without_friction
-from faying.study.judgement.margins import demanded_checks
-from faying.study.keys.threads import BoltStrengths
-from faying.study.stages.books import Books
 from faying.units import units_of
 
 UNTOLD = "the file does not tell what is carried along it; reduce the study again"
@@ -61,16 +68,14 @@ class JointJudge:
         What must hold.
     strengths
         What the strength of bolts is judged by.
-    books
-        In which parts of the assessment are attempted.
+    attempt
+        Context, by name, for parts that may fail; they raise unless it is given.
     loads
         Static load cases without friction: those to follow to their openings, and to solve anew.
     followed
         Names of those that are followed.
     summed
         Loads whose slip is judged by sums of forces.
-    factored
-        Static load cases that margins multiply.
     reserves
         Load case to its slip reserve, of joints with friction.
     openings
@@ -83,11 +88,10 @@ class JointJudge:
     cases: Mapping[str, CaseState]
     requirements: Requirements
     strengths: BoltStrengths
-    books: Books
+    attempt: Callable[[str], AbstractContextManager[object]] = nullcontext
     loads: Sequence[NamedLoad] = ()
     followed: Collection[str] = ()
     summed: Sequence[NamedLoad] = ()
-    factored: Sequence[NamedLoad] = ()
     reserves: Mapping[str, SlipReserve] = field(default_factory=dict)
     openings: Mapping[str, Openings] = field(default_factory=dict)
 
@@ -106,7 +110,7 @@ class JointJudge:
     def assessment(self) -> Assessment:
         """Judge bolts and interfaces over the load cases as they are, and what is required."""
         demands: dict[tuple[str, str], SlipDemand] = {}
-        with self.books.attempt("slip by sums"):
+        with self.attempt("slip by sums"):
             demands = self._demands()
         return self._judged({**self._paths(self.followed), **self.openings}, demands)
 
@@ -157,21 +161,6 @@ class JointJudge:
         threads, units = self.strengths.threads, self.system.units
         return with_threads(assessment, histories, threads, units, ends, repetitions)
 
-    def with_margins(self, assessment: Assessment) -> Assessment:
-        """Return an assessment with the margins of bolts that a study demands."""
-        strengths = self.strengths
-        checks = demanded_checks(
-            strengths.margins,
-            strengths.ranges,
-            self.exact,
-            strengths.threads,
-            self.factored,
-            self.coefficients,
-            assessment,
-            self.system.units,
-        )
-        return replace(assessment, checks=checks)
-
     def _judged(
         self, paths: Mapping[str, Openings], demands: Mapping[tuple[str, str], SlipDemand]
     ) -> Assessment:
@@ -195,7 +184,7 @@ class JointJudge:
         areas = areas_that_open(self.surfaces, system.contact.slices, system.bolts)
         for load in self.loads:
             if load.name in followed:
-                with self.books.attempt(f"{load.name}, load factors of opening"):
+                with self.attempt(f"{load.name}, load factors of opening"):
                     (inputs,) = self._inputs([load], initial)
                     openings[load.name] = opening_factors(
                         joint,
@@ -224,7 +213,7 @@ class JointJudge:
         demands = slip_demands(
             system,
             self.surfaces,
-            tangential_rows(system) if isinstance(system, Model) else system.tangential,
+            tangential_of(system),
             [load.name for load in self.summed],
             inputs,
             pressures_without_friction(system, inputs),
@@ -247,6 +236,11 @@ class JointJudge:
 def surfaces_of(system: Model | ReducedModel) -> Mapping[str, ContactSurface]:
     """Return the geometry of the interfaces of a full or reduced model."""
     return contact_surfaces(system) if isinstance(system, Model) else system.interfaces
+
+
+def tangential_of(system: Model | ReducedModel) -> Sequence[TangentialRows]:
+    """Return what is carried along the interfaces of a full or reduced model."""
+    return tangential_rows(system) if isinstance(system, Model) else system.tangential
 
 
 def rest_of(preloaded: Solution) -> CaseState:
@@ -273,3 +267,90 @@ def certified_cases(
     areas = surroundings(surfaces_of(system), system.bolts)
     certificate = judge.certify_inputs(inputs, pressure, areas)
     return {name: certified_clamps(certificate, row) for row, name in enumerate(names)}
+
+
+def assess(
+    system: Model | ReducedModel,
+    loads: Sequence[Load],
+    requirements: Requirements | None = None,
+    *,
+    paths: bool = True,
+    threads: Mapping[str, Thread] | None = None,
+    scatter: PreloadScatter | None = None,
+) -> Assessment:
+    """Judge a joint without friction over static load cases.
+
+    Parameters
+    ----------
+    system
+        Preloaded full or reduced model.
+    loads
+        Histories are taken at time zero.
+    requirements
+        What must hold.
+    paths
+        Whether each load is followed to its openings
+        (:func:`~faying.assessment.opening.opening_factors`).
+    threads
+        Bolt to its thread, whose stress is then compared with the grade.
+    scatter
+        Of the preloads, over which the metrics of each load are then told too.
+
+    Raises
+    ------
+    ModelError
+        If a load does not fit, or there is none.
+
+    Notes
+    -----
+    Some milliseconds a load, besides its path. Clamp forces of the full model
+    are certified: those of a reduced model whose basis gives contact its forces from a static
+    solution at the ports of the full one, another some milliseconds a load.
+    """
+    if not loads:
+        message = "there is no load to assess the joint under; give one or more"
+        raise ModelError(message)
+    names = [load.name for load in loads]
+    if len(set(names)) < len(names):
+        message = "two loads have the same name; give each a name of its own, Load(…, name=…)"
+        raise ModelError(message)
+    demanded = requirements or Requirements()
+    check_names(demanded, list(system.contact.slices), list(system.contact.slices))
+    cases = solve_static_cases(system, loads)
+    full = system.joint if isinstance(system, ReducedModel) else system
+    exact = _exact(system, loads, cases)
+    clamps = certified_cases(certifier(full), system, names, cases.inputs, exact)
+    bent = bent_bolts(system.bolts)
+    states = {
+        name: replace(state_of(cases, row, bent), certified=clamps[name])
+        for row, name in enumerate(names)
+    }
+    factor = 1.0 if scatter is None else scatter.tightening_factor
+    ranges = dict.fromkeys(system.bolts, PreloadRange(variation=variation_of(factor)))
+    judge = JointJudge(
+        system=system,
+        exact=system,
+        preloaded=rest_of(solve_static(system)),
+        cases=states,
+        requirements=demanded,
+        strengths=BoltStrengths(threads=threads or {}, ranges=ranges),
+        loads=loads,
+        followed=names if paths else (),
+        summed=loads,
+    )
+    ends = judge.ends(states)
+    assessment = judge.at_ends(judge.assessment(), ends)
+    spreads = [
+        spread
+        for load in loads
+        if scatter is not None
+        for spread in preload_spreads(system, judge.surfaces, load, scatter, threads or {})
+    ]
+    return judge.strengthened(replace(assessment, scatter=tuple(spreads)), states, ends, {})
+
+
+def _exact(system: Model | ReducedModel, loads: Sequence[Load], cases: Solution) -> Matrix:
+    """Return the full model's pressures (n_case, n_point), to be certified."""
+    if isinstance(system, Model) or system.contact.residual_compliance is not None:
+        return cases.pressure
+    return solve_cases_at_ports(system.joint, loads).pressure
