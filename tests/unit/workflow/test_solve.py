@@ -722,7 +722,8 @@ def test_histories_are_judged_too(model_file, tmp_path):
     summary = solve_loads(rom, read, tmp_path / "out", options).summary
     clamp = summary["assessment"]["verdicts"][0]
     worst = summary["transients"]["jump"]["worst"]["clamp_force.joint"][0]
-    assert clamp["value"] == worst["value"]
+    # One sum over pressures, the other over forces: round-off.
+    assert clamp["value"] == pytest.approx(worst["value"], rel=1e-12)
     assert clamp["case"] == f"jump at {worst['case']}"
 
 
