@@ -6,7 +6,8 @@ before are tried again and again, until none of them opens or slides before.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -55,7 +56,7 @@ def least_factor(
     least, done = exact(int(order[0])), 1
     while done < len(order):
         batch, before = order[done : done + tried], least
-        while len(left := sooner(batch, least)):
+        while len(batch) and len(left := sooner(batch, least)):
             least = min(least, exact(int(left[0])))
             batch = left[1:]
         done, tried = done + tried, 2 * tried
@@ -90,34 +91,27 @@ class Deciding:
         ----------
         estimates : (n_case, n_area)
         """
-        found: dict[str, Openings] = {}
+        joint, loads, found = self.rom.joint, self.loads, dict[str, dict[str, float]]()
         for (name, points), column in zip(self.areas.items(), estimates.T, strict=True):
-            area = {name: points}
+            search = partial(opening_factors, areas={name: points}, open_below=self.open_below)
+            margins = partial(opening_margins, areas={name: points}, open_below=self.open_below)
 
-            def exact(row: int, area: Mapping[str, Mask] = area) -> float:
-                followed = self.opened(self.loads.inputs[row], area)
-                case = self.loads.names[row]
-                opened = {**found[case].opened, **followed.opened} if case in found else None
-                found[case] = replace(followed, opened=opened or followed.opened)
-                return min(followed.opened.values(), default=np.inf)
+            def exact(row: int, search: Callable[..., Openings] = search) -> float:
+                opened = search(joint, loads.inputs[row]).opened
+                found.setdefault(loads.names[row], {}).update(opened)
+                return min(opened.values(), default=np.inf)
 
-            def sooner(rows: Indices, factor: float, area: Mapping[str, Mask] = area) -> Indices:
-                if not len(rows):
-                    return rows
-                inputs, largest = self.loads.inputs[rows], min(factor, LARGEST_FACTOR)
-                margins = opening_margins(
-                    self.rom.joint, inputs, area, largest, open_below=self.open_below
-                )
-                first = np.argsort(margins, kind="stable")
-                return rows[first[margins[first] < 0]]
+            def sooner(
+                rows: Indices, at: float, margins: Callable[..., Vector] = margins
+            ) -> Indices:
+                left = margins(joint, loads.inputs[rows], factor=min(at, LARGEST_FACTOR))
+                first = np.argsort(left, kind="stable")
+                return rows[first[left[first] < 0]]
 
             least_factor(column, exact, sooner, TRIED)
-        return found
-
-    def opened(self, inputs: Vector, areas: Mapping[str, Mask] | None = None) -> Openings:
-        """Return the openings of one load, of all areas unless some are given."""
-        asked = self.areas if areas is None else areas
-        return opening_factors(self.rom.joint, inputs, asked, open_below=self.open_below)
+        return {
+            case: Openings(opened=opened, followed=LARGEST_FACTOR) for case, opened in found.items()
+        }
 
     def reserves(self, rest: Solution, slides: Matrix, opens: Matrix) -> dict[str, SlipReserve]:
         """Return the slip reserves of the cases that slide or open before all others do.

@@ -141,12 +141,10 @@ def solved_checks(
         followed = Deciding(
             rom=rom, loads=loads, areas=demanded.opens, open_below=demanded.open_below
         )
-        slides, opens = static.factors(SLIDES), static.factors(OPENS)
-        if rubs:
-            reserves = followed.reserves(solver.rest, slides, opens)
-            openings = followed_openings(reserves)
-        else:
-            openings = followed.openings(opens)
+        slides, opens = static.of_all(SLIDES), static.of_all(OPENS)
+        with solver.books.attempt("load factors of opening and sliding"):
+            reserves = followed.reserves(solver.rest, slides, opens) if rubs else {}
+            openings = followed_openings(reserves) if rubs else followed.openings(opens)
     deciding = _loads(loads, [loads.names[row] for row in rows])
     judge = JointJudge(
         system=rom,

@@ -88,7 +88,7 @@ class SolvedCases:
             for arrays in self:
                 yield [self.label(row) for row in arrays["rows"].tolist()], arrays["metrics"]
             return
-        table = self._of_all("metrics")
+        table = self.of_all("metrics")
         yield [self.label(row) for row in range(len(table))], table
 
     def worst(self, count: int) -> list[Worst]:
@@ -113,7 +113,7 @@ class SolvedCases:
     def deciding(self, count: int) -> list[int]:
         """Return the worst rows of metrics, and where what is judged at its least is smallest."""
         worst = {entry.row for entry in self.worst(count)}
-        return sorted(worst | smallest_rows(self._of_all(SMALLEST)))
+        return sorted(worst | smallest_rows(self.of_all(SMALLEST)))
 
     def states(self, rows: Collection[int]) -> dict[int, CaseState]:
         """Return those of some rows that were kept, as they are judged."""
@@ -149,17 +149,13 @@ class SolvedCases:
     def column(self, metric: str) -> Vector:
         """Return a metric of all cases or instants, NaN where there is no solution."""
         column = [metric_entry.name for metric_entry in self.metrics].index(metric)
-        return self._of_all("metrics", column)
+        return self.of_all("metrics", column)
 
     def bending(self, bolt: str) -> Matrix:
         """Return the bending moments of a bolt (n_row, 2, 2), NaN where there is no solution."""
-        return self._of_all(f"{BENDING}{bolt}")
+        return self.of_all(f"{BENDING}{bolt}")
 
-    def factors(self, what: str) -> Matrix:
-        """Return the estimated factors of all cases (n_row, n_part), NaN without a solution."""
-        return self._of_all(what)
-
-    def _of_all(self, name: str, column: int | None = None) -> Matrix:
+    def of_all(self, name: str, column: int | None = None) -> Matrix:
         """Return an array of all cases or instants, or a column of it, in their order."""
         parts, rows = [], []
         for arrays in self:

@@ -69,8 +69,8 @@ def largest_amplitude(stresses: Matrix) -> float:
     return float(np.ptp(stresses, axis=0).max()) / 2
 
 
-def miner_sum(stresses: Matrix, repetitions: float, limit: float) -> float:
-    """Return Miner's sum of the worst fibre over a history that is repeated.
+def miner_sums(stresses: Matrix, repetitions: float, limit: float) -> Vector:
+    """Return Miner's sum of each fibre (n_fibre,) over a history that is repeated.
 
     Amplitudes below the endurance do no harm.
 
@@ -80,11 +80,6 @@ def miner_sum(stresses: Matrix, repetitions: float, limit: float) -> float:
     limit : [force/length²]
         σ_ASV.
     """
-    return float(miner_sums(stresses, repetitions, limit).max(initial=0.0))
-
-
-def miner_sums(stresses: Matrix, repetitions: float, limit: float) -> Vector:
-    """Return Miner's sum of each fibre (n_fibre,), see :func:`miner_sum`."""
     sums = np.zeros(stresses.shape[1])
     # Fibres whose whole range stays below the endurance need no counting.
     for fibre in np.flatnonzero(np.ptp(stresses, axis=0) / 2 > limit):

@@ -141,7 +141,13 @@ def solved_end(
     heated: StaticLoad | None,
 ) -> PreloadEnd:
     """Return an end whose static load cases are solved, with a temperature beside them."""
-    solution = solve_at(system, loads, initial, heated)
+    start = np.zeros(1)
+    rest = AT_REST.inputs(system, start)
+    inputs = np.concatenate([rest, *(load.inputs(system, start) for load in loads.values())])
+    if heated is not None:
+        inputs[1:] += heated.inputs(system, start) - rest
+    locked = with_initial(system, inputs, initial)
+    solution = solve_static_inputs(system, locked, "ends of the preloads")
     bent = [name for name in bent_bolts(system.bolts) if name in moved.rest.bolt_moments]
     solved = {name: state_of(solution, row, bent) for row, name in enumerate(loads, start=1)}
     return replace(
@@ -180,22 +186,6 @@ def initial_forces_at(system: System, forces: Mapping[str, float]) -> Vector:
         return locked
     _, initial = BoltsByForce(joint=joint, bolts=chosen).solve(goal, locked, None, None)
     return initial
-
-
-def solve_at(
-    system: System,
-    loads: Mapping[str, StaticLoad],
-    initial: Vector,
-    heated: StaticLoad | None = None,
-) -> Solution:
-    """Solve rest, then static loads and a temperature, bolts locked at initial forces (n_bolt,)."""
-    start = np.zeros(1)
-    rest = AT_REST.inputs(system, start)
-    inputs = np.concatenate([rest, *(load.inputs(system, start) for load in loads.values())])
-    if heated is not None:
-        inputs[1:] += heated.inputs(system, start) - rest
-    locked = with_initial(system, inputs, initial)
-    return solve_static_inputs(system, locked, "ends of the preloads")
 
 
 def state_of(solution: Solution, row: int, bent: Iterable[str]) -> CaseState:
