@@ -42,36 +42,18 @@ class Description:
 
 def fmi2_description(description: Description) -> bytes:
     """Return ``modelDescription.xml`` of FMI 2.0."""
-    root = ET.Element(
-        "fmiModelDescription",
-        _common(description),
-        fmiVersion="2.0",
-        guid=description.token,
-        numberOfEventIndicators="0",
-    )
-    kind = ET.SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=description.identifier,
-        canHandleVariableCommunicationStepSize="true",
-        canInterpolateInputs="true",
-        canNotUseMemoryManagementFunctions="true",
-        canGetAndSetFMUstate="true",
-        canSerializeFMUstate="true",
+    root, kind = _document(
+        description,
+        {"fmiVersion": "2.0", "guid": description.token, "numberOfEventIndicators": "0"},
+        "canInterpolateInputs",
+        "canNotUseMemoryManagementFunctions",
+        "canGetAndSetFMUstate",
+        "canSerializeFMUstate",
     )
     ET.SubElement(ET.SubElement(kind, "SourceFiles"), "File", name="fmi2.c")
-    _add_units(root, description)
-    _add_log(root)
-    _add_experiment(root, description)
     variables = ET.SubElement(root, "ModelVariables")
     for variable in description.variables:
-        entry = ET.SubElement(
-            variables,
-            "ScalarVariable",
-            _meaning(variable),
-            name=variable.name,
-            valueReference=str(variable.reference),
-        )
+        entry = ET.SubElement(variables, "ScalarVariable", _meaning(variable))
         ET.SubElement(entry, TYPES_2[variable.type], _value(variable, description))
     structure = ET.SubElement(root, "ModelStructure")
     for name in ("Outputs", "InitialUnknowns"):
@@ -84,42 +66,25 @@ def fmi2_description(description: Description) -> bytes:
 
 def fmi3_description(description: Description) -> bytes:
     """Return ``modelDescription.xml`` of FMI 3.0."""
-    root = ET.Element(
-        "fmiModelDescription",
-        _common(description),
-        fmiVersion="3.0",
-        instantiationToken=description.token,
+    root, _ = _document(
+        description,
+        {"fmiVersion": "3.0", "instantiationToken": description.token},
+        "canGetAndSetFMUState",
+        "canSerializeFMUState",
     )
-    ET.SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=description.identifier,
-        canHandleVariableCommunicationStepSize="true",
-        canGetAndSetFMUState="true",
-        canSerializeFMUState="true",
-    )
-    _add_units(root, description)
-    _add_log(root)
-    _add_experiment(root, description)
     variables = ET.SubElement(root, "ModelVariables")
-    ET.SubElement(
-        variables,
-        "Float64",
-        name="time",
-        valueReference=str(int(Kind.TIME)),
-        causality="independent",
-        variability="continuous",
-        unit="s",
-        description="simulation time",
-    )
+    time = {
+        "name": "time",
+        "valueReference": str(int(Kind.TIME)),
+        "causality": "independent",
+        "variability": "continuous",
+        "unit": "s",
+        "description": "simulation time",
+    }
+    ET.SubElement(variables, "Float64", time)
     for variable in description.variables:
-        entry = ET.SubElement(
-            variables,
-            TYPES_3[variable.type],
-            _meaning(variable) | _value(variable, description),
-            name=variable.name,
-            valueReference=str(variable.reference),
-        )
+        attributes = _meaning(variable) | _value(variable, description)
+        entry = ET.SubElement(variables, TYPES_3[variable.type], attributes)
         if variable.size is not None:
             ET.SubElement(entry, "Dimension", start=str(variable.size))
     structure = ET.SubElement(root, "ModelStructure")
@@ -140,17 +105,37 @@ def build_description(description: Description) -> bytes:
     return _text(root)
 
 
-def _common(description: Description) -> dict[str, str]:
-    return {
+def _document(
+    description: Description, version: dict[str, str], *abilities: str
+) -> tuple[ET.Element, ET.Element]:
+    """Return a description as far as its variables, and what it says of co-simulation."""
+    common = {
         "modelName": description.title,
         "description": description.text,
         "generationTool": f"faying {faying.__version__}",
         "variableNamingConvention": "flat",
     }
+    root = ET.Element("fmiModelDescription", common | version)
+    able = dict.fromkeys(("canHandleVariableCommunicationStepSize", *abilities), "true")
+    kind = ET.SubElement(root, "CoSimulation", able, modelIdentifier=description.identifier)
+    _add_units(root, description)
+    name, text = LOG_CATEGORY
+    section = ET.SubElement(root, "LogCategories")
+    ET.SubElement(section, "Category", name=name, description=text)
+    ET.SubElement(
+        root,
+        "DefaultExperiment",
+        startTime="0.0",
+        stopTime=f"{DEFAULT_STEPS * description.step_size:.12g}",
+        stepSize=repr(description.step_size),
+    )
+    return root, kind
 
 
 def _meaning(variable: Variable) -> dict[str, str]:
     meaning = {
+        "name": variable.name,
+        "valueReference": str(variable.reference),
         "causality": variable.causality,
         "variability": variable.variability,
         "description": variable.description,
@@ -191,22 +176,6 @@ def _add_units(root: ET.Element, description: Description) -> None:
             powers = zip(("kg", "m", "s", "rad"), unit.exponents, strict=True)
             base = {name: str(power) for name, power in powers if power}
             ET.SubElement(entry, "BaseUnit", base, factor=repr(unit.factor))
-
-
-def _add_log(root: ET.Element) -> None:
-    name, text = LOG_CATEGORY
-    section = ET.SubElement(root, "LogCategories")
-    ET.SubElement(section, "Category", name=name, description=text)
-
-
-def _add_experiment(root: ET.Element, description: Description) -> None:
-    ET.SubElement(
-        root,
-        "DefaultExperiment",
-        startTime="0.0",
-        stopTime=f"{DEFAULT_STEPS * description.step_size:.12g}",
-        stepSize=repr(description.step_size),
-    )
 
 
 def _text(root: ET.Element) -> bytes:
