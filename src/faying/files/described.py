@@ -29,6 +29,9 @@ from faying.files.hdf5 import open_hdf5
 from faying.files.meanings import Meaning, Table
 from faying.units import Units
 
+Node = Any
+"""A group or data set of a file; or a mapping of such, or an array, that stand for them."""
+
 PARTS = "real and imaginary part"
 """Name of the last axis of complex numbers."""
 
@@ -300,8 +303,19 @@ def sparse_matrix(group: h5py.Group, name: str) -> SparseMatrix:
     return matrix
 
 
-def read_value(group: h5py.Group, kind: type, tables: Mapping[type, Table]) -> Any:
-    """Read a dataclass; the annotations of its fields say how."""
+def read_value(group: Node, kind: type, tables: Mapping[type, Table]) -> Any:
+    """Read a dataclass; the annotations of its fields say how.
+
+    Parameters
+    ----------
+    tables
+        Members of dataclasses that are read; of others all fields.
+
+    Raises
+    ------
+    KeyError
+        If a member is missing that has no default.
+    """
     hints = get_type_hints(kind)
     defaulted = {
         field.name
@@ -309,18 +323,18 @@ def read_value(group: h5py.Group, kind: type, tables: Mapping[type, Table]) -> A
         if field.default is not MISSING or field.default_factory is not MISSING
     }
     values: dict[str, Any] = {}
-    for name in tables[kind]:
+    for name in tables[kind] if kind in tables else [field.name for field in fields(kind)]:
         if name in group:
             values[name] = read_member(group[name], hints[name], tables)
         elif types.NoneType in get_args(hints[name]):
             values[name] = None
         elif name not in defaulted:
-            message = f"{group.name.rstrip('/')}/{name} is missing"
+            message = f"{getattr(group, 'name', '').rstrip('/')}/{name} is missing"
             raise KeyError(message)
     return kind(**values)
 
 
-def read_member(node: h5py.Group | h5py.Dataset, hint: Any, tables: Mapping[type, Table]) -> Any:
+def read_member(node: Node, hint: Any, tables: Mapping[type, Table]) -> Any:
     """Read a member as the type it is annotated with."""
     origin, arguments = get_origin(hint), get_args(hint)
     if origin in (types.UnionType, Union):
@@ -328,9 +342,9 @@ def read_member(node: h5py.Group | h5py.Dataset, hint: Any, tables: Mapping[type
     if is_dataclass(hint):
         return read_value(node, hint, tables)  # type: ignore[arg-type]
     if origin is np.ndarray:
-        _check_kind(node, "fiub", "numbers")
+        _check_kind(node, "fiubc", "numbers")
         kind = get_args(arguments[1])[0]
-        if np.issubdtype(kind, np.complexfloating):
+        if np.issubdtype(kind, np.complexfloating) and node.dtype.kind != "c":
             parts = np.asarray(node[()], dtype=float)
             return parts[..., 0] + 1j * parts[..., 1]
         return np.asarray(node[()], dtype=kind)
@@ -340,31 +354,33 @@ def read_member(node: h5py.Group | h5py.Dataset, hint: Any, tables: Mapping[type
         key: Callable[[str], Any] = arguments[0]
         return {key(name): read_member(entry, arguments[1], tables) for name, entry in items(node)}
     if hint is str or origin is Literal:
-        _check_kind(node, "OS", "a text", ndim=0)
-        return node.asstr()[()]
-    if hint is complex:
+        _check_kind(node, "OSU", "a text", ndim=0)
+        return str(_texts(node))
+    if hint is complex and node.dtype.kind != "c":
         _check_kind(node, "fiub", "a complex number", ndim=1)
         return complex(*node[()])
-    _check_kind(node, "fiub", "one number", ndim=0)
+    _check_kind(node, "fiubc", "one number", ndim=0)
     return hint(node[()])
 
 
 def _read_tuple(
-    node: h5py.Group | h5py.Dataset, arguments: tuple[Any, ...], tables: Mapping[type, Table]
+    node: Node, arguments: tuple[Any, ...], tables: Mapping[type, Table]
 ) -> tuple[Any, ...]:
-    if isinstance(node, h5py.Group):
+    if isinstance(node, Mapping):
         return tuple(read_value(entry, arguments[0], tables) for _, entry in items(node))
     if node.size == 0:  # written as texts, whatever it would hold
         return ()
-    _check_kind(node, "OS" if arguments[0] is str else "fiub", "a list", ndim=1)
-    return tuple(node.asstr()[()]) if arguments[0] is str else tuple(node[()].tolist())
+    _check_kind(node, "OSU" if arguments[0] is str else "fiub", "a list", ndim=1)
+    return tuple((_texts(node) if arguments[0] is str else node[()]).tolist())
 
 
-def _check_kind(
-    node: h5py.Group | h5py.Dataset, kinds: str, expected: str, ndim: int | None = None
-) -> None:
+def _texts(node: Node) -> Any:
+    return np.asarray((node.asstr() if isinstance(node, h5py.Dataset) else node)[()])
+
+
+def _check_kind(node: Node, kinds: str, expected: str, ndim: int | None = None) -> None:
     """Refuse a member that is of another kind."""
-    matches = isinstance(node, h5py.Dataset) and node.dtype.kind in kinds
+    matches = not isinstance(node, Mapping) and node.dtype.kind in kinds
     if not matches or ndim not in (None, node.ndim):
-        message = f"'{node.name}' does not hold {expected}"
+        message = f"'{getattr(node, 'name', '')}' does not hold {expected}"
         raise ValueError(message)
