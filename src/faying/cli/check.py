@@ -38,7 +38,7 @@ def check(
     from faying.study.inputs.loads import check_targets
     from faying.study.inputs.model_preview import model_preview
     from faying.study.judgement.model_warnings import missing_contact
-    from faying.study.judgement.solid_constants import bolt_doubts, doubts
+    from faying.study.judgement.solid_constants import bolt_doubts, doubts, uneven_seats
     from faying.study.keys.deck_study import is_bare, study_or_deck
     from faying.study.keys.naming_tables import naming_tables
     from faying.study.keys.requirement_rules import not_judged
@@ -76,7 +76,8 @@ def check(
     ]
     unjudged = not_judged(checked, model)
     shapes = tangled(loaded.assembly)
-    for doubt in [*constants, *filter(None, [shapes, *missing, *jumps]), *unjudged]:
+    seats = uneven_seats(loaded)
+    for doubt in [*constants, *filter(None, [shapes, *missing, *jumps]), *seats, *unjudged]:
         console.print(f"Doubtful: {doubt}", style="bold", highlight=False)
     if out is not None:
         for path in (_picture(loaded, model, out / "model.png"), *_gap_pictures(model, out)):
