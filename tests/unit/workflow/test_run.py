@@ -352,7 +352,7 @@ def test_a_resumed_run_does_not_tighten_again(tmp_path, monkeypatch, more):
     before = offline.prepare_joint(study, opened(tmp_path))
     for name in ("tighten", "tighten_with_friction", "solve_static", "rest_state"):
         monkeypatch.setattr(offline, name, _raise(AssertionError(name)))
-    monkeypatch.setattr(structure, "port_compliance", _raise(AssertionError("compliance")))
+    monkeypatch.setattr(structure, "solved_gram", _raise(AssertionError("compliance")))
     after = offline.prepare_joint(study, opened(tmp_path, resume=True))
     for one, other in ((before.preload, after.preload), (before.rest, after.rest)):
         assert one.name == other.name

@@ -47,7 +47,7 @@ from faying.units import units_of
 
 RESULTS = Format(
     name="results",
-    version=2,
+    version=3,
     wanted="the results.h5 of a finished run",
     remedy="run the study again",
     description=(
