@@ -16,7 +16,7 @@ from faying.simulation.periodic_curve import CurvePoint, Traced
 from faying.simulation.solution import Solution
 
 
-def drawn_curve(system: System, rest: Solution, level: float, traced: Traced) -> ResponseCurve:
+def drawn_curve(system: System, state: Solution, level: float, traced: Traced) -> ResponseCurve:
     """Return the curve of motions, and the periods in which contact or bolts bear most."""
     names, points = boundary_components(system), traced.points
     rows = [_row(system, point) for point in points]
@@ -38,12 +38,12 @@ def drawn_curve(system: System, rest: Solution, level: float, traced: Traced) ->
         missed=traced.missed,
         contact=ContactInMotion(**parts),
         periods={
-            f"{frequency[row]:.6g}": _period(system, rest, points[row]) for row in sorted(decisive)
+            f"{frequency[row]:.6g}": _period(system, state, points[row]) for row in sorted(decisive)
         },
     )
 
 
-def _period(system: System, rest: Solution, point: CurvePoint) -> Period:
+def _period(system: System, state: Solution, point: CurvePoint) -> Period:
     """Return what points and bolts bear along the last period of a motion."""
     loads, outputs, samples = point.problem.loads, point.motion.outputs, point.problem.samples
     added = dict(zip(system.bolts, loads.bolt_forces(outputs), strict=True))
@@ -52,10 +52,10 @@ def _period(system: System, rest: Solution, point: CurvePoint) -> Period:
         times=2 * np.pi / point.motion.circular * np.arange(1, samples + 1) / samples,
         pressure=(forces / system.contact.weights[:, None]).T,
         bolt_forces={
-            name: np.ravel(rest.bolt_force(name))[-1] + force for name, force in added.items()
+            name: np.ravel(state.bolt_force(name))[-1] + force for name, force in added.items()
         },
         bolt_moments={
-            name: rest.bolt_bending(name).reshape(-1, 2, 2)[-1] + ends
+            name: state.bolt_bending(name).reshape(-1, 2, 2)[-1] + ends
             for name, ends in loads.bolt_moments(outputs).items()
         },
     )

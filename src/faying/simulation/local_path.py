@@ -147,11 +147,11 @@ def _changed(local: LocalContact, K: Matrix) -> tuple[Indices, Indices, Matrix, 
     change = K.copy()
     diagonal = np.arange(k)
     change[:, diagonal, diagonal] -= local.springs.T
-    least = UNCHANGED * float(local.springs.max(initial=0.0))
+    round_off = UNCHANGED * float(local.springs.max(initial=0.0))
     by_row = np.abs(change).max(axis=2)
-    points = np.flatnonzero(by_row.max(axis=1) > least)
+    points = np.flatnonzero(by_row.max(axis=1) > round_off)
     rows = (m * np.arange(k)[:, None] + points).ravel()
-    return points, rows, change[points], (least < by_row[points].T).ravel()
+    return points, rows, change[points], (round_off < by_row[points].T).ravel()
 
 
 def _blocks(change: Matrix, values: Matrix) -> Matrix:

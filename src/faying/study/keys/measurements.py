@@ -154,7 +154,7 @@ def _beside_a_sweep(study: Study, section: MeasurementSection) -> dict[str, str]
         return {"frequency": f"there is no [[frequency]] '{section.frequency}'; {advice}"}
     if len(swept.load) > 1:
         return {"frequency": f"'{swept.name}' has several forces, and responses are per force"}
-    strange = [one.level for one in section.response if one.level not in swept.levels]
+    strange = [test.level for test in section.response if test.level not in swept.levels]
     if strange:
         levels = ", ".join(f"{level:g}" for level in swept.levels)
         text = f"'{swept.name}' has no level {strange[0]:g}; its levels are {levels}"
