@@ -20,7 +20,7 @@ from faying.assessment.sliding import resistance_used
 from faying.assessment.slip import SLIP, SlipStates, on_the_bound, point_states
 from faying.exceptions import ModelError
 from faying.joint.system import System
-from faying.simulation.load import Load
+from faying.simulation.load import InputRow, Load
 from faying.simulation.path import (
     PathStep,
     follow,
@@ -108,10 +108,10 @@ class SlipReserve:
 
 def slip_reserve(
     system: System,
-    load: Load,
+    load: Load | InputRow,
     initial: Solution | None = None,
     *,
-    share: float = 0.5,
+    share: float | None = 0.5,
     increments: int = 10,
     largest: float = LARGEST_FACTOR,
     open_below: float | None = None,
@@ -133,7 +133,7 @@ def slip_reserve(
         Preloaded state the path goes on from; by default the bolts are tightened first, in one
         increment with friction.
     share
-        Share of the area in contact, above 0 and at most 1.
+        Share of the area in contact, above 0 and at most 1; None seeks no slip but that of all.
     increments
         Increments up to the nominal load.
     largest
@@ -157,36 +157,7 @@ def slip_reserve(
     """
     _check(system, load, share, increments, largest)
     preloaded = solve_path(system, [Load()]) if initial is None else initial
-    inputs = path_inputs(system, [load.scaled(0.0), load.scaled(1.0)])
-    return growing_reserve(
-        system,
-        inputs,
-        preloaded,
-        share=share,
-        increments=increments,
-        largest=largest,
-        open_below=open_below,
-    )
-
-
-def growing_reserve(
-    system: System,
-    inputs: Matrix,
-    preloaded: Solution,
-    *,
-    share: float | None = None,
-    increments: int = 10,
-    largest: float = LARGEST_FACTOR,
-    open_below: float | None = None,
-) -> SlipReserve:
-    """Find the load factors of a load whose inputs (2, n_input) at factors 0 and 1 are given.
-
-    Parameters
-    ----------
-    share
-        As of :func:`slip_reserve`; without one, only slip as a whole and openings are sought.
-    """
-    search = _Search.of(system, inputs, preloaded)
+    search = _Search.of(system, load, preloaded)
     opens = {} if open_below is None else search.opening(open_below)
     events: dict[str, Event[PathStep]] = {
         **{f"{AREA}{name}": happens for name, happens in opens.items()},
@@ -252,11 +223,13 @@ def friction_used(system: System, name: str, forces: Matrix) -> float:
     )
 
 
-def _check(system: System, load: Load, share: float, increments: int, largest: float) -> None:
+def _check(
+    system: System, load: Load | InputRow, share: float | None, increments: int, largest: float
+) -> None:
     if not len(system.contact.rubbing) or not (system.contact.friction > 0).any():
         message = "the model has no friction, so nothing holds that could slip; add friction"
         raise ModelError(message)
-    if not 0 < share <= 1:
+    if share is not None and not 0 < share <= 1:
         message = f"the share of slipping area is {share:g}; give one above 0 and at most 1"
         raise ModelError(message)
     if increments < 1 or not 0 < largest < np.inf:
@@ -291,8 +264,9 @@ class _Search:
     growing: Vector
 
     @classmethod
-    def of(cls, system: System, inputs: Matrix, preloaded: Solution) -> Self:
+    def of(cls, system: System, load: Load | InputRow, preloaded: Solution) -> Self:
         """Begin at a preloaded state."""
+        inputs = path_inputs(system, [load.scaled(0.0), load.scaled(1.0)])
         fixed, full = moved_alone(system, inputs)
         start = path_start(system, preloaded)
         return cls(system=system, start=start, fixed=fixed, growing=full - fixed)

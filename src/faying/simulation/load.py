@@ -69,14 +69,23 @@ class InputRow:
     name
         Of the load case.
     row : (n_input,)
+    factor
+        Of all but the initial forces of the bolts.
     """
 
     name: str
     row: Vector
+    factor: float = 1.0
 
-    def inputs(self, system: Joint, times: Vector) -> Matrix:  # noqa: ARG002 - of every system
+    def inputs(self, system: Joint, times: Vector) -> Matrix:
         """Return the row once for each of the times (n_time, n_input)."""
-        return np.tile(self.row, (len(times), 1))
+        row, bolts = self.factor * self.row, system.port_compliance.bolts
+        row[bolts] = self.row[bolts]
+        return np.tile(row, (len(times), 1))
+
+    def scaled(self, factor: float) -> "InputRow":
+        """Return the load multiplied, the bolts as they are."""
+        return InputRow(name=self.name, row=self.row, factor=factor * self.factor)
 
 
 @dataclass(frozen=True, eq=False)

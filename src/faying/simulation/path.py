@@ -14,7 +14,7 @@ from faying.contact.laws_at_points import LawsAtPoints
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import System, input_forces
 from faying.linalg.threads import threads_for
-from faying.simulation.load import Load
+from faying.simulation.load import Load, StaticLoad
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import OF_EACH_STATE, carried_inputs
 from faying.simulation.static import port_forces, relative_forces, solve_static_inputs
@@ -75,7 +75,7 @@ def solve_path(
     return assembled(system, inputs, steps, name)
 
 
-def path_inputs(system: System, loads: Sequence[Load]) -> Matrix:
+def path_inputs(system: System, loads: Sequence[StaticLoad]) -> Matrix:
     """Return the inputs of a sequence of loads (n_load, n_input).
 
     Raises

@@ -14,11 +14,11 @@ import numpy as np
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.assessment.growth import LARGEST_FACTOR
 from faying.assessment.opening import Openings, opening_factors, opening_margins
-from faying.assessment.slip_reserve import SlipReserve, growing_reserve
+from faying.assessment.slip_reserve import SlipReserve, slip_reserve
 from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.load import InputRow
 from faying.simulation.solution import Solution
 from faying.study.inputs.load_set import LoadSet
-from faying.study.keys.tables import DEFAULT_INCREMENTS
 
 TRIED = 8
 """Cases that are tried first beside the one that is followed, which costs eight times as much.
@@ -124,18 +124,13 @@ class Deciding:
             Estimated factors.
         """
         found: dict[str, SlipReserve] = {}
-        begun = np.atleast_2d(rest.inputs)[-1]
 
         def reserve(row: int) -> SlipReserve:
             name = self.loads.names[row]
             if name not in found:
-                found[name] = growing_reserve(
-                    self.rom,
-                    np.array([begun, self.loads.inputs[row]]),
-                    rest,
-                    increments=DEFAULT_INCREMENTS,
-                    open_below=self.open_below if self.areas else None,
-                )
+                load = InputRow(name=name, row=self.loads.inputs[row])
+                below = self.open_below if self.areas else None
+                found[name] = slip_reserve(self.rom, load, rest, share=None, open_below=below)
             return found[name]
 
         def slid(row: int) -> float:
