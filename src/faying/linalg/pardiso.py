@@ -145,7 +145,7 @@ def _bordered(A: SparseMatrix, ports: SparseMatrix) -> PardisoHandle | None:
     unknowns = with_relative_unknowns(ports)
     if unknowns is None:
         return None
-    upper = sp.triu(unknowns.T @ (A @ unknowns), format="csr")
+    upper = sp.triu(unknowns.T.tocsr() @ (A @ unknowns), format="csr")
     upper.sort_indices()
     places = upper.indices.astype(np.int32), upper.indptr.astype(np.int32)
     return PardisoHandle(upper.data[:, None, None], *places, border=ports.shape[0])
