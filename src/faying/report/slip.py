@@ -9,7 +9,7 @@ import numpy as np
 from faying._typing import Indices, Vector
 from faying.assessment.growth import PRECISION
 from faying.assessment.slip import SLIP, STICK
-from faying.assessment.slip_demand import SlipDemand
+from faying.assessment.slip_demand import SMALLEST_FRICTION, SlipDemand
 from faying.assessment.slip_reserve import SlipReserve
 from faying.display.quantities import number, percent, place, quantity
 from faying.report.figures.backbone import abscissa, unit_of
@@ -150,7 +150,9 @@ def demand_table(results: Results) -> Table:
 
 
 def _needing(demand: SlipDemand) -> str | None:
-    return largest(demand.needed_friction)
+    """Return the load case that needs most friction; None where none acts along the area."""
+    needed = demand.needed_friction.items()
+    return largest({case: share for case, share in needed if share > SMALLEST_FRICTION})
 
 
 def _needed(demand: SlipDemand) -> Cell | float | None:

@@ -165,7 +165,7 @@ def test_slip_without_friction_is_judged_by_sums(tmp_path):
     pressed = replace(found, needed_friction={"bend": 1e-13}, safety={})
     joint = replace(results.assessment.interfaces["joint"], slip=pressed)
     alone = replace(results, assessment=replace(results.assessment, interfaces={"joint": joint}))
-    assert "safety S_G" not in cells(demand_table(alone))["joint"]
+    assert not {"safety S_G", "friction needed"} & set(cells(demand_table(alone))["joint"])
     (slip,) = (one for one in run_verdict(alone).parts[1].checks if one.quantity == "slip")
     assert (slip.outcome, slip.utilisation) == ("met", 0.0)  # nothing to carry
     (slip,) = (one for one in run_verdict(results).parts[1].checks if one.quantity == "slip")
