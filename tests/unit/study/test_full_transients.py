@@ -87,6 +87,7 @@ def test_displacements_of_all_instants_are_not_held(tmp_path):
 
 def test_instants_that_do_not_fit_are_refused(tmp_path, monkeypatch):
     joint, cases = prepared(tmp_path, count=100 * PIECE)
+    assert joint.period > 0  # factorizes
     monkeypatch.setenv(VARIABLE, "1e6")
     with pytest.raises(NotEnoughMemoryError, match="contact forces and gaps of 1 transients"):
         full_transients(joint, [FullTransient(case=cases[0])])

@@ -64,8 +64,6 @@ class PreparedJoint:
         The static state at that moment (Fig. 15.3).
     rest
         That of the model with locked bolts, where transients start.
-    period
-        Longest period of small vibrations about the preloaded state; infinite without mass.
     preload_path
         Loads by which the bolts were tightened with friction; none where it was without.
     """
@@ -77,8 +75,15 @@ class PreparedJoint:
     tightening: Tightening
     preload: Solution
     rest: Solution
-    period: float
     preload_path: tuple[Load, ...] = ()
+
+    @cached_property
+    def period(self) -> float:
+        """Longest period of small vibrations about the preloaded state; infinite without mass."""
+        if not self.model.structure.has_mass:
+            return np.inf
+        with self.books.stage("frequencies"):
+            return 1.0 / float(preloaded_frequencies(self.model, 1, state=self.rest)[0])
 
     @cached_property
     def certifier(self) -> Certifier:
@@ -133,8 +138,6 @@ def prepare_joint(study: Study, books: Books | None = None) -> PreparedJoint:
     with books.stage("preload"):
         final = model
         preloaded = kept_state(checkpoint, "rest", final, lambda: solve_static(final))
-    with books.stage("frequencies"):
-        period = _longest_period(model, preloaded)
     return PreparedJoint(
         study=study,
         books=books,
@@ -143,7 +146,6 @@ def prepare_joint(study: Study, books: Books | None = None) -> PreparedJoint:
         tightening=tightening,
         preload=preload,
         rest=preloaded,
-        period=period,
     )
 
 
@@ -166,8 +168,6 @@ def _rubbing_joint(
         tightening, path = kept_tightening(books.checkpoint, "tightening", tightened)
         locked = model.with_bolt_forces(tightening.initial_forces)
         preloaded = kept_state(books.checkpoint, "rest", locked, lambda: rest_state(locked, path))
-    with books.stage("frequencies"):
-        period = _longest_period(locked, preloaded)
     return PreparedJoint(
         study=study,
         books=books,
@@ -176,16 +176,8 @@ def _rubbing_joint(
         tightening=tightening,
         preload=preloaded,
         rest=preloaded,
-        period=period,
         preload_path=path,
     )
-
-
-def _longest_period(model: Model, preloaded: Solution) -> float:
-    """Return the longest period of small vibrations about a state; infinite without mass."""
-    if not model.structure.has_mass:
-        return np.inf
-    return 1.0 / float(preloaded_frequencies(model, 1, state=preloaded)[0])
 
 
 def _condense(model: Model, books: Books, key: str) -> None:
