@@ -233,7 +233,7 @@ class CaseRunner:
     def _rest(self, system: System, label: str) -> Solution:
         """Return the preloaded state of one model."""
         if label not in self._known_rest:
-            self._known_rest[label] = rest_state(system, self.joint.preload_path)
+            self._known_rest[label] = rest_state(system, self.joint.preload_path, self.joint.rest)
         return self._known_rest[label]
 
     def _reserve(self, case: LoadCaseSection) -> SlipReserve | None:

@@ -158,7 +158,7 @@ class FrequencyRunner:
                 self.swept.load,
                 curve.level,
                 peak.frequency,
-                rest_state(self.rom, self.joint.preload_path),
+                rest_state(self.rom, self.joint.preload_path, self.joint.rest),
             )
         motion = settled.fundamental[settled.components.index(self._at)]
         return TransientCheck(

@@ -22,6 +22,7 @@ from faying.reduction.projection import projected
 from faying.reduction.snapshots import static_snapshots
 from faying.simulation.frictional_preload import tighten_with_friction
 from faying.simulation.load import Load
+from faying.simulation.path import last_of
 from faying.simulation.preload import Sticking, Tightening, tighten, with_sticking
 from faying.simulation.solution import Solution
 from faying.simulation.static_case import solve_static
@@ -162,6 +163,8 @@ def _rubbing_joint(
         if not study.friction_during_preload:
             return tighten(smooth_joint(model), forces, losses=losses(study)), ()
         path_tightening = tighten_with_friction(model, forces, losses=losses(study))
+        # Kept before the path that led there, which need not be followed a second time.
+        kept_state(books.checkpoint, "rest", model, lambda: last_of(path_tightening.rest))
         return path_tightening.tightening, path_tightening.loads
 
     with books.stage("preload"):

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -56,14 +57,21 @@ def advances(case: LoadCaseSection, model: Model) -> int:
     return len(_factors(case)[1])
 
 
-def rest_state(system: System, tightening: tuple[Load, ...]) -> Solution:
+def rest_state(
+    system: System, tightening: tuple[Load, ...], full: Solution | None = None
+) -> Solution:
     """Return the preloaded state of a full or reduced model.
 
     Parameters
     ----------
     tightening
         Path that tightened the bolts with friction; without one they were tightened without.
+    full
+        The state of the full model, in which reduced models of its static compliance begin.
     """
+    if tightening and full is not None and system.contact.residual_compliance is not None:
+        state = last_of(solve_path(system, tightening[-1:], full, name="preload"))
+        return replace(state, dissipation=full.dissipation)
     if tightening:
         return last_of(solve_path(system, tightening, name="preload"))
     if (system.contact.friction > 0).any():

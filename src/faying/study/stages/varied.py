@@ -20,6 +20,7 @@ from faying.reduction.craig_bampton import craig_bampton
 from faying.reduction.projection import projected
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.frictional_preload import tighten_with_friction
+from faying.simulation.path import last_of
 from faying.simulation.preload import tighten
 from faying.simulation.solution import Solution
 from faying.simulation.without_friction import smooth_joint
@@ -98,12 +99,11 @@ class VariedJoint:
         with naming(_written(values)):
             if study.friction_during_preload:
                 path = tighten_with_friction(system, forces, losses=losses(study))
-                initial, loads = path.tightening.initial_forces, path.loads
-            else:
-                smooth = tighten(smooth_joint(system), forces, losses=losses(study))
-                initial, loads = smooth.initial_forces, ()
-            locked = system.with_bolt_forces(initial)
-            return locked, rest_state(locked, loads)
+                locked = system.with_bolt_forces(path.tightening.initial_forces)
+                return locked, replace(last_of(path.rest), system=locked)
+            smooth = tighten(smooth_joint(system), forces, losses=losses(study))
+            locked = system.with_bolt_forces(smooth.initial_forces)
+            return locked, rest_state(locked, ())
 
     def curves(self, values: Mapping[str, float]) -> Curves:
         """Return the backbones of all load cases that are some.
