@@ -7,8 +7,7 @@ import pytest
 from witness import pyyeti_nastran
 
 from faying.exceptions import FormatError
-from faying.io.dmig import read_dmig
-from faying.io.dmig_writer import dmig_text
+from faying.io.dmig import dmig_text, read_dmig
 from faying.io.matrix_files import read_matrix
 
 bulk = pyyeti_nastran().bulk

@@ -15,7 +15,7 @@ from faying.exceptions import FormatError
 from faying.export.formats import export
 from faying.export.linearized import linearize
 from faying.export.nastran import assembly_cards, punch_cards, superelement_rows
-from faying.io.extrn import read_extrn
+from faying.io.matrix_tables import read_extrn
 from faying.io.op4 import read_op4_matrices
 
 nastran = pyyeti_nastran()

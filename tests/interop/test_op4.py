@@ -10,8 +10,7 @@ from witness import pyyeti_nastran
 
 from faying.exceptions import FormatError, ModelError
 from faying.io.matrix_files import read_matrix
-from faying.io.op4 import read_op4, read_op4_matrices
-from faying.io.op4_writer import write_op4
+from faying.io.op4 import read_op4, read_op4_matrices, write_op4
 
 op4 = pyyeti_nastran().op4
 

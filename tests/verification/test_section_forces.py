@@ -7,7 +7,7 @@ import pytest
 
 import faying as fy
 from faying.io.abaqus import read_joint
-from faying.model.cut_section import section_rows
+from faying.model.bolt_bending import section_rows
 
 KEYWORDS = """\
 *MATERIAL, NAME=S

@@ -14,9 +14,9 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import FormatError, StudyError
 from faying.export.linearized import LinearModel, linearize
-from faying.io.dmig_writer import dmig_text
+from faying.io.dmig import dmig_text
 from faying.io.nastran.layout import Value, large, small
-from faying.io.op4_writer import write_op4
+from faying.io.op4 import write_op4
 from faying.joint.system import elongations, initial_bolt_forces
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.results.values import Results

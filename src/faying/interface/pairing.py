@@ -4,6 +4,7 @@ The conforming interfaces of the zero-thickness elements of Eq. (15.11): every f
 has one partner on the other, node on node.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,12 +16,12 @@ from faying._typing import Indices, Mask, Matrix
 from faying.exceptions import ModelError
 from faying.interface.candidate_facets import candidates, touching_tolerance
 from faying.interface.gap_pairing import pairs_across
-from faying.interface.interface import FacePairs
+from faying.interface.interface import FacePairs, Interface
 from faying.interface.mismatch import check_no_mismatch, facet_place, raise_no_contact
 from faying.interface.selection import select_facets
 from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import Facets, facet_area_vectors, unique_rows
+from faying.model.surface import WIDTH, Facets, facet_area_vectors, unique_rows
 
 __all__ = ["find_interfaces", "pair_facets", "select_facets"]
 
@@ -222,3 +223,44 @@ def _check_facing(
             "overlap, or the nodes of a face set do not run counter-clockwise seen from outside"
         )
         raise ModelError(message)
+
+
+def check_not_doubled(interfaces: Mapping[str, Interface]) -> None:
+    """Refuse two interfaces that pair the same facets, in either order of the sides.
+
+    Raises
+    ------
+    ModelError
+        Naming both interfaces.
+
+    Notes
+    -----
+    One sort of all paired facets.
+    """
+    names = list(interfaces)
+    tables, owners = [], []
+    for number, name in enumerate(names):
+        for faces in interfaces[name].faces:
+            tables.append(_keys(faces.minus, faces.plus))
+            owners.append(np.full(len(faces.minus), number))
+    if not tables:
+        return
+    owner = np.concatenate(owners)
+    first, group, _ = unique_rows(np.concatenate(tables))
+    again = np.flatnonzero(owner[first][group] != owner)
+    if again.size:
+        first, second = (
+            names[number] for number in sorted((owner[first[group[again[0]]]], owner[again[0]]))
+        )
+        message = (
+            f"interfaces '{first}' and '{second}' pair the same {again.size} facets, whose contact "
+            "would count twice; remove one of them (a deck's contact definitions need no "
+            "repetition in the study)"
+        )
+        raise ModelError(message)
+
+
+def _keys(minus: Indices, plus: Indices) -> Indices:
+    """Sorted nodes (n, 16) of both facets, -1 in front."""
+    both = np.sort(np.hstack([minus, plus]), axis=1)
+    return np.pad(both, ((0, 0), (2 * WIDTH - both.shape[1], 0)), constant_values=-1)

@@ -9,17 +9,18 @@ import numpy.typing as npt
 
 from faying._typing import Indices, Mask
 from faying.exceptions import FormatError
-from faying.io.ansys_commands import ArchiveCommands, read_commands
-from faying.io.ansys_routines import (
+from faying.io.ansys_commands import (
     BRICKS_8,
     BRICKS_20,
     CONTACTS,
     NO_STRUCTURE,
     TARGETS,
     TETRAHEDRA_10,
+    ArchiveCommands,
     brick_note,
     is_reduced,
     left_out_note,
+    read_commands,
 )
 from faying.io.isolated import read_isolated
 from faying.io.straight_sides import StraightSides

@@ -12,15 +12,16 @@ from pathlib import Path
 import numpy as np
 import scipy.sparse as sp
 
-from faying._typing import Indices, Vector
+from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import FormatError
 from faying.files.contents import file_bytes
 from faying.io.deck_lines import Lines
 from faying.io.line_texts import split_lines
 from faying.io.matrix_labels import LabelledMatrix
-from faying.io.named_matrices import SQUARE, SYMMETRIC, DamageError, chosen_name
+from faying.io.named_matrices import REAL_DOUBLE, SQUARE, SYMMETRIC, DamageError, chosen_name
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Cards
+from faying.io.nastran.layout import large, small
 from faying.io.nastran.tokenizer import read_cards
 
 REAL = (1, 2)
@@ -197,3 +198,30 @@ def _check_twice(cards: Cards, name: str, entries: _Entries, form: int) -> None:
             f"{column[first] // 10}-{column[first] % 10}{both} is given twice"
         )
         raise FormatError(message)
+
+
+def dmig_text(name: str, matrix: Matrix, dofs: Indices) -> str:
+    """Return the DMIG cards of a matrix, the lower triangle of a symmetric one.
+
+    Parameters
+    ----------
+    matrix : (n, n)
+    dofs : (n, 2)
+        Grid and component of each row; component 0 for scalar points.
+
+    Notes
+    -----
+    Sixteen columns hold ten to fifteen significant digits, a double has seventeen: OP4 loses none.
+    """
+    symmetric = np.array_equal(matrix, matrix.T)
+    form = SYMMETRIC if symmetric else SQUARE
+    cards = [small("DMIG", [name, 0, form, REAL_DOUBLE, 0, None, None, len(matrix)])]
+    for number, column in enumerate(matrix.T):
+        rows = np.flatnonzero(column)
+        rows = rows[rows >= number] if symmetric else rows
+        if len(rows):
+            values = [name, *dofs[number].tolist(), None]
+            for row in rows.tolist():
+                values += [*dofs[row].tolist(), float(column[row]), None]
+            cards.append(large("DMIG", values))
+    return "\n".join(cards) + "\n"

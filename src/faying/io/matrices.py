@@ -11,11 +11,16 @@ import numpy.typing as npt
 from faying._typing import Indices, Matrix, SparseMatrix
 from faying.exceptions import FormatError, ModelError, naming
 from faying.io.deck_geometry import DeckGeometry, is_deck, read_deck_geometry
-from faying.io.matrix_checks import RowLabel, check_mass, checked_matrix, symmetric_matrix
+from faying.io.matrix_checks import (
+    RowLabel,
+    check_mass,
+    checked_matrix,
+    symmetric_matrix,
+    turning_nodes,
+)
 from faying.io.matrix_files import read_matrix
 from faying.io.matrix_labels import aligned
 from faying.io.matrix_tables import read_dof_table, read_id_sets, read_node_table
-from faying.io.turning_rows import turning_nodes
 from faying.model.assembly import (
     Assembly,
     AverageCoupling,

@@ -1,4 +1,8 @@
-"""One matrix from one file, of this or another program, with row labels where it has them."""
+"""One matrix from one file, of this or another program, with row labels where it has them.
+
+SciPy's readers of Matrix Market and MATLAB files are compiled and trust the file: damaged ones
+ended the process by writes beyond its arrays (seen with SciPy 1.17). They have one of their own.
+"""
 
 import zipfile
 from collections.abc import Callable, Mapping
@@ -13,10 +17,10 @@ import scipy.sparse as sp
 
 from faying._typing import SparseMatrix
 from faying.exceptions import FayingError, FormatError
-from faying.files.contents import check_rows, reason_of
+from faying.files.contents import check_room, check_rows, file_size, reason_of
 from faying.files.numpy_archive import read_matrices
+from faying.io.isolated import read_isolated
 from faying.io.matrix_labels import LabelledMatrix
-from faying.io.scipy_matrices import read_market_matrix, read_matlab_matrices
 
 READERS: Mapping[str, str] = {
     ".npz": "faying.io.matrix_files:read_npz",
@@ -125,3 +129,69 @@ def _chosen(variables: Mapping[str, Any], path: Path, name: str) -> Any:
     names = ", ".join(variables) or "nothing"
     message = f"matrix {name}: '{path}' holds {names}; name one of them {name}"
     raise FormatError(message)
+
+
+_SAVED = """
+parts = {}
+for name, value in matrices.items():
+    entries = sp.coo_array(value)
+    parts |= {name + "/row": entries.row, name + "/col": entries.col, name + "/data": entries.data}
+    parts[name + "/shape"] = np.array(value.shape)
+np.savez(sys.argv[2], **parts)
+"""
+
+_MARKET = """
+import sys
+import numpy as np, scipy.io, scipy.sparse as sp
+rows, columns, _, layout, field, symmetry = scipy.io.mminfo(sys.argv[1])
+if field not in ("real", "integer", "unsigned-integer"):
+    sys.exit(f"it is {field} {symmetry}; expected real or integer, general or symmetric")
+if layout == "array":  # of one that is cut off SciPy takes the remainder as zero
+    sides = {"general": 2 * columns, "symmetric": rows + 1, "skew-symmetric": rows - 1}
+    with open(sys.argv[1]) as file:
+        lines = sum(1 for line in file if line.strip() and line[0] != "%") - 1
+    if 2 * lines != rows * sides[symmetry]:
+        sys.exit(f"it is a {symmetry} matrix {rows} x {columns} and holds {lines} numbers")
+matrices = {"": scipy.io.mmread(sys.argv[1])}
+"""
+
+_MATLAB = """
+import sys
+import numpy as np, scipy.io, scipy.sparse as sp
+try:
+    variables = scipy.io.loadmat(sys.argv[1])
+except NotImplementedError:
+    sys.exit("it is a MATLAB 7.3 file; save it in MATLAB with save(..., '-v7')")
+numbers = {
+    name: value
+    for name, value in variables.items()
+    if name[:2] != "__" and getattr(value, "ndim", 0) == 2 and value.dtype.kind in "fiubc"
+}
+matrices = {name: value for name, value in numbers.items() if min(value.shape) > 1} or numbers
+"""
+
+
+def read_market_matrix(path: Path, what: str) -> SparseMatrix:
+    """Read a real matrix, of coordinates or an array."""
+    return _by_scipy(_MARKET, path, what)[""]
+
+
+def read_matlab_matrices(path: Path, what: str) -> dict[str, SparseMatrix]:
+    """Read the matrices of a MATLAB file up to version 7; vectors and numbers where it has none.
+
+    Variables of other classes are left out.
+    """
+    return _by_scipy(_MATLAB, path, what)
+
+
+def _by_scipy(script: str, path: Path, what: str) -> dict[str, SparseMatrix]:
+    check_room(file_size(path), path)
+    parts = read_isolated(script + _SAVED, path, what)
+    names = [key.removesuffix("/shape") for key in parts if key.endswith("/shape")]
+    return {
+        name: sp.coo_array(
+            (parts[f"{name}/data"], (parts[f"{name}/row"], parts[f"{name}/col"])),
+            shape=tuple(parts[f"{name}/shape"].tolist()),
+        )
+        for name in names
+    }

@@ -14,8 +14,7 @@ from faying.interface.friction import with_friction
 from faying.interface.gap_pairing import declared_area
 from faying.interface.interface import Interface, stack
 from faying.interface.mortar import build_mortar_interface, find_couplings
-from faying.interface.overlap import check_not_doubled
-from faying.interface.pairing import find_interfaces
+from faying.interface.pairing import check_not_doubled, find_interfaces
 from faying.interface.penalty import automatic_penalty, coupling_penalty
 from faying.interface.zero_thickness import build_interface
 from faying.joint.diagnosis import unconstrained

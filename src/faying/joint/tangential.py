@@ -21,7 +21,7 @@ from faying.joint.model import Model
 from faying.joint.sticking import sticking_forces
 from faying.joint.system import elongations
 from faying.model.bolt import Bolt
-from faying.model.connections import connected_parts
+from faying.model.links import connected_parts
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

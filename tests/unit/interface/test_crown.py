@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from faying.exceptions import ModelError
-from faying.interface.crown import Crown, crown_gap
+from faying.interface.topography import Crown, crown_gap
 from faying.study.inputs.load_model import build
 from faying.study.keys.schema import parse_study
 from small_study import TINY_JOINT

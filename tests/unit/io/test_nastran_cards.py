@@ -9,7 +9,7 @@ from scipy.linalg import eigh
 
 from faying.exceptions import FormatError
 from faying.io.nastran import read_deck
-from faying.io.nastran.parameters import LUMPED
+from faying.io.nastran.case_control import LUMPED
 from faying.model.assembly import Assembly, PointMass
 from faying.model.matrices import assemble_matrices
 

@@ -7,7 +7,7 @@ import pytest
 
 from faying.exceptions import FormatError
 from faying.io.nastran import read_deck
-from faying.io.nastran.parameters import LUMPED
+from faying.io.nastran.case_control import LUMPED
 
 SMALL = """\
 GRID    1               0.      0.      0.

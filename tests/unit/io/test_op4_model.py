@@ -7,10 +7,10 @@ import pytest
 
 import faying as fy
 from faying.exceptions import FormatError
-from faying.io.dmig_writer import dmig_text
+from faying.io.dmig import dmig_text
 from faying.io.matrices import read_matrices
 from faying.io.matrix_tables import read_dof_table
-from faying.io.op4_writer import write_op4
+from faying.io.op4 import write_op4
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ import scipy.io
 import faying as fy
 from faying.exceptions import FormatError, StudyError
 from faying.files.numpy_archive import read_matrices
-from faying.io.abaqus.source import read_spans
+from faying.io.abaqus.deck import read_spans
 from faying.io.isolated import read_isolated
 from faying.io.matrix_files import read_matrix
 from faying.io.matrix_tables import read_node_table

@@ -8,7 +8,7 @@ import numpy as np
 from faying._typing import Matrix
 from faying.io.abaqus import contact, materials, pretension
 from faying.io.abaqus.amplitudes import read_amplitudes
-from faying.io.abaqus.beams import read_beams
+from faying.io.abaqus.beams import read_beams, read_trusses
 from faying.io.abaqus.couplings import (
     read_couplings,
     read_distributing,
@@ -32,7 +32,6 @@ from faying.io.abaqus.keyword_table import READ, without_blanks
 from faying.io.abaqus.left_out import KEYWORDS
 from faying.io.abaqus.loads import nodal_forces, read_concentrated
 from faying.io.abaqus.lone_nodes import with_lone_nodes
-from faying.io.abaqus.masses import note_masses, read_masses
 from faying.io.abaqus.model_changes import (
     is_from_the_start,
     without_removed,
@@ -45,7 +44,7 @@ from faying.io.abaqus.rigid_bodies import read_rigid_bodies, rotation_nodes, sha
 from faying.io.abaqus.sets import NamedSets, read_element_sets, read_node_sets
 from faying.io.abaqus.shells import Shells, read_shells
 from faying.io.abaqus.solid_sections import formulation, note_controls, read_solid_sections
-from faying.io.abaqus.springs import read_springs
+from faying.io.abaqus.springs import note_masses, read_masses, read_springs
 from faying.io.abaqus.supports import read_supports
 from faying.io.abaqus.surfaces import DeckSurface, face_sets, find_surface, read_surfaces
 from faying.io.abaqus.temperatures import (
@@ -54,7 +53,6 @@ from faying.io.abaqus.temperatures import (
     without_temperatures,
 )
 from faying.io.abaqus.ties import read_ties, with_ties
-from faying.io.abaqus.trusses import read_trusses
 from faying.io.left_out import Occurrence
 from faying.io.moved_supports import moved_note, with_moved_supports
 from faying.io.solid_cuts import Cut, close_cuts, cut_mesh, origins

@@ -11,20 +11,26 @@ from faying._typing import Indices
 from faying.exceptions import FormatError
 from faying.io.left_out import Occurrence
 from faying.io.nastran.beam_ends import BeamEnds
-from faying.io.nastran.beams import read_beams
+from faying.io.nastran.beams import read_beams, read_warping
 from faying.io.nastran.bends import read_bends
 from faying.io.nastran.bushes import read_bushes
 from faying.io.nastran.card_table import FIELDS
 from faying.io.nastran.cards import Cards
-from faying.io.nastran.case_control import CaseControl, parameter_lines, read_case_control
+from faying.io.nastran.case_control import (
+    LUMPED,
+    CaseControl,
+    is_heat,
+    lumps_masses,
+    mass_factor,
+    parameter_lines,
+    read_case_control,
+)
 from faying.io.nastran.coordinates import ON_AXIS
-from faying.io.nastran.couplings import read_average_coupling
-from faying.io.nastran.equations import read_equations
+from faying.io.nastran.couplings import read_average_coupling, read_equations
 from faying.io.nastran.general_elements import read_general_elements
 from faying.io.nastran.grids import Grids, read_grids
 from faying.io.nastran.left_out import ADDED_MASS, CARDS, USERS
 from faying.io.nastran.loads import UNSUPPORTED, read_loads
-from faying.io.nastran.masses import read_masses, without_rotation
 from faying.io.nastran.materials import (
     MATERIALS,
     materials_named,
@@ -32,8 +38,6 @@ from faying.io.nastran.materials import (
     read_materials,
 )
 from faying.io.nastran.moved_supports import Moved, with_moving
-from faying.io.nastran.panel_sides import read_panel_sides
-from faying.io.nastran.parameters import LUMPED, is_heat, lumps_masses, mass_factor
 from faying.io.nastran.plane_materials import PlaneMaterial, read_plane_materials
 from faying.io.nastran.rigid_elements import read_rigid_elements
 from faying.io.nastran.rods import read_rods
@@ -41,7 +45,7 @@ from faying.io.nastran.sections import read_sections
 from faying.io.nastran.sets import read_sets
 from faying.io.nastran.shell_sections import read_shell_properties
 from faying.io.nastran.shell_to_solid import read_shell_to_solid
-from faying.io.nastran.shells import SHELL_CARDS, read_shells
+from faying.io.nastran.shells import SHELL_CARDS, read_panel_sides, read_shells
 from faying.io.nastran.solid_bolts import control_grids
 from faying.io.nastran.solid_materials import read_anisotropic
 from faying.io.nastran.solids import (
@@ -52,10 +56,14 @@ from faying.io.nastran.solids import (
     read_solids,
 )
 from faying.io.nastran.source import read_source
-from faying.io.nastran.springs import read_scalar_masses, read_springs
+from faying.io.nastran.springs import (
+    read_masses,
+    read_scalar_masses,
+    read_springs,
+    without_rotation,
+)
 from faying.io.nastran.supports import read_supports
 from faying.io.nastran.tokenizer import read_cards
-from faying.io.nastran.warping import read_warping
 from faying.io.straight_sides import StraightSides
 from faying.model.assembly import Assembly
 from faying.model.mesh import Mesh

@@ -1,18 +1,20 @@
 """CTRIA3, CQUAD4, CTRIA6, CQUAD8, CTRIAR, CQUADR, CSHEAR: shells and shear panels."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
 from faying.digits import DECK_DIGITS
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.cards import Cards
+from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.shell_sections import ShellProperty
-from faying.io.nastran.solids import check_distinct, property_ids
+from faying.io.nastran.solids import check_distinct, material_of, property_ids
 from faying.io.straight_sides import StraightSides
+from faying.model.assembly import Beam, BeamSection, Material
+from faying.model.axes import any_across
 from faying.model.elements import FACES
 from faying.model.shell_matrices import PANEL
 from faying.model.shells import ShellBlock, ShellSection
@@ -187,3 +189,59 @@ def _at_angle(places: Matrix, angle: Vector) -> Matrix:
     size = np.linalg.norm(normal, axis=1)
     unit = normal / np.where(size > 0, size, 1.0)[:, None]
     return np.asarray(np.cos(angle)[:, None] * side + np.sin(angle)[:, None] * np.cross(unit, side))
+
+
+_FULL = 1.01
+
+
+def read_panel_sides(
+    cards: Mapping[str, Cards], grids: Grids, materials: Mapping[int, Material], first: int
+) -> list[Beam]:
+    """Return what shear panels carry along their sides as rods without mass, from ``first`` on.
+
+    MSC Nastran Quick Reference Guide: up to F1 = 1.01 the rods on sides 1-2 and 3-4 have the area
+    F1 T P / (L12 + L34) each, with the area P of the panel and the lengths L of the sides, so that
+    F1 = 1 is a panel that carries all of its normal stress along them; beyond, F1 T² / 2, a width
+    of F1 T in all. F2 is the same of sides 2-3 and 4-1.
+    """
+    rods: list[Beam] = []
+    properties = by_id(cards, "PSHEAR")
+    for card in cards.get("CSHEAR", ()):
+        panel = properties[card.integer(1, card.integer(0))]
+        factors = panel.real(4, 0.0), panel.real(5, 0.0)
+        if any(factors):
+            material = material_of(panel, 1, materials)
+            rods += _sides(card, grids, factors, panel.real(2), material, first + len(rods))
+    return rods
+
+
+def _sides(
+    card: Card,
+    grids: Grids,
+    factors: tuple[float, float],
+    thickness: float,
+    material: Material,
+    first: int,
+) -> list[Beam]:
+    nodes = [grids.one(card, 2 + j) for j in range(4)]
+    corners = grids.nodes[nodes]
+    sides = np.roll(corners, -1, axis=0) - corners
+    lengths = np.linalg.norm(sides, axis=1)
+    panel = float(np.linalg.norm(np.cross(corners[2] - corners[0], corners[3] - corners[1])) / 2)
+    rods: list[Beam] = []
+    for pair, factor in ((0, factors[0]), (1, factors[1])):
+        if factor == 0:
+            continue
+        width = panel / float(lengths[pair] + lengths[pair + 2])
+        area = factor * thickness * (width if factor <= _FULL else thickness / 2)
+        for side in (pair, pair + 2):
+            rods.append(
+                Beam(
+                    id=first + len(rods),
+                    nodes=(nodes[side], nodes[(side + 1) % 4]),
+                    section=BeamSection(area=area, inertia_y=0.0, inertia_z=0.0, torsion=0.0),
+                    material=replace(material, density=0.0, expansion=None),
+                    orientation=any_across(sides[side]),
+                )
+            )
+    return rods

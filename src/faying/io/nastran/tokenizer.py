@@ -17,8 +17,7 @@ from faying.io.line_texts import LineTexts, joined
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Bulk
 from faying.io.nastran.fields import Fields
-from faying.io.nastran.free_lines import unfolded
-from faying.io.nastran.replication import replicated
+from faying.io.nastran.replication import replicated, unfolded
 
 _BLANK, _STAR, _PLUS, _COMMA = (ord(c) for c in " *+,")
 _BLANKS = np.frombuffer(b" " * 8, dtype=np.uint64)[0]

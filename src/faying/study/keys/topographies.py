@@ -4,10 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
-from faying.interface.crown import Crown, crown_gap
 from faying.interface.gap_field import with_gap_offset
 from faying.interface.surface_scan import read_scan
-from faying.interface.topography import ScanPlacement, topography
+from faying.interface.topography import Crown, ScanPlacement, crown_gap, topography
 from faying.joint.model import Model
 from faying.study.keys.section import ExistingFile, Number, Point, Positive, Section
 
@@ -30,7 +29,7 @@ class TopographySection(Section):
 
 
 class CrownSection(Section):
-    """[[interface.crown]]: see :class:`faying.interface.crown.Crown`."""
+    """[[interface.crown]]: see :class:`faying.interface.topography.Crown`."""
 
     origin: Point
     along: Point
@@ -45,7 +44,7 @@ def with_crowns(model: Model, crowns: Mapping[str, Sequence[CrownSection]]) -> M
     Raises
     ------
     ModelError
-        As :func:`faying.interface.crown.crown_gap`.
+        As :func:`faying.interface.topography.crown_gap`.
     """
     for name, sections in crowns.items():
         interface = model.interfaces[name]
