@@ -1,6 +1,6 @@
 """Inertia for the interface of transients whose estimated error asks for it.
 
-``docs/decisions/0031-inertia-when-needed.md`` says what a run does then, and why.
+``docs/theory/transient_accuracy.md`` says what a run does then.
 """
 
 from collections.abc import Mapping
