@@ -51,6 +51,6 @@ def test_refusals_say_whether_there_is_a_solution(joints, monkeypatch, index, re
     """One with penalties, where few steps are allowed, and one whose rigid gaps contradict."""
     for limit in ("MOST_STEPS", "MOST_BOUNDS", "MOST_PROXIMAL"):
         monkeypatch.setattr(frictional, limit, 1)
-    monkeypatch.setattr("faying.contact.yielding.MOST_STEPS", 1)
+    monkeypatch.setattr("faying.contact.newton_descent.MOST_STEPS", 1)
     *_, last = outcomes(index, joints)
     assert reason in last.refused

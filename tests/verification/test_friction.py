@@ -10,7 +10,7 @@ from test_reference_cantilever import AXIAL, generated, node_map, reference_pres
 
 import faying as fy
 from faying.assessment.stuck_modes import stuck_mode
-from faying.contact import yielding
+from faying.contact import newton_descent
 from faying.contact.between_pairs import ByCompliance
 from faying.contact.frictional import ROUND_OFF, SOLVED, FrictionalContact
 from faying.contact.laws import Coulomb, Hard, Penalty
@@ -296,7 +296,7 @@ def test_a_path_without_loads_is_refused(coarse):
 
 
 def test_tightening_that_is_not_solved_says_what_to_do(coarse, monkeypatch):
-    for solver in ("frictional", "yielding"):
+    for solver in ("frictional", "newton_descent"):
         monkeypatch.setattr(f"faying.contact.{solver}.SOLVED", 0.0)  # nothing is solved to this
     with pytest.raises(ConvergenceError, match="friction_during_preload = false"):
         fy.solve_path(coarse, [fy.Load()])
@@ -445,7 +445,7 @@ def test_what_knows_no_friction_refuses_it(coarse):
     ("solver_of", "round_off"),
     [
         (lambda contact, S: FrictionalContact(contact=contact, S=S), ROUND_OFF),
-        (by_displacements, yielding.ROUND_OFF),
+        (by_displacements, newton_descent.ROUND_OFF),
     ],
     ids=["forces", "displacements"],
 )

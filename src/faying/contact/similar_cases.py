@@ -15,7 +15,7 @@ from scipy.linalg import LinAlgError, lapack
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.contact.increment_solver import IncrementSolver
 from faying.contact.laws_at_points import LawsAtPoints
-from faying.contact.yielding import (
+from faying.contact.newton_descent import (
     COUNTS,
     ENOUGH,
     FLAT,
@@ -23,8 +23,8 @@ from faying.contact.yielding import (
     MOST_TRIALS,
     ROUND_OFF,
     SOLVED,
-    YieldingContact,
 )
+from faying.contact.yielding import YieldingContact
 
 FEWEST = 8
 """Cases from which an inverse of their own is worth it: it takes as long as two cases alone."""

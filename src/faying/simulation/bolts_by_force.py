@@ -20,7 +20,8 @@ from scipy.linalg import LinAlgError
 from faying._typing import Indices, Matrix, Vector
 from faying.contact.glued_pairs import GluedPairs
 from faying.contact.increment import Increment
-from faying.contact.yielding import YieldingContact, solve_yielding
+from faying.contact.newton_descent import solve_yielding
+from faying.contact.yielding import YieldingContact
 from faying.exceptions import ConvergenceError
 from faying.joint.system import Joint
 

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from faying.contact import yielding
+from faying.contact import newton_descent
 from faying.contact.between_pairs import ByCompliance
 from faying.contact.frictional import SOLVED
 from faying.contact.glued_pairs import GluedPairs
@@ -101,9 +101,9 @@ def test_points_that_all_stick_are_what_a_solution_begins_with(monkeypatch):
     """Gaps count with their sign: what stays closed and stuck is solved without a step."""
     compliance, gap = 0.1, -np.linspace(1.0, 2.0, 5)
     solver = by_displacements(apart(5, compliance))
-    monkeypatch.setattr(yielding, "MOST_STEPS", 0)
+    monkeypatch.setattr(newton_descent, "MOST_STEPS", 0)
     offset = np.vstack([gap, np.zeros((2, 5))])
-    found = yielding.solve_yielding(solver.laws, solver.pairs, np.zeros(15), offset)
+    found = newton_descent.solve_yielding(solver.laws, solver.pairs, np.zeros(15), offset)
     # Springs in series, to round-off.
     pressed = -gap / (1 / POINT_STIFFNESS + compliance)
     np.testing.assert_allclose(found.forces[0], pressed, rtol=1e-13)

@@ -1,0 +1,260 @@
+"""Newton's method on relative displacements, for contact of points that yield under any law.
+
+With the relative displacements y of the pairs, y_f of them without contact forces, z = G y + z₀
+at the points (z₀ holds the gap and minus the slip so far) and λ(z) what the laws answer, a problem
+is
+
+    R(y) = Σ (y − y_f) + h − Gᵀ λ(G y + z₀) = 0,   Σ = S⁻¹,                                   (F8)
+
+and a step solves (Σ + Gᵀ K G) d = −R with K = −∂λ/∂z (:mod:`~faying.contact.glued_pairs`). It is
+taken whole where that halves R, or its part dᵀR along the step; otherwise as far as dᵀR vanishes.
+Without friction R is the slope of a convex energy, and the method always arrives. Coulomb's law has
+none: where a step does not descend, or goes a short way, the next one holds tangential forces to
+the bounds of the last normal ones, which is convex again (Tresca).
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from faying._typing import Matrix, SparseMatrix, Vector
+from faying.contact.glued_pairs import GluedPairs
+from faying.contact.increment import Increment
+from faying.contact.laws_at_points import LawsAtPoints
+from faying.contact.pair_factors import Factors, WholeFactors
+from faying.exceptions import ConvergenceError
+
+ROUND_OFF = 1e-14
+"""Residual over the largest force at which a problem is solved; one more step leaves 1e-15."""
+
+FORMED = 1e-5
+"""Residual over the largest force from which on S forms what steps summed up."""
+
+SOLVED = 1e-9
+"""Residual over the largest force that is accepted where round-off allows no less."""
+
+COUNTS = 1e-4
+"""Part of what would hold all points closed below which the largest force is no measure."""
+
+MOST_STEPS = 80
+"""Newton steps; 5 to 15 are usual."""
+
+ENOUGH = 0.5
+"""Part of slope or residual that a whole step may leave."""
+
+FLAT = 0.1
+"""Part of the slope that a step of another length may leave."""
+
+MOST_TRIALS = 8
+"""Lengths of a step that are tried."""
+
+SHORT = 0.15
+"""Length of a step below which the next one fixes the friction bounds."""
+
+MOST_SHORT = 8
+"""Short steps with friction after which Newton's method has gone astray."""
+
+ONWARD = 1.0 + 1e-9
+"""What tangential displacements are scaled by, so that points at their bound slip on at first."""
+
+
+@dataclass(frozen=True, eq=False)
+class _State:
+    """Where Newton's method stands: displacements, structure's forces, points, laws."""
+
+    y: Vector
+    p: Vector
+    z: Matrix
+    forces: Matrix
+    K: Matrix
+    G_T: SparseMatrix | Matrix
+    least: float
+
+    @cached_property
+    def rest(self) -> Vector:
+        """R (n_relative,) [force]."""
+        return np.asarray(self.p - self.G_T @ self.forces.ravel())
+
+    @cached_property
+    def left(self) -> float:
+        """R over the largest force, or over that which counts where nothing presses."""
+        return float(
+            np.abs(self.rest).max(initial=0.0) / np.abs(self.forces).max(initial=self.least)
+        )
+
+
+def solve_yielding(
+    laws: LawsAtPoints,
+    pairs: GluedPairs,
+    free: Vector,
+    offset: Matrix,
+    start: Increment | None = None,
+    *,
+    pull: Vector | None = None,
+    compliance: Matrix | None = None,
+) -> Increment:
+    """Solve (F8).
+
+    Parameters
+    ----------
+    free : (n_relative,) [length]
+        y_f.
+    offset : (3, n_point) [length]
+        z₀.
+    start
+        A solution to begin with, of the increment before or a similar case; by default all points
+        close and stick.
+    pull : (n_relative,) or None [force]
+        h.
+    compliance : (n_relative, n_relative) or None [length/force]
+        S, by which the solution is corrected where Σ has fewer digits.
+
+    Raises
+    ------
+    ConvergenceError
+        If Newton's method does not arrive.
+    """
+    G, k = pairs.G, laws.components
+    laws = laws.after(None if start is None else start.deepest)
+    shape, law_offset = (k, offset.shape[1]), offset[:k]
+
+    pulled = np.zeros(len(free)) if pull is None else pull
+    state = _begun(laws, pairs, free, law_offset, start, pulled)
+    steps, short, bounded, formed = 0, 0, False, False
+    factors: Factors | WholeFactors | None = None
+    previous = np.inf
+    while steps < MOST_STEPS and short < MOST_SHORT and np.isfinite(state.left):
+        if state.left <= FORMED and not formed:
+            # What Newton's method summed up step by step is formed once more, by S or by Σ.
+            # Beside rigid motions on weak springs this alone balances forces to round-off.
+            if compliance is None:
+                state = replace(state, p=pairs.resisted(state.y - free) + pulled)
+            else:
+                state = _formed(laws, pairs, free, law_offset, state, compliance)
+            formed, previous = True, np.inf
+        if state.left <= ROUND_OFF or (state.left <= SOLVED and state.left > 0.5 * previous):
+            break
+        previous = state.left
+        K = state.K
+        if bounded:
+            K = K.copy()
+            K[:, 1:, 0] = 0.0
+        d, resisted, factors = pairs.step(K, -state.rest, state.left, factors)
+        trial, length, descends = _along(laws, state, d, resisted, (G @ d).reshape(shape))
+        bounded = k > 1 and not bounded and (not descends or length < SHORT)
+        short += k > 1 and length < SHORT
+        state, steps = trial, steps + 1
+    if not state.left <= SOLVED:
+        message = (
+            f"contact was not solved in {steps} Newton steps (residual {state.left:.1e} of the "
+            "largest force)"
+        )
+        if k > 1:
+            message += "; take smaller increments, or a smaller coefficient of friction"
+        raise ConvergenceError(message)
+    forces, slack = np.zeros(offset.shape), offset.copy()
+    forces[:k] = state.forces
+    slack[:k] = state.z + laws.yielded(state.forces)
+    return Increment(
+        forces=forces,
+        slack=slack,
+        moved=state.y,
+        iterations=steps,
+        residual=state.left,
+        deepest=laws.closed_to(state.z[0]),
+    )
+
+
+def _formed(
+    laws: LawsAtPoints,
+    pairs: GluedPairs,
+    free: Vector,
+    offset: Matrix,
+    state: _State,
+    compliance: Matrix,
+) -> _State:
+    """Return the state in which the pairs are where the forces of one move them."""
+    pressed = pairs.transposed @ state.forces.ravel()
+    y = free + compliance @ pressed
+    z = _at(pairs.G, y, offset)
+    return _State(y, pressed, z, *laws.respond(z), pairs.transposed, state.least)
+
+
+def _begun(
+    laws: LawsAtPoints,
+    pairs: GluedPairs,
+    free: Vector,
+    offset: Matrix,
+    start: Increment | None,
+    pull: Vector,
+) -> _State:
+    """Return where Newton's method begins."""
+    G, shape = pairs.G, offset.shape
+    if start is None:
+        # As if every point were closed and stuck: what then pulls opens in the steps that follow.
+        glued = pairs.glued
+        pressed = pull + pairs.transposed @ (glued.springs * _at(G, free, offset)).ravel()
+        moved = glued.moved_by(-pressed)
+        y, p = free + moved, -pressed - glued.glue @ moved + pull
+    else:
+        y = start.moved
+        p = pairs.resisted(y - free) + pull
+    z = _at(G, y, offset)
+    forces, K = laws.respond(z)
+    if start is not None and shape[0] > 1:
+        onward = z.copy()
+        onward[1:] *= ONWARD
+        K = laws.respond(onward)[1]
+    floor = max(COUNTS * float(np.abs(p).max(initial=0.0)), np.finfo(float).tiny)
+    return _State(y, p, z, forces, K, pairs.transposed, floor)
+
+
+def _at(G: SparseMatrix | Matrix, y: Vector, offset: Matrix) -> Matrix:
+    """Return z (components, n_point)."""
+    return np.asarray((G @ y).reshape(offset.shape) + offset)
+
+
+def _along(
+    laws: LawsAtPoints, state: _State, d: Vector, resisted: Vector, moved: Matrix
+) -> tuple[_State, float, bool]:
+    """Return the state after a step d, its length, and whether it descends.
+
+    Parameters
+    ----------
+    resisted : (n_relative,) [force]
+        Σ d.
+    moved : (components, n_point) [length]
+        G d.
+    """
+    at_first, curvature = float(d @ state.rest), float(d @ resisted)
+
+    def reached(length: float) -> _State:
+        z = state.z + length * moved
+        y, p = state.y + length * d, state.p + length * resisted
+        return _State(y, p, z, *laws.respond(z), state.G_T, state.least)
+
+    def slope(trial: _State, length: float) -> float:
+        return at_first + length * curvature + float((moved * (state.forces - trial.forces)).sum())
+
+    length, trial = 1.0, reached(1.0)
+    last, descends = slope(trial, 1.0), at_first < 0
+    fits = abs(last) <= ENOUGH * abs(at_first)
+    if fits or np.linalg.norm(trial.rest) <= ENOUGH * np.linalg.norm(state.rest):
+        return trial, length, descends
+    if not (descends and last > 0):
+        return trial, length, descends
+    low, high, below, above = 0.0, 1.0, at_first, last
+    for _ in range(MOST_TRIALS):
+        # A chord that ends where the slope jumps would stay there: away from both ends.
+        chord = low - below * (high - low) / (above - below)
+        length = float(np.clip(chord, low + 0.1 * (high - low), high - 0.1 * (high - low)))
+        trial = reached(length)
+        trial_slope = slope(trial, length)
+        if abs(trial_slope) <= FLAT * abs(at_first):
+            break
+        if trial_slope > 0:
+            high, above = length, trial_slope
+        else:
+            low, below = length, trial_slope
+    return trial, length, descends
