@@ -422,7 +422,7 @@ class TestBoltedJoint:
         bound = fy.certify(askew, LC2, poor.pressure)
         # ½ ‖λ̂ - λ*‖²_H from the matrices themselves.
         contact = askew.contact
-        H = contact.at_points(askew.static_contact.compliance) + np.diag(contact.flexibility)
+        H = contact.at_points(askew.static_contact.total) + np.diag(contact.flexibility)
         off = poor.contact_forces - full.contact_forces
         true = np.sqrt(off @ H @ off)
         assert float(bound.energy) >= 0.5 * true**2

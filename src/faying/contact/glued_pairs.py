@@ -14,7 +14,7 @@ alone hold a part.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cached_property, partial
 from typing import cast, final
 
 import numpy as np
@@ -41,6 +41,25 @@ IN_CACHE = 64
 
 
 @final
+@dataclass(frozen=True, eq=False)
+class OpenPairs:
+    """Pairs whose points are open, formed where a step first asks for them.
+
+    Attributes
+    ----------
+    form
+        Returns them; None where nothing holds what is free, or where Σ + B itself is factorized.
+    """
+
+    form: Callable[[], HeldPairs | None]
+
+    @cached_property
+    def pairs(self) -> HeldPairs | None:
+        """The pairs."""
+        return self.form()
+
+
+@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class GluedPairs:
     """Solves (Σ + Gᵀ K G) d = b.
@@ -53,15 +72,14 @@ class GluedPairs:
         Σ.
     glued
         Points closed and stuck.
-    form_open
-        Returns points open, but for some that hold what is else free, once made; None where nothing
-        does, or where Σ + B itself is factorized.
+    open
+        Points open, but for some that hold what is else free.
     """
 
     points: PointSprings
     structure: Matrix
     glued: HeldPairs
-    form_open: Callable[[], HeldPairs | None]
+    open: "OpenPairs"
 
     @classmethod
     def of(
@@ -99,7 +117,7 @@ class GluedPairs:
             points=points,
             structure=structure,
             glued=HeldPairs.on_springs(points, glued, structure),
-            form_open=cache(partial(_open_pairs, points, springs, between)),
+            open=OpenPairs(partial(_open_pairs, points, springs, between)),
         )
 
     def glued_by(self, springs: Matrix) -> "GluedPairs":
@@ -145,11 +163,11 @@ class GluedPairs:
             self,
             structure=self.structure - shapes.T @ np.linalg.solve(yields, shapes),
             glued=self.glued.loosened(shapes, yields),
-            form_open=cache(partial(self._open_loosened, shapes, yields)),
+            open=OpenPairs(partial(self._open_loosened, shapes, yields)),
         )
 
     def _open_loosened(self, shapes: Matrix, yields: Matrix) -> HeldPairs | None:
-        opened = self.form_open()
+        opened = self.open.pairs
         try:
             return None if opened is None else opened.loosened(shapes, yields)
         except LinAlgError:  # nothing but these springs holds a part
@@ -227,7 +245,7 @@ class GluedPairs:
         """Return what K and b change of the pairs that it is nearest to."""
         nearest, rows = self.glued, len(self.points.touched(self.glued.change_to(K))[0])
         if len(self.points.touched(K)[0]) < rows:
-            opened = self.form_open()
+            opened = self.open.pairs
             if opened and len(self.points.touched(opened.change_to(K))[0]) < rows:
                 nearest = opened
         return self._changed_from(nearest, K, right)

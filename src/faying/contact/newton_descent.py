@@ -13,6 +13,7 @@ none: where a step does not descend, or goes a short way, the next one holds tan
 the bounds of the last normal ones, which is convex again (Tresca).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -25,8 +26,8 @@ from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.pair_factors import Factors, WholeFactors
 from faying.exceptions import ConvergenceError
 
-ROUND_OFF = 1e-14
-"""Residual over the largest force at which a problem is solved; one more step leaves 1e-15."""
+ROUND_OFF = 2e-15
+"""Residual over the largest force at which a problem is solved."""
 
 FORMED = 1e-5
 """Residual over the largest force from which on S forms what steps summed up."""
@@ -92,7 +93,7 @@ def solve_yielding(
     start: Increment | None = None,
     *,
     pull: Vector | None = None,
-    compliance: Matrix | None = None,
+    moved_by: Callable[[Vector], Vector] | None = None,
 ) -> Increment:
     """Solve (F8).
 
@@ -107,8 +108,9 @@ def solve_yielding(
         close and stick.
     pull : (n_relative,) or None [force]
         h.
-    compliance : (n_relative, n_relative) or None [length/force]
-        S, by which the solution is corrected where Σ has fewer digits.
+    moved_by
+        Returns S p (n_relative,) [length] of forces between the pairs: the solution is corrected by
+        it, for Σ has fewer digits where weak springs hold bodies.
 
     Raises
     ------
@@ -128,10 +130,10 @@ def solve_yielding(
         if state.left <= FORMED and not formed:
             # What Newton's method summed up step by step is formed once more, by S or by Σ.
             # Beside rigid motions on weak springs this alone balances forces to round-off.
-            if compliance is None:
+            if moved_by is None:
                 state = replace(state, p=pairs.resisted(state.y - free) + pulled)
             else:
-                state = _formed(laws, pairs, free, law_offset, state, compliance)
+                state = _formed(laws, pairs, free, law_offset, state, moved_by)
             formed, previous = True, np.inf
         if state.left <= ROUND_OFF or (state.left <= SOLVED and state.left > 0.5 * previous):
             break
@@ -172,11 +174,11 @@ def _formed(
     free: Vector,
     offset: Matrix,
     state: _State,
-    compliance: Matrix,
+    moved_by: Callable[[Vector], Vector],
 ) -> _State:
     """Return the state in which the pairs are where the forces of one move them."""
     pressed = pairs.transposed @ state.forces.ravel()
-    y = free + compliance @ pressed
+    y = free + moved_by(pressed)
     z = _at(pairs.G, y, offset)
     return _State(y, pressed, z, *laws.respond(z), pairs.transposed, state.least)
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.linalg import LinAlgError, lapack
 
 from faying._typing import Matrix, Vector
-from faying.contact.between_pairs import BetweenPairs, ByCompliance, ByStiffness
+from faying.contact.between_pairs import BetweenPairs, ByCompliance
 from faying.contact.contact import Contact
 from faying.contact.frictional import FrictionalContact
 from faying.contact.glued_pairs import GluedPairs
@@ -141,16 +141,18 @@ class YieldingContact:
 
     def _solved(self, free: Vector, offset: Matrix, start: Increment | None) -> Increment:
         if self.shapes is None:
-            S = None if isinstance(self.between, ByStiffness) else self.S
-            return solve_yielding(self.laws, self.pairs, free, offset, start, compliance=S)
+            return solve_yielding(
+                self.laws, self.pairs, free, offset, start, moved_by=self.moved_by
+            )
         moved = offset.copy()
         moved[: self.laws.components] += (self.contact.rows @ free).reshape(-1, offset.shape[1])
         if start is not None:
             pressed = self.contact.at_pairs(start.forces[0], start.forces[1:])
             start = replace(start, moved=self.shapes.T @ pressed)
-        identity = self.pairs.structure
-        nothing = np.zeros(len(identity))
-        return solve_yielding(self.laws, self.pairs, nothing, moved, start, compliance=identity)
+        nothing, identity = np.zeros(self.shapes.shape[1]), ByCompliance(self.pairs.structure)
+        return solve_yielding(
+            self.laws, self.pairs, nothing, moved, start, moved_by=identity.moved_by
+        )
 
 
 def _shapes(S: Matrix) -> Matrix:

@@ -16,7 +16,7 @@ class Hesitant:
 
     def __init__(self, solver, start, farthest):
         self.solver, self.last, self.farthest = solver, start, farthest
-        self.contact, self.S = solver.contact, solver.S
+        self.contact, self.moved_by = solver.contact, solver.moved_by
 
     def solve(self, free, offset, start=None):
         if np.linalg.norm(free - self.last) > self.farthest:
