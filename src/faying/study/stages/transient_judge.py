@@ -51,6 +51,7 @@ class TransientJudge:
     def _estimate(self, solution: Solution, load: Load, integrator: Integrator) -> Accuracy:
         """Estimate how far off a transient is from that of the full model, without it."""
         finer = finer_model(self.joint.model, solution)
-        forgets = self.joint.model.contact.forgets
-        initial = None if forgets else rest_state(finer, self.joint.preload_path)
+        joint = self.joint
+        forgets = joint.model.contact.forgets
+        initial = None if forgets else rest_state(finer, joint.preload_path, joint.rest)
         return transient_error(finer, solution, load, integrator=integrator, initial=initial)
