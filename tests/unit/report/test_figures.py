@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from matplotlib.image import imread
 
 import faying.sources
 from fake_results import NX, NY, fake_results
+from faying.assessment.response_curve import ResponseCurve
 from faying.display.quantities import number, percent, place, seconds
 from faying.exceptions import FormatError
 from faying.files.names import file_names
@@ -27,6 +29,7 @@ from faying.report.figures import (
     write_figures,
 )
 from faying.report.figures.error import convergence_figure, error_figure, errs, shown_methods
+from faying.report.figures.frequency import phases
 from faying.report.figures.gap import STATES, gap_figure, initial_gap_figure
 from faying.report.figures.preload import model_figure
 from faying.report.figures.pressure import pressure_figure, summary
@@ -523,3 +526,17 @@ def test_titles_with_long_names_stay_in_the_picture(coarse):
         assert extent.x0 >= 0, drawn.stem
         assert extent.x1 <= figure.bbox.x1, drawn.stem
         assert extent.y1 <= figure.bbox.y1, drawn.stem
+
+
+def test_measured_phases_lie_beside_the_computed_ones():
+    """Not whole turns away, where a test begins behind the peak."""
+    frequency, phase = np.linspace(1, 2, 50), np.radians(np.linspace(170, 370, 50))
+
+    def curve(first):
+        motion = np.exp(1j * phase[first:, None, None]) * [[0], [1]]
+        return ResponseCurve(
+            level=1.0, components=("tip.uz",), frequency=frequency[first:], harmonics=motion
+        )
+
+    record = SimpleNamespace(at="tip.uz", response=SimpleNamespace(linear=curve(0)))
+    assert phases(curve(40), record) == pytest.approx(phase[40:], abs=1e-12)

@@ -4,9 +4,12 @@ from typing import Any
 
 import numpy as np
 
+from faying._typing import Vector
+from faying.assessment.response_curve import ResponseCurve
 from faying.display.style import heading
 from faying.report.figures.entry import Drawn
 from faying.report.style import new_figure
+from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.results.values import Results
 
 MARKS, MARKERS = 60, "^vs"
@@ -34,7 +37,7 @@ def frequency_figure(results: Results, name: str) -> Drawn:
         style: dict[str, Any] = {"marker": MARKERS[number % len(MARKERS)], "mfc": "none", "ls": ""}
         style |= {"ms": 4, "markevery": every, "color": f"C{levels.index(curve.level)}"}
         above.plot(curve.frequency, np.abs(moved), label=test, **style)
-        below.plot(curve.frequency, np.degrees(np.unwrap(np.angle(moved))), **style)
+        below.plot(curve.frequency, np.degrees(phases(curve, record)), **style)
     above.set_xlim(*record.response.linear.frequency[[0, -1]])
     above.legend()
     figure.suptitle(heading(f"{name}: {record.at} over frequency, full model"))
@@ -69,3 +72,13 @@ def frequency_figure(results: Results, name: str) -> Drawn:
         caption=" ".join(said),
         section=f"{PREFIX}{name}",
     )
+
+
+def phases(measured: ResponseCurve, record: FrequencyRecord) -> Vector:
+    """Return the phases (n,) [rad] of a measured curve, by whole turns next to the linear one."""
+    linear = record.response.linear
+    turned, beside = (
+        np.unwrap(np.angle(curve.response(record.at))) for curve in (measured, linear)
+    )
+    apart = float(np.mean(turned - np.interp(measured.frequency, linear.frequency, beside)))
+    return np.asarray(turned - 2 * np.pi * round(apart / (2 * np.pi)))
