@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from faying._typing import Matrix
 from faying.assessment.backbone_response import HONEST
 from faying.assessment.clamp_range import ClampRange
-from faying.assessment.joint_record import Assessment
+from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.preload_scatter import Spread
 from faying.display.quantities import number, percent, place
 from faying.report.figures.backbone import abscissa, unit_of
@@ -19,7 +18,7 @@ from faying.report.frequency_peaks import measured_table, peak_table
 from faying.report.model_tables import applied_loads
 from faying.report.slip import demand_table, friction_table, most_slip, slip_sentence
 from faying.report.table import FL, PRESSURE, Cell, Column, Table, described, largest
-from faying.study.judgement.comparison import increments, rubbed
+from faying.study.judgement.comparison import rubbed, state_of_case
 from faying.study.judgement.opening import opening
 from faying.study.results.values import CaseResult, InterfaceRecord, Results
 from faying.units import Units
@@ -323,22 +322,23 @@ def _measured(backbone: Any, index: int, units: Units) -> str:
 def _load_cases(results: Results, figures: Sequence[FigureEntry]) -> Section:
     units = results.unit_set
     loads = applied_loads(results.study_text, units)
+    rows = {name: (case, state_of_case(case)) for name, case in results.cases.items()}
     columns = (
-        Column("kind", lambda case: case.kind),
-        Column("loads", lambda case: loads.get(case.name, "see the study")),
-        Column("largest pressure", lambda case: max(map(np.max, _pressures(case))), PRESSURE),
+        Column("kind", lambda row: row[0].kind),
+        Column("loads", lambda row: loads.get(row[0].name, "see the study")),
+        Column("largest pressure", lambda row: float(row[1].pressure.max()), PRESSURE),
         *(
             Column(f"least clamp force of {name}", _least_force(record), "force", 5)
             for name, record in results.interfaces.items()
         ),
-        Column("largest bolt force", _bolt_force, "force", 5),
-        Column("opened by the load", lambda case: _opened(results, case), "%", 3),
+        Column("largest bolt force", lambda row: _bolt_force(row[1]), "force", 5),
+        Column("opened by the load", lambda row: _opened(results, row[0]), "%", 3),
     )
     moving = [item.name for item in results.cases.values() if item.times is not None]
     vibrating = any(case.reference.backbones for case in results.cases.values())
     return Section(
         title="Load cases",
-        tables=(described("load case", results.cases.items(), columns, units),),
+        tables=(described("load case", rows.items(), columns, units),),
         notes="Of vibrations: the joint at rest." if vibrating else "",
         figures=[
             item for case in moving for item in _figures(figures, case, "response", "friction")
@@ -346,23 +346,13 @@ def _load_cases(results: Results, figures: Sequence[FigureEntry]) -> Section:
     )
 
 
-def _pressures(case: CaseResult) -> list[Matrix]:
-    """Return the pressures (..., n_point) of all instants and increments of a load case."""
-    return [case.reference.pressure, *(path.pressure for path in increments(case.reference))]
-
-
 def _least_force(record: InterfaceRecord) -> Any:
     points = slice(*record.slice)
-    return lambda case: min(
-        float(np.min(pressure[..., points] @ record.weights)) for pressure in _pressures(case)
-    )
+    return lambda row: float((row[1].pressure[:, points] @ record.weights).min())
 
 
-def _bolt_force(case: CaseResult) -> float | None:
-    forces = [*case.reference.bolt_forces.values()]
-    for path in increments(case.reference):
-        forces += path.bolt_forces.values()
-    return max((float(np.max(force)) for force in forces), default=None)
+def _bolt_force(state: CaseState) -> float | None:
+    return max((float(force.max()) for force in state.bolt_forces.values()), default=None)
 
 
 def _opened(results: Results, case: CaseResult) -> float:

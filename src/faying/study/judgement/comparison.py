@@ -7,9 +7,10 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.assessment.accuracy import Accuracy, measure, traction_error
+from faying.assessment.joint_record import CaseState
 from faying.joint.model import Model
 from faying.study.results.path_record import PathRecord, SlipRecord
-from faying.study.results.values import Response
+from faying.study.results.values import CaseResult, Response
 
 
 def accuracy(model: Model, response: Response, reference: Response) -> Accuracy:
@@ -31,6 +32,34 @@ def increments(response: Response) -> list[PathRecord]:
     if response.path is not None:
         return [response.path]
     return [cycle.increments for cycle in response.cycles.values()]
+
+
+def state_of_case(case: CaseResult) -> CaseState:
+    """Return a load case as it is judged: over all instants, or all increments of its paths."""
+    response, paths = case.reference, increments(case.reference)
+    states = [np.atleast_2d(response.pressure), *(record.pressure for record in paths)]
+    pressure = np.concatenate(states)
+    moments = {name: ends.reshape(-1, 2, 2) for name, ends in response.bolt_moments.items()}
+    return CaseState(
+        pressure=pressure,
+        bolt_forces={
+            name: np.concatenate(
+                [np.atleast_1d(force), *(record.bolt_forces[name] for record in paths)]
+            )
+            for name, force in response.bolt_forces.items()
+        },
+        retightened=any(
+            name in response.bolt_forces and (record.factors[:, column] != 1).any()
+            for record in paths
+            for column, name in enumerate(record.loads)
+        ),
+        times=case.times,
+        # Of increments bending is known at the last one, which stands for the others.
+        bolt_moments={
+            name: np.concatenate([ends, *[ends[-1:]] * (len(pressure) - len(ends))])
+            for name, ends in moments.items()
+        },
+    )
 
 
 def rubbed(response: Response) -> Sequence[SlipRecord]:

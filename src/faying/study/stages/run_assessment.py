@@ -14,7 +14,7 @@ from faying.joint.model import Model
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import Load
 from faying.study.inputs.loads import case_load
-from faying.study.judgement.comparison import increments
+from faying.study.judgement.comparison import state_of_case
 from faying.study.judgement.margins import with_margins
 from faying.study.keys.requirement_rules import requirements_of
 from faying.study.keys.tables import LoadCaseSection, Study
@@ -53,7 +53,10 @@ def assess_run(
         loads = [case_load(case) for case in static]
         smooth = loads if joint.model.contact.forgets else []
         intervals = _intervals(joint, smooth, cases)
-        states = {name: _state(case, intervals.get(name)) for name, case in cases.items()}
+        states = {
+            name: replace(state_of_case(case), certified=intervals.get(name))
+            for name, case in cases.items()
+        }
         states |= vibrating
         reserves = {n: case.reserve for n, case in cases.items() if case.reserve is not None}
         judge = JointJudge(
@@ -109,35 +112,6 @@ def _scatter(
                 exact, surfaces_of(exact), load, scatter, judge.strengths.threads
             )
     return tuple(spreads)
-
-
-def _state(case: CaseResult, certified: CertifiedClamps | None) -> CaseState:
-    """Return a load case as it is judged: over all instants, or all increments of its paths."""
-    response, paths = case.reference, increments(case.reference)
-    states = [np.atleast_2d(response.pressure), *(record.pressure for record in paths)]
-    pressure = np.concatenate(states)
-    moments = {name: ends.reshape(-1, 2, 2) for name, ends in response.bolt_moments.items()}
-    return CaseState(
-        pressure=pressure,
-        bolt_forces={
-            name: np.concatenate(
-                [np.atleast_1d(force), *(record.bolt_forces[name] for record in paths)]
-            )
-            for name, force in response.bolt_forces.items()
-        },
-        certified=certified,
-        retightened=any(
-            name in response.bolt_forces and (record.factors[:, column] != 1).any()
-            for record in paths
-            for column, name in enumerate(record.loads)
-        ),
-        times=case.times,
-        # Of increments bending is known at the last one, which stands for the others.
-        bolt_moments={
-            name: np.concatenate([ends, *[ends[-1:]] * (len(pressure) - len(ends))])
-            for name, ends in moments.items()
-        },
-    )
 
 
 def _intervals(
