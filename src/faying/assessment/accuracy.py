@@ -151,11 +151,8 @@ def measure(
 ) -> Accuracy:
     """Measure pressures (..., n_point) and displacements at boundaries.
 
-    Parameters
-    ----------
-    displacements
-        Of each boundary those measured and those of the reference (..., n), and the components
-        0 … 5 (n,) they belong to.
+    Of each boundary there are the displacements measured and those of the reference (..., n), and
+    the components 0 … 5 (n,) they belong to.
 
     Raises
     ------

@@ -33,14 +33,9 @@ class BoltBending:
 
 
 def bending_of(preload: Matrix, cases: Mapping[str, Matrix]) -> BoltBending:
-    """Judge the bending moments of a bolt.
+    """Judge the bending moments of a bolt [force·length], by end and component across the axis.
 
-    Parameters
-    ----------
-    preload : (2, 2) [force·length]
-        At rest: end, component across the axis.
-    cases
-        Load case to (n_instant, 2, 2).
+    Those at rest are (2, 2), those of a load case (n_instant, 2, 2).
     """
     peaks = {case: _largest(moments) for case, moments in cases.items()}
     added = {case: _largest(moments - preload) for case, moments in cases.items()}

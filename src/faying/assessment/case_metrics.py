@@ -71,16 +71,7 @@ def metrics_of(
 ) -> list[Metric]:
     """Return the metrics of a system, in the order of :func:`case_metrics`.
 
-    Parameters
-    ----------
-    interfaces
-        Geometry of the contact points, by name.
-    certified
-        Whether there are certificates.
-    rings
-        Names of rings around holes.
-    areas
-        Names of areas whose needed friction is wanted, of static cases.
+    Areas are those whose needed friction is told, of static cases; rings lie around holes.
     """
     groups = _groups(system, interfaces, rings, areas, certified=certified)
     return [metric for metrics, _ in groups for metric in metrics]
@@ -95,16 +86,7 @@ def case_metrics(
 ) -> Matrix:
     """Return the metrics (n_case, n_metric) of many load cases or instants.
 
-    Parameters
-    ----------
-    solution
-        With one entry per case or instant.
-    certificate
-        Of the same cases.
-    rings
-        Around holes, by name.
-    areas
-        What is carried along areas whose needed friction is wanted, of static cases.
+    Areas tell what is carried along them where needed friction is told, of static cases.
     """
     cases = _Cases(solution=solution, certificate=certificate, rings=rings, areas=areas)
     certified = certificate is not None

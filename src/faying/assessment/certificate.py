@@ -49,13 +49,9 @@ class Enclosure:
 
 
 def enclose(flexibility: Flexibility, g_free: Matrix, forces: Matrix) -> Enclosure:
-    """Enclose the exact contact forces of bare contact problems.
+    """Enclose the exact contact forces of bare contact problems, from candidates λ̂ ≥ 0.
 
-    Parameters
-    ----------
-    g_free : (..., n_point) [length]
-    forces : (..., n_point) [force]
-        Candidates λ̂ ≥ 0.
+    Free gaps and forces are (..., n_point) [length], [force].
 
     Notes
     -----
@@ -208,10 +204,8 @@ class Certifier:
     ) -> Certificate:
         """Certify pressures (..., n_point) under inputs (..., n_input).
 
-        Parameters
-        ----------
-        areas : (interface, bolt) to (n_point,)
-            Points whose total force is bounded too, as around a bolt.
+        The total force of areas of points (n_point,), as around a bolt of an interface, is bounded
+        too.
 
         Raises
         ------

@@ -73,15 +73,10 @@ def certified_clamps(certificate: Certificate, row: int) -> CertifiedClamps:
 def clamp_range(
     preload: float, forces: Mapping[str, Vector], certified: Mapping[str, Vector]
 ) -> ClampRange:
-    """Return between which forces an area stays clamped.
+    """Return between which forces an area stays clamped, from its preload at rest [force].
 
-    Parameters
-    ----------
-    preload : [force]
-        At rest.
-    forces : load case to (n_instant,) [force]
-    certified : load case to (2,) [force]
-        Of those that are certified; infinite intervals of parts of hard contact are none.
+    Forces of a load case are (n_instant,) [force]; certified cases have bounds (2,) [force], which
+    infinite intervals of parts of hard contact are not.
     """
     certified = {case: ends for case, ends in certified.items() if np.isfinite(ends).all()}
     lows = {case: float(force.min()) for case, force in forces.items()}

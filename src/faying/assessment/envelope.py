@@ -38,13 +38,7 @@ class Envelope:
 
 
 def envelope_of(solution: Solution, rows: Indices) -> Envelope:
-    """Return the envelope of the cases or instants of a solution.
-
-    Parameters
-    ----------
-    rows : (n_case,)
-        Their numbers.
-    """
+    """Return the envelope of the cases or instants of a solution that have the numbers ``rows``."""
     pressure, gap = solution.pressure, solution.gap
     return Envelope(
         max_pressure=pressure.max(axis=0),

@@ -67,12 +67,7 @@ def first_events(
     (regula falsi of Anderson and Björck), or halved where no number says when, and what is left of
     it again, so that the path goes there in smaller and smaller increments.
 
-    Parameters
-    ----------
-    reach
-        Takes a load factor and the state before to the state there, in one increment.
-    events
-        By name.
+    ``reach`` takes a load factor and the state before to the state there, in one increment.
 
     Raises
     ------

@@ -96,15 +96,8 @@ def _carried(operator: Recovery, motion: FrameMotion, n_time: int) -> Matrix:
 def backward_differences(times: Vector, coordinates: Matrix) -> tuple[Matrix, Matrix]:
     """Return the velocities and accelerations implicit Euler had, from rest, at equal steps.
 
-    Parameters
-    ----------
-    times : (n_time,) [time]
-    coordinates : (n_time, n_mode)
-
-    Returns
-    -------
-    tuple of ndarray (n_time, n_mode)
-        (q₁ − q₀)/h and its difference over h; zero at the first instant.
+    Of coordinates (n_time, n_mode) these are (q₁ − q₀)/h and its difference over h; zero at the
+    first instant.
     """
     steps = np.diff(np.asarray(times, dtype=float))[:, None]
     velocities, accelerations = np.zeros((2, *np.shape(coordinates)))

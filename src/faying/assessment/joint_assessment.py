@@ -49,18 +49,8 @@ def judged(
 ) -> Assessment:
     """Judge a joint whose load cases are solved already, static ones and those over time.
 
-    Parameters
-    ----------
-    surfaces
-        Geometry of the interfaces.
-    preloaded
-        The preloaded state.
-    paths
-        Load case to its openings, of static ones that were followed.
-    reserves
-        Load case to its slip reserve, of joints with friction.
-    demands
-        Interface and bolt, or no bolt, to the friction that static load cases need.
+    Paths and slip reserves go with load cases: those that were followed, and those of joints with
+    friction. Demands are the friction that static cases need, by interface and bolt, or no bolt.
     """
     followed_paths, limits = paths or {}, requirements or Requirements()
     needed = demands or {}

@@ -30,10 +30,7 @@ def joint_checks(
 ) -> tuple[Check, ...]:
     """Return the checks of every bolt and interface, bolts first.
 
-    Parameters
-    ----------
-    reserves
-        Load case to its slip reserve, of joints with friction.
+    Slip reserves are those of load cases of joints with friction.
     """
     demands: dict[str, list[Verdict]] = {}
     for verdict in found.verdicts:

@@ -149,14 +149,8 @@ class JointJudge:
     ) -> Assessment:
         """Return an assessment with the strength of the bolts whose threads are known.
 
-        Parameters
-        ----------
-        histories
-            Load cases by name.
-        ends
-            The same at the ends of the preloads.
-        repetitions
-            Load case to how often it comes in the life of the joint, where that is known.
+        The histories of load cases are given anew at the ends of the preloads. Repetitions say how
+        often a load case comes in the life of the joint, where that is known.
         """
         threads, units = self.strengths.threads, self.system.units
         return with_threads(assessment, histories, threads, units, ends, repetitions)

@@ -204,10 +204,7 @@ class LinearIncrement:
     def reach(self, rate: Matrix, friction: Matrix | None) -> tuple[Vector, Vector]:
         """Return changes of the parameters at which a first point changes its state.
 
-        Parameters
-        ----------
-        rate : (3, n_point, n_parameter)
-            Of what is projected.
+        Rates (3, n_point, n_parameter) are those of what is projected.
         """
         coefficients, tried = self.solver.friction, self.tried
         rubbing = self.closed[coefficients[self.closed] > 0]

@@ -70,12 +70,9 @@ class Deviations:
 
 
 def at_amplitudes(computed: Backbone, amplitude: Vector, values: Vector) -> Vector:
-    """Interpolate what a backbone has at its amplitudes linearly over their logarithm, NaN beyond.
+    """Interpolate values of a backbone linearly over the logarithm of its amplitudes, NaN beyond.
 
-    Parameters
-    ----------
-    amplitude : (n,) [length]
-    values : (n_computed,)
+    Values (n_computed,) are given at the computed amplitudes and returned at others (n,) [length].
     """
     order = np.argsort(computed.amplitude)
     reached, logarithm = np.log(computed.amplitude[order]), np.log(amplitude)

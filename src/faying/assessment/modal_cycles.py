@@ -164,14 +164,8 @@ class Neighbours:
     def swung(self, cycle: Matrix, factors: Vector, circular: float, lowest: float) -> Matrix:
         """Return how far each swings in each multiple of a frequency that meets it (n_multiple, n).
 
-        Parameters
-        ----------
-        cycle : (n_step, n)
-            How far each goes quasi-statically along a cycle.
-        factors : (n_step,)
-            cos θ of the load, down and up again.
-        lowest
-            Damping ratio that each has at least.
+        The cycle (n_step, n) is how far each goes quasi-statically, while the load has the factors
+        cos θ (n_step,), down and up again. Each has the lowest damping ratio at least.
         """
         turn = np.arccos(np.clip(factors, -1.0, 1.0))
         half = len(turn) // 2

@@ -100,20 +100,9 @@ def opening_factors(
 ) -> Openings:
     """Find the factors at which a joint without friction opens under a static load.
 
-    Parameters
-    ----------
-    system
-        Full model, or the joint of a reduced one.
-    inputs : (n_input,)
-        Of the load.
-    areas
-        Name to the points (n_point,) of what opens.
-    open_below
-        Share of the area pressed at rest; from 0, nothing left, to 1.
-    largest
-        Factor at which the search ends.
-    interfaces
-        Interfaces whose first and last point to open are sought as well.
+    An area of points (n_point,) opens where less than a share of what is pressed at rest is left: 0
+    is nothing, 1 all. The search ends at the largest factor. The first and the last point of the
+    interfaces named are sought as well.
 
     Raises
     ------
@@ -180,14 +169,7 @@ def opening_margins(
     """Return how deep the area nearest to opening is pressed at a factor of each load (n_case,).
 
     Negative where an area is open [length]: one contact solution a load, where
-    :func:`opening_factors` takes some thirty.
-
-    Parameters
-    ----------
-    system, areas, open_below
-        As of :func:`opening_factors`.
-    inputs : (n_case, n_input)
-        Of the loads.
+    :func:`opening_factors` takes some thirty. Inputs are (n_case, n_input).
     """
     contact, margins = system.contact, np.full(len(inputs), np.inf)
     rested, case = None, None
@@ -211,14 +193,7 @@ def estimated_openings(
     """Return the factors at which loads would open areas (n_case, n_area), were contact linear.
 
     Every point loses what presses it at rest in proportion to the load: depth, of hard contact
-    pressure. What is infinite never opens.
-
-    Parameters
-    ----------
-    rest, cases
-        Before any load, at its last state, and under the loads.
-    open_below
-        As of :func:`opening_factors`.
+    pressure. What is infinite never opens. ``rest`` is before any load, at its last state.
     """
     contact = cases.system.contact
     hard = np.zeros(contact.n_points, dtype=bool)
@@ -255,12 +230,8 @@ def _pressed_at(depth: Vector, shares: Vector, least: float) -> float:
 def pressed_depth(contact: Contact, gap: Vector, touching: float = 0.0) -> Vector:
     """Return how deep points (n_point,) are pressed, negative where they are apart [length].
 
-    Parameters
-    ----------
-    gap : (n_point,) [length]
-        Negative by the penetration where contact yields.
-    touching
-        Gap below which points of hard contact count as pressed.
+    Gaps are negative by the penetration where contact yields; points of hard contact count as
+    pressed where their gap is below ``touching``.
     """
     depth = -gap
     for law, points in zip(contact.laws.values(), contact.slices.values(), strict=True):
@@ -278,13 +249,7 @@ def opening_event(
 ) -> Event[State]:
     """Return how deep the share of an area that must not open is pressed at least.
 
-    Parameters
-    ----------
-    pressed
-        Depth of all points (n_point,) in a state, from :func:`pressed_depth`.
-    shares : (n_point,)
-        From :func:`pressed_shares`.
-    open_below
-        From :func:`enough`.
+    The depth of all points comes from :func:`pressed_depth`, their shares (n_point,) from
+    :func:`pressed_shares`, the share that may open from :func:`enough`.
     """
     return lambda state, _: _pressed_at(pressed(state), shares, open_below)

@@ -114,16 +114,8 @@ def preload_spreads(
 ) -> tuple[Spread, ...]:
     """Return the metrics of a static load case over scattered preloads.
 
-    Parameters
-    ----------
-    system
-        Preloaded full or reduced model.
-    interfaces
-        Geometry of its contact points.
-    load
-        Histories are taken at time zero.
-    threads
-        Of the bolts, whose torque tells what friction in thread and head does.
+    Of a history the time zero counts. Threads of bolts tell what friction in thread and head does
+    to a torque.
 
     Raises
     ------

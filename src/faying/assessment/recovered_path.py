@@ -38,12 +38,8 @@ class ContactPath:
 def solve_increments(model: Joint, free: Matrix, begin: Solution | None) -> ContactPath:
     """Solve one increment for each instant, from where the one before left the joint.
 
-    Parameters
-    ----------
-    free : (n_time, n_relative)
-        What pairs move without contact forces.
-    begin
-        Whose first state has the slip and the forces to begin with.
+    Without contact forces pairs move by ``free`` (n_time, n_relative). The first state of ``begin``
+    has the slip and the forces to begin with.
 
     Raises
     ------

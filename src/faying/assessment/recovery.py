@@ -282,11 +282,8 @@ def solve_instants(
 ) -> Recovered:
     """Solve the static contact problem of every row, each from a similar one before it.
 
-    Parameters
-    ----------
-    begin
-        Whose first state has slipped already what the first row begins with, in a joint with
-        friction; by default nothing has.
+    Of joints with friction the first state of ``begin`` has slipped already what the first row
+    begins with; by default nothing has.
     """
     rows = np.atleast_2d(free)[:, : model.port_compliance.n_relative]
     index = 0 if free.ndim == 1 else slice(None)

@@ -80,10 +80,7 @@ def misnamed(
 ) -> Iterator[tuple[str, str]]:
     """Yield the requirements that name an interface that is not there, and what is wrong.
 
-    Parameters
-    ----------
-    frictionless
-        Interfaces without a friction law.
+    Frictionless interfaces have no friction law.
     """
     limits, frictions = requirements.min_clamp_force, requirements.slip_friction
     named = [("min_clamp_force", n) for n in (limits if isinstance(limits, Mapping) else ())]

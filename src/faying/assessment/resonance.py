@@ -63,19 +63,9 @@ def resonance(
     component: str,
     state: Solution,
 ) -> Resonance | None:
-    """Find the mode between two frequencies that moves a place most under a load.
+    """Find the mode between two frequencies that moves a component, as ``"tip.uz"``, most.
 
-    Parameters
-    ----------
-    component
-        A component of a boundary, as ``"tip.uz"``.
-    state
-        State to vibrate about.
-
-    Returns
-    -------
-    Resonance or None
-        If nothing rubs, or no mode is there that the load reaches.
+    None if nothing rubs, or no mode is there that the load reaches.
     """
     if not len(system.contact.rubbing):
         return None
@@ -144,16 +134,7 @@ def steady_state(
     frequency: float,
     initial: Solution | None = None,
 ) -> SteadyState:
-    """Integrate the motion under a harmonic load until it repeats.
-
-    Parameters
-    ----------
-    system
-        Full or reduced model.
-    load
-        As of :func:`faying.frequency_response`.
-    initial
-        State to start from at rest.
+    """Integrate the motion under a harmonic load, from rest at a state, until it repeats.
 
     Notes
     -----

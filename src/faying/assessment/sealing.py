@@ -87,10 +87,7 @@ def ring_around(surface: ContactSurface, around: Sequence[float]) -> Ring:
 def ring_pressure(ring: Ring, pressure: Matrix) -> Vector:
     """Return the smallest pressure on the best ring (n_case,) [force/length²].
 
-    Parameters
-    ----------
-    pressure : (n_case, n_point)
-        Of all contact points.
+    Pressures (n_case, n_point) are those of all contact points.
 
     Notes
     -----

@@ -198,18 +198,11 @@ class Sensitivity:
         friction: Matrix | None = None,
         yields: Matrix | None = None,
     ) -> Derivatives:
-        """Differentiate increment by increment.
+        """Differentiate increment by increment, by changes per unit of each parameter.
 
-        Parameters
-        ----------
-        inputs : (n_increment, n_input, n_parameter)
-            Change of the loads.
-        gap : (n_point, n_parameter) [length]
-            Change of the initial gap.
-        friction : (n_point, n_parameter)
-            Change of the coefficients.
-        yields : (n_point, n_parameter) [length/force]
-            Change of what a tangential force yields.
+        Those of the loads are (n_increment, n_input, n_parameter); of the initial gap [length], the
+        coefficients of friction and what a tangential force yields [length/force], (n_point,
+        n_parameter).
         """
         contact, ports, n = self.system.contact, self.system.port_compliance, len(parameters)
         count = len(self._inputs)

@@ -35,12 +35,8 @@ class SingleMode:
 def single_mode(frequency: Vector, response: ComplexVector) -> SingleMode:
     """Fit a mode and a constant to the displacement per force around a resonance.
 
-    Parameters
-    ----------
-    frequency : (n,) [1/time]
-        Rising.
-    response : (n,)
-        Complex displacement per force, in any unit; at one amplitude where the joint is not linear.
+    Frequencies (n,) [1/time] rise. Responses (n,) are complex, in any unit, and at one amplitude
+    where the joint is not linear.
 
     Raises
     ------

@@ -34,16 +34,8 @@ Around a circle of 24 flat facets it is 0.075, at a right angle to slopes of 6 d
 def resistance_used(places: Matrix, tangents: Matrix, shear: Matrix, bounds: Vector) -> float:
     """Return η, between 0 and 1; 0 where nothing is pressed.
 
-    Parameters
-    ----------
-    places : (n, 3) [length]
-        Points that are pressed.
-    tangents : (2, n, 3)
-        Directions along the interface.
-    shear : (2, n) [force]
-        Tangential forces in these directions.
-    bounds : (n,) [force]
-        μ F, the most they can be.
+    Pressed points at places (n, 3) [length] carry shear (2, n) [force] along tangents (2, n, 3) of
+    the interface, at most the bounds μ F (n,) [force].
 
     Notes
     -----

@@ -50,14 +50,9 @@ class SlipStates:
 
 
 def slip_states(path: Solution, initial: Solution | None = None) -> SlipStates:
-    """Tell which points stick, slip or are open in each increment.
+    """Tell which points stick, slip or are open in each increment of a path.
 
-    Parameters
-    ----------
-    path
-        Result of :func:`faying.solve_path`.
-    initial
-        State it went on from; by default nothing had slipped.
+    Nothing had slipped before it, unless a state is given that it went on from.
     """
     return point_states(
         path.system.contact, path.contact_forces, path.shear_forces, slip_history(path, initial)
@@ -69,11 +64,8 @@ def point_states(
 ) -> SlipStates:
     """Tell what points do under given forces.
 
-    Parameters
-    ----------
-    normal, shear : (n_increment, n_point), (n_increment, 2, n_point) or None [force]
-    slip : (n_increment + 1, 2, n_point) [length]
-        Before the first increment and after each.
+    Normal (n_increment, n_point) and shear forces (n_increment, 2, n_point) [force]; slip
+    (n_increment + 1, 2, n_point) [length] before the first increment and after each.
     """
     friction = np.zeros(contact.n_points)
     friction[contact.rubbing] = contact.friction

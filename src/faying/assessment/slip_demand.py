@@ -89,14 +89,8 @@ class AreaSums:
 def area_sums(area: TangentialRows, points: Matrix, forces: Matrix, carried: Matrix) -> AreaSums:
     """Sum pressure and what is carried along an area.
 
-    Parameters
-    ----------
-    points : (n_point, 3) [length]
-        Its contact points.
-    forces : (n_case, n_point) [force]
-        Contact forces there.
-    carried : (n_case, 3) [force], [force·length]
-        From :meth:`TangentialRows.carried`.
+    It has points (n_point, 3) [length] with contact forces (n_case, n_point) [force]; ``carried``
+    (n_case, 3) [force], [force·length] comes from :meth:`TangentialRows.carried`.
     """
     places = (points - area.origin) @ area.tangents.T
     clamp = forces.sum(axis=1)
@@ -121,11 +115,8 @@ def _over(load: Vector, resistance: Vector) -> Vector:
 def least_mean_arm(places: Matrix, shares: Matrix) -> Vector:
     """Return the least mean distance (n_case,) of places from any one point, weighted by shares.
 
-    Parameters
-    ----------
-    places : (n_point, 2) [length]
-    shares : (n_case, n_point)
-        Not negative; they add up to one, or are all zero.
+    Places are (n_point, 2) [length]; shares (n_case, n_point) are not negative and add up to one,
+    or are all zero.
 
     Notes
     -----
@@ -183,10 +174,7 @@ def slip_coefficients(
 ) -> dict[str, float]:
     """Return the coefficient that each interface is judged with, of those that have one.
 
-    Parameters
-    ----------
-    frictionless
-        Interfaces without a friction law.
+    Frictionless interfaces have no friction law.
     """
     if friction is None:
         return {}
@@ -206,18 +194,8 @@ def slip_demands(
 ) -> dict[tuple[str, str], SlipDemand]:
     """Return what every area needs, by interface and bolt; an empty bolt is the whole interface.
 
-    Parameters
-    ----------
-    surfaces
-        Geometry of the interfaces.
-    rows
-        Of the same model.
-    cases
-        Names of static load cases.
-    inputs : (n_case, n_input)
-    pressure : (n_case, n_point) [force/length²]
-    coefficients
-        Interface to the coefficient it is judged with.
+    Rows are those of the same model. Static load cases have inputs (n_case, n_input) and pressures
+    (n_case, n_point) [force/length²].
     """
     forces = pressure * joint.contact.weights
     pairs, around = joint.contact.at_pairs(forces).T, surroundings(surfaces, joint.bolts)

@@ -82,12 +82,8 @@ def rubbed_metrics(
 ) -> Matrix:
     """Return the metrics (n_case, n_metric) at the end of cases with friction.
 
-    Parameters
-    ----------
-    inputs : (n_case, n_input) [force]
-        Boundary forces and initial bolt forces: the bolts act first, all of them together.
-    coefficients
-        Of each case, interface to μ.
+    Inputs (n_case, n_input) [force] are boundary forces and initial bolt forces: the bolts act
+    first, all of them together. Each case has its coefficients of friction, by interface.
 
     Raises
     ------

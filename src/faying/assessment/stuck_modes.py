@@ -114,18 +114,9 @@ def with_released_modes(
 ) -> Matrix:
     """Return shapes and, M-orthogonal to them, what they miss of modes of a released joint.
 
-    Parameters
-    ----------
-    shapes : (n_dof, n)
-        With ΦᵀMΦ = I.
-    stiffness : (n_dof, n_dof)
-        Of the joint without springs of contact that some motion overcomes; it may be singular.
-    frequencies : [1/time]
-        One that shifts (above 0), and the highest of its modes.
-
-    Returns
-    -------
-    (n_dof, n or more)
+    Shapes (n_dof, n) have ΦᵀMΦ = I. The stiffness is that of the joint without springs of contact
+    that some motion overcomes; it may be singular. Of the frequencies [1/time] the first, above 0,
+    shifts, the second is the highest of the modes.
 
     Notes
     -----

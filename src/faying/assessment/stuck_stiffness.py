@@ -20,17 +20,8 @@ def stuck_stiffness(system: System, state: Solution) -> SparseMatrix | Matrix:
 
     Closed points have the springs of their laws at the forces they carry, 1/(c_n w) of a penalty
     and with friction 1/(c_t w) along both tangents; open ones have none. R is the residual
-    compliance of a reduced model that has one.
-
-    Parameters
-    ----------
-    state
-        Solution to linearize about, or a path, about its end.
-
-    Returns
-    -------
-    (n_dof, n_dof)
-        Sparse of a full model, dense of a reduced one.
+    compliance of a reduced model that has one. The state is a solution to linearize about, or a
+    path, about its end. Sparse of a full model, dense of a reduced one.
 
     Notes
     -----
@@ -62,16 +53,9 @@ def _on_springs(system: System, rows: SparseMatrix, flexibility: Vector) -> Spar
 def stuck_springs(system: System, state: Solution) -> tuple[SparseMatrix, Vector]:
     """Return the springs of closed points: what the pairs move in each, and how it yields.
 
-    Parameters
-    ----------
-    state
-        Solution to linearize about, or a path, about its end.
-
-    Returns
-    -------
-    rows : (n_spring, n_relative)
-        First along the normals of closed points, then along both tangents of those that rub.
-    flexibility : (n_spring,) [length/force]
+    Rows (n_spring, n_relative) are first along the normals of closed points, then along both
+    tangents of those that rub; flexibilities are (n_spring,) [length/force]. Of a path, the end
+    counts.
     """
     check_points(system, state)
     contact = system.contact

@@ -72,11 +72,8 @@ NO_TRANSIENT = "only a transient of a reduced model can be judged by a model wit
 def remedy_hint(errors: Mapping[str, float]) -> str:
     """Return what to compare beside what was compared; empty where nothing is missing.
 
-    Parameters
-    ----------
-    errors
-        Methods that were compared, and the largest pressure error that each is estimated to have,
-        over what is tolerated.
+    Errors are the largest that the pressures of each method are estimated to have, over what is
+    tolerated.
     """
     large = [name for name, error in errors.items() if error > 1.0]
     if any(METHODS[name].compliance for name in large):
@@ -147,19 +144,9 @@ def transient_error(
 def finer_model(model: Model, solution: Solution) -> ReducedModel:
     """Return a model like that of a transient, with inertia where its contact forces act.
 
-    Parameters
-    ----------
-    model
-        The full model that was reduced.
-    solution
-        Transient of a reduced model with trial vectors.
-
-    Returns
-    -------
-    ReducedModel
-        With the trial vectors of the other one, the Krylov shapes of the dominant patterns of the
-        contact forces' changes, with the boundary held, and the residual compliance beyond them.
-        Of a model with attachment modes another step of :func:`refined_basis` instead.
+    It has the trial vectors of the other one, the Krylov shapes of the dominant patterns of the
+    contact forces' changes, with the boundary held, and the residual compliance beyond them. Of a
+    model with attachment modes another step of :func:`refined_basis` instead.
 
     Raises
     ------

@@ -122,15 +122,9 @@ def tresca_gap(
 ) -> Vector:
     """Return the bound (C19) of increments with fixed friction bounds (n_increment,).
 
-    Parameters
-    ----------
-    flexibility
-        Of H: all normal components, then both tangential ones of the points that rub.
-    forces, slack : (n_increment, 3, n_point) [force], [length]
-        Admissible candidates x̂, and z of them.
-    rubbing : (n_rubbing,)
-    bound : (n_increment, n_rubbing) [force]
-        b.
+    The flexibility is that of H: all normal components, then both tangential ones of the points
+    that rub (n_rubbing,). Admissible candidates x̂ [force] and their z [length] are (n_increment,
+    3, n_point), friction bounds b (n_increment, n_rubbing) [force].
 
     Notes
     -----

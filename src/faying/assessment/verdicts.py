@@ -26,12 +26,8 @@ def verdicts(
 ) -> Iterator[Verdict]:
     """Yield the verdicts on what is required.
 
-    Parameters
-    ----------
-    paths
-        Static load case to its openings.
-    reserves
-        Load case to its slip reserve, of joints with friction.
+    Paths are the openings of static load cases, reserves those against slip of joints with
+    friction.
     """
     yield from _clamp_verdict(requirements.min_clamp_force, interfaces)
     peaks = {name: (item.max_pressure_case, item.max_pressure) for name, item in interfaces.items()}

@@ -34,10 +34,7 @@ def weak_share(solution: Solution, bodies: str) -> Matrix:
 def weak_warnings(shares: Mapping[str, Mapping[str, float]]) -> list[str]:
     """Say in one sentence where weak springs hold what nothing else does; nothing where none do.
 
-    Parameters
-    ----------
-    shares
-        Names of two bodies to load case to the largest share there.
+    Shares are the largest of a load case between two bodies that are named.
     """
     worst = [
         (share, bodies, case)

@@ -31,14 +31,8 @@ ANSWERS = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: _terminate
 def resumable(command: Sequence[str], folder: Path, others: str = "") -> Iterator[None]:
     """Say how to go on with a command that is stopped, and end with the status of the signal.
 
-    Parameters
-    ----------
-    command
-        What was given, without ``--resume``.
-    folder
-        Whose ``unfinished`` keeps what is finished.
-    others
-        What else to give.
+    The command is what was given, without ``--resume``, with what else to give; ``unfinished`` in
+    the folder keeps what is finished.
     """
     handlers = {}
     if threading.current_thread() is threading.main_thread():  # which alone hears signals

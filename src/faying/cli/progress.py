@@ -53,12 +53,7 @@ def progress_bar(
 ) -> AbstractContextManager[Any]:
     """Return a bar that goes away when it is done; lines where no terminal shows it.
 
-    Parameters
-    ----------
-    remaining
-        Whether it says how long it will still take.
-    lines
-        Whether lines stand for it: not of commands of seconds.
+    It says how long it will still take if ``remaining``. Commands of seconds have no lines.
     """
     if not console.is_terminal and lines:
         return nullcontext(Lines())

@@ -68,18 +68,14 @@ def solve_complementarity(
     """Solve s = H λ + g_free ≥ 0, λ ≥ 0, λᵀ s = 0 by a primal-dual active set.
 
     All points with a wrong sign change sides at once, which is the semismooth Newton method
-    (Hintermüller, Ito & Kunisch 2002, doi:10.1137/S1052623401383558). Where that stops reducing
-    the number of wrong signs, single exchanges by Murty's largest index take over until it does:
-    block principal pivoting, finite for every positive definite H (Júdice & Pires 1994,
+    (Hintermüller, Ito & Kunisch 2002, doi:10.1137/S1052623401383558). Where that stops reducing the
+    number of wrong signs, single exchanges by Murty's largest index take over until it does: block
+    principal pivoting, finite for every positive definite H (Júdice & Pires 1994,
     doi:10.1016/0305-0548(94)90106-6). Where they meet a singular block of H, the proximal point
     iteration from λ = 0 takes over (Rockafellar 1976, doi:10.1137/0314056), which selects contact
     forces near those of a very stiff penalty. A singular H without such a block on the way gives
-    one of its solutions.
-
-    Parameters
-    ----------
-    active : (n_point,), optional
-        Points assumed in contact at the start; by default those with g_free < 0.
+    one of its solutions. Active points (n_point,) are assumed in contact at the start; by default
+    those with g_free < 0.
 
     Raises
     ------

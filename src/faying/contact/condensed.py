@@ -57,10 +57,8 @@ class ContactSolver(Protocol):
     ) -> tuple[ContactForces, ContactState]:
         """Solve for the contact forces that a free gap (n_point,) calls up.
 
-        Parameters
-        ----------
-        state
-            Where a similar problem ended; without one the points with free_gap < 0 are tried.
+        The state is where a similar problem ended; without one the points with free_gap < 0 are
+        tried.
         """
         ...
 

@@ -110,10 +110,7 @@ class Contact:
     def parts(self, forces: Matrix) -> tuple[Matrix, Matrix | None]:
         """Return normal (..., n_point) and tangential forces (..., 2, n_point) of all of them.
 
-        Parameters
-        ----------
-        forces : (..., components * n_point)
-            Component by component.
+        Forces (..., components * n_point) go component by component.
         """
         if self.components == 1:
             return forces, None
@@ -132,12 +129,7 @@ class Contact:
         return moved
 
     def offset(self, slip: Matrix | None = None) -> Matrix:
-        """Return z₀ of (F1) (3, n_point) [length]: the initial gap, and minus the slip so far.
-
-        Parameters
-        ----------
-        slip : (2, n_point) or None [length]
-        """
+        """Return z₀ of (F1) (3, n_point) [length]: initial gap, and minus the slip (2, n_point)."""
         offset = np.zeros((3, self.n_points))
         offset[0] = self.initial_gap
         if slip is not None:
@@ -149,13 +141,10 @@ class Contact:
         return self.moved(relative) + self.offset(slip)
 
     def at_pairs(self, forces: Matrix, shear_forces: Matrix | None = None) -> Matrix:
-        """Return forces between the pairs (n_relative, ...) of forces at the contact points.
+        """Return forces between the pairs (n_relative, ...) of forces at points (..., n_point).
 
-        Parameters
-        ----------
-        forces : (..., n_point) [force]
-        shear_forces : (..., 2, n_point) [force]
-            Tangential components, which act through the tangential displacements in the same way.
+        Tangential components (..., 2, n_point) act through the tangential displacements in the same
+        way.
         """
         pairs: Matrix = self.transposed[0] @ np.asarray(forces).T
         if shear_forces is not None and self.shear is not None and self.components > 1:
@@ -203,10 +192,7 @@ class Contact:
     def check_forgetful(self, what: str, instead: str) -> None:
         """Refuse laws that remember how far points were closed, for what does not carry that.
 
-        Parameters
-        ----------
-        what, instead
-            What does not, and what does.
+        ``instead`` is what does.
 
         Raises
         ------

@@ -150,15 +150,10 @@ class FrictionalContact:
         return replace(increment, moved=displaced(self, free, increment.forces))
 
     def solve_slack(self, z_free: Matrix, start: Matrix | None = None) -> Increment:
-        """Solve one increment whose points move by z_free without contact forces.
+        """Solve one increment whose points move by z_free (3, n_point) without contact forces.
 
-        Parameters
-        ----------
-        z_free : (3, n_point) [length]
-            Slack without contact forces.
-        start : (3, n_point) [force]
-            Forces to begin with, those of the increment before; by default all points that are
-            pressed together close and stick.
+        It begins with forces (3, n_point), those of the increment before; by default all points
+        that are pressed together close and stick.
 
         Raises
         ------

@@ -91,13 +91,10 @@ class GluedPairs:
     ) -> "GluedPairs":
         """Return the pairs of a structure.
 
-        Parameters
-        ----------
-        springs : (components, n_point) [force/length]
-            K of points that are closed and stick.
-        pulled : (n_relative,) or None [length]
-            Relative displacements that the bolts alone would cause: points that they do not press
-            on are left open, so that fewer change sides afterwards.
+        Springs K (components, n_point) [force/length] are those of points that are closed and
+        stick. Pulled are relative displacements (n_relative,) [length] that the bolts alone would
+        cause: points that they do not press on are left open, so that fewer change sides
+        afterwards.
 
         Raises
         ------
@@ -152,12 +149,8 @@ class GluedPairs:
     def loosened(self, shapes: Matrix, yields: Matrix) -> "GluedPairs":
         """Return the pairs of the structure less springs across it (T1).
 
-        Parameters
-        ----------
-        shapes : (n_spring, n_relative) [1]
-            z, forces between pairs per initial force of each spring.
-        yields : (n_spring, n_spring) [length/force]
-            What a spring yields to its initial force with the pairs held.
+        Shapes z (n_spring, n_relative) are forces between pairs per initial force of each spring,
+        which yields (n_spring, n_spring) [length/force] to it with the pairs held.
         """
         return replace(
             self,
@@ -178,13 +171,9 @@ class GluedPairs:
     ) -> tuple[Vector, Vector, Factors | WholeFactors | None]:
         """Return d, Σ d and the factors used, if they may serve again.
 
-        Parameters
-        ----------
-        K : (n_point, components, components) [force/length]
-        left
-            Residual of Newton's method over the largest force, which says how exact is enough.
-        factors
-            Of the step before.
+        Springs K are (n_point, components, components) [force/length]; what is left, the residual
+        of Newton's method over the largest force, says how exact is enough. Factors are those of
+        the step before.
 
         Notes
         -----
@@ -223,10 +212,8 @@ class GluedPairs:
     def solved(self, springs: Matrix, right: Matrix) -> Matrix:
         """Return the solutions (n_relative, k) of right-hand sides, to round-off.
 
-        Parameters
-        ----------
-        springs : (components, n_point) [force/length]
-            K, of points that are closed and stick.
+        Springs K (components, n_point) [force/length] are those of points that are closed and
+        stick.
         """
         k, n = springs.shape
         K = np.zeros((n, k, k))

@@ -39,14 +39,9 @@ class IncrementSolver(Protocol):
     def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
         """Solve one increment.
 
-        Parameters
-        ----------
-        free : (n_relative,) [length]
-            What pairs move without contact forces.
-        offset : (3, n_point) [length]
-            z₀: the initial gap, and minus the slip so far (:meth:`.Contact.offset`).
-        start
-            The increment before, or a similar one; by default all points close and stick at first.
+        Without contact forces pairs move by ``free`` (n_relative,). The offset z₀ (3, n_point)
+        [length] is the initial gap, and minus the slip so far (:meth:`.Contact.offset`). The start
+        is the increment before, or a similar one; by default all points close and stick at first.
 
         Raises
         ------
@@ -59,10 +54,7 @@ class IncrementSolver(Protocol):
 def displaced(solver: IncrementSolver, free: Vector, forces: Matrix) -> Vector:
     """Return the relative displacements (n_relative,) under forces (3, n_point).
 
-    Parameters
-    ----------
-    free : (n_relative,) [length]
-        Without contact forces.
+    Without them they are ``free`` (n_relative,) [length].
     """
     pressed = solver.contact.at_pairs(forces[0], forces[1:])
     return np.asarray(free + solver.moved_by(pressed))

@@ -97,20 +97,11 @@ def solve_yielding(
 ) -> Increment:
     """Solve (F8).
 
-    Parameters
-    ----------
-    free : (n_relative,) [length]
-        y_f.
-    offset : (3, n_point) [length]
-        z₀.
-    start
-        A solution to begin with, of the increment before or a similar case; by default all points
-        close and stick.
-    pull : (n_relative,) or None [force]
-        h.
-    moved_by
-        Returns S p (n_relative,) [length] of forces between the pairs: the solution is corrected by
-        it, for Σ has fewer digits where weak springs hold bodies.
+    Given are y_f (n_relative,) [length], the offset z₀ (3, n_point) [length] and the pull h
+    (n_relative,) [force]. It begins with a solution of the increment before or a similar case; by
+    default all points close and stick. The solution is corrected by ``moved_by``, which returns S p
+    (n_relative,) [length] of forces between the pairs, for Σ has fewer digits where weak springs
+    hold bodies.
 
     Raises
     ------
@@ -222,12 +213,8 @@ def _along(
 ) -> tuple[_State, float, bool]:
     """Return the state after a step d, its length, and whether it descends.
 
-    Parameters
-    ----------
-    resisted : (n_relative,) [force]
-        Σ d.
-    moved : (components, n_point) [length]
-        G d.
+    The step is resisted by Σ d (n_relative,) [force] and has moved points by G d (components,
+    n_point) [length].
     """
     at_first, curvature = float(d @ state.rest), float(d @ resisted)
 

@@ -77,18 +77,10 @@ class NewtonSteps:
         scale: Matrix,
         compliance: Matrix,
     ) -> Matrix:
-        """Return dx (3, n_point).
+        """Return dx (3, n_point) where F is wrong (3, n_point) [force].
 
-        Parameters
-        ----------
-        wrong : (3, n_point) [force]
-            F.
-        slope : (n_point, 3, 3)
-            J.
-        scale : (3, n_point) [force/length]
-            r.
-        compliance : (3, n_point) [length/force]
-            c′.
+        The slope J is (n_point, 3, 3), the scale r (3, n_point) [force/length], the compliance c′
+        (3, n_point) [length/force].
 
         Raises
         ------

@@ -42,18 +42,9 @@ def solve_similar(
 ) -> tuple[Matrix, Matrix, Indices]:
     """Solve (F8) of cases whose pressures are in proportion to closure.
 
-    Parameters
-    ----------
-    free : (n_case, n_relative) [length]
-        What pairs move without contact forces.
-    moved : (n_case, n_relative) [length]
-        Relative displacements of similar cases, to begin with.
-
-    Returns
-    -------
-    forces, gaps : (n_case, n_point)
-    steps : (n_case,)
-        Newton steps.
+    Without contact forces pairs move by ``free`` (n_case, n_relative) [length]; relative
+    displacements of similar cases (n_case, n_relative) begin. Forces and gaps (n_case, n_point)
+    come with the Newton steps of each case.
 
     Raises
     ------

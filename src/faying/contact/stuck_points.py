@@ -123,19 +123,10 @@ class StuckPoints:
         return np.flatnonzero((limit > 0) & (sheared > CLOSE * limit))
 
     def leaving(self, displaced: Matrix, watched: Indices) -> Indices:
-        """Return points that do not stay as they are, and such as come close to it.
+        """Return points (n,) that do not stay as they are, and such as come close to it.
 
-        Parameters
-        ----------
-        displaced : (n_relative, n_sample) [length]
-            δ.
-        watched
-            Points c that need not stay.
-
-        Returns
-        -------
-        ndarray (n,)
-            Empty where none of the others leaves.
+        Displacements δ are (n_relative, n_sample) [length]; points c that are watched need not
+        stay. Empty where none of the others leaves.
         """
         contact, k, n = self.contact, len(self.springs), self.contact.n_points
         moved = (contact.rows @ displaced).reshape(k, n, -1)
@@ -267,14 +258,10 @@ class LocalContact:
         return (self.rows.T @ sp.diags_array(self.springs.ravel()) @ self.rows).tocsr()
 
     def moved(self, restrained: Vector, excess: Vector) -> Vector:
-        """Return where pairs are (n_touched,) under loads and forces beside the springs.
+        """Return where pairs are (n_touched,) under loads and forces μ beside the springs.
 
-        Parameters
-        ----------
-        restrained : (n_touched,) [length]
-            What the loads move them with all points stuck.
-        excess : (components n_local,) [force]
-            μ.
+        With all points stuck the loads move them by ``restrained`` (n_touched,) [length]; μ is
+        (components n_local,) [force].
         """
         moved = restrained + self._between @ (self.rows.T @ excess)
         return np.asarray(self.whole.moved[self.pairs] + moved)

@@ -52,12 +52,7 @@ class YieldingContact:
     def of(
         cls, contact: Contact, between: BetweenPairs, pulled: Vector | None = None
     ) -> "YieldingContact":
-        """Return the solver of a structure.
-
-        Parameters
-        ----------
-        pulled : (n_relative,) or None [length]
-            As of :meth:`.GluedPairs.of`.
+        """Return the solver of a structure; pulled (n_relative,) is as of :meth:`.GluedPairs.of`.
 
         Raises
         ------

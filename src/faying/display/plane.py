@@ -45,12 +45,7 @@ class Plane:
 def plane_of(points: Matrix, normals: Matrix, weights: Vector) -> Plane:
     """Return the plane of a flat surface, or the best one of a curved surface.
 
-    Parameters
-    ----------
-    points : (n, 3)
-        On it.
-    normals, weights : (n_point, 3), (n_point,)
-        Of its contact points.
+    Points (n, 3) are on it; normals (n_point, 3) and weights (n_point,) are of its contact points.
 
     Notes
     -----

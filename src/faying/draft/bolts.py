@@ -81,10 +81,8 @@ class Hole:
 def clamping_lines(assembly: Assembly, normals: Sequence[Vector]) -> list[Line]:
     """Find chains of beams that clamp bodies; where there are none, single springs that do.
 
-    Parameters
-    ----------
-    normals
-        Of the faces of different bodies that face each other; springs along them may be bolts.
+    Normals are those of the faces of different bodies that face each other; springs along them may
+    be bolts.
     """
     beams = [tuple(chain) for chain in _chains(assembly)]
     lines = [Line(elements=beam, spring=False) for beam in beams if _clamps(assembly, beam)]

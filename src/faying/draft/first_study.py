@@ -65,14 +65,8 @@ class FirstStudy:
 def first_study(path: Path, target: Path, ignore: Sequence[str] = ()) -> FirstStudy:
     """Look at a deck or mesh and write the study that it is a study of.
 
-    Parameters
-    ----------
-    path
-        A deck or a mesh.
-    target
-        Where the study will stand; its paths are relative to that.
-    ignore
-        What a deck has and the model shall not.
+    The target is where it will stand; its paths are relative to that. What the deck has and the
+    model shall not is ignored.
 
     Raises
     ------

@@ -95,16 +95,10 @@ class Findings:
 def study_text(
     findings: Findings, target: Path, built: Mapping[str, Interface], problem: str = ""
 ) -> str:
-    """Return the study.
+    """Return the study, to stand at a target.
 
-    Parameters
-    ----------
-    target
-        Where it will stand.
-    built
-        Interfaces of the model it makes, whose areas and gaps it then tells.
-    problem
-        Why it does not run yet.
+    It tells the areas and gaps of the interfaces that were built of its model, or the problem why
+    it does not run yet.
     """
     lines = [f"#:schema {EDITOR_SCHEMA.as_uri()}"]
     lines += _comment(

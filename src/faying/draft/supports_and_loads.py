@@ -29,13 +29,7 @@ def named(mesh: Mesh, pattern: re.Pattern[str]) -> list[str]:
 
 
 def pins(assembly: Assembly, contact: Indices) -> list[Pin]:
-    """Hold the largest body at three nodes, statically determinate.
-
-    Parameters
-    ----------
-    contact
-        Nodes that touch other bodies, which are not held.
-    """
+    """Hold the largest body at three nodes, statically determinate, that touch no other bodies."""
     mesh = assembly.mesh
     usable = _outside(assembly, contact)
     label = mesh.bodies

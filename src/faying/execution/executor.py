@@ -65,17 +65,9 @@ def results_of(
 ) -> Generator[tuple[int, Any], None, list[int]]:
     """Yield place and result of some tasks as they come; return those whose workers died.
 
-    Parameters
-    ----------
-    submit
-        Sends a task to a worker.
-    together
-        Tasks that are with workers at a time.
-    death
-        What the future of a task raises whose worker died.
-    watch
-        Called before each waiting; returns how many seconds to wait at most before it is called
-        again, or raises where there is nothing to wait for.
+    ``submit`` sends a task to a worker, ``together`` of them at a time; futures raise ``death``
+    where it died. ``watch``, called before each waiting, returns how many seconds to wait at most
+    before it is called again, or raises where there is nothing to wait for.
     """
     waiting, running, suspects = deque(places), dict[Future[Any], int](), list[int]()
     try:

@@ -16,18 +16,9 @@ PARTS = ("exudyn_joint.py", "exudyn_contact.py")
 
 
 def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path, ...]:
-    """Write a module that adds the joint to a multibody system, and its data beside it.
+    """Write a module that adds the joint to a multibody system, and its ``.npz`` beside it.
 
-    Parameters
-    ----------
-    path
-        Of the module; what Python cannot import by name, as in ``jim-b-20.py``, becomes an
-        underscore.
-
-    Returns
-    -------
-    tuple of Path
-        The module and its ``.npz``.
+    What Python cannot import by name, as in ``jim-b-20.py``, becomes an underscore.
 
     Raises
     ------

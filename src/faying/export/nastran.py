@@ -69,10 +69,6 @@ def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path
     Beside either: recovery matrices (``_recovery.op4``) and a text that says what is what
     (``_readme.txt``).
 
-    Returns
-    -------
-    tuple of Path
-
     Raises
     ------
     FormatError
@@ -297,12 +293,7 @@ def assembly_cards(
 ) -> str:
     """Return the cards (.asm) for the main bulk data of the assembly run.
 
-    Parameters
-    ----------
-    grids
-        Grid id to its components.
-    points : (n,)
-        Ids of the scalar points, consecutive.
+    Grids have components; points (n,) are consecutive ids of the scalar points.
     """
     pairs: list[Value] = [grid for repeated in grids for grid in (repeated, repeated)]
     # The pairs of equal ids begin on the second line.

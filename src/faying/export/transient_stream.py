@@ -34,12 +34,7 @@ SLACK = 2**20
 
 @contextmanager
 def growing(path: Path, *, new: bool) -> Iterator[h5py.File]:
-    """Yield an HDF5 file to write to, once there is room to begin.
-
-    Parameters
-    ----------
-    new
-        Whether what the file holds is lost.
+    """Yield an HDF5 file to write to, once there is room to begin; a new one loses what it held.
 
     Raises
     ------

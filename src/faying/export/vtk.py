@@ -39,20 +39,10 @@ from faying.units import Units
 
 
 def write_interface_vtu(results: Results, folder: Path) -> tuple[Path, ...]:
-    """Write ``interface_NAME.vtu`` for each interface: the facets of its minus side.
+    """Write ``interface_NAME.vtu`` of each interface, atomically: the facets of its minus side.
 
     Point data are nodal averages: pressure and gap of each static case by the full model and by
     each method, the pressure of the preload, the initial gap, normals, and 1 where pairs stick.
-
-    Parameters
-    ----------
-    folder
-        An existing folder; files in it are replaced atomically.
-
-    Returns
-    -------
-    tuple of Path
-        The files, in the order of the interfaces.
 
     Raises
     ------
@@ -75,10 +65,7 @@ def write_fields_vtu(
 ) -> None:
     """Write point data (n_pair,) by name on the facets of the minus side of an interface.
 
-    Parameters
-    ----------
-    time
-        Instant the fields belong to, which viewers show.
+    Viewers show the time that the fields belong to.
 
     Raises
     ------
@@ -161,14 +148,9 @@ MOST_INSTANTS = 400
 
 
 def write(rom: ReducedModel, path: Path, run: Results | None = None) -> tuple[Path, ...]:
-    """Write the pictures of a reduced model into a folder.
+    """Write the pictures of a reduced model into a folder, made if need be, atomically.
 
-    Parameters
-    ----------
-    path
-        Folder; made if need be, files in it are replaced atomically.
-    run
-        Where the model comes from, for load cases and bolts.
+    The run has load cases and bolts.
 
     Raises
     ------

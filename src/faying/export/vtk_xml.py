@@ -68,10 +68,7 @@ def write_vtu(grid: Grid, path: Path) -> None:
 def write_pvd(entries: Sequence[tuple[float, Path]], path: Path) -> None:
     """Write a series of grids as ``.pvd``, atomically.
 
-    Parameters
-    ----------
-    entries
-        Time and file of each, in or below the folder of ``path``.
+    Entries are times and files in or below the folder of ``path``.
 
     Raises
     ------

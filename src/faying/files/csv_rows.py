@@ -11,12 +11,7 @@ from faying.files.atomic import replacing
 def csv_rows(
     path: Path, lines: Iterable[str], *, first: int = 1
 ) -> Iterator[tuple[int, list[str]]]:
-    """Yield number and cells of each row.
-
-    Parameters
-    ----------
-    first
-        Number of the first line.
+    """Yield number, from ``first`` on, and cells of each row.
 
     Raises
     ------
@@ -35,10 +30,7 @@ def csv_rows(
 def write_rows(path: Path, rows: Iterable[Iterable[object]], number: str = "%.7g") -> None:
     """Write rows, the names of the columns first, atomically.
 
-    Parameters
-    ----------
-    number
-        Format of numbers that are no whole ones.
+    Numbers that are no whole ones have the format ``number``.
 
     Raises
     ------

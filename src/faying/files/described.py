@@ -77,10 +77,7 @@ def new_file(
 ) -> Iterator[h5py.File]:
     """Yield a new file that takes its place once it is complete.
 
-    Parameters
-    ----------
-    attributes
-        Of the root, beside those of the format and the units.
+    Its root has the attributes beside those of the format and the units.
 
     Raises
     ------
@@ -154,10 +151,7 @@ def write_members(
 ) -> None:
     """Write members of a group as its table has them; those that are None stay absent.
 
-    Parameters
-    ----------
-    tables
-        Of the dataclasses among the members, and of those within.
+    ``tables`` are those of the dataclasses among the members, and of those within.
     """
     for name, meaning in table.items():
         _write(group, name, members[name], meaning, units, tables)
@@ -252,12 +246,7 @@ def member(group: h5py.Group, name: str) -> Any:
 def numbers(
     group: h5py.Group, name: str, shape: tuple[int, ...] | None = None, dtype: Any = np.float64
 ) -> Any:
-    """Return the numbers of a member.
-
-    Parameters
-    ----------
-    shape
-        That it must have; any where None.
+    """Return the numbers of a member, which must have the shape; any where None.
 
     Raises
     ------
@@ -306,10 +295,7 @@ def sparse_matrix(group: h5py.Group, name: str) -> SparseMatrix:
 def read_value(group: Node, kind: type, tables: Mapping[type, Table]) -> Any:
     """Read a dataclass; the annotations of its fields say how.
 
-    Parameters
-    ----------
-    tables
-        Members of dataclasses that are read; of others all fields.
+    Of dataclasses with a table its members are read, of others all fields.
 
     Raises
     ------

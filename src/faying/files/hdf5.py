@@ -37,10 +37,7 @@ _WATCHES: dict[int, "subprocess.Popen[str]"] = {}
 def look_through(path: Path, *, whole: bool = True) -> None:
     """Let the other process walk through a file.
 
-    Parameters
-    ----------
-    whole
-        Whether all its data are to be read: then they must be there, and fit in memory.
+    All its data are to be read if it is whole: then they must be there, and fit in memory.
 
     Raises
     ------
@@ -113,12 +110,8 @@ def _end() -> None:
 def open_hdf5(path: Path, expected: str, remedy: str) -> Iterator[h5py.File]:
     """Open a file whose data are all its own and fit in memory.
 
-    Another process has looked through it before: see :mod:`faying.files.hdf5_walk`.
-
-    Parameters
-    ----------
-    expected, remedy
-        End of the messages for what is no such file, and for one that is damaged.
+    Another process has looked through it before: see :mod:`faying.files.hdf5_walk`. Messages end
+    with what was expected of what is no such file, and with the remedy for one that is damaged.
 
     Raises
     ------
@@ -138,10 +131,7 @@ def open_hdf5(path: Path, expected: str, remedy: str) -> Iterator[h5py.File]:
 def check_hdf5(path: Path, expected: str, remedy: str, *, whole: bool = True) -> None:
     """Refuse a file that is damaged or leads elsewhere, before this process opens it.
 
-    Parameters
-    ----------
-    whole
-        Whether all its data are to be read: then they must be there, and fit in memory.
+    All its data are to be read if it is whole: then they must be there, and fit in memory.
 
     Raises
     ------

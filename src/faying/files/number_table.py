@@ -56,16 +56,9 @@ def read_numbers(
 ) -> NumberTable:
     """Read a CSV file of numbers; empty lines and comments after # are left out.
 
-    Parameters
-    ----------
-    what
-        What the file is, for messages.
-    label
-        Name of a column that holds names; # is part of names then, but where it begins a line.
-    unnamed
-        Names of the columns, where a first line that names them is not needed.
-    largest
-        Magnitude that no number exceeds.
+    Messages say ``what`` the file is. The column ``label`` holds names; # is part of names then,
+    but where it begins a line. A first line that names the columns is not needed where ``unnamed``
+    does. No number exceeds the largest magnitude.
 
     Raises
     ------
@@ -110,12 +103,7 @@ def read_numbers(
 def read_number_table(path: Path, columns: Sequence[Sequence[str]], what: str) -> NumberTable:
     """Read a CSV file that has one of some sets of columns, in any order.
 
-    Parameters
-    ----------
-    columns
-        Names that the file may have.
-    what
-        What the file is, for messages.
+    Messages say ``what`` the file is.
 
     Raises
     ------
@@ -140,12 +128,8 @@ def read_number_table(path: Path, columns: Sequence[Sequence[str]], what: str) -
 def check_times(path: Path, times: Vector, place: Callable[[int], str], *, fewest: int = 1) -> None:
     """Refuse instants that cannot be followed.
 
-    Parameters
-    ----------
-    place
-        Says where an instant stands.
-    fewest
-        Instants there must be; where two are needed they do not begin before 0.
+    ``place`` says where an instant stands. Where two instants are needed (``fewest``) they do not
+    begin before 0.
 
     Raises
     ------

@@ -20,20 +20,11 @@ from faying.model.elements import FACES
 def averaging_operator(
     shape: SparseMatrix, weights: Vector, facets: Sequence[tuple[str, Indices]]
 ) -> SparseMatrix:
-    """Return the operator that averages values at contact points to the pairs.
+    """Return the operator (n_pair, n_point) that averages values at contact points to the pairs.
 
-    Parameters
-    ----------
-    shape : (n_point, n_pair)
-        Shape functions of the pairs at the contact points.
-    weights : (n_point,) [length²]
-    facets
-        Kind and pairs (n_face, n_node_per_face) of the facets.
-
-    Returns
-    -------
-    csr_array (n_pair, n_point)
-        No entry is negative and every row adds up to one.
+    No entry is negative and every row adds up to one. Shape functions of the pairs at the points
+    are (n_point, n_pair), weights (n_point,) [length²]; facets are kinds with pairs (n_face,
+    n_node_per_face).
     """
     values = shape.maximum(0.0)
     unseen = np.asarray(values.sum(axis=0)).ravel() == 0
@@ -50,15 +41,11 @@ def averaging_operator(
 
 
 def corner_functions(facets: Sequence[tuple[str, Indices]], n_pair: int) -> SparseMatrix:
-    """Return the linear functions of all corners at the pairs.
+    """Return the linear functions of all corners at the pairs (n_pair, n_pair).
 
-    They are shape functions of the facets without their mid-sides, and sums of those with them.
-
-    Returns
-    -------
-    csc_array (n_pair, n_pair)
-        Column of a corner: one at itself, 1/2 at the mid-sides next to it. Columns of mid-sides
-        are empty.
+    They are shape functions of the facets without their mid-sides, and sums of those with them. The
+    column of a corner is one at itself, 1/2 at the mid-sides next to it; those of mid-sides are
+    empty.
     """
     rows, columns, values = [], [], []
     for kind, pairs in facets:
@@ -77,12 +64,7 @@ def corner_functions(facets: Sequence[tuple[str, Indices]], n_pair: int) -> Spar
 def facet_columns(pairs: Indices, minus: Indices, plus: Indices) -> Indices:
     """Return which pairs (…) the nodes of facets are, in the shape of ``minus`` and ``plus``.
 
-    Parameters
-    ----------
-    pairs : (n_pair, 2)
-        Nodes of the minus and the plus side.
-    minus, plus : (…)
-        Nodes of the facets on both sides.
+    Pairs (n_pair, 2) are nodes of the minus and the plus side, as are those of facets.
     """
     width = int(pairs.max()) + 1
     keys = pairs[:, 0] * width + pairs[:, 1]

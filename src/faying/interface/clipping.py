@@ -12,19 +12,10 @@ _ROUNDING = 1e-13
 
 
 def clip(subject: Matrix, window: Matrix) -> tuple[Matrix, Indices]:
-    """Intersect convex polygons pairwise.
+    """Intersect convex polygons (n, 4, 2) pairwise; corners are counter-clockwise.
 
-    Parameters
-    ----------
-    subject, window : (n, 4, 2)
-        Corners, counter-clockwise; a triangle repeats its last corner.
-
-    Returns
-    -------
-    polygons : (n, most, 2)
-        Corners of the intersections, counter-clockwise; columns beyond the count are zero.
-    counts : (n,)
-        Numbers of corners, 0 where nothing is left.
+    A triangle repeats its last corner. Intersections (n, most, 2) have as many corners as their
+    counts (n,), 0 where nothing is left; columns beyond are zero.
 
     Notes
     -----
@@ -86,12 +77,8 @@ def areas(polygons: Matrix, counts: Indices) -> Vector:
 def fans(polygons: Matrix, counts: Indices) -> tuple[Matrix, Indices]:
     """Cut convex polygons (n, n_corner, 2) into triangles that share their first corner.
 
-    Returns
-    -------
-    triangles : (n_triangle, 3, 2)
-        Counter-clockwise, those without area included.
-    owners : (n_triangle,)
-        Polygon of each.
+    Triangles (n_triangle, 3, 2) are counter-clockwise, those without area included; with them come
+    the polygons they are of (n_triangle,).
     """
     second = np.arange(1, polygons.shape[1] - 1)
     owners, corner_number = np.nonzero(second < counts[:, None] - 1)

@@ -104,13 +104,9 @@ class _Integrals:
 
 
 def couple(nodes: Matrix, segments: Segments) -> Coupling:
-    """Integrate the coupling of two sides over their segments.
+    """Integrate the coupling of two sides over their segments, one triangle at least.
 
-    Parameters
-    ----------
-    nodes : (n_node, 3) [length]
-    segments
-        With at least one triangle.
+    Nodes are (n_node, 3) [length].
 
     Notes
     -----

@@ -13,17 +13,9 @@ SHARP = np.radians(15.0)
 def arc_heights(corners: Matrix, facets: Facets, normals: Matrix) -> Vector:
     """Estimate how far the true surface stands off each facet: h θ / 4, θ the turn at its nodes.
 
-    θ is the largest angle between the facet's normal and the mean normal at its corners that is
-    not an edge's: zero on a flat surface, h / 2R on a cylinder. Of edges h the longest counts.
-
-    Parameters
-    ----------
-    corners : (n_facet, 4, 3) [length]
-    normals : (n_facet, 3)
-
-    Returns
-    -------
-    ndarray (n_facet,) [length]
+    θ is the largest angle between the facet's normal (n_facet, 3) and the mean normal at its
+    corners (n_facet, 4, 3) [length] that is not an edge's: zero on a flat surface, h / 2R on a
+    cylinder. Of edges h the longest counts.
     """
     index = facets.corners
     mean = np.zeros((int(index.max(initial=-1)) + 1, 3))
@@ -39,17 +31,13 @@ def arc_heights(corners: Matrix, facets: Facets, normals: Matrix) -> Vector:
 
 
 def corner_normals(nodes: Matrix, facets: Facets) -> Matrix:
-    """Return the normals of the smooth surface through the corners of linear facets.
+    """Return the unit normals (n_facet, 4, 3) of the smooth surface through corners of facets.
 
-    At each corner the height of the neighbours' neighbours over the tangent plane is fitted by a
-    quadratic, whose slope at the corner turns the mean normal of the facets; at a rim, where that
-    mean is one-sided, this is what makes the normal second-order accurate. Facets that meet at an
-    edge sharper than 15° do not see each other.
-
-    Returns
-    -------
-    ndarray (n_facet, 4, 3)
-        Unit normals; quadratic facets get their own normal, for they follow the surface.
+    At each corner of linear facets the height of the neighbours' neighbours over the tangent plane
+    is fitted by a quadratic, whose slope at the corner turns the mean normal of the facets; at a
+    rim, where that mean is one-sided, this is what makes the normal second-order accurate. Facets
+    that meet at an edge sharper than 15° do not see each other. Quadratic facets get their own
+    normal, for they follow the surface.
     """
     facet_normal = facet_normals(nodes, facets)
     normals = np.repeat(facet_normal[:, None], 4, axis=1)
@@ -111,18 +99,10 @@ def standing_off(shape: Matrix, corners: Matrix, normals: Matrix) -> Matrix:
     """Return the height of the smooth surface over linear facets, ½ Σ N_i (x_i − x)·n_i.
 
     With exact normals right to second order in κh: a tangent plane lies as far beyond the surface
-    as the mean of the chords, weighted by N, lies short of it. Of a circle short by (κh)²/16.
-
-    Parameters
-    ----------
-    shape : (n, n_q, 4)
-        Shape functions of the corners; triangles have zero in the last column.
-    corners, normals : (n, 4, 3)
-
-    Returns
-    -------
-    ndarray (n, n_q) [length]
-        Positive where the surface lies outside the facet, seen along the normals.
+    as the mean of the chords, weighted by N, lies short of it. Of a circle short by (κh)²/16. Shape
+    functions of the corners are (n, n_q, 4), of triangles with zero in the last column; corners and
+    normals (n, 4, 3). Heights (n, n_q) [length] are positive where the surface lies outside the
+    facet, seen along the normals.
     """
     points = np.einsum("nqi,nid->nqd", shape, corners)
     at_corner = np.einsum("nid,nid->ni", corners, normals)

@@ -68,18 +68,9 @@ def reference_nodes(kind: str) -> Matrix:
 
 
 def shape_functions(kind: str, points: Matrix) -> Matrix:
-    """Evaluate the shape functions of a facet.
+    """Evaluate the shape functions (n_q, n_node_per_face) at reference points (n_q, 2).
 
-    Parameters
-    ----------
-    kind
-        Name of a :class:`~faying.model.elements.face_kind.FaceKind`.
-    points : (n_q, 2)
-        Reference coordinates.
-
-    Returns
-    -------
-    ndarray (n_q, n_node_per_face)
+    The kind is a name of a :class:`~faying.model.elements.face_kind.FaceKind`.
     """
     element, local = _element(kind), np.asarray(points).T
     values = [element.lbasis(local, i)[0] for i in range(len(element.doflocs))]
@@ -87,12 +78,7 @@ def shape_functions(kind: str, points: Matrix) -> Matrix:
 
 
 def shape_gradients(kind: str, points: Matrix) -> Matrix:
-    """Evaluate the derivatives of the shape functions to the reference coordinates.
-
-    Returns
-    -------
-    ndarray (n_q, n_node_per_face, 2)
-    """
+    """Evaluate their derivatives to the reference coordinates (n_q, n_node_per_face, 2)."""
     element, local = _element(kind), np.asarray(points).T
     values = [np.asarray(element.lbasis(local, i)[1]) for i in range(len(element.doflocs))]
     full = [np.broadcast_to(value.reshape(2, -1), local.shape) for value in values]
@@ -103,14 +89,9 @@ def shape_gradients(kind: str, points: Matrix) -> Matrix:
 def gauss_rule(kind: str, order: int | None = None) -> Rule:
     """Gauss points of a facet, all strictly inside it and with positive weights.
 
-    Parameters
-    ----------
-    kind
-        Name of a :class:`~faying.model.elements.face_kind.FaceKind`.
-    order
-        Points per direction (quadrilaterals) or degree of exactness (triangles); None takes the
-        lowest one that integrates pressure times shape functions exactly on a flat facet with
-        straight sides and evenly spaced nodes.
+    The order is that of points per direction (quadrilaterals) or degree of exactness (triangles);
+    None takes the lowest one that integrates pressure times shape functions exactly on a flat facet
+    with straight sides and evenly spaced nodes.
 
     Raises
     ------
@@ -150,16 +131,9 @@ def nodal_rule(kind: str) -> Rule:
 
 
 def surface(kind: str, coordinates: Matrix, rule: Rule) -> Surface:
-    """Evaluate the interpolated surface of facets at quadrature points.
+    """Evaluate the interpolated surface of facets (n_face, n_node_per_face, 3) at a rule's points.
 
-    Parameters
-    ----------
-    coordinates : (n_face, n_node_per_face, 3) [length]
-
-    Returns
-    -------
-    Surface
-        Areas use the true Jacobian |∂x/∂ξ × ∂x/∂η| of the curved facet.
+    Areas use the true Jacobian |∂x/∂ξ × ∂x/∂η| of the curved facet.
     """
     points = np.einsum("qa,fad->fqd", shape_functions(kind, rule.points), coordinates)
     if kind == FACES[kind].linear and rule.name == "nodal":
@@ -181,11 +155,9 @@ def _corner_areas(kind: str, coordinates: Matrix) -> Matrix:
 
 
 def area_vectors(kind: str, coordinates: Matrix, points: Matrix) -> Matrix:
-    """Return ∂x/∂ξ × ∂x/∂η of facets (n_face, n_node_per_face, 3) at reference points (n_q, 2).
+    """Return ∂x/∂ξ × ∂x/∂η of facets (n_face, n_q, 3) [length²] at reference points (n_q, 2).
 
-    Returns
-    -------
-    ndarray (n_face, n_q, 3) [length²]
+    Coordinates of their nodes are (n_face, n_node_per_face, 3).
     """
     tangents = np.einsum("qaj,fad->jfqd", shape_gradients(kind, points), coordinates)
     return np.cross(tangents[0], tangents[1])

@@ -19,15 +19,10 @@ def with_friction(
 ) -> Law:
     """Return a normal law with Coulomb friction, or itself where the coefficient is zero.
 
-    Parameters
-    ----------
-    friction
-        Coefficient μ.
-    tangential_penalty : [force/length³]
-        c_t; ``"auto"`` is c_n 2 (1 − ν)/(2 − ν) with the smallest ν of the assembly's materials,
-        and infinite where normal contact is hard. For c_n of a curve stands its ``stiffness``, the
-        slope at the pressure it is named by: Mindlin's ratio is one of slopes at one pressure,
-        and c_t is one number.
+    The tangential penalty c_t [force/length³] ``"auto"`` is c_n 2 (1 − ν)/(2 − ν) with the smallest
+    ν of the assembly's materials, and infinite where normal contact is hard. For c_n of a curve
+    stands its ``stiffness``, the slope at the pressure it is named by: Mindlin's ratio is one of
+    slopes at one pressure, and c_t is one number.
 
     Raises
     ------

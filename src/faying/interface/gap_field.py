@@ -53,20 +53,12 @@ def with_gap_offset(interface: Interface, offset: Vector) -> Interface:
 
 
 def gap_from_points(interface: Interface, positions: Matrix, gaps: Vector) -> Vector:
-    """Interpolate measured gap offsets to the contact points.
+    """Interpolate measured gap offsets to the contact points (n_point,).
 
-    Positions are projected onto the plane that fits the contact points best; between the samples
-    the field is linear on their Delaunay triangles, outside their hull it is that of the nearest
-    sample. Interfaces that bend by more than a right angle have no such plane: give nodes.
-
-    Parameters
-    ----------
-    positions : (n, 3) [length]
-    gaps : (n,) [length]
-
-    Returns
-    -------
-    ndarray (n_point,)
+    Positions (n, 3) are projected onto the plane that fits the contact points best; between the
+    samples (n,) [length] the field is linear on their Delaunay triangles, outside their hull it is
+    that of the nearest sample. Interfaces that bend by more than a right angle have no such plane:
+    give nodes.
 
     Raises
     ------
@@ -101,21 +93,12 @@ def gap_from_points(interface: Interface, positions: Matrix, gaps: Vector) -> Ve
 def gap_from_nodes(
     interface: Interface, node_ids: Indices, nodes: Sequence[int], gaps: Vector
 ) -> Vector:
-    """Interpolate gap offsets given at nodes with the shape functions of the interface.
+    """Interpolate gap offsets given at nodes with the shape functions of the interface (n_point,).
 
-    Parameters
-    ----------
-    node_ids : (n_node,)
-        Ids of all nodes of the mesh, ``model.assembly.mesh.node_ids``.
-    nodes : (n,)
-        Node ids of either side; where both nodes of a pair are named, their gaps add up (each
-        side has its own form error). Nodes elsewhere are ignored. Where meshes do not match, plus
-        nodes act through the projection, and all those around a pair are needed.
-    gaps : (n,) [length]
-
-    Returns
-    -------
-    ndarray (n_point,)
+    Nodes (n,) are ids of either side, among all those of the mesh (n_node,), with gaps (n,)
+    [length]; where both nodes of a pair are named, their gaps add up (each side has its own form
+    error). Nodes elsewhere are ignored. Where meshes do not match, plus nodes act through the
+    projection, and all those around a pair are needed.
 
     Raises
     ------
@@ -157,19 +140,10 @@ def gap_from_nodes(
 
 
 def read_gap_field(path: str | Path, interface: Interface, node_ids: Indices) -> Vector:
-    """Read gap offsets from a CSV file with the columns ``x,y,z,gap`` or ``node,gap``.
+    """Read gap offsets (n_point,) from a CSV file with the columns ``x,y,z,gap`` or ``node,gap``.
 
-    Parameters
-    ----------
-    path
-        First line names the columns, in any order; lines that start with # are skipped.
-    node_ids : (n_node,)
-        Ids of all nodes of the mesh, ``model.assembly.mesh.node_ids``.
-
-    Returns
-    -------
-    ndarray (n_point,)
-        As :func:`gap_from_points` or :func:`gap_from_nodes` make it.
+    Its first line names the columns, in any order; lines that start with # are skipped. They become
+    what :func:`gap_from_points` or :func:`gap_from_nodes` makes of them.
 
     Raises
     ------
@@ -195,12 +169,9 @@ def read_gap_table(path: Path) -> NumberTable:
 
 
 def _sides(interface: Interface, n_node: int) -> tuple[SparseMatrix, SparseMatrix]:
-    """Return what the pairs take from the nodes of the minus and of the plus side.
+    """Return what pairs take from the nodes of the minus and of the plus side (n_pair, n_node).
 
-    Returns
-    -------
-    tuple of csr_array (n_pair, n_node)
-        Their difference applied to translations of the nodes is the relative displacement.
+    Their difference applied to translations of the nodes is the relative displacement.
     """
     if interface.coupling is not None:
         return interface.coupling.minus, interface.coupling.plus

@@ -34,15 +34,8 @@ def reach_of(assembly: Assembly, spec: InterfaceSpec, minus: Facets, plus: Facet
 def pairs_across(assembly: Assembly, spec: InterfaceSpec) -> tuple[FacePairs, ...]:
     """Match facets across a gap: node on node, seen along the normals of the minus side.
 
-    Parameters
-    ----------
-    spec
-        With named sides and a ``search_distance``.
-
-    Returns
-    -------
-    tuple of FacePairs
-        One entry per facet kind; empty where the meshes do not match, or no facets see each other.
+    Sides are named and have a search distance. There is one entry per facet kind; none where the
+    meshes do not match, or no facets see each other.
 
     Notes
     -----

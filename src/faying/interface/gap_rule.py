@@ -14,10 +14,7 @@ def with_gap_rule(
 ) -> Interface:
     """Return the interface with the initial gap that a rule gives it.
 
-    Parameters
-    ----------
-    nodes : (n_node, 3) [length]
-    node_ids : (n_node,)
+    Nodes (n_node, 3) [length] have ids (n_node,).
     """
     if rule.value is not None:
         return replace(interface, initial_gap=np.full(interface.n_points, rule.value))

@@ -153,23 +153,11 @@ def _radii(cells: Cells) -> Vector:
 def hidden(
     polygons: Matrix, counts: Indices, owners: Indices, distances: Vector, sizes: Vector
 ) -> Mask:
-    """Tell which polygons lie behind another one on the same facet.
+    """Tell which polygons (n,) have their middle behind a nearer one on the same facet.
 
-    Parameters
-    ----------
-    polygons : (n, n_corner, 2) [length]
-        Convex, in the plane of the facet they are seen from.
-    counts : (n,)
-        Numbers of corners.
-    owners : (n,)
-        That facet.
-    distances, sizes : (n,) [length]
-        Distance from that facet, and the size of it.
-
-    Returns
-    -------
-    ndarray (n,)
-        True where the middle of a polygon lies within a nearer one.
+    Polygons (n, n_corner, 2) [length] are convex, in the plane of the facet (owner) they are seen
+    from, and have numbers of corners (n,). Distances from that facet and its size are (n,)
+    [length].
     """
     behind = np.zeros(len(owners), dtype=bool)
     _, group, members = np.unique(owners, return_inverse=True, return_counts=True)

@@ -19,21 +19,11 @@ _SMALLEST_STEP = 1e-13
 
 
 def reference_coordinates(kind: str, nodes: Matrix, points: Matrix) -> Matrix:
-    """Find where on facets points are, seen along one direction.
+    """Find where on facets points (n, n_q, 2) are, seen along one direction.
 
-    Parameters
-    ----------
-    kind
-        Name of a :class:`~faying.model.elements.face_kind.FaceKind`.
-    nodes : (n, n_node_per_face, 2) [length]
-        Nodes projected onto a plane.
-    points : (n, n_q, 2) [length]
-        Points in that plane.
-
-    Returns
-    -------
-    ndarray (n, n_q, 2)
-        Near a curved side they may lie a little outside of the reference facet.
+    The kind is a name of a :class:`~faying.model.elements.face_kind.FaceKind`. Nodes (n,
+    n_node_per_face, 2) and points [length] are projected onto a plane. Near a curved side reference
+    coordinates (n, n_q, 2) may lie a little outside of the reference facet.
 
     Raises
     ------

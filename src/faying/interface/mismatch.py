@@ -27,13 +27,9 @@ def check_no_mismatch(
     """Refuse facets that lie on the other side's surface but have no partner there.
 
     A facet lies on the other side where its centre is inside a facet of opposite orientation and
-    within the tolerance of its plane. On curved surfaces the plane is allowed the height of the
-    arc over the facet in addition.
-
-    Parameters
-    ----------
-    facets, side, matched : (n_facet,)
-        All facets that may touch, the side of each, and whether it has found its partner.
+    within the tolerance of its plane. On curved surfaces the plane is allowed the height of the arc
+    over the facet in addition. Given are all facets that may touch, the side of each, and whether
+    it has found its partner (n_facet,).
 
     Raises
     ------

@@ -32,17 +32,10 @@ _LARGEST_EXCESS = 1e-3
 def find_couplings(assembly: Assembly, spec: InterfaceSpec) -> dict[str, Coupling]:
     """Couple the sides of an interface whose meshes do not match.
 
-    Parameters
-    ----------
-    spec
-        Sides as :func:`faying.interface.pairing.pair_facets` takes them; the minus side carries the
-        contact points. The tolerance is the largest distance of surfaces that touch.
-
-    Returns
-    -------
-    dict
-        Name to coupling: the name of the spec, or ``name-1``, ``name-2``, … where both sides are
-        ``"auto"`` and several pairs of bodies touch.
+    Sides are as :func:`faying.interface.pairing.pair_facets` takes them; the minus side carries the
+    contact points. The tolerance is the largest distance of surfaces that touch. Couplings have the
+    name of the interface, or ``name-1``, ``name-2``, … where both sides are ``"auto"`` and several
+    pairs of bodies touch.
 
     Raises
     ------
@@ -101,21 +94,9 @@ def build_mortar_interface(
 ) -> Interface:
     """Form the interface of a mortar coupling, the counterpart of Eq. (15.3), (15.11), (15.14).
 
-    Parameters
-    ----------
-    spec
-        Gives name and quadrature. Without a choice of quadrature, penalty contact takes Gauss
-        points and hard contact nodal ones.
-    coupling
-        From :func:`find_couplings`.
-    law
-        What the contact points admit.
-
-    Returns
-    -------
-    Interface
-        Gauss points are those of zero-thickness elements on facets that are covered wholly, and
-        points of the segments elsewhere. Nodal points are the pairs.
+    Without a choice of quadrature, penalty contact takes Gauss points and hard contact nodal ones.
+    Gauss points are those of zero-thickness elements on facets that are covered wholly, and points
+    of the segments elsewhere. Nodal points are the pairs.
 
     Raises
     ------

@@ -51,10 +51,7 @@ def contact_points(
 ) -> MortarPoints:
     """Place the contact points.
 
-    Parameters
-    ----------
-    nodes : (n_node, 3) [length]
-    pair_normals : (n_pair, 3)
+    Nodes are (n_node, 3) [length], normals of the pairs (n_pair, 3).
 
     Raises
     ------

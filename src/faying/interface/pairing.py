@@ -43,20 +43,12 @@ class _Matches:
 
 
 def pair_facets(assembly: Assembly, spec: InterfaceSpec) -> tuple[FacePairs, ...]:
-    """Match the facets of the two sides of an interface.
+    """Match the facets of the two sides of an interface, one entry per facet kind.
 
-    Parameters
-    ----------
-    spec
-        Named sides: facets of ``minus`` with a coincident facet of opposite orientation on
-        ``plus``; others on either side may lie off the overlap. ``"auto"`` on both sides: all
-        coincident exterior facets of different bodies, where the body with the smallest node id
-        is the minus side. ``"auto"`` on one side: all facets the other side leaves.
-
-    Returns
-    -------
-    tuple of FacePairs
-        One entry per facet kind.
+    Named sides: facets of ``minus`` with a coincident facet of opposite orientation on ``plus``;
+    others on either side may lie off the overlap. ``"auto"`` on both sides: all coincident exterior
+    facets of different bodies, where the body with the smallest node id is the minus side.
+    ``"auto"`` on one side: all facets the other side leaves.
 
     Raises
     ------
@@ -75,12 +67,9 @@ def pair_facets(assembly: Assembly, spec: InterfaceSpec) -> tuple[FacePairs, ...
 def find_interfaces(assembly: Assembly, spec: InterfaceSpec) -> dict[str, tuple[FacePairs, ...]]:
     """Match facets as :func:`pair_facets`, one interface per pair of bodies where sides are "auto".
 
-    Returns
-    -------
-    dict
-        Name to matched facets, across gaps where the spec has a search distance: the name of the
-        spec, or ``name-1``, ``name-2``, … for several pairs of bodies, in the order of their
-        smallest node ids.
+    Interfaces have the name of the spec, or ``name-1``, ``name-2``, … for several pairs of bodies,
+    in the order of their smallest node ids. Facets are matched across gaps where the spec has a
+    search distance.
     """
     if spec.search_distance is not None:
         faces = pairs_across(assembly, spec)

@@ -25,12 +25,8 @@ def automatic_penalty(assembly: Assembly, faces: tuple[FacePairs, ...]) -> float
     """Return c_n = 10 E/h [force/length³] of the elements adjoining an interface.
 
     E is the smallest Young's modulus among them, h their mean extent normal to their facet. What
-    that does to pressures: ``docs/how-to/choose_the_mesh.md``.
-
-    Parameters
-    ----------
-    faces
-        From :func:`faying.interface.pairing.pair_facets`.
+    that does to pressures: ``docs/how-to/choose_the_mesh.md``. Faces come from
+    :func:`faying.interface.pairing.pair_facets`.
 
     Raises
     ------

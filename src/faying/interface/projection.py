@@ -35,22 +35,10 @@ class Places:
 
 
 def nearest_places(nodes: Matrix, points: Indices, facets: Facets, reach: float) -> Places:
-    """Find the place of a surface nearest to each of some nodes.
+    """Find the place of a surface nearest to each of some nodes within reach [length].
 
-    Parameters
-    ----------
-    nodes : (n_node, 3) [length]
-    points : (n,)
-        Indices of the nodes that are projected.
-    facets
-        The surface.
-    reach : [length]
-        Largest distance of a node from its place.
-
-    Returns
-    -------
-    Places
-        Of all nodes within reach. Beside the surface it is a place on its edge.
+    Nodes are (n_node, 3) [length], points (n,) the indices of those that are projected. Beside the
+    surface it is a place on its edge.
 
     Notes
     -----

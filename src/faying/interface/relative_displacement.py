@@ -37,11 +37,7 @@ def common_normal(
 ) -> tuple[Matrix, Matrix, bool]:
     """Replace all normals by their mean where they agree; tell whether they did.
 
-    Parameters
-    ----------
-    normals : (n_point, 3)
-    weights : (n_point,)
-    pair_normals : (n_pair, 3)
+    Normals of points are (n_point, 3) with weights (n_point,), those of pairs (n_pair, 3).
     """
     total = (weights @ normals)[None]
     if not total.any():  # as of both faces of a plate
@@ -62,13 +58,8 @@ def common_normal(
 def axes_of(shape: SparseMatrix, normals: Matrix, *, tangential: bool = False) -> SparseMatrix:
     """Return orthonormal rows (n_axis, 3 n_pair) that span the normals each pair is felt along.
 
-    Parameters
-    ----------
-    shape : (n_point, n_pair) sparse
-        Which pairs a point feels.
-    normals : (n_point, 3)
-    tangential
-        Whether pairs are felt along tangents too: three rows then, a normal first.
+    The shape (n_point, n_pair) tells which pairs a point feels along its normal (n_point, 3), or
+    along tangents too: three rows then, a normal first.
 
     Notes
     -----

@@ -62,15 +62,8 @@ def on_side(
 ) -> FacetPoints:
     """Place the quadrature points of triangles ``rows`` on the facets of one side.
 
-    Parameters
-    ----------
-    side
-        ``"minus"`` or ``"plus"``.
-    kind
-        Of the facets these triangles lie on.
-    nodes : (n_node, 3) [length]
-    rule
-        Of triangles.
+    The side is ``"minus"`` or ``"plus"``, the kind that of the facets these triangles lie on, the
+    rule one of triangles; nodes are (n_node, 3) [length].
 
     Raises
     ------

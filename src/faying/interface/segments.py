@@ -107,24 +107,13 @@ class Segments:
 def find_segments(
     nodes: Matrix, minus: Facets, plus: Facets, tolerance: float, reach: Reach | None = None
 ) -> Segments:
-    """Clip the facets of two sides against each other where they touch.
+    """Clip the facets of two sides against each other where they touch, if they do.
 
-    Parameters
-    ----------
-    nodes : (n_node, 3) [length]
-    minus, plus
-        Facets that may touch; quadratic ones are divided into four linear cells.
-    tolerance : [length]
-        Largest distance between the two surfaces along the normal of the minus facet, to which
-        the heights of the arcs over both facets are added where the surfaces are curved.
-    reach
-        In place of the tolerance, for surfaces declared to be in contact: facets that see each
-        other are then paired across gaps, the nearest ones where several lie behind each other.
-
-    Returns
-    -------
-    Segments
-        Without triangles where the sides nowhere touch.
+    Nodes are (n_node, 3) [length]; quadratic facets are divided into four linear cells. The
+    tolerance [length] is the largest distance between the two surfaces along the normal of the
+    minus facet, to which the heights of the arcs over both facets are added where the surfaces are
+    curved. A reach is for surfaces declared to be in contact: facets that see each other are then
+    paired across gaps, the nearest ones where several lie behind each other.
 
     Notes
     -----
@@ -190,14 +179,9 @@ def _hidden(
 ) -> Mask:
     """Tell which polygons lie behind a nearer one, seen from their minus or their plus facet.
 
-    Parameters
-    ----------
-    rows
-        Minus and plus facet of each polygon.
-    polygons
-        Corners in the plane of the minus facet, their numbers, and the distance of both facets.
-    lifted : (n, n_corner, 3) [length]
-        The same corners on the plus facet.
+    Rows are the minus and plus facet of each polygon; polygons are corners in the plane of the
+    minus facet, their numbers, and the distance of both facets; lifted the same corners on the plus
+    facet (n, n_corner, 3) [length].
     """
     flat, counts, distances = polygons
     plus = sides[1]

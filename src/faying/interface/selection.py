@@ -15,18 +15,10 @@ from faying.model.surface import Facets, padded, unique_rows
 def select_facets(assembly: Assembly, selection: Selection) -> Facets:
     """Find the facets a selection stands for.
 
-    Parameters
-    ----------
-    selection
-        A name is looked for among face sets, then node sets (exterior facets with *all* nodes in
-        the set), then element sets (exterior facets of these elements); ``"body 0"``,
-        ``"body 1"``, … are the separate bodies. One or several numbers are property ids or, if not
-        all of them are, element ids.
-
-    Returns
-    -------
-    Facets
-        In the order of ``Mesh.exterior``; face sets in their own.
+    A name is looked for among face sets, then node sets (exterior facets with *all* nodes in the
+    set), then element sets (exterior facets of these elements); ``"body 0"``, ``"body 1"``, … are
+    the separate bodies. One or several numbers are property ids or, if not all of them are, element
+    ids. Facets are in the order of ``Mesh.exterior``; those of face sets in their own.
 
     Raises
     ------

@@ -30,13 +30,7 @@ class Smoothing:
 
     @classmethod
     def of(cls, interface: Interface, nodes: Matrix) -> "Smoothing":
-        """Return the smoothing of an interface.
-
-        Parameters
-        ----------
-        nodes : (n_node, 3) [length]
-            Coordinates of all nodes.
-        """
+        """Return the smoothing of an interface; nodes are all of them (n_node, 3) [length]."""
         faces = [(f.kind, facet_columns(interface.pairs, f.minus, f.plus)) for f in interface.faces]
         average = interface.averaging
         if interface.quadrature == "nodal":

@@ -97,14 +97,9 @@ def contact_surface(
     nodes: Matrix,
     stuck: Mask | None,
 ) -> ContactSurface:
-    """Return geometry and law of an interface.
+    """Return geometry and law of an interface, whose contact points are ``points`` among all.
 
-    Parameters
-    ----------
-    points
-        Its contact points among those of all interfaces.
-    nodes : (n_node, 3)
-        Coordinates of all nodes.
+    Nodes are all of them (n_node, 3).
     """
     coupling = interface.coupling
     return ContactSurface(

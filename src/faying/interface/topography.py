@@ -87,14 +87,9 @@ def topography(interface: Interface, scans: Sequence[tuple[Scan, ScanPlacement]]
 
     A polynomial of second degree is the form of a scan. The rest of it goes through the Gaussian
     filter of ISO 16610-21 in both directions, on a grid and weighted by the samples there, so that
-    holes and edges count for nothing. Points in holes larger than the filter have
-    the form alone.
-
-    Returns
-    -------
-    Topography
-        To be added to the gap of the geometry. Where a tilt was removed its smallest value is zero:
-        the sides are brought together until they touch.
+    holes and edges count for nothing. Points in holes larger than the filter have the form alone.
+    The smallest value is zero where a tilt was removed: the sides are brought together until they
+    touch. It is to be added to the gap of the geometry.
 
     Raises
     ------

@@ -51,24 +51,11 @@ def build_interface(
 ) -> Interface:
     """Form the zero-thickness elements of an interface, Eq. (15.3), (15.11), (15.14).
 
-    Geometry (points, areas, normals) is that of the surface midway between the two sides.
-
-    Parameters
-    ----------
-    spec
-        Gives name and quadrature; without a choice of quadrature, penalty contact takes Gauss
-        points and hard contact nodal ones, of which linear facets have no more than node pairs,
-        so that hard contact forces are unique.
-    faces
-        From :func:`faying.interface.pairing.pair_facets`.
-    law
-        What the contact points admit.
-
-    Returns
-    -------
-    Interface
-        With nodal quadrature the points that facets share are one point with their areas summed;
-        ``face_of_point`` then names the first of these facets.
+    Geometry (points, areas, normals) is that of the surface midway between the two sides. Without a
+    choice of quadrature, penalty contact takes Gauss points and hard contact nodal ones, of which
+    linear facets have no more than node pairs, so that hard contact forces are unique. With nodal
+    quadrature the points that facets share are one point with their areas summed; ``face_of_point``
+    then names the first of these facets.
 
     Raises
     ------

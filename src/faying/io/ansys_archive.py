@@ -76,14 +76,10 @@ def read_archive(path: Path, *, materials: Mapping[str, Material]) -> Assembly:
     """Read the solids of an Ansys archive (CDWRITE, blocked format).
 
     Node and element numbers are those of Ansys, property ids its material numbers. Components
-    become node and element sets, and so do the nodes of contact and target elements of each set
-    of real constants (``"contact 5"``, ``"target 5"``). Supports, loads, couplings and beams are
-    not read; ``ignored`` counts what is left out and says what to do about it.
-
-    Parameters
-    ----------
-    materials
-        ``"material 1"``, … or ``"default"``; they override those of the archive.
+    become node and element sets, and so do the nodes of contact and target elements of each set of
+    real constants (``"contact 5"``, ``"target 5"``). Supports, loads, couplings and beams are not
+    read; ``ignored`` counts what is left out and says what to do about it. Materials ``"material
+    1"``, … or ``"default"`` override those of the archive.
     """
     parts = read_isolated(_SCRIPT, path, "Ansys archive", "ansys")
     rows, kinds = _elements(path, parts), dict(parts["kinds"].tolist())

@@ -30,14 +30,9 @@ np.savez(sys.argv[2], **parts)
 
 
 def read_full(path: Path, name: str) -> LabelledMatrix:
-    """Read K or M of an Ansys ``.full`` file, with node and component of every row.
+    """Read K or M of an Ansys ``.full`` file, which holds both, with node and component of rows.
 
     Degrees of freedom that Ansys held are left out, so the structure counts as held there.
-
-    Parameters
-    ----------
-    name
-        ``"K"`` or ``"M"``; the file holds both.
     """
     if name not in MATRICES:
         message = f"matrix {name}: an Ansys .full holds K and M only; leave {name} away"

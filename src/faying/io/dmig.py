@@ -201,13 +201,9 @@ def _check_twice(cards: Cards, name: str, entries: _Entries, form: int) -> None:
 
 
 def dmig_text(name: str, matrix: Matrix, dofs: Indices) -> str:
-    """Return the DMIG cards of a matrix, the lower triangle of a symmetric one.
+    """Return the DMIG cards of a matrix (n, n), the lower triangle of a symmetric one.
 
-    Parameters
-    ----------
-    matrix : (n, n)
-    dofs : (n, 2)
-        Grid and component of each row; component 0 for scalar points.
+    Grid and component of each row are ``dofs`` (n, 2); component 0 for scalar points.
 
     Notes
     -----

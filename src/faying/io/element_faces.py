@@ -41,20 +41,10 @@ def numbered_faces(blocks: Sequence[CellBlock], elements: Indices, numbers: Indi
 
 
 def find_faces(blocks: Sequence[CellBlock], elements: Indices, fits: Fits) -> tuple[Indices, Mask]:
-    """Return the face of each requested element that fits.
+    """Return the face (n, 8) of each requested element (n,) that fits, and whether it is a solid.
 
-    Parameters
-    ----------
-    elements : (n,)
-        Element ids; several requests may name one element.
-
-    Returns
-    -------
-    faces : (n, 8)
-        Node indices, corners then mid-sides, counter-clockwise seen from outside, -1 behind the
-        last; all -1 where not exactly one face fits.
-    fitting : (n,)
-        Whether the id is a solid element.
+    Several requests may name one element. Faces are node indices, corners then mid-sides,
+    counter-clockwise seen from outside, -1 behind the last; all -1 where not exactly one face fits.
     """
     faces = np.full((len(elements), WIDTH), -1, dtype=np.int64)
     count = np.zeros(len(elements), dtype=np.int64)

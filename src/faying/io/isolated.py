@@ -47,15 +47,9 @@ def read_isolated(
 ) -> dict[str, npt.NDArray[Any]]:
     """Let a script read a file and return the arrays it saves.
 
-    Parameters
-    ----------
-    script
-        Python text that takes the file from ``sys.argv[1]``, calls ``numpy.savez`` on
-        ``sys.argv[2]``, and exits with status 3 where its reader is not installed.
-    what
-        What is read, for messages.
-    extra
-        The extra of faying that installs the reader, where one is needed.
+    The script takes the file from ``sys.argv[1]``, calls ``numpy.savez`` on ``sys.argv[2]``, and
+    exits with status 3 where its reader is not installed. Messages say what is read, and which
+    extra of faying installs the reader, where one is needed.
     """
     if not path.is_file():
         message = f"{what}: '{path}' is not there; check the path"

@@ -134,20 +134,10 @@ def turning_nodes(K: SparseMatrix, nodes: Indices, components: Indices) -> Indic
     are the displacements of nodes of their own.
 
     A translation of the whole structure meets no resistance, and nothing turns in it. Where all
-    rows labelled with one direction move together and K resists, some of them do not belong to
-    that motion: those that stand still in the motion of least energy, if K then resists no more.
-
-    Parameters
-    ----------
-    K : (n, n)
-        Symmetric.
-    nodes, components : (n,)
-        Node index and component 0..5 of each row.
-
-    Returns
-    -------
-    ndarray
-        Indices of nodes; nodes next to supports are never among them.
+    rows labelled with one direction move together and K resists, some of them do not belong to that
+    motion: those that stand still in the motion of least energy, if K then resists no more. K (n,
+    n) is symmetric, rows have a node index and a component 0..5 (n,). Nodes next to supports are
+    never among those returned.
 
     Notes
     -----

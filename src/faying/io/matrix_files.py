@@ -37,14 +37,9 @@ READERS: Mapping[str, str] = {
 
 
 def read_matrix(path: str | PathLike[str], name: str) -> LabelledMatrix:
-    """Read a sparse or dense real matrix.
+    """Read a sparse or dense real matrix from a file of a kind in :data:`READERS`, by its suffix.
 
-    Parameters
-    ----------
-    path
-        A file of one of the kinds in :data:`READERS`, told by its suffix.
-    name
-        ``"M"``, ``"C"`` or ``"K"``: the variable to take where a file holds several.
+    Where a file holds several the name, ``"M"``, ``"C"`` or ``"K"``, is the variable to take.
     """
     path = Path(path)
     if not path.is_file():

@@ -30,20 +30,11 @@ class LabelledMatrix:
 def aligned(
     matrices: dict[str, LabelledMatrix], dof_table: Indices | None
 ) -> tuple[dict[str, SparseMatrix], Indices | None]:
-    """Return matrices in the order of one dof table, and the table.
+    """Return matrices ``"K"``, ``"M"``, ``"C"`` in the order of one dof table, and the table.
 
-    Parameters
-    ----------
-    matrices
-        ``"K"``, ``"M"``, ``"C"``, those that there are.
-    dof_table : (n, 2)
-        Node id and component 1..6 of each row from a table of its own; else the labels of
-        K lead, or of the first that has any. Matrices without labels are in this order already.
-
-    Returns
-    -------
-    dict, ndarray (n, 2) or None
-        None where there is neither a table nor a label.
+    A table of its own (n, 2) has node id and component 1..6 of each row; else the labels of K lead,
+    or of the first that has any; without a label either there is none. Matrices without labels are
+    in this order already.
 
     Raises
     ------

@@ -149,11 +149,8 @@ def _whole(table: Matrix, path: Path, what: str) -> Indices:
 def read_extrn(path: Path) -> Indices:
     """Return node id and component 1..6 (n, 2) of the rows of an external superelement's matrices.
 
-    Parameters
-    ----------
-    path
-        The ``.pch`` that Nastran wrote beside the OP4 file (EXTSEOUT with MATOP4 or DMIGOP4).
-        Scalar points get component 1.
+    They are in the ``.pch`` that Nastran wrote beside the OP4 file (EXTSEOUT with MATOP4 or
+    DMIGOP4). Scalar points get component 1.
     """
     text = split_lines(file_bytes(path).upper())
     lines = Lines(

@@ -51,26 +51,16 @@ def read_mesh_file(
 ) -> Assembly:
     """Read solids and named groups from a mesh file: ``.msh``, ``.vtu``, ``.med`` and others.
 
-    Volume groups (gmsh: physical groups) become element sets and carry the materials, surface
-    groups face and node sets, line and point groups node sets. Without volume groups all solids
-    are one group named ``"solids"``. Supports, bolts and loads are said elsewhere.
+    Anything meshio reads that is no deck. Volume groups (gmsh: physical groups) become element sets
+    and carry the materials, ``"default"`` that of groups without one of their own; other names are
+    there for bolts. Surface groups become face and node sets, line and point groups node sets.
+    Without volume groups all solids are one group named ``"solids"``. Supports, bolts and loads are
+    said elsewhere.
 
-    Parameters
-    ----------
-    path
-        Anything meshio reads that is no deck.
-    materials
-        Volume group to its material; ``"default"`` is that of groups without one of their own.
-        Any other name is there for bolts.
-    separate
-        Volume groups whose nodes are their own, see
-        :func:`faying.model.separate_bodies.separated`: parts of a fragmented geometry, which
-        share the nodes of the faces where they touch.
-
-    Returns
-    -------
-    Assembly
-        Node ids count from 1 in the order of the file, and so do element ids and property ids.
+    Volume groups to separate have nodes of their own, see
+    :func:`faying.model.separate_bodies.separated`: parts of a fragmented geometry, which share the
+    nodes of the faces where they touch. Node ids count from 1 in the order of the file, and so do
+    element ids and property ids.
 
     Raises
     ------

@@ -35,12 +35,8 @@ def with_moved_supports(
 ) -> tuple[Assembly, list[Matrix]]:
     """Return the assembly with the springs, and the forces (n_node, 6) of each load.
 
-    Parameters
-    ----------
-    moved
-        What is moved to its displacements (n_load,).
-    axes
-        Nodes whose components have directions of their own to these, rows of (3, 3).
+    What is moved has displacements (n_load,). Nodes with axes, rows of (3, 3), have components
+    along them.
 
     Raises
     ------

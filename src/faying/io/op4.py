@@ -39,12 +39,7 @@ FORMS = {SQUARE: "square", RECTANGULAR: "rectangular", SYMMETRIC: "symmetric"}
 
 
 def read_op4_matrices(path: str | PathLike[str]) -> dict[str, SparseMatrix]:
-    """Read all matrices of an OP4 file.
-
-    Returns
-    -------
-    dict
-        Name as written, without blanks, to sparse matrix (rows, columns).
+    """Read all matrices of an OP4 file: name as written, without blanks, to sparse matrix.
 
     Raises
     ------
@@ -147,10 +142,7 @@ def _assembled(file: Op4File, header: Header, strings: Strings) -> SparseMatrix:
 def write_op4(path: Path, matrices: Mapping[str, npt.ArrayLike]) -> None:
     """Write real matrices to one binary OP4 file: double precision, little endian, full columns.
 
-    Parameters
-    ----------
-    matrices
-        Name of up to eight letters and digits to (rows, columns); a vector is one column.
+    Names have up to eight letters and digits; a vector is one column.
 
     Raises
     ------

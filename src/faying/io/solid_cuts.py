@@ -217,12 +217,7 @@ def _faces_at(mesh: Mesh, nodes: Indices) -> tuple[Indices, Indices]:
 def on_their_sides(mesh: Mesh, cuts: Sequence[Cut], facets: Indices) -> Indices:
     """Return facets (n_facet, 8) beside cuts with the nodes they have on the cut mesh.
 
-    Parameters
-    ----------
-    mesh
-        With all cuts.
-    facets
-        By the nodes they had before; -1 behind the last.
+    Facets are given by the nodes they had before, -1 behind the last; the mesh has all cuts.
     """
     for cut in cuts:
         position = np.full(len(mesh.nodes) + 1, -1, dtype=np.int64)

@@ -57,14 +57,8 @@ def following(
 ) -> tuple[tuple[Equation, ...], int]:
     """Return the equations by which single nodes follow a surface, and how many nodes do.
 
-    Parameters
-    ----------
-    node_indices : (n,)
-        Indices of the nodes; those of the surface itself move with it anyway.
-    reach : [length]
-        Largest distance of a node from its place.
-    first
-        Id of the first equation.
+    Nodes (indices (n,)) are within reach [length] of their place; those of the surface itself move
+    with it anyway. The first equation has the id ``first``.
     """
     facets = select_facets(assembly, surface)
     places = nearest_places(assembly.mesh.nodes, node_indices, facets, reach)
@@ -86,14 +80,9 @@ def with_elastic_layer(
 ) -> Assembly:
     """Put springs between two surfaces, at points of where they face each other; gaps do not count.
 
-    At each point a new node takes the relative displacement, which springs resist.
-
-    Parameters
-    ----------
-    spec
-        Non-matching, with named sides and a search distance.
-    normal, tangential : [force/length³]
-        Traction per relative displacement.
+    At each point a new node takes the relative displacement, which springs resist: tractions per
+    relative displacement, ``normal`` and ``tangential`` [force/length³]. The sides are non-matching
+    and named, with a search distance.
 
     Raises
     ------
@@ -186,14 +175,8 @@ def _tied_equations(
     """Return the equations of two surfaces, and the share of the smaller one that they tie.
 
     Node by node where the meshes match, and else in the mean (mortar), with the minus side's own
-    nodes first.
-
-    Parameters
-    ----------
-    spec
-        Non-matching, with named sides and a search distance.
-    first
-        Id of the first equation.
+    nodes first. The sides are non-matching and named, with a search distance; the first equation
+    has the id ``first``.
 
     Raises
     ------

@@ -174,10 +174,7 @@ def unconstrained(
 ) -> str:
     """Say what moves freely where a factorization of K met a motion without resistance.
 
-    Parameters
-    ----------
-    motion : (n_dof,)
-        What the factorization found: one motion of possibly many.
+    The motion (n_dof,) is one of possibly many.
     """
     free = free_motions(assembly, dofs, K)
     motions = free.motions if free.motions.shape[1] else motion[:, None]

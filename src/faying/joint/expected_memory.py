@@ -86,14 +86,9 @@ def _between_pairs(structure: Structure, factor: int) -> tuple[float, float]:
 def dissected(places: Matrix, spacing: float) -> float:
     """Count the pairs of nodes in the factor of a structure that is divided at planes.
 
-    Nodes within one spacing of a plane separate those on its two sides. They are eliminated behind
-    both, beside the nodes of earlier planes that the part touches.
-
-    Parameters
-    ----------
-    places : (n_node, 3) [length]
-    spacing : [length]
-        Of neighbouring nodes.
+    Nodes within one spacing [length], that of neighbours, of a plane separate those on its two
+    sides. They are eliminated behind both, beside the nodes of earlier planes that the part
+    touches. Places are (n, 3) [length].
     """
     parts: list[tuple[Matrix, Mask]] = [(places, np.zeros(len(places), dtype=bool))]
     pairs = 0.0

@@ -45,13 +45,9 @@ def plot_bodies(
     body: Indices,
     axes: Any,
 ) -> Any:
-    """Draw the exterior facets of the solids, one colour per body, on 3D axes.
+    """Draw the exterior facets of the solids, one colour per body (n_node,), on 3D axes.
 
-    Parameters
-    ----------
-    nodes : (n_node, 3)
-        Where the nodes are drawn.
-    body : (n_node,)
+    Nodes are drawn at (n_node, 3).
     """
     axes.computed_zorder = False
     mesh = Mesh(nodes=nodes, node_ids=np.arange(len(nodes)), blocks=tuple(blocks))
@@ -215,12 +211,7 @@ def plot_model(
 ) -> Any:
     """Draw a model on 3D axes: bodies, interface edges, bolts, boundaries and supports.
 
-    Parameters
-    ----------
-    axes
-        New ones by default.
-    bolts
-        Bolt name to the ends (2, 3) of what is tightened of it, where that is known.
+    Bolts are drawn between the ends (2, 3) of what is tightened of them, where that is known.
     """
     axes = new_axes(projection="3d", size=(9.0, 5.5)) if axes is None else axes
     assembly = model.assembly

@@ -9,20 +9,11 @@ from faying.interface.interface import Interface
 
 
 def stuck_pairs(interface: Interface, pressure: Vector, threshold: float) -> Mask:
-    """Select the node pairs that stick, §15.4.2 of the paper.
+    """Select the node pairs (n_pair,) that stick, §15.4.2 of the paper; none where all is open.
 
-    Parameters
-    ----------
-    pressure : (n_point,) [force/length²]
-        Contact pressure of the preloaded state; compression is positive.
-    threshold
-        Fraction of the largest nodal average above which a pair sticks, from 0 (every pair with
-        pressure) up to but not including 1.
-
-    Returns
-    -------
-    ndarray (n_pair,) of bool
-        No pair where the interface is open everywhere.
+    Contact pressures (n_point,) [force/length²] are those of the preloaded state, positive in
+    compression. A pair sticks above the threshold, a fraction of the largest nodal average from 0
+    (every pair with pressure) up to but not including 1.
 
     Raises
     ------

@@ -63,11 +63,7 @@ class TangentialRows:
     def carried(self, inputs: Matrix, pairs: Matrix) -> Matrix:
         """Return both forces and the moment (n_case, 3).
 
-        Parameters
-        ----------
-        inputs : (n_case, n_input)
-        pairs : (n_case, n_relative) [force]
-            Forces between the contact pairs.
+        Inputs are (n_case, n_input), forces between the contact pairs (n_case, n_relative) [force].
         """
         carried: Matrix = inputs @ self.per_input.T + pairs @ self.per_pair.T
         return carried

@@ -48,10 +48,8 @@ class DenseFactorization:
 def factorize_condensed(A: Matrix, singly: Vector) -> DenseFactorization:
     """Factorize ΨᵀKΨ, whose own diagonal is round-off where Ψ holds a free motion.
 
-    Parameters
-    ----------
-    singly : (n,)
-        ψᵀ diag(K) ψ of each column: twice its energy if all degrees of freedom moved singly.
+    ``singly`` (n,) is ψᵀ diag(K) ψ of each column: twice its energy if all degrees of freedom moved
+    singly.
 
     Raises
     ------

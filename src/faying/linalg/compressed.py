@@ -212,16 +212,9 @@ def compress(
 ) -> CompressedCompliance:
     """Compress a symmetric matrix that is formed a cluster of columns at a time.
 
-    Parameters
-    ----------
-    columns
-        Returns the columns (n, len(indices)) of given indices.
-    places : (n, 3) [length]
-        Where the rows belong to; neighbours are put in one cluster.
-    tolerance
-        As :data:`TOLERANCE`; the sample is one entry of each cluster.
-    largest
-        Members per cluster at most.
+    ``columns`` returns the columns (n, len(indices)) of given indices. Rows belong to places (n, 3)
+    [length]; neighbours are put in one cluster, of ``largest`` members at most. The tolerance is as
+    :data:`TOLERANCE`; the sample is one entry of each cluster.
 
     Notes
     -----

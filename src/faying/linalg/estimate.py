@@ -37,11 +37,8 @@ def estimate_port_memory(
 ) -> tuple[int, int]:
     """Tell the most bytes that ports Q (n_port, n) take beyond the factors of A.
 
-    Returns
-    -------
-    elimination, dense
-        While all but the ports are eliminated (F14), zero where they are not, and of matrices
-        between them.
+    Those while all but the ports are eliminated (F14), zero where they are not, and those of
+    matrices between them.
 
     Notes
     -----

@@ -15,16 +15,9 @@ def corrected(
 ) -> Array | None:
     """Return v with |b − A v| ≤ enough for the product A v, None where that takes too many.
 
-    One product is taken in any case: b may be small beside what it moves.
-
-    Parameters
-    ----------
-    product
-        Near the identity, as a matrix times what factors of a similar one make of v.
-    right : (n,)
-        b; its precision is kept.
-    most
-        Products at most.
+    One product is taken in any case: b may be small beside what it moves. The product is near the
+    identity, as a matrix times what factors of a similar one make of v. The precision of b (n,) is
+    kept; the limit is that of products.
     """
     size = float(np.linalg.norm(right))
     if size == 0.0:

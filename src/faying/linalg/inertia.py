@@ -26,11 +26,6 @@ _COUNTS: dict[str, Callable[[SparseMatrix], int]] = {
 def count_negative(A: SparseMatrix | Matrix, *, backend: str | None = None) -> int:
     """Count the negative eigenvalues of a symmetric matrix, sparse or dense.
 
-    Parameters
-    ----------
-    backend
-        As in :func:`~faying.linalg.factorization.factorize`.
-
     Raises
     ------
     InertiaError

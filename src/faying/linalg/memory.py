@@ -48,10 +48,8 @@ class FactorMemory:
     def with_ports(self, elimination: float, dense: float) -> "FactorMemory":
         """Add what ports take beside the factors, as it will be made.
 
-        Parameters
-        ----------
-        elimination, dense
-            Bytes of the elimination of all but the ports, if it fits, and of matrices between them.
+        That are bytes of the elimination of all but the ports, if it fits, and of matrices between
+        them.
         """
         free = free_memory()
         fits = free is None or not elimination or self.factor + elimination <= free
@@ -83,10 +81,7 @@ def require_memory(expected: FactorMemory) -> None:
 def require_room(n_bytes: float, what: str, remedy: str) -> None:
     """Say before arrays are made that they will not fit.
 
-    Parameters
-    ----------
-    what, remedy
-        Subject of the message, in the plural, and what to do.
+    The message has ``what`` as its subject, in the plural, and the remedy.
 
     Raises
     ------

@@ -71,11 +71,8 @@ class PardisoFactorization:
     def stiffness(self, ports: SparseMatrix | Matrix) -> Matrix | None:
         """Return (Q A⁻¹ Qᵀ)⁻¹ (n_port, n_port) of many ports Q (n_port, n), by (F14).
 
-        Returns
-        -------
-        ndarray or None
-            None of few ports, of such as have no degrees of freedom of their own, and where the
-            elimination does not fit into the memory that is free, which is logged.
+        None of few ports, of such as have no degrees of freedom of their own, and where the
+        elimination does not fit into the memory that is free, which is logged.
         """
         if not sp.issparse(ports) or ports.shape[0] <= FEW:
             return None
@@ -118,10 +115,7 @@ def factorize_pardiso(A: SparseMatrix) -> PardisoFactorization:
 def port_stiffness(A: SparseMatrix, ports: SparseMatrix) -> Matrix | None:
     """Return (Q A⁻¹ Qᵀ)⁻¹ (n_port, n_port) of ports Q (n_port, n), by (F14).
 
-    Returns
-    -------
-    ndarray or None
-        None where ports have no degrees of freedom of their own.
+    None where ports have no degrees of freedom of their own.
 
     Raises
     ------

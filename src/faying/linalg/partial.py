@@ -35,10 +35,7 @@ def compressed_port_compliance(
 ) -> CompressedCompliance:
     """Compute Q A⁻¹ Qᵀ as :func:`port_compliance`, in compressed form.
 
-    Parameters
-    ----------
-    places : (n_port, 3) [length]
-        Where the ports are.
+    Places (n_port, 3) [length] are where the ports are.
 
     Notes
     -----

@@ -116,10 +116,7 @@ def supported(A: SparseMatrix, supports_at: Indices) -> SparseMatrix:
 def supports(motions: Matrix, preferred: Indices | tuple[()] = ()) -> Indices:
     """Return the degrees of freedom (n_motion,) that hold rigid motions and no more.
 
-    Parameters
-    ----------
-    preferred
-        Where they are to be if these hold.
+    They are among those preferred if these hold.
     """
     weight = np.ones(len(motions))
     weight[np.asarray(preferred, dtype=np.int64)] = PREFERRED

@@ -17,12 +17,8 @@ def end_moments(assembly: Assembly, spec: BoltSpec) -> SparseMatrix | None:
 
     Two components across the axis where the elements of the bolt begin, then two where they end: a
     shank without lateral loads between its ends is bent most at one of them. Of a shank of solids
-    both are those of the section where it is cut.
-
-    Returns
-    -------
-    SparseMatrix or None
-        None where the element at an end carries no moment: a spring, or a rod.
+    both are those of the section where it is cut. None where the element at an end carries no
+    moment: a spring, or a rod.
     """
     nodes = assembly.mesh.nodes
     section = section_rows(assembly, spec)
@@ -51,11 +47,7 @@ def are_carried(moments: SparseMatrix, K: SparseMatrix) -> bool:
 
     None does where they follow from the balance of degrees of freedom that nothing else touches: of
     hinges at both ends, or of a beam that stands for a section across which a bolt is tightened.
-
-    Parameters
-    ----------
-    moments : (4, n_dof)
-    K : (n_dof, n_dof)
+    The moments are rows (4, n_dof).
     """
     columns = np.unique(moments.indices)
     rows = K[columns]
@@ -72,12 +64,8 @@ def section_rows(assembly: Assembly, spec: BoltSpec) -> SparseMatrix | None:
     The axial force, tension positive, two forces across the axis, the moment about it, and the
     bending moments about the same two directions, about the centre of the section. What the
     elements of one side do to the nodes of the cut is what passes through it: nodal forces K_e u,
-    in balance with all else to round-off whatever the mesh.
-
-    Returns
-    -------
-    SparseMatrix or None
-        None of a bolt that is not cut through solids.
+    in balance with all else to round-off whatever the mesh. None of a bolt that is not cut through
+    solids.
 
     Notes
     -----

@@ -24,12 +24,8 @@ def spring_sense(assembly: Assembly, spring: Spring, seats: Seats) -> float:
     Ends in different places say so themselves. Where they coincide, as at a cut through a bolt,
     what they hold does: the end whose seat lies farther along the spring's direction is the forward
     one, in whichever order a deck lists them. Seats that lie beside each other, as the threads of a
-    bolt and its nut, leave it to the middle of what their bodies have there.
-
-    Returns
-    -------
-    float
-        1 where nothing decides.
+    bolt and its nut, leave it to the middle of what their bodies have there. It is 1 where nothing
+    decides.
     """
     (first, component), (second, _) = spring.ends
     mesh = assembly.mesh

@@ -18,10 +18,7 @@ _SMALLEST_DEPTH = 1e-2
 def check_clamping(mesh: Mesh, spec: BoltSpec, seats: tuple[Indices, Indices]) -> None:
     """Refuse a bolt through one body only; a fork with another part between its arms is fine.
 
-    Parameters
-    ----------
-    seats
-        Nodes of solids that the head and the nut hold.
+    Its seats are nodes of solids that the head and the nut hold.
 
     Raises
     ------

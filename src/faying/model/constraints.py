@@ -31,21 +31,10 @@ _REPEATED = 1e-11
 def constrain(assembly: Assembly, used: Mask, *, keep: Indices | Sequence[int] = ()) -> DofMap:
     """Eliminate all couplings, equations and supports.
 
-    Parameters
-    ----------
-    assembly
-        Couplings and supports refer to its nodes.
-    used : (6 n_node,)
-        Components with stiffness or mass of their own.
-    keep
-        Degrees of freedom 6 · node index + component that must stay free, because loads enter
-        there.
-
-    Returns
-    -------
-    DofMap
-        Free degrees of freedom in ascending order. Those that neither have stiffness or mass nor
-        move anything that has are dropped.
+    Used are the components (6 n_node,) with stiffness or mass of their own. Those kept, 6 · node
+    index + component, must stay free, because loads enter there. Free degrees of freedom are in
+    ascending order; those that neither have stiffness or mass nor move anything that has are
+    dropped.
 
     Raises
     ------

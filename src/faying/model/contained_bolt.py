@@ -13,10 +13,7 @@ from faying.model.specs import BoltSpec
 def elongation_factors(assembly: Assembly, spec: BoltSpec) -> SparseMatrix:
     """Return the row (1, 6 n_node) of elongation = direction · (u_head − u_nut).
 
-    Parameters
-    ----------
-    spec
-        With ``nodes`` (head, nut), ``stiffness``, and ``direction`` where the nodes coincide.
+    The bolt has ``nodes`` (head, nut), ``stiffness``, and ``direction`` where the nodes coincide.
 
     Raises
     ------

@@ -15,19 +15,8 @@ def add_coupled_boundary(
 ) -> tuple[Assembly, BoundarySpec]:
     """Give a boundary one node with six degrees of freedom, coupled to the nodes of its set.
 
-    Parameters
-    ----------
-    spec
-        With ``coupling``; ``at`` is the place of the new node, the mean of the nodes unless given.
-    nodes : (n,)
-        Indices of the nodes of its set.
-
-    Returns
-    -------
-    Assembly
-        With one more node, the last, and one more coupling.
-    BoundarySpec
-        Of that node.
+    The node is at ``at`` of the boundary, the mean of the nodes (indices (n,)) unless given. It is
+    the last one of the assembly returned with the boundary there, which has one more coupling.
 
     Raises
     ------

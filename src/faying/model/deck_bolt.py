@@ -20,19 +20,10 @@ what it would if it were locked, and K loses six digits at most."""
 
 
 def bolt_axis_element(assembly: Assembly, spec: BoltSpec) -> Beam | Spring:
-    """Return the element of a deck's bolt that is tightened: the middle one of its chain.
+    """Return the beam or spring of a deck's bolt that is tightened: the middle one of its chain.
 
-    Parameters
-    ----------
-    assembly
-        With beams or springs.
-    spec
-        With ``elements``, ids in any order that form one chain end to end.
-
-    Returns
-    -------
-    Beam or Spring
-        Of an even number, the one before the middle, counted from the end listed first.
+    The ids of the bolt's elements, in any order, form one chain end to end. Of an even number it is
+    the one before the middle, counted from the end listed first.
 
     Raises
     ------

@@ -25,13 +25,7 @@ def tensor(law: Law | Matrix) -> Matrix:
 
 
 def turned(law: Law | Matrix, axes: Matrix) -> Law:
-    """Return the law in the basic frame of one given along axes.
-
-    Parameters
-    ----------
-    axes : (3, 3)
-        Rows are the directions of the law in the basic frame.
-    """
+    """Return the law in the basic frame of one along axes (3, 3), rows that are its directions."""
     basic = np.einsum("pi,qj,rk,sl,pqrs->ijkl", axes, axes, axes, axes, tensor(law), optimize=True)
     rows, columns = np.array(_PAIRS).T
     return as_law(basic[rows[:, None], columns[:, None], rows, columns])
@@ -67,14 +61,8 @@ def isotropic_law(youngs_modulus: float, poissons_ratio: float) -> Matrix:
 def orthotropic_law(moduli: Sequence[float], ratios: Sequence[float], shear: Matrix) -> Matrix:
     """Return the law (6, 6) of engineering constants along its axes.
 
-    Parameters
-    ----------
-    moduli
-        E1, E2, E3 [force/length²].
-    ratios
-        ν12, ν13, ν23: -ε2/ε1 under σ1, and so on.
-    shear
-        G12, G23, G31 [force/length²].
+    Moduli E1, E2, E3 and shear moduli G12, G23, G31 [force/length²]; ratios ν12, ν13, ν23: -ε2/ε1
+    under σ1, and so on.
 
     Raises
     ------

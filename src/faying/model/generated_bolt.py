@@ -37,20 +37,9 @@ def add_bolt(assembly: Assembly, spec: BoltSpec) -> Assembly:
 
     The beam is a round bar of the given diameter between the centres of the two bearing surfaces.
     Each washer couples the nodes of the outward-facing facets within the washer radius, rigidly
-    (RBE2) or on average with equal weights (RBE3).
-
-    Parameters
-    ----------
-    assembly
-        Solids to be clamped.
-    spec
-        With ``axis``, ``diameter`` and ``washer_radius``.
-
-    Returns
-    -------
-    Assembly
-        With two more nodes, one beam, two couplings, and masses of head and nut if they have
-        any; ids follow the largest ones in use.
+    (RBE2) or on average with equal weights (RBE3). The assembly returned has two more nodes, one
+    beam, two couplings, and masses of head and nut if they have any; ids follow the largest ones in
+    use.
 
     Raises
     ------

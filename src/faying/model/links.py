@@ -48,17 +48,8 @@ def linked_nodes(family: str, member: Any) -> Indices:
 def connected_parts(assembly: Assembly, without: Collection[int] = ()) -> Indices:
     """Label what hangs together by elements, couplings, equations, matrices and supports.
 
-    Contact and sticking areas connect nothing.
-
-    Parameters
-    ----------
-    without
-        Ids of beams and springs that do not count.
-
-    Returns
-    -------
-    ndarray (n_node + 1,)
-        A label for each node, and for the ground last.
+    Contact and sticking areas connect nothing, nor do beams and springs whose ids are ``without``.
+    There is a label for each node, and for the ground last (n_node + 1,).
 
     Notes
     -----

@@ -65,10 +65,7 @@ class MassProperties:
 def assemble_matrices(assembly: Assembly) -> NodalMatrices:
     """Form M, C and K of Eq. (15.10): all elements, point masses, given matrices.
 
-    Returns
-    -------
-    NodalMatrices
-        Couplings, equations and supports are not applied.
+    Couplings, equations and supports are not applied.
 
     Raises
     ------
@@ -96,12 +93,7 @@ def assemble_matrices(assembly: Assembly) -> NodalMatrices:
 
 
 def mass_times(assembly: Assembly, motion: Matrix) -> Matrix:
-    """Return M u (n_node, 6) without forming the matrices of solids.
-
-    Parameters
-    ----------
-    motion : (n_node, 6)
-    """
+    """Return M u (n_node, 6) of motion u (n_node, 6) without forming the matrices of solids."""
     forces = (_discrete_matrices(assembly)[0] @ motion.ravel()).reshape(-1, 6)
     if assembly.matrices is not None:
         placed = _placed(assembly.matrices, assembly.matrices.M, "M", len(motion))
@@ -122,10 +114,6 @@ def mass_times(assembly: Assembly, motion: Matrix) -> Matrix:
 
 def used_components(assembly: Assembly) -> Mask:
     """Tell which of the 6 n_node degrees of freedom carry any stiffness or mass.
-
-    Returns
-    -------
-    ndarray of bool (6 n_node,)
 
     Notes
     -----

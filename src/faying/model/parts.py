@@ -27,13 +27,7 @@ def part_of(
     Solids are chosen by names of bodies or element sets, or by property ids. Beams, shells,
     springs, masses, couplings and equations stay where they hold to a solid that remains; those of
     a set in ``without`` go. Supports, loads, interfaces and bolts on what is left out go with it.
-
-    Parameters
-    ----------
-    parts
-        What remains; everything if empty.
-    without
-        What is left out of that.
+    Everything remains if ``parts`` is empty.
 
     Raises
     ------
@@ -73,10 +67,7 @@ def elements_named(
 ) -> Indices:
     """Return the ids of the elements that names of bodies or sets, or property ids, stand for.
 
-    Parameters
-    ----------
-    where
-        What gives the names, for messages.
+    ``where`` says in messages what gives the names.
 
     Raises
     ------

@@ -15,14 +15,8 @@ def remaining_joint(
 ) -> JointDescription:
     """Return what the source says of the joint without what is no longer there.
 
-    Parameters
-    ----------
-    described
-        The whole joint.
-    assembly
-        What remains of its structure.
-    notes
-        What goes is appended.
+    The assembly is what remains of the structure of the whole joint described; what goes is
+    appended to the notes.
 
     Raises
     ------

@@ -49,13 +49,8 @@ class FreeMotions:
 def free_motions(assembly: Assembly, dofs: DofMap, K: SparseMatrix) -> FreeMotions:
     """Find the motions without strain energy in which every body moves as a rigid one.
 
-    These are all the mechanisms a structure can have, but hinges inside a body. Contact and
-    initial forces hold nothing.
-
-    Parameters
-    ----------
-    K : (n_dof, n_dof)
-        At the free degrees of freedom.
+    These are all the mechanisms a structure can have, but hinges inside a body. Contact and initial
+    forces hold nothing. K (n_dof, n_dof) is that at the free degrees of freedom.
 
     Notes
     -----
@@ -82,13 +77,8 @@ def free_motions(assembly: Assembly, dofs: DofMap, K: SparseMatrix) -> FreeMotio
 def whole_motions(points: Matrix, free: Indices, K: SparseMatrix) -> Matrix:
     """Return the motions (n_dof, n <= 6) of all as one rigid body that no stiffness resists.
 
-    Parameters
-    ----------
-    points : (n_node, 3)
-    free : (n_dof,)
-        Rows 6 i + c of the degrees of freedom.
-    K : (n_dof, n_dof)
-        Of the structure, or without solids that resist no rigid motion.
+    Points are (n_node, 3), free degrees of freedom rows 6 i + c (n_dof,); K (n_dof, n_dof) is that
+    of the structure, or without solids that resist no rigid motion.
     """
     node, component = np.divmod(free, 6)
     if not len(free):

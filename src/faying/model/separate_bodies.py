@@ -15,18 +15,10 @@ def separated(mesh: Mesh, groups: Sequence[str]) -> Mesh:
     """Give each group of solids its own copy of the nodes it shares with other solids.
 
     A mesh of parts that were fragmented against each other is conforming: parts that touch share
-    nodes and act as one. Separated, they touch in matching facets, node on node.
-
-    Parameters
-    ----------
-    groups
-        Names of element sets. Nodes that two groups share go to the one named first, the other
-        keeps the originals, as solids of no group do; a group that shares none stays as it is.
-
-    Returns
-    -------
-    Mesh
-        Node sets contain the copies too.
+    nodes and act as one. Separated, they touch in matching facets, node on node. Groups are names
+    of element sets: nodes that two of them share go to the one named first, the other keeps the
+    originals, as solids of no group do; a group that shares none stays as it is. Node sets contain
+    the copies too.
 
     Raises
     ------

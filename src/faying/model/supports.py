@@ -14,10 +14,7 @@ from faying.model.bodies import body_names
 def with_supports(assembly: Assembly, supports: Mapping[str, Sequence[int]]) -> Assembly:
     """Return the assembly with more supports.
 
-    Parameters
-    ----------
-    supports
-        Node set or face set to the components 0..5 that are held at zero.
+    They are node or face sets to the components 0..5 that are held at zero.
 
     Raises
     ------
@@ -47,12 +44,7 @@ def with_held_nodes(
 
 
 def nodes_of_set(assembly: Assembly, name: str) -> Indices:
-    """Return the node indices of a node set, of the facets of a face set, or of solids.
-
-    Parameters
-    ----------
-    name
-        Of a node set, else of a face set, an element set or a body.
+    """Return the node indices of a node set, or else of a face set, an element set or a body.
 
     Raises
     ------

@@ -59,12 +59,7 @@ def expansion_of(
     """Return what expands between the reference and the temperatures of the parts.
 
     Free strains are α ΔT in all directions of solids, and along beams. Rigid couplings, springs and
-    bushes keep their lengths.
-
-    Parameters
-    ----------
-    bolts
-        Name of a bolt to the ids of its beams.
+    bushes keep their lengths. Bolts are names to the ids of their beams.
 
     Raises
     ------

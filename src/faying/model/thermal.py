@@ -35,15 +35,9 @@ def expansion_forces(
 ) -> Matrix:
     """Return forces (n_node, 6) that a change of temperature of solids exerts.
 
-    Parameters
-    ----------
-    strains
-        Property of solids to the free strain at a temperature, from any that has none.
-    initial, final : (n_node,)
-        Temperatures of the nodes.
-    directions
-        Property to the strains (6,), in the order of :mod:`faying.model.elastic_law`, that make
-        up a free strain of one; the same in all directions unless given.
+    Strains are, by property, the free strain at a temperature, from any that has none; temperatures
+    of nodes are (n_node,). Where directions differ they are, by property, the strains (6,), in the
+    order of :mod:`faying.model.elastic_law`, that make up a free strain of one.
 
     Notes
     -----
@@ -97,12 +91,8 @@ def shell_expansion_forces(assembly: Assembly, strains: Mapping[int, Matrix]) ->
     """Return forces (n_node, 6) of free strains of shells in their planes.
 
     An element follows a uniform strain exactly, so that K u of the motion it makes is ∫ Bᵀ D ε dA.
-
-    Parameters
-    ----------
-    strains
-        Index of a block to the strains (n_shell, 3, 3) of its shells along basic axes. Those of
-        curved shells must be the same in all directions.
+    Strains are (n_shell, 3, 3) along basic axes, by the index of a block. Those of curved shells
+    must be the same in all directions.
     """
     forces = np.zeros((len(assembly.mesh.nodes), 6))
     for position, strain in strains.items():

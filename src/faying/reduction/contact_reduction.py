@@ -81,12 +81,8 @@ class ReducedContact:
 def with_static_contact(model: AnyModel, static_contact: ContactSolver) -> AnyModel:
     """Return a copy that solves static contact with forces from a reduced set.
 
-    Parameters
-    ----------
-    model
-        Gives the compliance: the full model, or a reduced one with residual compliance.
-    static_contact
-        The reduced contact problem; its forces are those of all contact points.
+    The model, full or reduced with residual compliance, gives the compliance; the forces of the
+    reduced problem are those of all contact points.
     """
     model_copy = copy(model)
     # What a model forms on first use and keeps is given to the copy instead.

@@ -92,12 +92,9 @@ class DeimContact(ReducedContact):
 def deim(contact_forces: Matrix, *, count: int) -> Deim:
     """Choose sampling points by empirical interpolation of contact-force modes.
 
-    Parameters
-    ----------
-    contact_forces : (n_point, n_snapshot) [force]
-        λ of training runs, see :mod:`faying.reduction.snapshots`.
-    count
-        Modes and sampling points wanted; fewer are returned when the snapshots have lower rank.
+    Contact forces (n_point, n_snapshot) are λ of training runs, see
+    :mod:`faying.reduction.snapshots`. There are ``count`` modes and sampling points, fewer when the
+    snapshots have lower rank.
 
     Raises
     ------
@@ -123,10 +120,7 @@ def deim(contact_forces: Matrix, *, count: int) -> Deim:
 def with_deim(system: AnyModel, sampling: Deim) -> AnyModel:
     """Return a system whose contact law is evaluated at the sampling points only.
 
-    Parameters
-    ----------
-    system
-        The full model, or a reduced one with residual compliance, which is statically as exact.
+    It is the full model, or a reduced one with residual compliance, which is statically as exact.
 
     Raises
     ------

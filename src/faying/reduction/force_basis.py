@@ -93,10 +93,7 @@ class ForceBasisContact(ReducedContact):
 def with_force_basis(system: AnyModel, basis: ForceBasis) -> AnyModel:
     """Return a system whose contact forces are nonnegative combinations of a force basis.
 
-    Parameters
-    ----------
-    system
-        The full model, or a reduced one with residual compliance, which is statically as exact.
+    It is the full model, or a reduced one with residual compliance, which is statically as exact.
 
     Raises
     ------
@@ -123,16 +120,10 @@ def with_force_basis(system: AnyModel, basis: ForceBasis) -> AnyModel:
 def cone_projected_greedy(contact_forces: Matrix, *, count: int) -> ForceBasis:
     """Pick the snapshots whose cone comes closest to all others.
 
-    The snapshot farthest from the cone of those picked so far joins them, until there are enough
-    or all lie in the cone (cone-projected greedy, Benaceur et al. 2020). Distances are relative to
-    the snapshot's own norm here, so that weak preloads count like strong ones.
-
-    Parameters
-    ----------
-    contact_forces : (n_point, n_snapshot) [force]
-        λ of training runs, see :mod:`faying.reduction.snapshots`.
-    count
-        Vectors wanted; fewer are returned when all snapshots lie in the cone.
+    The snapshot farthest from the cone of those picked so far joins them, until there are enough or
+    all lie in the cone (cone-projected greedy, Benaceur et al. 2020). Distances are relative to the
+    snapshot's own norm here, so that weak preloads count like strong ones. Contact forces (n_point,
+    n_snapshot) are λ of training runs, see :mod:`faying.reduction.snapshots`.
 
     Raises
     ------
@@ -164,15 +155,9 @@ def nonnegative_factors(contact_forces: Matrix, *, count: int) -> ForceBasis:
     """Factorize snapshots into nonnegative vectors and nonnegative coefficients.
 
     Minimizes ‖Y − W V‖ over W, V ≥ 0 (the basis of Balajewicz, Amsallem & Farhat 2016,
-    arXiv:1503.01000) by hierarchical alternating least squares (Cichocki & Phan 2009), started
-    from the cone-projected greedy vectors. Bases of different size are not nested.
-
-    Parameters
-    ----------
-    contact_forces : (n_point, n_snapshot) [force]
-        λ of training runs.
-    count
-        Vectors wanted.
+    arXiv:1503.01000) by hierarchical alternating least squares (Cichocki & Phan 2009), started from
+    the cone-projected greedy vectors. Bases of different size are not nested. Contact forces
+    (n_point, n_snapshot) are λ of training runs.
 
     Raises
     ------

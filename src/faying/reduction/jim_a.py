@@ -14,19 +14,10 @@ from faying.reduction.pod import pod
 
 
 def subareas(interface: Interface, count: int) -> Indices:
-    """Cut an interface into parts of nearly equal area.
+    """Cut an interface into parts of nearly equal area: 0 … count - 1 of every point (n_point,).
 
     The largest part is cut across its longest side, at half its area, until there are enough.
-
-    Parameters
-    ----------
-    count
-        Parts wanted; at most one per facet.
-
-    Returns
-    -------
-    ndarray of int (n_point,)
-        Part 0 … count - 1 of every contact point; facets are not divided.
+    Facets are not divided, so that there is at most one part per facet.
     """
     if count < 1:
         message = f"{count} subareas asked for; give at least one"

@@ -74,10 +74,7 @@ def count_modes_below(model: Model, frequency: float) -> int:
 def check_modes(structure: Structure, modes: NormalModes) -> ModeCount | None:
     """Count the normal modes of a structure and compare with those that were found.
 
-    Returns
-    -------
-    ModeCount or None
-        None where the frequencies leave no gap to count in.
+    None where the frequencies leave no gap to count in.
 
     Raises
     ------

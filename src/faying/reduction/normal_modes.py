@@ -78,11 +78,9 @@ def fixed_interface_normal_modes(structure: Structure, count: int) -> NormalMode
 def lowest_modes(
     K: SparseMatrix | Matrix, M: SparseMatrix | Matrix, factor: Factorization, count: int
 ) -> tuple[Vector, Matrix]:
-    """Solve K φ = ω² M φ for the lowest ω², with a factorization of K.
+    """Solve K φ = ω² M φ for the lowest ω² (count,), with a factorization of K.
 
-    Returns
-    -------
-    tuple of ω² (count,) and mass-normalized vectors (n, count)
+    Vectors (n, count) are mass-normalized.
 
     Raises
     ------

@@ -156,11 +156,7 @@ def completed(
     """Give reduced models of one full model all that files keep, computed together.
 
     Recovery matrices, those of moving supports, and shapes of the models whose shapes all fit.
-
-    Parameters
-    ----------
-    most_bytes
-        What the shapes of all may take.
+    Shapes of all may take ``most_bytes``.
 
     Notes
     -----
@@ -203,13 +199,7 @@ def completed(
 
 
 def nodal_shapes(model: Model, basis: Basis, most_bytes: int = MOST_SHAPE_BYTES) -> Matrix:
-    """Return trial vectors as displacements of all nodes (n_shape, n_node, 3), the first that fit.
-
-    Parameters
-    ----------
-    most_bytes
-        What they may take.
-    """
+    """Return trial vectors as displacements of nodes (n_shape, n_node, 3), the first that fit."""
     n_node = model.dofs.n_nodes
     count = min(len(basis), most_bytes // max(24 * n_node, 1))
     shapes: Matrix = model.dofs.translations @ basis.vectors[:, :count]

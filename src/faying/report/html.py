@@ -62,17 +62,10 @@ GRADES = {"met": "good", "not met": "poor", "unknown": "fair"}
 
 
 def write_report(results: Results, folder: Path) -> Path:
-    """Write ``report.html``, ``methods.html`` and ``figures/*.png`` of a run.
+    """Write ``report.html``, ``methods.html`` and ``figures/*.png`` of a run into a folder.
 
-    Parameters
-    ----------
-    folder
-        Made if it does not exist; files in it are replaced atomically.
-
-    Returns
-    -------
-    Path
-        The page on the joint.
+    It is made if it does not exist; files in it are replaced atomically. Returned is the page on
+    the joint.
 
     Raises
     ------

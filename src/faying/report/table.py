@@ -78,10 +78,7 @@ def described(
 ) -> Table:
     """Return a table of named rows, without columns in which nothing stands.
 
-    Parameters
-    ----------
-    head
-        Of the first column, which has the names.
+    ``head`` is that of the first column, which has the names.
     """
     named = list(rows)
     entries = [(definition, [definition.value(row) for _, row in named]) for definition in columns]

@@ -62,16 +62,9 @@ class BoltsByForce:
     ) -> tuple[Increment, Vector]:
         """Return where contact stands, and the initial forces of all bolts (n_bolt,).
 
-        Parameters
-        ----------
-        forces : (n_known,) [force]
-            T.
-        locked : (n_bolt,) [force]
-            Initial forces, of which those of the known bolts do not count.
-        slip : (2, n_point) or None [length]
-            So far.
-        start
-            The increment before, or a similar one.
+        Forces T (n_known,) [force] are known; of locked bolts the initial forces (n_bolt,) [force]
+        are. Slip so far is (2, n_point) [length]. The start is the increment before, or a similar
+        one.
 
         Raises
         ------

@@ -106,23 +106,9 @@ class CompiledSteps:
     ) -> tuple[int, ContactState]:
         """Advance one case until a step does not settle.
 
-        Parameters
-        ----------
-        motion : (4 n,)
-            u, v, a and f; moved on.
-        state
-            Where contact stands.
-        applied : (n_step, n)
-            External forces.
-        history
-            Of this case; written from the instant ``first`` on.
-
-        Returns
-        -------
-        int
-            Steps done.
-        ContactState
-            Where contact stands after them.
+        Returned are the steps done and where contact stands after them. Motion u, v, a and f (4 n,)
+        is moved on under external forces (n_step, n); the history of this case is written from the
+        instant ``first`` on.
         """
         loop, guess, closed = import_loop(), state.active.copy(), state.supported
         done, renewals = 0, 0

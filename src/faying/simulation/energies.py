@@ -17,11 +17,8 @@ def half_form(matrix: SparseMatrix | Matrix, vectors: Matrix) -> Vector:
 def contact_energy(contact: Contact, forces: Matrix, shear: Matrix | None = None) -> Vector:
     """Energy of contact forces: what the laws have stored, and ½ λᵀ R λ of residual compliance.
 
-    Parameters
-    ----------
-    forces : (n_time, n_point) [force]
-    shear : (n_time, 2, n_point) [force]
-        Tangential components of a joint with friction.
+    Forces are (n_time, n_point), tangential ones of a joint with friction (n_time, 2, n_point)
+    [force].
     """
     every, times = forces[:, None], len(forces)
     if contact.components > 1:

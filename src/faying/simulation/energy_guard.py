@@ -78,17 +78,9 @@ def audited(
 ) -> EnergyLedger:
     """Go on with the ledger of one transient over a piece of it.
 
-    Parameters
-    ----------
-    start
-        The instant before the piece.
-    inputs : (1 + n_time, n_input)
-        At that instant and those of the piece.
-    history
-        Of this case and of the piece alone.
-    step : [time]
-    force_weight
-        Weight of the forces at the end of a step in its balance, with which they do its work.
+    Inputs (1 + n_time, n_input) are those at the start, the instant before the piece, and of its
+    instants, which the history has alone. ``force_weight`` is that of the forces at the end of a
+    step in its balance, with which they do its work.
 
     Notes
     -----

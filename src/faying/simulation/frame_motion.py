@@ -86,19 +86,9 @@ def mass_invariants(model: Model, vectors: Matrix, shapes: Matrix) -> Matrix:
     """Return ∫ρ a b dV of all pairs of the scalar fields 1, x, y, z and the shapes' components.
 
     Every inertia integral of the floating frame of reference follows from them (Shabana, Dynamics
-    of Multibody Systems, 2005, §5.3).
-
-    Parameters
-    ----------
-    vectors : (n_dof, n_shape)
-        Trial vectors.
-    shapes : (n_shape, n_node, 3)
-        Their displacements at all nodes.
-
-    Returns
-    -------
-    ndarray (4 + 3 n_shape, 4 + 3 n_shape)
-        Components x, y, z of the first shape, then of the second, …
+    of Multibody Systems, 2005, §5.3). The matrix (4 + 3 n_shape, 4 + 3 n_shape) has components x,
+    y, z of the first shape, then of the second, … of trial vectors (n_dof, n_shape) whose
+    displacements at all nodes are (n_shape, n_node, 3).
 
     Notes
     -----

@@ -56,16 +56,8 @@ def tighten_with_friction(
     The joint starts unstressed and free of slip, bolts that are not named at the initial forces
     they are locked at. Each bolt is turned in equal increments of its force while the others stay
     locked; a last increment on all of several bolts together restores what neighbours took away.
-
-    Parameters
-    ----------
-    forces
-        Bolt name to final axial force [force], in tightening order.
-    increments
-        Steps per bolt.
-    losses
-        Bolt name to what it loses after all are tightened, in an increment each of relaxation and
-        embedding.
+    Forces [force] are final axial ones in tightening order. After all are tightened bolts lose
+    their losses, in an increment each of relaxation and embedding.
 
     Raises
     ------

@@ -13,10 +13,7 @@ from faying.simulation.load import Load
 def harmonic_inputs(system: System, load: Mapping[str, complex]) -> ComplexVector:
     """Return the complex amplitudes F of inputs (n_input,), f(t) = Re(F exp(iωt)).
 
-    Parameters
-    ----------
-    load
-        ``"boundary.component"``, or the name of a load pattern, to its complex amplitude.
+    The load is ``"boundary.component"``, or the name of a load pattern, to its complex amplitude.
 
     Raises
     ------

@@ -70,14 +70,9 @@ def follow_local(
 ) -> LocalPath:
     """Follow the points along a path of loads.
 
-    Parameters
-    ----------
-    linear : (n_increment, components n_point) [length]
-        w₀.
-    restrained : (n_increment, n_touched) [length]
-        What the loads move the pairs with all points stuck.
-    guess : (n_increment,) of (components n_point,) or None
-        w to begin increments with.
+    Linear displacements w₀ are (n_increment, components n_point) [length]; with all points stuck
+    the loads move the pairs by ``restrained`` (n_increment, n_touched) [length]. A guess of
+    increments is w (components n_point,) to begin with.
 
     Raises
     ------
@@ -218,14 +213,9 @@ def local_derivatives(
 ) -> Excess:
     """Return how forces beside those of springs change with unknowns along a path.
 
-    Exact along it but for single precision.
-
-    Parameters
-    ----------
-    shapes : (components n_point, n_column) [length]
-        What the load columns move the points with all stuck.
-    columns : (N, n_column, x)
-        Derivatives of their factors, the same in every period of N increments.
+    Exact along it but for single precision. Shapes (components n_point, n_column) [length] are what
+    the load columns move the points with all stuck; columns (N, n_column, x) the derivatives of
+    their factors, the same in every period of N increments.
     """
     (k, m), N, count = local.springs.shape, len(columns), columns.shape[2]
     single = local.compliance.astype(np.float32)
@@ -266,10 +256,7 @@ def local_derivatives(
 def moved_by(local: LocalContact, linear: Matrix, excess: Excess, change: Vector) -> Matrix:
     """Return how far points move (n_increment, components n_point) as unknowns change (x,).
 
-    Parameters
-    ----------
-    linear : (n_increment, components n_point) [length]
-        With all of them stuck.
+    Linear displacements [length] are with all of them stuck.
     """
     forces = np.zeros_like(linear)
     for row, (rows, per_unknown) in zip(forces, excess, strict=True):

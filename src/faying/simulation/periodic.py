@@ -250,10 +250,8 @@ class PeriodicProblem:
     ) -> Motion:
         """Run through the periods under given motion of the modes.
 
-        Parameters
-        ----------
-        guess : (PERIODS N,) of (components n_local,) or None [length]
-            Where the points may be after each increment.
+        A guess of where points may be after each of the PERIODS N increments is (components
+        n_local,) [length].
 
         Raises
         ------

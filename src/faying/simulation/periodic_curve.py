@@ -96,12 +96,9 @@ def solve_motion(
 ) -> CurvePoint:
     """Solve for the motion at a frequency, or on the plane through a guess across a tangent.
 
-    Parameters
-    ----------
-    across : (size + 1,)
-        Normal of the plane, in unknowns and circular frequency; by default the frequency stays.
-    begun : (PERIODS N,) of (components n_local,) or None [length]
-        Where the points may be along the path.
+    The normal of the plane (size + 1,) is in unknowns and circular frequency; by default the
+    frequency stays. ``begun`` is where the points may be along the path, PERIODS N of (components
+    n_local,) [length].
 
     Raises
     ------
@@ -190,12 +187,8 @@ def trace(
 ) -> "Traced":
     """Follow the curve from the first of some frequencies (n,) [1/time] to the last.
 
-    Parameters
-    ----------
-    starts : (n,) of (size,)
-        Unknowns to begin with, one after the other.
-    progress
-        Called with 1 after each frequency.
+    Starts are unknowns (size,) to begin with, one after the other; ``progress`` is called with 1
+    after each frequency.
     """
     points, missed = list[CurvePoint](), list[str]()
     targets = 2 * np.pi * frequencies

@@ -39,12 +39,7 @@ def loses(
 ) -> Iterator[tuple[str, BoltedState]]:
     """Yield what is lost, and where the joint then stands: relaxation first, then embedding.
 
-    Parameters
-    ----------
-    state
-        Tightened.
-    losses
-        By bolt; those of all bolts come together.
+    The losses of all tightened bolts come together.
 
     Raises
     ------

@@ -13,20 +13,11 @@ from faying.simulation.solution import Solution
 def solve_ramps(
     system: System, inputs: Matrix, rest: Solution, *, increments: int, name: str = "ramps"
 ) -> Solution:
-    """Solve many loads, each in equal increments from the same state; its end of each.
+    """Solve many loads, each in equal increments from the last state of a path; its end of each.
 
-    Parameters
-    ----------
-    inputs : (n_case, n_input) [force]
-        Boundary forces and initial bolt forces.
-    rest
-        Where every load begins: the last state of a path.
-
-    Returns
-    -------
-    Solution
-        One entry per load, with ``traction`` and ``slip``; iterations and dissipation are those of
-        the last increment.
+    Inputs (n_case, n_input) [force] are boundary forces and initial bolt forces. The solution has
+    one entry per load, with ``traction`` and ``slip``; iterations and dissipation are those of the
+    last increment.
 
     Raises
     ------

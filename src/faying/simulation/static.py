@@ -51,12 +51,9 @@ def solve_static_inputs(system: System, inputs: Matrix, name: str = "cases") -> 
 
 
 def solved_inputs(system: System, touching: Joint, inputs: Matrix, name: str) -> Solution:
-    """Solve many load cases given as inputs (n_case, n_input).
+    """Solve many load cases given as inputs (n_case, n_input), with the contact of ``touching``.
 
-    Parameters
-    ----------
-    touching
-        Whose contact it is: the system, or the same joint without friction.
+    That is the system, or the same joint without friction.
     """
     ports = touching.port_compliance
     free = port_forces(ports, inputs) @ ports.contact_columns
@@ -171,10 +168,7 @@ def relative_forces(
 ) -> Matrix:
     """Return forces Pᵀ Nᵀ λ (..., n_dof) of contact forces (..., n_point), Eq. (15.11).
 
-    Parameters
-    ----------
-    shear_forces : (..., 2, n_point)
-        Tangential components of a joint with friction.
+    Tangential components of a joint with friction are (..., 2, n_point).
     """
     contact = system.contact
     forces: Matrix = (contact.transposed[1] @ contact.at_pairs(contact_forces, shear_forces)).T

@@ -26,16 +26,8 @@ class StepContact(Protocol):
     ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
         """Return the new forces of the balance, contact at the end, and its state, of all cases.
 
-        Forces have all components, (n_case, components * n_point).
-
-        Parameters
-        ----------
-        free : (n_case, n_relative)
-            Relative displacements without the new contact forces.
-        states
-            Where the contact of each case stands.
-        last : (n_case, components * n_point)
-            Contact forces at the start of the step.
+        Forces have all components, (n_case, components * n_point), as ``last`` at the start of the
+        step. Without them pairs move by ``free`` (n_case, n_relative).
         """
         ...
 

@@ -52,12 +52,7 @@ def dataset(
 ) -> "Dataset":
     """Return labelled arrays over instants or cases, contact points, bolts and components.
 
-    Parameters
-    ----------
-    motions
-        Boundary name to its components and their displacements (..., n).
-    bolts
-        Bolt name to its force (...).
+    Boundaries have components and their displacements (..., n), bolts their force (...).
     """
     xarray: Any = _imported("xarray")
     units, places = units_of(system.units), _places(system)

@@ -43,10 +43,7 @@ class Steps(Protocol):
     ) -> tuple[list[Solution], list[Restart]]:
         """Return the instants up to ``end``, after the starts where there are any, and their ends.
 
-        Parameters
-        ----------
-        end, last
-            Number of the last instant of the window, and of the run.
+        ``end`` and ``last`` are numbers of the last instant of the window, and of the run.
         """
         ...
 
@@ -63,22 +60,13 @@ def transient_windows(
 ) -> Iterator[tuple[list[Solution], list[Restart]]]:
     """Integrate responses side by side, a window of their instants at a time.
 
-    Parameters
-    ----------
-    length
-        Intervals of a window; all that are left unless given.
-    initial
-        Static solutions to start from, one for each load; the joint under its bolts unless given.
-    restarts
-        Where the responses stand, to go on from there. The start is then not among the instants.
-    progress
-        Called with the number of steps done since the last call, those of all loads together.
+    A window has ``length`` intervals, all that are left unless given. Responses start from static
+    solutions, one for each load, or from the joint under its bolts; those that go on from restarts
+    do not have the start among their instants. ``progress`` is called with the number of steps done
+    since the last call, those of all loads together.
 
-    Yields
-    ------
-    solutions, restarts
-        Of each load the instants of the window, and where it stands after them. Windows of a run
-        that was resumed are the same, to the bit, as those it would have had.
+    Yielded are of each load the instants of the window, and where it stands after them. Windows of
+    a run that was resumed are the same, to the bit, as those it would have had.
     """
     check_times(steps.step, duration)
     last = round(duration / steps.step)

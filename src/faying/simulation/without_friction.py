@@ -57,12 +57,7 @@ def smooth_joint(joint: Joint) -> SmoothJoint:
 
 
 def pressures_without_friction(joint: Joint, inputs: Matrix) -> Matrix:
-    """Return contact pressures (n_case, n_point) of static loads as if nothing rubbed.
-
-    Parameters
-    ----------
-    inputs : (n_case, n_input)
-    """
+    """Return contact pressures of static loads (n_case, n_input) as if nothing rubbed."""
     ports = joint.port_compliance
     free = port_forces(ports, inputs) @ ports.contact_columns
     pressures: Matrix = solved_cases(smooth_joint(joint), free)[0] / joint.contact.weights
@@ -78,12 +73,8 @@ def released_state(system: System, load: Load = AT_REST) -> Solution:
     """Solve a load without friction, as a state of a joint with friction that carries no traction.
 
     What moved tangentially counts as slip: friction begins here. A path that goes on from it
-    (``initial`` of :func:`faying.solve_path`) is that of a joint tightened without friction.
-
-    Returns
-    -------
-    Solution
-        With one entry, of the system itself.
+    (``initial`` of :func:`faying.solve_path`) is that of a joint tightened without friction. Its
+    one entry is of the system itself.
 
     Raises
     ------

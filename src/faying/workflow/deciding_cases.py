@@ -39,16 +39,9 @@ def least_factor(
 ) -> None:
     """Follow the cases of the least factors of something that happens.
 
-    Parameters
-    ----------
-    estimates : (n_case,)
-        Of the factors; NaN of cases that are not judged.
-    exact
-        Follows a case to its factor.
-    sooner
-        Of some cases those in which it may happen before a factor, the first first.
-    tried
-        Cases that are tried first.
+    Estimates (n_case,) of the factors are NaN of cases that are not judged. ``exact`` follows a
+    case to its factor; ``sooner`` tells of some cases those in which it may happen before a factor,
+    the first first. So many cases are tried first.
     """
     order = np.argsort(estimates, kind="stable")[: np.count_nonzero(~np.isnan(estimates))]
     if not len(order):
@@ -87,9 +80,7 @@ class Deciding:
     def openings(self, estimates: Matrix) -> dict[str, Openings]:
         """Return the openings of the cases that open an area before all others do.
 
-        Parameters
-        ----------
-        estimates : (n_case, n_area)
+        Estimates are (n_case, n_area).
         """
         joint, loads, found = self.rom.joint, self.loads, dict[str, dict[str, float]]()
         for (name, points), column in zip(self.areas.items(), estimates.T, strict=True):
@@ -116,12 +107,8 @@ class Deciding:
     def reserves(self, rest: Solution, slides: Matrix, opens: Matrix) -> dict[str, SlipReserve]:
         """Return the slip reserves of the cases that slide or open before all others do.
 
-        Parameters
-        ----------
-        rest
-            The preloaded joint with friction.
-        slides : (n_case, n_interface), opens : (n_case, n_area)
-            Estimated factors.
+        The preloaded joint has friction. Estimated factors are (n_case, n_interface) and (n_case,
+        n_area).
         """
         found: dict[str, SlipReserve] = {}
 

@@ -108,11 +108,6 @@ def solved_checks(
 ) -> tuple[tuple[Verdict, ...], tuple[Check, ...]]:
     """Judge a joint over the cases and instants that decide, and its bolts over all.
 
-    Returns
-    -------
-    tuple of Verdict, tuple of Check
-        On what is required, and of every bolt and interface.
-
     Raises
     ------
     ModelError

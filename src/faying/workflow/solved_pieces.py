@@ -61,14 +61,8 @@ def arrays_of(
 ) -> dict[str, np.ndarray]:
     """Return the arrays that are kept of some cases or instants.
 
-    Parameters
-    ----------
-    rows : (n_row,)
-        Of the piece, increasing; those without a solution did not converge.
-    worst
-        Cases of each metric whose fields are kept.
-    chosen
-        Rows whose fields are kept in any case.
+    Rows (n_row,) of the piece increase; those without a solution did not converge. Fields are kept
+    of the worst cases of each metric and of the chosen rows.
     """
     pressed = demanded.pressed.values()
 

@@ -89,10 +89,7 @@ def overstressed(study: Study, plan: TighteningPlan) -> dict[str, float]:
 def write_plan(plan: TighteningPlan, path: Path, torques: Mapping[str, float]) -> None:
     """Write a plan as csv: a row for each turn, with the forces of all bolts after it.
 
-    Parameters
-    ----------
-    torques : [length]
-        Torque per force of the bolts of which it is known; the others have none.
+    Torques are per force [length], of the bolts of which they are known; the others have none.
 
     Raises
     ------

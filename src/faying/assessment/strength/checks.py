@@ -26,16 +26,11 @@ SHEAR = 0.6
 
 
 def stripping_force(thread: Thread, engagement: float, ultimate: float) -> float:
-    """Return the force at which the thread of a bolt strips [force].
+    """Return the force at which the thread of a bolt with tensile strength R_m strips [force].
 
     The cylinder that shears is at the minor diameter D₁ = d − 5/4 H of the nut: of each pitch P/2 +
-    (d₂ − D₁)/√3 is metal of the bolt (areas of the basic profile, FED-STD-H28/2B).
-
-    Parameters
-    ----------
-    engagement : [length]
-    ultimate : [force/length²]
-        R_m of the bolt.
+    (d₂ − D₁)/√3 is metal of the bolt (areas of the basic profile, FED-STD-H28/2B). The engagement
+    is a length.
     """
     minor = thread.diameter - 5 / 4 * np.sqrt(3) / 2 * thread.pitch
     metal = thread.pitch / 2 + (thread.pitch_diameter - minor) / np.sqrt(3)
@@ -51,12 +46,8 @@ def strength_checks(
 ) -> Iterator[Check]:
     """Yield the checks of the bolts whose threads are known.
 
-    Parameters
-    ----------
-    ends
-        The joint at the ends of the scatter of its preloads, or as it is.
-    repetitions
-        Load case to how often it comes in the life of the joint, where that is known.
+    The joint is given at the ends of the scatter of its preloads, or as it is. Repetitions say how
+    often a load case comes in the life of the joint, where that is known.
 
     Raises
     ------

@@ -23,12 +23,8 @@ def clamp_checks(
 ) -> Iterator[Check]:
     """Yield the least clamp force of each interface over load cases that were solved at the ends.
 
-    Of several bolts, that of the area around each too.
-
-    Parameters
-    ----------
-    limits : [force]
-        Interface to the least clamp force that is demanded of it; others must not lose theirs.
+    Of several bolts, that of the area around each too. Limits [force] are the least clamp forces
+    demanded of interfaces; others must not lose theirs.
     """
     for name, surface in surfaces.items():
         smallest = _smallest(ends, slice(*surface.slice), surface.weights)

@@ -49,11 +49,8 @@ def is_rated(thread: Thread, units: str) -> bool:
 def fibre_stresses(thread: Thread, forces: Vector, moments: Matrix | None) -> Matrix:
     """Return the normal stress of fibres at the root of the thread (n_instant, n_fibre).
 
-    Parameters
-    ----------
-    forces : (n_instant,) [force]
-    moments : (n_instant, 2, 2) or None [force·length]
-        End of the bolt, component across its axis.
+    Bolt forces are (n_instant,) [force], moments (n_instant, 2, 2) [force·length] by end of the
+    bolt and component across its axis.
     """
     axial = np.asarray(forces)[:, None] / thread.stress_area
     if moments is None:
@@ -72,13 +69,8 @@ def largest_amplitude(stresses: Matrix) -> float:
 def miner_sums(stresses: Matrix, repetitions: float, limit: float) -> Vector:
     """Return Miner's sum of each fibre (n_fibre,) over a history that is repeated.
 
-    Amplitudes below the endurance do no harm.
-
-    Parameters
-    ----------
-    stresses : (n_instant, n_fibre) [force/length²]
-    limit : [force/length²]
-        σ_ASV.
+    Amplitudes below the endurance do no harm. Stresses (n_instant, n_fibre) have the unit of the
+    limit σ_ASV [force/length²].
     """
     sums = np.zeros(stresses.shape[1])
     # Fibres whose whole range stays below the endurance need no counting.

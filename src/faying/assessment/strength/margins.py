@@ -29,19 +29,9 @@ TOLERANCE_FACTORS = {
 def contact_margin(allowed: float, preload: float, tension: float) -> float:
     """Return MS_u or MS_y by (7, 10) or (16, 17) with a tension from a contact model.
 
-    Parameters
-    ----------
-    allowed : [force]
-        P_tu,allow or P_ty,allow.
-    preload : [force]
-        P_p,max.
-    tension : [force]
-        P_tb under the factored load, with P_p,max in all bolts.
-
-    Returns
-    -------
-    float
-        Infinite where the load does not pull at the bolt; −1 where the preload alone is too much.
+    Allowed is P_tu,allow or P_ty,allow, the preload P_p,max, and the tension P_tb that under the
+    factored load, with P_p,max in all bolts. The margin is infinite where the load does not pull at
+    the bolt; −1 where the preload alone is too much.
     """
     if preload >= allowed:
         return -1.0
@@ -53,12 +43,8 @@ def interaction(
 ) -> float:
     """Return the left side of (20) or (22), which must not be above 1.
 
-    Parameters
-    ----------
-    shear, tension, bending
-        Each over what is allowed: P_su / P_su,allow, P_tu / P_tu,allow and f_bu / F_tu.
-    exponents
-        :data:`THREAD` where the thread is in the shear plane (22), else :data:`SHANK` (20).
+    Each is over what is allowed: P_su / P_su,allow, P_tu / P_tu,allow and f_bu / F_tu. Exponents
+    are :data:`THREAD` where the thread is in the shear plane (22), else :data:`SHANK` (20).
     """
     return float(shear ** exponents[0] + (tension + bending) ** exponents[1])
 
@@ -66,12 +52,8 @@ def interaction(
 def slip_margin(friction: float, clamp: float, shear: float, tension: float = 0.0) -> float:
     """Return MS_slip = μ F / (FS (P_sL + μ P_tL)) − 1, (84); (85) without tension, (86) of a bolt.
 
-    Parameters
-    ----------
-    clamp : [force]
-        n_f P_p,min of a joint, P_p,min of a bolt.
-    shear, tension : [force]
-        With their factors.
+    The clamp force is n_f P_p,min of a joint, P_p,min of a bolt; shear and tension are with their
+    factors.
     """
     resisted = shear + friction * tension
     return friction * clamp / resisted - 1 if resisted > 0 else np.inf

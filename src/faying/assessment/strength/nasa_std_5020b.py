@@ -114,22 +114,8 @@ def margin_checks(
 ) -> Iterator[Check]:
     """Yield the margins of bolts over static loads, each where it is least; slip of interfaces too.
 
-    Parameters
-    ----------
-    system
-        Preloaded full or reduced model.
-    surfaces
-        Geometry of its contact points.
-    rows
-        What is carried along its interfaces.
-    threads
-        Bolt to its thread, of those whose strength is judged.
-    preloads : [force]
-        Bolt to its nominal force.
-    ranges
-        Bolt to the range of its preload.
-    coefficients
-        Interface to the coefficient slip is judged with.
+    Bolts whose strength is judged have threads, nominal forces [force] and ranges of the preload;
+    rows tell what is carried along the interfaces, which slip with their coefficients.
 
     Raises
     ------

@@ -63,20 +63,9 @@ def preload_ends(
 ) -> tuple[PreloadEnd, ...]:
     """Return a joint at both ends of its preloads, or as it is where they do not scatter.
 
-    Parameters
-    ----------
-    system
-        Preloaded full or reduced model.
-    rest, cases
-        At nominal preloads.
-    loads
-        Static load case without friction to its load: these are solved anew where they change.
-    ranges
-        Bolt to the range of its preload.
-    tightened : [force]
-        Bolt to the nominal force it was tightened to, of those that lost some since.
-    temperatures
-        Name to what it loads the joint with beside each of the loads.
+    ``rest`` and ``cases`` are at nominal preloads. Loads of static cases without friction are
+    solved anew where ranges change them, beside each of the temperatures. Bolts that lost some of
+    their force since were tightened to a higher one [force].
 
     Raises
     ------

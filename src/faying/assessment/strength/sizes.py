@@ -99,11 +99,6 @@ class Size:
 def size_named(name: str, head: str = HEADS[0]) -> Size:
     """Return a size by its name, as ``"M8"``, ``"M8x1"`` or ``"3/8-24 UNF"``.
 
-    Parameters
-    ----------
-    head
-        One of :data:`HEADS`.
-
     Raises
     ------
     ModelError

@@ -22,14 +22,8 @@ def with_threads(
 ) -> Assessment:
     """Return an assessment with the stress in the threads that are known, and their checks.
 
-    Parameters
-    ----------
-    cases
-        What was judged.
-    ends
-        The same at the ends of the scatter of the preloads.
-    repetitions
-        Load case to how often it comes.
+    The load cases that were judged are given anew at the ends of the scatter of the preloads.
+    Repetitions say how often a load case comes.
 
     Raises
     ------

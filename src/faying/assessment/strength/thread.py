@@ -233,17 +233,11 @@ class ThreadStress:
 def thread_stress(
     thread: Thread, preload: float, forces: Vector, moments: Matrix | None, units: str
 ) -> ThreadStress:
-    """Return the stress in a thread.
+    """Return the stress in a thread that is tightened to a preload [force].
 
-    Parameters
-    ----------
-    preload : [force]
-        Force the bolt is tightened to.
-    forces : (n_instant,) [force]
-        Bolt forces in service.
-    moments : (n_instant, 2, 2) or None [force·length]
-        Bending moments with them: end, component across the axis. The thread is taken to be where
-        they are larger.
+    Bolt forces in service are (n_instant,) [force], bending moments with them (n_instant, 2, 2)
+    [force·length] by end and component across the axis. The thread is taken to be where they are
+    larger.
     """
     stresses = forces / thread.stress_area
     bent = None if moments is None else moments / thread.section_modulus

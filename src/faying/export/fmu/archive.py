@@ -50,17 +50,7 @@ EPOCH = (1980, 1, 1, 0, 0, 0)
 def write(rom: ReducedModel, path: Path, run: Results | None = None) -> tuple[Path, ...]:
     """Write an FMI 2.0 FMU, and beside it one of FMI 3.0, with the contact of the joint inside.
 
-    Parameters
-    ----------
-    path
-        Of the FMI 2.0 FMU; the other one is called ``NAME_fmi3.fmu``.
-    run
-        Where the model comes from; its first transient says the time step.
-
-    Returns
-    -------
-    tuple of Path
-        Both files.
+    The other one is called ``NAME_fmi3.fmu``. The first transient of the run says the time step.
 
     Raises
     ------

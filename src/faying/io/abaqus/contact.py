@@ -233,12 +233,8 @@ def gap_rules(
 ) -> tuple[dict[str, float], dict[str, GapRule]]:
     """Read *CLEARANCE and ADJUST: the gaps that interfaces start with, by name.
 
-    Returns
-    -------
-    offsets
-        Of surfaces that coincide, what is added to their gap.
-    rules
-        What is made of the gap of the mesh elsewhere.
+    Offsets are added to the gap of surfaces that coincide; rules make something of the gap of the
+    mesh elsewhere.
     """
     rules: dict[str, GapRule] = {}
     offsets: dict[str, float] = {}

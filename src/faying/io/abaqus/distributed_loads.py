@@ -31,12 +31,8 @@ def read_distributed(
 ) -> Iterator[Matrix]:
     """Yield the forces (n_node, 6) of all distributed loads in force, step by step from 0.
 
-    As of :func:`~.in_force.in_force`, of the same kind on the same set or surface.
-
-    Parameters
-    ----------
-    assembly
-        With all elements, whose mass gravity acts on.
+    As of :func:`~.in_force.in_force`, of the same kind on the same set or surface. The assembly has
+    all elements, whose mass gravity acts on.
     """
     for keyword in deck.of("DLOAD", "DSLOAD"):
         amplitudes.note(keyword, ignored)

@@ -43,10 +43,7 @@ def read_general_contact(
 ) -> tuple[InterfaceSpec, ...]:
     """Return the interfaces of ``*CONTACT INCLUSIONS, ALL EXTERIOR``; none without it.
 
-    Parameters
-    ----------
-    joined
-        Pairs of bodies that are tied, cut from one another or in a contact pair.
+    Joined bodies are tied, cut from one another or in a contact pair.
     """
     everything = [k for k in deck.of("CONTACT INCLUSIONS") if k.has("ALL EXTERIOR")]
     if not everything:

@@ -19,11 +19,7 @@ def in_force(
 
     A later step replaces what it names again; within a step values add up. OP=NEW removes what
     earlier steps left by keywords of that name, and none of it acts in a linear perturbation.
-
-    Parameters
-    ----------
-    read
-        Yields what a keyword loads, and how.
+    ``read`` yields what a keyword loads, and how.
     """
     loads: dict[Key, list[tuple[Value, Keyword]]] = {}
     for step in range(deck.n_step + 1):

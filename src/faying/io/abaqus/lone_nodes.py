@@ -31,13 +31,7 @@ _BELOW = 1e-3
 def with_lone_nodes(
     assembly: Assembly, pairs: list[Pair], ignored: list[str]
 ) -> tuple[Assembly, list[Pair]]:
-    """Put a contact pair for each node in place of pairs whose slave has no whole facet.
-
-    Parameters
-    ----------
-    assembly
-        With the masters named.
-    """
+    """Put a contact pair for each node in place of pairs whose slave has no whole facet."""
     replaced: list[Pair] = []
     for pair in pairs:
         if pair.slave.facets or _whole(assembly, pair.slave):

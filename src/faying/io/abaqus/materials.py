@@ -54,10 +54,7 @@ def read_materials(
 ) -> dict[str, Material]:
     """Read all *MATERIAL with *ELASTIC and *DENSITY: upper-case name to material.
 
-    Parameters
-    ----------
-    temperature
-        At which tables over temperature count; None where it differs.
+    Tables over temperature count at the temperature given; None where it differs.
     """
     materials: dict[str, Material] = {}
     for head, members in deck.groups("MATERIAL", *MEMBERS):
@@ -173,10 +170,7 @@ _ORDER = np.array([0, 1, 2, 3, 5, 4])
 def read_law(keyword: Keyword, temperature: Callable[[], float]) -> Matrix:
     """Return the stiffness (6, 6) along the axes of the material.
 
-    Parameters
-    ----------
-    temperature
-        Tells at which one a table over temperature counts.
+    ``temperature`` tells at which one a table over temperature counts.
     """
     wished = keyword.choice("TYPE").replace(" ", "")
     kind = next((name for name in _COUNTS if len(wished) > 2 and name.startswith(wished)), "")

@@ -20,10 +20,7 @@ def read_behaviour(
 ) -> Normal:
     """Return the normal behaviour of an interaction; hard where it says nothing.
 
-    Parameters
-    ----------
-    abaqus
-        Whether the deck is one that only Abaqus reads.
+    ``abaqus`` says that only Abaqus reads the deck.
     """
     penalty: Normal = "hard"
     for member in members:

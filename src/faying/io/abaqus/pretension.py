@@ -148,12 +148,8 @@ def preloads(
 ) -> dict[str, float]:
     """Return the force of each bolt: the *CLOAD on its pretension node, unless that is displaced.
 
-    Parameters
-    ----------
-    forces
-        Those in force in each step, from 0 to the one that is read.
-    senses
-        Name of a section to 1 where a positive force pulls, -1 where it presses.
+    Forces are those in force in each step, from 0 to the one that is read. The sense of a section
+    is 1 where a positive force pulls, -1 where it presses.
     """
     bolt_forces = {}
     for section in sections:
@@ -227,13 +223,7 @@ def initial_forces(
     """Return the forces of bolts whose pretension node is displaced, if nothing gave way.
 
     A bolt that is shortened by a displacement has that times its stiffness as initial force.
-
-    Parameters
-    ----------
-    displacements
-        Pretension node to its displacement, not a number where its force had left it.
-    senses
-        As of :func:`preloads`.
+    Displacements are those of pretension nodes, not a number where its force had left it.
     """
     forces = {}
     for section, bolt in zip(sections, bolts, strict=True):

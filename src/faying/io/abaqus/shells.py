@@ -34,10 +34,7 @@ class Shells:
     def facets(self, ids: Indices, side: float) -> tuple[dict[str, Indices], Vector]:
         """Return facets (kind to nodes) of a side of shells, and how far it lies off their nodes.
 
-        Parameters
-        ----------
-        side
-            1 where the normal points, -1 on the other side.
+        The side is 1 where the normal points, -1 on the other one.
         """
         facets: dict[str, list[Indices]] = {}
         heights = [np.empty(0)]

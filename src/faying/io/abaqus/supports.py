@@ -55,11 +55,8 @@ class Held:
 def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int], amplitudes: Amplitudes) -> Held:
     """Return what is held in the step the deck has been cut to, and how it moves.
 
-    Parameters
-    ----------
-    apart
-        Nodes of pretension sections, whose boundary conditions lock a bolt or say how far its
-        section is closed.
+    ``apart`` are nodes of pretension sections, whose boundary conditions lock a bolt or say how far
+    its section is closed.
     """
     courses: dict[Place, list[float]] = {}
     holds: Holds = {}

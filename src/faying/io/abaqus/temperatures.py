@@ -145,14 +145,8 @@ def thermal_forces(
 ) -> list[Matrix]:
     """Return the forces (n_node, 6) of the free strains at the end of each step.
 
-    Parameters
-    ----------
-    expansions
-        Upper-case material name to its expansion.
-    origin : (n_node,)
-        Node of the deck that each node of the assembly has the temperature of.
-    bolts
-        Ids of the beams that are tightened.
+    Expansions are those of materials, named in upper case. Each node of the assembly has the
+    temperature of a node of the deck, its origin (n_node,). Bolts are beams that are tightened.
     """
     shape = (len(assembly.mesh.nodes), 6)
     of_property = {number: section.name for number, section in assembly.materials.items()}

@@ -57,13 +57,7 @@ class WrittenBeam:
 def written_beam(
     assembly: Assembly, beam: Beam, nodes: WrittenNodes, first: int, *, tightened: bool
 ) -> WrittenBeam:
-    """Write a beam as springs.
-
-    Parameters
-    ----------
-    first
-        First free node id; up to four are taken.
-    """
+    """Write a beam as springs, with up to four nodes from the first free id on."""
     ends = assembly.mesh.nodes[list(beam.nodes)]
     axis = ends[1] - ends[0]
     frames, lengths = beam_frames([beam], axis[None])

@@ -58,14 +58,9 @@ class WrittenNodes:
 
 
 def written_equations(assembly: Assembly) -> tuple[Rows, Mask]:
-    """Return all couplings, equations and inclined supports, and what is plainly held.
+    """Return all couplings, equations and inclined supports, and what is plainly held (6 n_node,).
 
-    Returns
-    -------
-    Rows
-        As :func:`faying.model.constraints.constrain` eliminates them.
-    ndarray of bool (6 n_node,)
-        Degrees of freedom held at zero.
+    Rows are as :func:`faying.model.constraints.constrain` eliminates them.
     """
     fixed = fixed_components(assembly)
     rigid, equations = rigid_rows(assembly), equation_rows(assembly)

@@ -19,14 +19,8 @@ def step_lines(
 ) -> Iterator[str]:
     """Yield the steps.
 
-    Parameters
-    ----------
-    preloads
-        Pretension node to force.
-    locked
-        Pretension nodes that the step behind the first locks.
-    contact
-        Whether anything touches: then every step is one increment with tight tolerances.
+    Preloads are forces on pretension nodes; those that are locked are so in the step behind the
+    first. If anything touches (``contact``), every step is one increment with tight tolerances.
 
     Notes
     -----

@@ -49,10 +49,8 @@ class BeamEnds:
     ) -> tuple[int, Vector]:
         """Return the node of an end (0 or 1) and its place, a new one where there is an offset.
 
-        Parameters
-        ----------
-        along : (3, 3)
-            Axes of the element between its grids, for offsets that are given along them.
+        ``along`` (3, 3) are the axes of the element between its grids, for offsets given along
+        them.
         """
         vector = np.array([card.real(OFFSETS[end] + j, 0.0) for j in range(3)])
         position = grids.nodes[node]

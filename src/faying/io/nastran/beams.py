@@ -26,10 +26,7 @@ def read_beams(
 ) -> list[Beam]:
     """Read beams; orientation vectors are turned into the basic frame.
 
-    Parameters
-    ----------
-    ends
-        Takes the nodes of beams with offsets and pins.
+    ``ends`` takes the nodes of beams with offsets and pins.
     """
     beams: list[Beam] = []
     for name in ("CBAR", "CBEAM"):
@@ -130,11 +127,6 @@ def read_warping(
     The twist φ along the beam is cubic, φ' at the ends is the first component of SA and SB, and
     the energy is ∫ (G J φ'² + E C_w φ''²) dx / 2 (V. Z. Vlasov, Thin-walled elastic beams, 1961);
     what beams have of it themselves, G J / L, is taken off.
-
-    Parameters
-    ----------
-    beams
-        By id.
     """
     for card in cards.get("CBEAM", ()):
         if not any(card.text(field) for field in POINTS):

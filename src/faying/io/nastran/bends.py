@@ -64,10 +64,7 @@ def read_bends(
 ) -> list[Bush]:
     """Read curved bars; half of the mass of each is at either end.
 
-    Parameters
-    ----------
-    factors
-        As :func:`faying.io.nastran.materials.read_materials`.
+    Factors are as of :func:`faying.io.nastran.materials.read_materials`.
     """
     bushes: list[Bush] = []
     properties = by_id(cards, "PBEND", what="property")

@@ -111,12 +111,8 @@ def read_bolts(
 ) -> tuple[tuple[BoltSpec, ...], dict[str, float]]:
     """Return the bolts, named ``bolt-<id>``, and the forces that case control selects.
 
-    Without a case control section the only set of BOLTFOR applies.
-
-    Parameters
-    ----------
-    closing
-        Bolts of solids to the ids of the springs that close their cuts.
+    Without a case control section the only set of BOLTFOR applies. ``closing`` has the ids of the
+    springs that close the cuts of bolts of solids.
     """
     bolts = {
         number: (closing[number],) if number in closing else _elements(card, beams)

@@ -273,10 +273,7 @@ class Card:
 def by_id(cards: Mapping[str, Cards], *names: str, what: str = "") -> dict[int, Card]:
     """Return cards by the id in their first field, which occurs once.
 
-    Parameters
-    ----------
-    what
-        As messages call such a card; its name unless given.
+    ``what`` is how messages call such a card; its name unless given.
     """
     by_number: dict[int, Card] = {}
     for card in (card for name in names for card in cards.get(name, ())):

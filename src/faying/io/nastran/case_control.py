@@ -103,11 +103,8 @@ def _behind_cend(lines: Lines) -> int:
 def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = None) -> CaseControl:
     """Read the selections of the global level and of one subcase, which overrides it.
 
-    Parameters
-    ----------
-    subcase
-        Id of the subcase that counts; the first unless given. Of its steps the first counts,
-        but for contact that begins later.
+    It is the first unless its id is given. Of its steps the first counts, but for contact that
+    begins later.
     """
     start = _behind_cend(lines) - 1
     common = _Level(where="")
@@ -240,12 +237,7 @@ _SCALES = frozenset(("CB1", "CB2", "CK1", "CK2", "CK3", "CM1", "CM2", "CP1", "CP
 def mass_factor(cards: Mapping[str, Cards], control: Bulk, ignored: list[str]) -> float:
     """Return PARAM,WTMASS (1 if absent) and note the other parameters.
 
-    Parameters
-    ----------
-    cards
-        Of the bulk data.
-    control
-        PARAM lines of case control, which Nastran takes like those of the bulk data.
+    PARAM lines of case control (``control``) count like those of the bulk data.
     """
     factor = 1.0
     others: set[str] = set()

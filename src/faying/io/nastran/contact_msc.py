@@ -98,10 +98,7 @@ def friction_of_all_bodies(
 ) -> float | None:
     """Return the friction where everything touches everything (BCONTACT = ALLBODY), else None.
 
-    Parameters
-    ----------
-    elements : (n,)
-        Ids of all solids, which the contact bodies must comprise.
+    Elements (n,) are ids of all solids, which the contact bodies must comprise.
     """
     if control.bcontact != "ALLBODY":
         return None

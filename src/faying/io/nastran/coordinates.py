@@ -120,12 +120,7 @@ def read_frames(
 ) -> dict[int, Frame]:
     """Resolve all coordinate systems of a deck.
 
-    Parameters
-    ----------
-    cards
-        Cards of the deck by name.
-    locate
-        Takes a grid id to the system its coordinates are given in and the coordinates (3,).
+    ``locate`` takes a grid id to the system its coordinates are given in and the coordinates (3,).
     """
     waiting = _definitions(cards)
     frames = {0: BASIC}

@@ -252,12 +252,7 @@ def _spanned(nodes: Indices, exterior: Indices) -> int:
 
 
 def with_glue(assembly: Assembly, pairs: Sequence[Pair], ignored: dict[str, None]) -> Assembly:
-    """Add the equations of pairs that are glued.
-
-    Parameters
-    ----------
-    assembly
-        With the regions of the pairs as sets.
+    """Add the equations of pairs that are glued, whose regions the assembly has as sets.
 
     Raises
     ------

@@ -31,15 +31,9 @@ def read_line_loads(
 ) -> list[tuple[Indices, Indices, Matrix]]:
     """Return load sets (n,), nodes (n,) and forces and moments (n, 6).
 
-    Parameters
-    ----------
-    nodes : (n_node, 3) [length]
-        Of the deck, and those at the ends of beams.
-    beams
-        All of them, rods too.
-    unread
-        Load set to what is not read of it; sets with loads on CBEND, with moments by projected
-        length, or along axes of elements with I12 are added.
+    Nodes (n_node, 3) [length] are those of the deck, and those at the ends of beams, rods too. Load
+    sets with loads on CBEND, with moments by projected length, or along axes of elements with I12
+    are added to ``unread``, with what is not read of them.
     """
     if "PLOAD1" not in cards:
         return []

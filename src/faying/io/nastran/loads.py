@@ -32,14 +32,8 @@ def read_loads(
 ) -> dict[str, NodalLoads]:
     """Read load sets; the one case control selects comes first.
 
-    A set that uses a kind of load that is not supported is left out, with a note.
-
-    Parameters
-    ----------
-    structure
-        With all elements, whose mass GRAV and RFORCE act on.
-    moving
-        What moves supports.
+    A set that uses a kind of load that is not supported is left out, with a note. The structure has
+    all elements, whose mass GRAV and RFORCE act on; ``moving`` moves supports.
     """
     places = structure.mesh.nodes
     spoiled = {**moving.unread, **_unsupported(cards)}
@@ -155,14 +149,9 @@ def read_accelerations(
     """Yield load set and accelerations (n_node, 3) of each card.
 
     MSC Nastran Quick Reference Guide: GRAV accelerates by A N; RFORCE turns with A revolutions per
-    unit of time about R through grid G, or the origin.
-
-    Parameters
-    ----------
-    nodes : (n_node, 3) [length]
-        All that have mass.
-    unread
-        Load set to what is not read of it; sets of cards that are not represented are added.
+    unit of time about R through grid G, or the origin. Nodes (n_node, 3) [length] are all that have
+    mass. Load sets of cards that are not represented are added to ``unread``, with what is not read
+    of them.
     """
     for card in cards.get("GRAV", ()):
         vector = _basic(card, 1, [card.real(j, 0.0) for j in (3, 4, 5)], grids)

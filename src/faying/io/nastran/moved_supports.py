@@ -66,10 +66,7 @@ class Moved:
     def of_node(self, node: int, axes: Matrix | None) -> dict[str, Vector]:
         """Return how far a node is moved (3,), by load set and :data:`ALWAYS`.
 
-        Parameters
-        ----------
-        axes
-            Directions of its components; the basic ones if None.
+        Its components are along axes; the basic ones if None.
         """
         rows = np.eye(3) if axes is None else axes
         motions = {}
@@ -140,12 +137,7 @@ def read_moved(
 ) -> Moved:
     """Return what moves; load sets that move what nothing holds belong to other supports.
 
-    Parameters
-    ----------
-    by_support
-        Displacements by the selected SPC.
-    fixed : (n_node, 6)
-        What the selected SPC and SPC1 hold.
+    The selected SPC displace ``by_support``, and hold with SPC1 what is fixed (n_node, 6).
     """
     always: dict[Place, float] = {}
     for move in by_support:

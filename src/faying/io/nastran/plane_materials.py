@@ -39,10 +39,8 @@ def read_plane_materials(
 ) -> dict[int, PlaneMaterial]:
     """Return the materials of shells by id.
 
-    Parameters
-    ----------
-    factors
-        Of the transverse shear, as :func:`faying.io.nastran.materials.read_materials`.
+    Factors are those of the transverse shear, as
+    :func:`faying.io.nastran.materials.read_materials`.
     """
     by_number = {
         number: PlaneMaterial(

@@ -69,13 +69,7 @@ _SIDES = {f"S{number}": number for number in range(1, 7)}
 def read_regions(
     cards: Mapping[str, Cards], grids: Grids, solids: Solids, shells: Indices
 ) -> dict[int, Region]:
-    """Read contact regions by id, BCSURF, which are contact bodies, by the negative of theirs.
-
-    Parameters
-    ----------
-    shells : (n,)
-        Element ids.
-    """
+    """Read contact regions by id, BCSURF, which are contact bodies, by the negative of theirs."""
     regions: dict[int, Region] = {}
     ids = np.concatenate([np.zeros(0, dtype=np.int64), *(block.ids for block in solids.blocks)])
     properties = np.concatenate([ids[:0], *(block.properties for block in solids.blocks)])

@@ -32,14 +32,8 @@ def replicated(text: LineTexts, origin: Indices, lines: Lines) -> tuple[LineText
     """Return lines of bulk data with cards that repeat the one above written out, in free field.
 
     ``=`` repeats a field of the card above, ``==`` this and all behind it, ``*d`` adds d to it; a
-    line ``=n`` repeats the last line n times more, adding again. Cards of one line only.
-
-    Parameters
-    ----------
-    text
-        Without comments.
-    origin : (n_line,)
-        Where each is in ``lines``.
+    line ``=n`` repeats the last line n times more, adding again. Cards of one line only. The text
+    is without comments; each line is at its origin (n_line,) in ``lines``.
     """
     repeats = [i for i in text.holding(b"=").tolist() if text[i][:1] == b"="]
     if not repeats:
@@ -176,12 +170,7 @@ def unfolded(text: LineTexts) -> tuple[LineTexts, Indices]:
 
     A line that ends with a comma goes on in the next one, which then begins with data and not with
     a blank field; and one line may hold the eleven fields of CORD2R. Both become lines of eight. Of
-    DEQATN, whose commas separate arguments, the name is left.
-
-    Parameters
-    ----------
-    text
-        Without comments.
+    DEQATN, whose commas separate arguments, the name is left. The text is without comments.
     """
     lines: list[Sequence[bytes]] = []
     origin: list[Indices] = []

@@ -139,13 +139,7 @@ def _rrod(card: Card, grids: Grids) -> Equation:
 def rigid_equations(
     card: Card, free: Sequence[Place], tied: Sequence[Place], grids: Grids
 ) -> Iterator[Equation]:
-    """Yield an equation for each dependent component of a rigid body.
-
-    Parameters
-    ----------
-    free, tied
-        Independent and dependent components.
-    """
+    """Yield an equation for each dependent (tied) component of a rigid body by independent ones."""
     nodes = np.array([node for node, _ in free], dtype=np.int64)
     if not 0 < len(free) <= _RIGID or not tied:
         card.refuse(

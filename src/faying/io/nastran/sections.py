@@ -44,12 +44,7 @@ def read_sections(
 
     K1, K2 left blank are rigid in shear on PBAR and 1.0 on PBEAM; 0.0 is rigid on both. PBARL and
     PBEAML take shear factors from :func:`dimensioned_section`. Non-structural mass is added to the
-    density, with a note.
-
-    Parameters
-    ----------
-    factors
-        As :func:`faying.io.nastran.materials.read_materials`.
+    density, with a note. Factors are as of :func:`faying.io.nastran.materials.read_materials`.
     """
     result: dict[str, dict[int, Property]] = {"CBAR": {}, "CBEAM": {}}
     heavy = 0
@@ -249,17 +244,11 @@ def _dimensioned(card: Card, kind: str, sizes: Sequence[float], material: Materi
 
 
 def dimensioned_section(kind: str, sizes: Sequence[float], nu: float) -> BeamSection:
-    """Return the section of PBARL and PBEAML.
+    """Return the section of PBARL and PBEAML with sizes DIM1, DIM2, ... [length].
 
-    Parameters
-    ----------
-    kind
-        ROD (radius), TUBE (outer, inner radius), BAR (width along local z, height along local y)
-        or BOX (width, height, thickness of the top and bottom, thickness of the sides).
-    sizes
-        DIM1, DIM2, ... [length].
-    nu
-        Poisson's ratio, on which the shear factors depend.
+    They are of ROD (radius), TUBE (outer, inner radius), BAR (width along local z, height along
+    local y) or BOX (width, height, thickness of the top and bottom, thickness of the sides). Shear
+    factors depend on Poisson's ratio ν.
 
     Notes
     -----

@@ -17,12 +17,7 @@ def selected_sets(
 ) -> set[int]:
     """Return the ids of the constraint sets that apply: in a deck without case control all.
 
-    Parameters
-    ----------
-    kind
-        ``"SPC"`` or ``"MPC"``.
-    members
-        Ids of the sets that hold constraints.
+    The kind is ``"SPC"`` or ``"MPC"``; members are ids of the sets that hold constraints.
     """
     combined: dict[int, list[int]] = {}
     for card in cards.get(f"{kind}ADD", ()):

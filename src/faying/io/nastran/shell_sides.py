@@ -21,18 +21,9 @@ def with_shell_sides(
     thicknesses: Mapping[int, float],
     ignored: dict[str, None],
 ) -> tuple[list[Pair], dict[str, float]]:
-    """Put faces in place of regions of shells, half a thickness off their nodes.
+    """Put faces in place of regions of shells, half a thickness of their property off their nodes.
 
-    Parameters
-    ----------
-    thicknesses
-        By property.
-
-    Returns
-    -------
-    pairs
-    gaps : [length]
-        By name of a pair, what is added to the gap of its mesh.
+    With the pairs comes, by name, what is added to the gap of their mesh [length].
     """
     paired, gaps = [], dict[str, float]()
     for pair in pairs:

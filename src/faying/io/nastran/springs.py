@@ -222,12 +222,8 @@ def without_rotation(
 ) -> tuple[PointMass, ...]:
     """Take inertia and offsets from masses at nodes that nothing keeps from turning.
 
-    Nastran holds such rotations (PARAM,AUTOSPC), so that the mass moves with its node alone.
-
-    Parameters
-    ----------
-    assembly
-        Without the masses.
+    Nastran holds such rotations (PARAM,AUTOSPC), so that the mass moves with its node alone. The
+    assembly is that without the masses.
     """
     turning = [item for item in masses if np.any(item.inertia) or any(item.offset)]
     if not turning:

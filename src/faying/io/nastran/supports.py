@@ -26,14 +26,8 @@ def read_supports(
 
     Supports of one set with the same components are joined. Where a displacement coordinate system
     makes their directions differ from the basic ones, nodes with equal directions are joined.
-    Permanent supports of GRID have the id 0.
-
-    Returns
-    -------
-    supports
-        What stands still.
-    moved
-        What SPC and SPCD displace.
+    Permanent supports of GRID have the id 0. Returned is what stands still, and what SPC and SPCD
+    displace.
     """
     constrained: _Held = {}
     members: set[int] = set()

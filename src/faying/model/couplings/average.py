@@ -21,13 +21,9 @@ def average_rows(assembly: Assembly, existing: Mask) -> Rows:
     centre; the reference moves as u_c + θ × (x_ref - x_c). Forces on the reference thus reach the
     nodes as Nastran's RBE3 sends them: F w_i / Σw, and the moment about the weighted centre through
     the weighted second moments. Where rotations enter, their weight is w_i L² with L the mean
-    distance of the nodes from the reference, so that the units of length do not matter.
-
-    Parameters
-    ----------
-    existing : (6 n_node,)
-        Components that mean something. Averaged rotations that do not (those of solid nodes, which
-        decks often list) are left out; a free rotation would follow the reference at no cost.
+    distance of the nodes from the reference, so that the units of length do not matter. Components
+    that do not mean something (``existing``, (6 n_node,)) are left out: rotations of solid nodes,
+    which decks often list; a free rotation would follow the reference at no cost.
 
     Raises
     ------

@@ -24,14 +24,9 @@ def fixed_components(assembly: Assembly) -> Mask:
 def inclined_rows(assembly: Assembly, *, fixed: Mask, blocked: Mask) -> Rows:
     """Write supports along inclined directions as equations between the components of a node.
 
-    Each equation is solved for the component with the largest direction cosine.
-
-    Parameters
-    ----------
-    fixed : (6 n_node,)
-        Components held already; they drop out of the equations.
-    blocked : (6 n_node,)
-        Components that must not become dependent here.
+    Each equation is solved for the component with the largest direction cosine. Fixed components (6
+    n_node,) are held already and drop out of the equations; blocked ones (6 n_node,) must not
+    become dependent here.
 
     Raises
     ------
@@ -129,12 +124,8 @@ def _is_basic(directions: Matrix) -> Mask:
 def _reduced(rows: Matrix, allowed: Mask) -> tuple[Matrix, Indices]:
     """Gauss-Jordan elimination of many small systems at once, pivots by size where allowed.
 
-    Returns
-    -------
-    rows : (n_group, n_direction, 3)
-        With one in the pivot column, which no other row holds.
-    pivots : (n_group, n_direction)
-        Pivot column of each row, -1 for rows without one.
+    Rows (n_group, n_direction, 3) come back with one in the pivot column, which no other row holds,
+    and with their pivot columns (n_group, n_direction), -1 for rows without one.
     """
     rows = rows.copy()
     pivots = np.full(rows.shape[:2], -1, dtype=np.int64)

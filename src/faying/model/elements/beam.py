@@ -46,17 +46,10 @@ class BeamProperties(NamedTuple):
 
 
 def beam_matrices(beams: Sequence[Beam], nodes: Matrix) -> tuple[Matrix, Matrix]:
-    """Return mass and stiffness of beams in the basic frame.
+    """Return mass and stiffness (n_beam, 12, 12) of beams in the basic frame.
 
-    Parameters
-    ----------
-    nodes : (n_node, 3) [length]
-        Coordinates of all nodes of the mesh.
-
-    Returns
-    -------
-    mass, stiffness : (n_beam, 12, 12)
-        Order: six degrees of freedom of the first node, then of the second.
+    Nodes (n_node, 3) [length] are all those of the mesh. Order: six degrees of freedom of the first
+    node, then of the second.
 
     Raises
     ------
@@ -78,10 +71,7 @@ def beam_matrices(beams: Sequence[Beam], nodes: Matrix) -> tuple[Matrix, Matrix]
 def beam_frames(beams: Sequence[Beam], axes: Matrix) -> tuple[Matrix, Vector]:
     """Return local frames (n_beam, 3, 3), rows x, y, z, and lengths (n_beam,).
 
-    Parameters
-    ----------
-    axes : (n_beam, 3) [length]
-        From the first to the second node.
+    Axes (n_beam, 3) [length] go from the first to the second node.
     """
     orientation = np.array([beam.orientation for beam in beams], dtype=float).reshape(-1, 3)
     length: Vector = np.linalg.norm(axes, axis=1)

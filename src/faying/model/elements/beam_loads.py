@@ -26,14 +26,8 @@ def nodal_forces_of_beams(
 ) -> Matrix:
     """Return the forces and moments (n_beam, 2, 6) on the ends of beams in the basic frame.
 
-    Parameters
-    ----------
-    nodes : (n_node, 3) [length]
-        Coordinates of all nodes of the mesh.
-    stations : (n_beam, n_station) [-]
-        Where forces act: 0 at the first end, 1 at the second.
-    vectors : (n_beam, n_station, 6) [force], [force·length]
-        Forces and moments there, in the basic frame.
+    Nodes (n_node, 3) [length] are all those of the mesh. Forces and moments (n_beam, n_station, 6)
+    in the basic frame act at stations (n_beam, n_station): 0 at the first end, 1 at the second.
 
     Raises
     ------

@@ -17,15 +17,8 @@ from faying.model.couplings.rows import lever_arms
 def bush_matrices(bushes: Sequence[Bush], nodes: Matrix) -> tuple[Matrix, Matrix, Indices]:
     """Return masses, stiffnesses and degrees of freedom of bushes with one number of ends.
 
-    Parameters
-    ----------
-    nodes : (n_node, 3) [length]
-        Coordinates of all nodes of the mesh.
-
-    Returns
-    -------
-    mass, stiffness : (n_bush, 6 n_end, 6 n_end)
-    dofs : (n_bush, 6 n_end)
+    Nodes (n_node, 3) [length] are all those of the mesh; matrices are (n_bush, 6 n_end, 6 n_end),
+    degrees of freedom (n_bush, 6 n_end).
     """
     ends = np.array([bush.nodes for bush in bushes], dtype=np.int64)
     axes = np.array([bush.axes for bush in bushes], dtype=float)

@@ -246,9 +246,7 @@ class Points:
 def points_of(rule: Rule, coordinates: Matrix) -> Points:
     """Find tangents, normals and derivatives at the points of a rule.
 
-    Parameters
-    ----------
-    coordinates : (n, n_node, 3) [length]
+    Coordinates are (n, n_node, 3) [length].
     """
     tangents = np.einsum("qan,enc->eqac", rule.gradients, coordinates)
     normal = np.cross(tangents[:, :, 0], tangents[:, :, 1])
@@ -297,18 +295,10 @@ def curved_matrices(
     director: Matrix,
     tables: Mapping[str, tuple[Points, ElementLaws]],
 ) -> tuple[Matrix, Matrix]:
-    """Return mass and stiffness of curved shells in basic directions.
+    """Return mass and stiffness (n, 6 n_node, 6 n_node) of curved shells in basic directions.
 
-    Parameters
-    ----------
-    coordinates, director : (n, n_node, 3)
-    tables
-        ``"reduced"`` and ``"full"``: the points of each rule, and laws in their frames
-        (n · n_q, ...).
-
-    Returns
-    -------
-    mass, stiffness : (n, 6 n_node, 6 n_node)
+    Coordinates and director are (n, n_node, 3). Tables ``"reduced"`` and ``"full"`` have the points
+    of each rule, and laws in their frames (n · n_q, ...).
     """
     shell = CURVED_SHELLS[kind]
     n, n_node = director.shape[:2]

@@ -115,19 +115,10 @@ FLAT_SHELLS = {"tri3": _triangle(), "quad4": _quadrilateral()}
 
 
 def flat_matrices(kind: str, xy: Matrix, laws: ElementLaws) -> tuple[Matrix, Matrix]:
-    """Return mass and stiffness of flat shells in their local frames.
+    """Return mass and stiffness (n, 6 n_node, 6 n_node) of flat shells in their local frames.
 
-    Parameters
-    ----------
-    xy : (n, n_node, 2) [length]
-        Corners in the frame of each element.
-    laws
-        In the axes of each element.
-
-    Returns
-    -------
-    mass, stiffness : (n, 6 n_node, 6 n_node)
-        Six degrees of freedom a node, in the order (u, v, w, θx, θy, θz).
+    Corners (n, n_node, 2) [length] and laws are in the axes of each element, degrees of freedom of
+    a node in the order (u, v, w, θx, θy, θz).
 
     Notes
     -----
@@ -178,13 +169,8 @@ def _sides(table: FlatShell, xy: Matrix, laws: ElementLaws) -> tuple[Matrix, Mat
 
     On a side the shear strain is that of the moments' slope, -(2/3) φ times the bubble, and its
     integral that of the motion: w_j - w_i + L (β_i + β_j) / 2 + 2/3 L bubble = L strain (Katili,
-    Eqs. 23 to 29 of Part I); φ = 12 D / (S L²) along the side.
-
-    Returns
-    -------
-    bubbles : (n, 2, n_side, n_dof)
-        As vectors along the sides.
-    shears : (n, n_side, n_dof)
+    Eqs. 23 to 29 of Part I); φ = 12 D / (S L²) along the side. Bubbles (n, 2, n_side, n_dof) are
+    vectors along the sides, shears (n, n_side, n_dof).
     """
     n, n_node = xy.shape[:2]
     first, second = np.array(table.sides).T

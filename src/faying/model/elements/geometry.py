@@ -22,17 +22,10 @@ CORNER = "a corner"
 
 
 def jacobians(gradients: Matrix, coordinates: Matrix) -> Matrix:
-    """Return J[e, q, k, c] = ∂x_c/∂ξ_k.
+    """Return J[e, q, k, c] = ∂x_c/∂ξ_k (n_cell, n_quad, 3, 3).
 
-    Parameters
-    ----------
-    gradients : (n_quad, 3, n_node)
-        Reference gradients of the shape functions.
-    coordinates : (n_cell, n_node, 3)
-
-    Returns
-    -------
-    ndarray (n_cell, n_quad, 3, 3)
+    Reference gradients of the shape functions are (n_quad, 3, n_node), coordinates (n_cell, n_node,
+    3).
     """
     n_quad, _, n_node = gradients.shape
     flat = gradients.reshape(3 * n_quad, n_node) @ coordinates
@@ -53,13 +46,7 @@ def determinants(jacobian: Matrix, cofactor: Matrix) -> Matrix:
 
 
 def volume_factors(gradients: Matrix, coordinates: Matrix) -> Matrix:
-    """Return det(J) (n_quad, n_cell) alone, a third of the work of :func:`cofactors`.
-
-    Parameters
-    ----------
-    gradients : (n_quad, 3, n_node)
-    coordinates : (n_cell, n_node, 3)
-    """
+    """Return det(J) (n_quad, n_cell) alone, a third of the work of :func:`cofactors`."""
     n_quad, _, n_node = gradients.shape
     flat = gradients.reshape(3 * n_quad, n_node)
     x, y, z = (
@@ -77,12 +64,7 @@ def check_shapes(element: SolidElement, coordinates: Matrix, ids: Indices) -> No
 
     Looked at: the quadrature points of stiffness and mass, and the corners, which may be inverted
     where no quadrature point is: matrices can be formed, and :func:`inverted_corners` tells them.
-
-    Parameters
-    ----------
-    coordinates : (n_cell, n_node, 3) [length]
-    ids : (n_cell,)
-        Element ids for the message.
+    Coordinates are (n_cell, n_node, 3) [length]; ids (n_cell,) are for the message.
 
     Raises
     ------
@@ -109,12 +91,7 @@ def check_shapes(element: SolidElement, coordinates: Matrix, ids: Indices) -> No
 
 
 def inverted_corners(element: SolidElement, coordinates: Matrix) -> Mask:
-    """Say of elements (n_cell,) whether they are inside out at a corner.
-
-    Parameters
-    ----------
-    coordinates : (n_cell, n_node, 3) [length]
-    """
+    """Say of elements at coordinates (n_cell, n_node, 3) whether a corner is inverted (n_cell,)."""
     determinant = volume_factors(corner_gradients(element), coordinates)
     inverted: Mask = determinant.min(axis=0) < -COLLAPSED * np.abs(determinant).max(axis=0)
     return inverted

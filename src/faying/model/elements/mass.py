@@ -8,16 +8,9 @@ from faying.model.elements.solid_element import SolidElement, mass_tables
 
 
 def mass_coefficients(element: SolidElement, coordinates: Matrix, density: Vector) -> Matrix:
-    """Integrate m_ij = ∫ ρ N_i N_j dV of a batch; the mass matrix is m_ij δ_ab.
+    """Integrate m_ij = ∫ ρ N_i N_j dV of a batch (n_cell, n_node, n_node); the mass is m_ij δ_ab.
 
-    Parameters
-    ----------
-    coordinates : (n_cell, n_node, 3) [length]
-    density : (n_cell,) [mass/length³]
-
-    Returns
-    -------
-    ndarray (n_cell, n_node, n_node) [mass]
+    Coordinates are (n_cell, n_node, 3) [length], densities (n_cell,) [mass/length³].
 
     Notes
     -----

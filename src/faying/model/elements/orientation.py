@@ -14,19 +14,9 @@ BATCH = 2048
 def right_side_out(kind: str, nodes: Indices, places: Matrix) -> tuple[Indices, Mask]:
     """Turn elements whose every corner is inside out.
 
-    Some programs number the other way round (MED), others accept either.
-
-    Parameters
-    ----------
-    nodes : (n_cell, n_node)
-    places : (n, 3) [length]
-        Of all nodes.
-
-    Returns
-    -------
-    nodes : (n_cell, n_node)
-    turned : (n_cell,)
-        Elements that were inside out. Those that are at some corners only are left as they are.
+    Some programs number the other way round (MED), others accept either. With the nodes (n_cell,
+    n_node), at places (n, 3) [length], comes which elements (n_cell,) were inside out. Those that
+    are at some corners only are left as they are.
     """
     element = SOLIDS[kind]
     turned: Mask = np.zeros(len(nodes), dtype=bool)

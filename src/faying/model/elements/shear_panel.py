@@ -20,10 +20,7 @@ _PARALLEL = 1e-4
 def panel_matrices(local: Matrix, laws: ElementLaws, ids: Indices) -> tuple[Matrix, Matrix]:
     """Return mass and stiffness (n, 24, 24) of shear panels in their local frames.
 
-    Parameters
-    ----------
-    local : (n, 4, 3) [length]
-        Corners in the frame of each.
+    Corners in the frame of each are (n, 4, 3) [length].
 
     Raises
     ------

@@ -86,16 +86,9 @@ def check_area(good: Mask, ids: Indices) -> None:
 
 
 def carried(frames: Matrix, arms: Matrix) -> Matrix:
-    """Motion in the frames at the ends of rigid arms per motion of the nodes.
+    """Motion in the frames at the ends of rigid arms per motion of the nodes (n, n_node, 6, 6).
 
-    Parameters
-    ----------
-    frames : (n, 3, 3) or (n, n_node, 3, 3)
-    arms : (n, n_node, 3) [length]
-
-    Returns
-    -------
-    ndarray (n, n_node, 6, 6)
+    Frames are (n, 3, 3) or (n, n_node, 3, 3), arms (n, n_node, 3) [length].
     """
     n, n_node = arms.shape[:2]
     axes = frames if frames.ndim == 4 else frames[:, None]
@@ -118,10 +111,8 @@ def laws_in(
 ) -> ElementLaws:
     """Turn the sections of some shells of a block into axes of their own.
 
-    Parameters
-    ----------
-    frames : (n, 3, 3) or (n, n_q, 3, 3)
-        At one place of each shell, or several; the laws then follow in one list (n · n_q).
+    Frames are (n, 3, 3), at one place of each shell, or (n, n_q, 3, 3); the laws then follow in one
+    list (n · n_q).
 
     Raises
     ------

@@ -24,24 +24,14 @@ def stiffness_blocks(
 ) -> Matrix:
     """Integrate the stiffness of a batch of elements.
 
-    With Q_{ia,jb} = ∫ ∂_a N_i ∂_b N_j dV the stiffness of an isotropic solid is
-    K_{ia,jb} = λ Q_{ia,jb} + μ Q_{ib,ja} + μ δ_ab Σ_c Q_{ic,jc}: one matrix product per element
-    instead of a 6 x 6 material law at every point. Where directions differ it is
-    K_{ia,jb} = Σ_cd C_acbd Q_{ic,jd} with the same Q.
-
-    Parameters
-    ----------
-    coordinates : (n_cell, n_node, 3) [length]
-        Of elements that passed :func:`faying.model.elements.geometry.check_shapes`.
-    lame, shear : (n_cell,) [force/length²]
-        Lamé's λ and the shear modulus μ.
-    tensors : (n_cell, 3, 3, 3, 3) [force/length²]
-        C of each element where directions differ; λ and μ then scale hourglass springs alone.
-
-    Returns
-    -------
-    ndarray (n_cell, n_node, n_node, 3, 3) [force/length]
-        The 3 x 3 block of every pair of nodes; exactly symmetric.
+    With Q_{ia,jb} = ∫ ∂_a N_i ∂_b N_j dV the stiffness of an isotropic solid is K_{ia,jb} = λ
+    Q_{ia,jb} + μ Q_{ib,ja} + μ δ_ab Σ_c Q_{ic,jc}: one matrix product per element instead of a 6 x
+    6 material law at every point. Where directions differ it is K_{ia,jb} = Σ_cd C_acbd Q_{ic,jd}
+    with the same Q. Coordinates (n_cell, n_node, 3) [length] passed
+    :func:`faying.model.elements.geometry.check_shapes`. Lamé's λ, the shear modulus μ (n_cell,)
+    and, where directions differ, C (n_cell, 3, 3, 3, 3) are [force/length²]; λ and μ then scale
+    hourglass springs alone. Blocks (n_cell, n_node, n_node, 3, 3) of every pair of nodes are
+    exactly symmetric [force/length].
 
     Notes
     -----
@@ -66,19 +56,11 @@ def stiffness_blocks(
 def free_strain_forces(
     element: SolidElement, coordinates: Matrix, stress: Matrix, strain: Matrix
 ) -> Matrix:
-    """Integrate the forces ∫ ε S ∇N_i dV of a strain that nothing resists.
+    """Integrate the forces ∫ ε S ∇N_i dV (n_cell, n_node, 3) of a strain that nothing resists.
 
-    Parameters
-    ----------
-    coordinates : (n_cell, n_node, 3) [length]
-    stress : (3, 3) [force/length²]
-        S, what it would take to prevent ε = 1: E / (1 - 2 ν) 1 where nothing depends on direction.
-    strain : (n_cell, n_quad)
-        ε at the points of the stiffness, see :func:`temperature_shapes`.
-
-    Returns
-    -------
-    ndarray (n_cell, n_node, 3) [force]
+    Coordinates are (n_cell, n_node, 3) [length]; the stress S (3, 3) [force/length²] is what it
+    would take to prevent ε = 1: E / (1 - 2 ν) 1 where nothing depends on direction. The strain ε
+    (n_cell, n_quad) is at the points of the stiffness, see :func:`temperature_shapes`.
 
     Notes
     -----

@@ -32,21 +32,12 @@ _NEXT = np.array([1, 2, 0])
 
 
 def serendipity_wedge(points: Matrix) -> tuple[Matrix, Matrix]:
-    """Evaluate the shape functions of the fifteen-node wedge.
+    """Evaluate values (n_point, 15) and gradients (n_point, 3, 15) of the fifteen-node wedge.
 
     With barycentric coordinates L of the triangle, height z in [0, 1] and m = 1 - z at the bottom
-    (m = z at the top): corners L m (2L - 1) - 2 L z (1 - z), mid-sides of the triangles
-    4 L_i L_j m, upright mid-sides 4 L z (1 - z). Zienkiewicz, Taylor, Zhu, The Finite Element
-    Method, vol. 1, quadratic prism of the serendipity family.
-
-    Parameters
-    ----------
-    points : (n_point, 3)
-
-    Returns
-    -------
-    values : (n_point, 15)
-    gradients : (n_point, 3, 15)
+    (m = z at the top): corners L m (2L - 1) - 2 L z (1 - z), mid-sides of the triangles 4 L_i L_j
+    m, upright mid-sides 4 L z (1 - z). Zienkiewicz, Taylor, Zhu, The Finite Element Method, vol. 1,
+    quadratic prism of the serendipity family.
     """
     x, y, z = np.asarray(points, dtype=float).T[:, :, None]
     plane, slope = np.hstack([1 - x - y, x, y]), _BARYCENTRIC_GRADIENTS.T

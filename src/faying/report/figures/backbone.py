@@ -158,10 +158,7 @@ def backbone_figure(results: Results, case: CaseResult) -> Drawn | None:
 def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
     """Draw how far points slip in a cycle, at the amplitudes a study names, or at three.
 
-    Returns
-    -------
-    Drawn or None
-        One row for each mode and interface; None for cases without backbones, or without slip.
+    One row for each mode and interface; None for cases without backbones, or without slip.
     """
     records = results.rubbing
     amplitudes = _wanted(results, case)

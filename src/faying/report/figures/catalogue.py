@@ -25,19 +25,9 @@ Draw = Callable[[], Drawn | None]
 def write_figures(
     results: Results, folder: Path, progress: Callable[[int], None] | None = None
 ) -> list[FigureEntry]:
-    """Draw every figure of a run into a folder as PNG.
+    """Draw every figure of a run into a folder as PNG, atomically, in the order of a report.
 
-    Parameters
-    ----------
-    folder
-        Made if it does not exist; files in it are replaced atomically.
-    progress
-        Called with 1 after each figure.
-
-    Returns
-    -------
-    list of FigureEntry
-        In the order of a report.
+    The folder is made if it does not exist. ``progress`` is called with 1 after each figure.
 
     Raises
     ------

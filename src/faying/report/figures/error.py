@@ -25,12 +25,8 @@ def plot_error(
 ) -> Axes:
     """Draw a signed relative pressure error, Eq. (15.31), at the contact points in percent.
 
-    Parameters
-    ----------
-    error : (n_point,)
-        As a fraction.
-    largest
-        End of the colour scale, symmetric about zero, as a fraction.
+    Errors (n_point,) are fractions, and so is the largest, the end of the colour scale, symmetric
+    about zero.
     """
     axes.xaxis.set_major_locator(MaxNLocator(5))
     limits = (-100 * largest, 100 * largest)
@@ -62,10 +58,7 @@ def errs(case: CaseResult) -> bool:
 def error_figure(results: Results, case: CaseResult) -> Drawn | None:
     """Draw the errors of a static case: one column per method, one row per interface.
 
-    Returns
-    -------
-    Drawn or None
-        None where there is no method or no reference pressure.
+    None where there is no method or no reference pressure.
     """
     methods = list(shown_methods(case))
     reference = case.reference.pressure

@@ -28,13 +28,7 @@ STATES = {
 
 
 def plot_states(record: InterfaceRecord, pressure: Vector, axes: Axes, units: Units) -> Axes:
-    """Draw which contact points the load has opened or closed since the preload.
-
-    Parameters
-    ----------
-    pressure : (n_point,)
-        At the contact points of this interface.
-    """
+    """Draw which contact points (n_point,) the load has opened or closed since the preload."""
     pressed, now = record.preload_pressure > 0, pressure > 0
     states = np.select([pressed & now, pressed, now], [0, 1, 2], default=3)
     return draw_states(record, states, axes, units, STATES)
@@ -43,14 +37,9 @@ def plot_states(record: InterfaceRecord, pressure: Vector, axes: Axes, units: Un
 def plot_gap(
     record: InterfaceRecord, gap: Vector, axes: Axes, units: Units, *, largest: float
 ) -> Axes:
-    """Draw the gap at the contact points, white where closed, a cross at the largest.
+    """Draw the gap at the contact points (n_point,), white where closed, a cross at the largest.
 
-    Parameters
-    ----------
-    gap : (n_point,)
-        At the contact points of this interface.
-    largest
-        Top of the colour scale.
+    ``largest`` is the top of the colour scale.
     """
     return draw_map(
         record,
@@ -77,10 +66,7 @@ def described_opening(record: InterfaceRecord, opened_area: Opening, units: Unit
 def gap_figure(results: Results, case: CaseResult) -> Drawn | None:
     """Draw contact lost and gained, and the gap, one row per interface.
 
-    Returns
-    -------
-    Drawn or None
-        Transients at the instant of their largest gap; None where all is closed.
+    Transients at the instant of their largest gap; None where all is closed.
     """
     units, records = results.unit_set, results.interfaces
     all_openings = {name: opening(record, case) for name, record in records.items()}

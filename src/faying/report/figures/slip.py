@@ -27,15 +27,10 @@ def plot_traction(
     *,
     largest: float | None = None,
 ) -> Axes:
-    """Draw tractions as arrows at the node pairs, over the contact pressure.
+    """Draw tractions as arrows at the node pairs, over the contact pressure (n_point,).
 
-    Parameters
-    ----------
-    pressure : (n_point,)
-    traction : (n_point, 3)
-        At the contact points of this interface, on the plus side.
-    largest
-        Top of the colour scale of the pressure.
+    Tractions (n_point, 3) act on the plus side. ``largest`` is the top of the colour scale of the
+    pressure.
     """
     plane = best_plane(record)
     plot_pressure(record, pressure, axes, units, largest=largest)
@@ -64,11 +59,8 @@ def plot_slip_states(record: InterfaceRecord, status: Indices, axes: Axes, units
 def slip_figure(results: Results, case: CaseResult) -> Drawn | None:
     """Draw tractions over pressure and the states of the points, one row per interface.
 
-    Returns
-    -------
-    Drawn or None
-        Of the increment or instant in which most slips, of a static load at its full value; None
-        without friction.
+    They are those of the increment or instant in which most slips, of a static load at its full
+    value; None without friction.
     """
     records = results.rubbing
     units = results.unit_set

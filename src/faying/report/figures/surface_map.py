@@ -56,12 +56,7 @@ def map_panels(
 ) -> tuple[Figure, Any]:
     """Return a figure with a row of maps for each interface, and its axes (n_row, n_column).
 
-    Parameters
-    ----------
-    width
-        Of the figure in inches.
-    room
-        Inches for what stands above and below the maps.
+    Width and room, for what stands above and below the maps, are in inches.
     """
     heights = [_height(record, 0.83 * width / columns) for record in records]
     figure = new_figure(width, max(sum(heights), 2.0) + room)
@@ -119,18 +114,8 @@ def draw_map(
 ) -> Axes:
     """Draw values at the contact points of an interface, each over the area nearest to it.
 
-    Parameters
-    ----------
-    values : (n_point,)
-        Grey where they are NaN.
-    colours
-        Name of a colour map.
-    limits
-        Values at its ends; the bar is pointed where values go beyond both.
-    label
-        Of the colour bar.
-    mark
-        Put a cross at the largest value.
+    Values (n_point,) are grey where they are NaN, and may be marked by a cross at the largest.
+    Limits are those at the ends of the colours; the bar is pointed where values go beyond both.
     """
     low, high = limits if limits[1] > limits[0] else (limits[0], limits[0] + 1.0)
     scale = Normalize(vmin=low, vmax=high)

@@ -104,12 +104,7 @@ def models(case: CaseResult) -> list[tuple[str, Response]]:
 def fields(results: Results, frames_of: dict[str, Frames], nodes: Indices) -> Iterator[Field]:
     """Yield the fields of a run in the order in which they are kept.
 
-    Parameters
-    ----------
-    frames_of
-        By load case.
-    nodes
-        Those of the outer surface.
+    Frames are those of load cases, nodes those of the outer surface.
     """
     every = [
         replace(field, case=number, model=index)

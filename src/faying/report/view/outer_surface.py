@@ -45,13 +45,7 @@ class OuterSurface:
 
 
 def outer_surface(mesh: Mesh, more: Indices) -> OuterSurface:
-    """Return the outer surface of the solids of a mesh.
-
-    Parameters
-    ----------
-    more
-        Nodes that are wanted too, wherever they are.
-    """
+    """Return the outer surface of the solids of a mesh, and more nodes wherever they are."""
     faces = mesh.exterior.by_kind()
     parts = [triangles_of(kind, nodes) for kind, nodes in faces.items()]
     triangles = np.concatenate([*parts, np.empty((0, 3), dtype=np.int64)])
@@ -96,18 +90,11 @@ def sharp_edges(points: Matrix, triangles: Indices) -> Indices:
 
 
 def explosion(interfaces: Mapping[str, ContactSurface], body: Indices) -> Matrix:
-    """Return a direction to move each body in, so that every interface opens by one.
+    """Return a direction to move each body in (n_body, 3), so that every interface opens by one.
 
-    Parameters
-    ----------
-    body : (n_node,)
-        Number of the body a node belongs to, -1 where none.
-
-    Returns
-    -------
-    (n_body, 3)
-        Least squares over the interfaces, the bodies at rest in the mean. An interface whose
-        normals cancel, or that touches one body only, opens nothing.
+    Least squares over the interfaces, the bodies at rest in the mean. An interface whose normals
+    cancel, or that touches one body only, opens nothing. Nodes (n_node,) have the number of their
+    body, -1 where none.
     """
     n_body = int(body.max(initial=-1)) + 1
     rows, directions = [], []

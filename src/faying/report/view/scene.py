@@ -52,14 +52,9 @@ class SceneText:
 def scene(results: Results, room: int = ROOM) -> SceneText | None:
     """Return what the page draws, at most about ``room`` bytes; None where there is no surface.
 
-    It begins with the load case and the field that decide.
-
-    Parameters
-    ----------
-    results
-        The outer surface of their solids is shown, and nodal averages on the contact faces.
-    room
-        Fields are kept in their order until one does not fit.
+    It begins with the load case and the field that decide. The outer surface of the solids is
+    shown, and nodal averages on the contact faces. Fields are kept in their order until one does
+    not fit.
     """
     verdict, pairs = (
         run_verdict(results),

@@ -111,10 +111,7 @@ def check_no_second_preload(
 ) -> None:
     """Refuse loads of the deck that pull the ends of a bolt together, for that is a preload too.
 
-    Parameters
-    ----------
-    tightened : [force]
-        Name of a bolt to its final or initial force.
+    Bolts are tightened to a final or initial force [force].
 
     Raises
     ------

@@ -56,14 +56,10 @@ def load_jumps(
 ) -> list[Jump]:
     """Return the jumps of a transient load case, the largest one of each load.
 
-    Parameters
-    ----------
-    case
-        Of a study; static ones have none.
-    step, period : [time]
-        Of the time integration, and the longest one of the structure, as far as they are known.
-        Within the longer of a step and a hundredth of the period a load jumps; without either only
-        what begins with a value other than zero.
+    Static load cases have none. The step [time] is that of the time integration, the period [time]
+    the longest one of the structure, as far as they are known. Within the longer of a step and a
+    hundredth of the period a load jumps; without either only what begins with a value other than
+    zero.
     """
     if not case.transient:
         return []
@@ -110,10 +106,7 @@ def _largest_change(history: History, window: float) -> tuple[float, float, floa
 def jump_sentence(case: str, jumps: Sequence[Jump], time_unit: str, *, history: bool) -> str:
     """Say of the jumps of a load case what they are and what would be better; empty without any.
 
-    Parameters
-    ----------
-    history
-        Whether the loads come from files, which then have to rise there.
+    Loads with a history come from files, which then have to rise there.
     """
     if not jumps:
         return ""

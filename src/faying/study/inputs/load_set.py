@@ -89,16 +89,10 @@ def read_loads(
 ) -> LoadSet:
     """Read loads for a reduced model.
 
-    Parameters
-    ----------
-    path
-        A TOML file with load cases; a csv or Parquet table with a row per static case, or per
-        instant where it has a column ``time``; or a folder of tables over time.
-    step : [time]
-        Of tables over time; by default their interval, of uneven ones the smallest, or a little
-        less so that whole steps end with the table.
-    integrator
-        Of tables over time; :class:`ImplicitEuler` unless given.
+    The path is a TOML file with load cases; a csv or Parquet table with a row per static case, or
+    per instant where it has a column ``time``; or a folder of tables over time. Step [time] and
+    integrator are those of tables over time: by default their interval, of uneven ones the
+    smallest, or a little less so that whole steps end with the table, and :class:`ImplicitEuler`.
 
     Raises
     ------

@@ -45,10 +45,7 @@ class ModelPreview:
 def model_preview(study: Study, loaded: LoadedModel, *, bare: bool) -> ModelPreview:
     """Build the model as far as it can be built.
 
-    Parameters
-    ----------
-    bare
-        Whether there is a deck alone, whose faults are then needs of a run.
+    The faults of a bare deck, without a study, are needs of a run.
 
     Raises
     ------

@@ -34,12 +34,7 @@ def with_margins(
 ) -> Assessment:
     """Return an assessment with what the standard of a study adds to the checks of bolts.
 
-    Parameters
-    ----------
-    assessment
-        With the checks of the strength of bolts.
-    loads
-        Static load cases, which margins multiply.
+    The assessment has the checks of the strength of bolts; margins multiply static load cases.
 
     Raises
     ------

@@ -28,10 +28,7 @@ def is_bare(path: Path) -> bool:
 def study_or_deck(path: Path, ignore: Sequence[str] = ()) -> Study:
     """Read a study, or take a deck as one that adds nothing to it.
 
-    Parameters
-    ----------
-    ignore
-        What a deck has and the model shall not, as the key of [model].
+    What the deck has and the model shall not is ignored, as by the key of [model].
 
     Raises
     ------

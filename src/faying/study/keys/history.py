@@ -8,13 +8,9 @@ from faying.study.keys.ranges import LARGEST
 
 
 def read_history(path: Path) -> History:
-    """Read a load history.
+    """Read a load history: text with two columns separated by a comma, time and value.
 
-    Parameters
-    ----------
-    path
-        Text with two columns separated by a comma, time and value. One header line, empty lines
-        and comments after ``#`` are allowed.
+    One header line, empty lines and comments after ``#`` are allowed.
 
     Raises
     ------

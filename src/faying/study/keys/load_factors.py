@@ -15,14 +15,10 @@ ALL = "factor"
 def read_load_factors(path: Path, loads: Sequence[str]) -> NumberTable:
     """Read the load factors of a path.
 
-    Parameters
-    ----------
-    path
-        Comma-separated text: a line of names, then a line of numbers for each increment. Empty
-        lines and comments after ``#`` are allowed.
-    loads
-        Names of the loads of the case, each of which has a column unless one of the columns is
-        called ``factor`` and multiplies all. Other columns are factors of bolts' initial forces.
+    It is comma-separated text: a line of names, then a line of numbers for each increment. Empty
+    lines and comments after ``#`` are allowed. Each of the loads of the case has a column unless
+    one of the columns is called ``factor`` and multiplies all. Other columns are factors of bolts'
+    initial forces.
 
     Raises
     ------

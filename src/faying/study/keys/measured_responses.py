@@ -24,10 +24,7 @@ UFF_KINDS: dict[int, Kind] = {8: "displacement", 11: "velocity", 12: "accelerati
 def read_response(path: Path, kind: Kind) -> tuple[Vector, ComplexVector]:
     """Return frequencies (n,), rising, and displacement per force (n,).
 
-    Parameters
-    ----------
-    kind
-        What responds, where the file does not say it.
+    The kind says what responds, where the file does not.
 
     Raises
     ------

@@ -52,10 +52,7 @@ class BandSection(Section):
 def steps_to(key: str, tables: Any) -> Steps:
     """Return where a key such as ``"interface.joint.crown.1.height"`` stands.
 
-    Parameters
-    ----------
-    tables
-        Of a study file, as TOML gives them.
+    The tables are those of a study file, as TOML gives them.
 
     Raises
     ------

@@ -14,10 +14,7 @@ from faying.files.number_table import NumberTable
 def pyarrow_for(what: str, otherwise: str) -> tuple[Any, Any]:
     """Return the modules pyarrow and pyarrow.parquet.
 
-    Parameters
-    ----------
-    what, otherwise
-        What needs them, and what to do in place of installing them.
+    Messages say ``what`` needs them, and what to do otherwise, in place of installing them.
 
     Raises
     ------
@@ -39,11 +36,7 @@ def pyarrow_for(what: str, otherwise: str) -> tuple[Any, Any]:
 def parquet_table(path: Path, label: str) -> NumberTable:
     """Return the numbers of a file, and the names of its rows.
 
-    Parameters
-    ----------
-    path
-    label
-        Column with the names of the rows, which is no column of numbers.
+    They are in the column ``label``, which is no column of numbers.
 
     Raises
     ------

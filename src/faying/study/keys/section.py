@@ -37,10 +37,7 @@ def check_names(
 ) -> None:
     """Refuse the first key that is not known, naming the nearest one that is.
 
-    Parameters
-    ----------
-    gone
-        Keys that were, and what to do about them.
+    Of keys that are gone it says what to do about them.
     """
     names = list(names)
     for key in data:

@@ -157,10 +157,7 @@ def _losses(margins: MarginsSection | None) -> PreloadRange:
 def final_force(bolt: BoltSection, units: str, variation: float = 0.0) -> float | None:
     """Return the force that a bolt is tightened to; None where the study does not tell.
 
-    Parameters
-    ----------
-    variation
-        Γ of its preload: a utilisation is that at the largest one, (1 + Γ) F_V.
+    The variation is Γ of its preload: a utilisation is that at the largest one, (1 + Γ) F_V.
 
     Raises
     ------

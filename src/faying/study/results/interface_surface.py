@@ -8,12 +8,10 @@ from faying.interface.surface import ContactSurface
 
 
 def pair_facets(record: ContactSurface) -> tuple[tuple[str, Indices], ...]:
-    """Return the facets of the minus side as indices of node pairs.
+    """Return kinds of facets of the minus side and their node pairs (n_face, n_node_per_face).
 
-    Returns
-    -------
-    tuple of (kind, (n_face, n_node_per_face))
-        Indices into ``record.pairs``, one entry per facet kind, nodes in the order of the facets.
+    These are indices into ``record.pairs``, one entry per facet kind, nodes in the order of the
+    facets.
     """
     if not len(record.pairs):
         return ()

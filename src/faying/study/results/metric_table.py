@@ -28,14 +28,9 @@ Rows = Iterable[tuple[Sequence[str], Matrix]]
 def write_metrics(
     path: Path, label: str, metrics: Sequence[Metric], rows: Rows, units: Units
 ) -> None:
-    """Write a table atomically, a piece at a time.
+    """Write a table atomically, a piece at a time, in the format that the path ends in.
 
-    Parameters
-    ----------
-    path
-        Its ending says which format.
-    label
-        Name of the first column.
+    The label is the name of the first column.
 
     Raises
     ------

@@ -54,10 +54,7 @@ def even_states(count: int) -> Indices:
 def shown_states(peaks: Vector) -> Indices:
     """Choose states that stand for all: evenly, and the one of the largest pressure.
 
-    Parameters
-    ----------
-    peaks : (n,)
-        Largest pressure of each instant or increment.
+    Peaks (n,) are the largest pressures of each instant or increment.
     """
     chosen: Indices = np.unique(np.append(even_states(len(peaks)), int(peaks.argmax())))
     return chosen

@@ -61,10 +61,7 @@ class SlipRecord:
 def slip_fields(solution: Solution, start: Solution | None) -> dict[str, Any]:
     """Return the members of a record of a path or a motion.
 
-    Parameters
-    ----------
-    start
-        State a path went on from; a motion has it as its first instant, where nothing slips yet.
+    A path went on from the start; a motion has it as its first instant, where nothing slips yet.
     """
     slip = slip_history(solution, start)
     if start is None:
@@ -162,14 +159,8 @@ def path_record(
 ) -> PathRecord:
     """Take from a path what a run keeps.
 
-    Parameters
-    ----------
-    start
-        State the path went on from.
-    load
-        At factor one.
-    names, factors
-        Columns of load factors and their values (n_increment, n_load).
+    It went on from the start, with the load at factor one. Names and factors (n_increment, n_load)
+    are columns of load factors.
     """
     joint = path.system
     return PathRecord(

@@ -35,12 +35,8 @@ def respond(
 ) -> Response:
     """Take from a solution what a run keeps, with what led to it or was found from it.
 
-    Parameters
-    ----------
-    seen
-        Result of :func:`seen_of`, of a solution without states.
-    moves
-        Whether the displacements of all nodes are kept of a transient, for pictures.
+    Of a solution without states ``seen`` is the result of :func:`seen_of`. The displacements of all
+    nodes are kept of a transient that moves, for pictures.
     """
     static = solution.times is None
     seen = seen_of(solution, model) if seen is None else seen

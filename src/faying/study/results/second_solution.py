@@ -59,10 +59,7 @@ def shapes_seconds(stages: Mapping[str, float]) -> float:
 def remedy_sentence(case: str, remedy: Remedy, shapes: float = 0.0) -> str:
     """Say of a load case what was first computed, what was taken then, and what that cost.
 
-    Parameters
-    ----------
-    shapes : [s]
-        Of :func:`shapes_seconds`, which all load cases of a run share.
+    All load cases of a run share the seconds of shapes, of :func:`shapes_seconds`.
     """
     first, second = remedy.first, remedy.taken
     judged = "could not be estimated"

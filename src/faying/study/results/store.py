@@ -69,12 +69,7 @@ RECOVERED = Format(
 
 
 def write_results(results: Results, path: Path) -> None:
-    """Write the results of a run, atomically.
-
-    Parameters
-    ----------
-    path
-        HDF5 file; replaced once the new one is complete.
+    """Write the results of a run to an HDF5 file, atomically.
 
     Raises
     ------

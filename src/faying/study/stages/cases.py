@@ -74,10 +74,7 @@ class CaseRunner:
     ) -> tuple[CaseResult, list[str]]:
         """Solve one load case with every model; also say what did not converge.
 
-        Parameters
-        ----------
-        confirmed
-            Compare a static case with the full model, whatever the reference is.
+        A static case to be confirmed is compared with the full model, whatever the reference is.
 
         Raises
         ------

@@ -65,12 +65,7 @@ class ImportedHistory:
 
 
 def read_imported_history(path: Path, joint: Joint) -> ImportedHistory:
-    """Read a modal or boundary-force history.
-
-    Parameters
-    ----------
-    joint
-        Says which loads there can be.
+    """Read a modal or boundary-force history; the joint says which loads there can be.
 
     Raises
     ------

@@ -41,14 +41,8 @@ def follow_path(
     """Solve a sequence of loads, and say what seconds that took, in whichever run.
 
     The same numbers as of :func:`faying.solve_path`: an increment takes from those before it where
-    the last of them left the joint, which is kept with them.
-
-    Parameters
-    ----------
-    initial
-        Solution to go on from.
-    progress
-        Called with the number of increments that there are more of.
+    the last of them left the joint, which is kept with them. It goes on from ``initial``;
+    ``progress`` is called with the number of increments that there are more of.
     """
     start = time.perf_counter()
     if system.contact.forgets or len(loads) <= PIECE:

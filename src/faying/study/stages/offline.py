@@ -95,10 +95,7 @@ class PreparedJoint:
 def prepare_joint(study: Study, books: Books | None = None) -> PreparedJoint:
     """Build the model, tighten its bolts and tie the sticking area (§15.4.2).
 
-    Parameters
-    ----------
-    books
-        Of the run; bolts and states are taken from its checkpoint where they are there.
+    Bolts and states are taken from the checkpoint of the run's books where they are there.
 
     Raises
     ------

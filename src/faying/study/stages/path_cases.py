@@ -62,12 +62,8 @@ def rest_state(
 ) -> Solution:
     """Return the preloaded state of a full or reduced model.
 
-    Parameters
-    ----------
-    tightening
-        Path that tightened the bolts with friction; without one they were tightened without.
-    full
-        The state of the full model, in which reduced models of its static compliance begin.
+    Tightening is the path that tightened the bolts with friction; without one they were tightened
+    without. Reduced models of the static compliance of the full model begin in its state.
     """
     if tightening and full is not None and system.contact.residual_compliance is not None:
         state = last_of(solve_path(system, tightening[-1:], full, name="preload"))
@@ -88,20 +84,11 @@ def path_response(
     progress: Callable[[int], object],
     like: Response | None = None,
 ) -> Response:
-    """Solve a load case in increments.
+    """Solve a load case in increments with a system, from its preloaded state.
 
-    Parameters
-    ----------
-    model
-        The full model.
-    preloaded
-        Preloaded state of the system that is solved.
-    steps
-        Where finished amplitudes and increments are kept.
-    progress
-        Called with how many there are more of those that :func:`advances` counts.
-    like
-        Response of the full model, whose number of cycles others follow.
+    Steps keep finished amplitudes and increments; ``progress`` is called with how many there are
+    more of those that :func:`advances` counts. The number of cycles follows that of the response of
+    the full model, ``like``.
     """
     if case.kind == "backbone":
         return backbone_response(model, case, system, preloaded, steps, progress)
@@ -189,10 +176,7 @@ def reserve_of(
 ) -> SlipReserve:
     """Return the slip reserve of a load case of the full model, from its preloaded state.
 
-    Parameters
-    ----------
-    open_below
-        Share of the area pressed at rest below which an area is open; None follows no opening.
+    An area is open below a share of what is pressed at rest; None follows no opening.
     """
     return slip_reserve(
         model,

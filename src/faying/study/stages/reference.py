@@ -90,12 +90,7 @@ def reference_of(joint: PreparedJoint, normal_modes: int) -> Reference:
 
     Without the full model that is method ``compliance`` with twice the normal modes, static
     solutions of which are those of the full model; what the other methods differ from it in
-    transients is a check of their number of modes.
-
-    Parameters
-    ----------
-    normal_modes
-        Of the methods.
+    transients is a check of their number of modes. The normal modes are those of the methods.
 
     Notes
     -----

@@ -32,12 +32,8 @@ def assess_run(
 ) -> Assessment | None:
     """Judge the joint over all load cases and periods that were kept; None where that failed.
 
-    Parameters
-    ----------
-    exact
-        Whose static pressures are those of the full model; preloads scatter on it.
-
-    Static load cases without friction are certified, and followed to their openings.
+    Static pressures of the exact model are those of the full model; preloads scatter on it. Static
+    load cases without friction are certified, and followed to their openings.
     """
     vibrating = {
         f"{name}, level {curve.level:g} at {frequency}": CaseState(**vars(period))

@@ -31,12 +31,7 @@ class TransientJudge:
     ) -> Response:
         """Return the response of a reduced transient with its estimated errors.
 
-        Parameters
-        ----------
-        name
-            Of load case and model.
-        recovered
-            Whether pressures are recovered from the motion too.
+        The name is that of load case and model. Pressures may be recovered from the motion too.
         """
         books = self.joint.books
         if recovered:

@@ -33,10 +33,7 @@ Piece = int | FullTransient
 def pieces(study: Study, *, full: bool = True) -> list[dict[str, Piece]]:
     """Return the pieces that are worth a worker, in groups, by the keys the run knows them by.
 
-    Parameters
-    ----------
-    full
-        Whether load cases are compared with the full model.
+    If ``full`` load cases are compared with the full model.
     """
     groups = case_groups(study.load_cases, half_step=study.validation.half_step) if full else []
     tasks: list[dict[str, Piece]] = [{**group} for group in groups]
