@@ -105,13 +105,7 @@ def misnamed(
 def check_names(
     requirements: Requirements, interfaces: Sequence[str], frictionless: Sequence[str]
 ) -> None:
-    """Refuse requirements on interfaces that are not there.
-
-    Raises
-    ------
-    ModelError
-        One message with all of them.
-    """
+    """Refuse requirements on interfaces that are not there."""
     wrong = [f"{key}: {text}" for key, text in misnamed(requirements, interfaces, frictionless)]
     if wrong:
         raise ModelError("\n".join(wrong))

@@ -44,13 +44,7 @@ class Ring:
 
 
 def ring_around(surface: ContactSurface, around: Sequence[float]) -> Ring:
-    """Return the nodes around the hole of an interface whose edge is nearest to a point.
-
-    Raises
-    ------
-    ModelError
-        If the interface has no other edge, so that the nearest is no hole.
-    """
+    """Return the nodes around the hole of an interface whose edge is nearest to a point."""
     rows = _pair_rows(surface)
     edges, links = [], [np.repeat(np.arange(len(surface.pairs))[:, None], 2, axis=1)]
     for pairs in surface.faces:

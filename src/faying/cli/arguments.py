@@ -40,13 +40,7 @@ def workers_for(work: str) -> Any:
 
 
 def usable_folder(out: Path) -> Path:
-    """Return a folder for results that exists or can be made.
-
-    Raises
-    ------
-    StudyError
-        If it is a file or cannot be written.
-    """
+    """Return a folder for results that exists or can be made."""
     try:
         out.mkdir(parents=True, exist_ok=True)
         # Found out now rather than when the results of an hour are to be written.
@@ -59,13 +53,7 @@ def usable_folder(out: Path) -> Path:
 
 
 def shared_executor(workers: int, scheduler: str | None, stack: ExitStack) -> "Executor | None":
-    """Return what shares the work, if anything; closed with the stack.
-
-    Raises
-    ------
-    CampaignError
-        If both are given, or the scheduler does not answer.
-    """
+    """Return what shares the work, if anything; closed with the stack."""
     if scheduler is None and workers == 1:
         return None
     from faying.execution import DaskExecutor, ProcessExecutor

@@ -76,11 +76,6 @@ def solve_complementarity(
     forces near those of a very stiff penalty. A singular H without such a block on the way gives
     one of its solutions. Active points (n_point,) are assumed in contact at the start; by default
     those with g_free < 0.
-
-    Raises
-    ------
-    ConvergenceError
-        If the exchanges do not end, or H is not positive semidefinite.
     """
     start = g_free < 0 if active is None else np.array(active, dtype=bool)
     try:

@@ -164,13 +164,7 @@ class CondensedContact:
 
     @cached_property
     def frictional(self) -> FrictionalContact:
-        """Increments as problems of forces (F1).
-
-        Raises
-        ------
-        ModelError
-            If the compliance between pairs is compressed.
-        """
+        """Increments as problems of forces (F1)."""
         total = self.total
         if isinstance(total, CompressedCompliance):
             message = (

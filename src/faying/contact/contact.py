@@ -173,13 +173,7 @@ class Contact:
         return self.components == 1 and not self.remembers
 
     def check_frictionless(self) -> None:
-        """Refuse friction, for what solves without increments.
-
-        Raises
-        ------
-        ModelError
-            Naming such an interface.
-        """
+        """Refuse friction, for what solves without increments."""
         rubbing = [name for name, law in self.laws.items() if law.components > 1]
         if rubbing:
             message = (
@@ -193,11 +187,6 @@ class Contact:
         """Refuse laws that remember how far points were closed, for what does not carry that.
 
         ``instead`` is what does.
-
-        Raises
-        ------
-        ModelError
-            Naming such an interface and its law.
         """
         for name, law in self.laws.items():
             if law.remembers:
@@ -208,13 +197,7 @@ class Contact:
                 raise ModelError(message)
 
     def check_proportional(self) -> None:
-        """Refuse laws whose closure is not in proportion to their force.
-
-        Raises
-        ------
-        ModelError
-            Naming such an interface and its law.
-        """
+        """Refuse laws whose closure is not in proportion to their force."""
         for name, law in self.laws.items():
             if not law.proportional:
                 message = (
@@ -292,13 +275,7 @@ class Contact:
         return gap + self.initial_gap
 
     def at_points(self, compliance: Compliance) -> Matrix:
-        """Take a compliance between node pairs to one between contact points, N S Nᵀ.
-
-        Raises
-        ------
-        ModelError
-            If dense matrices of that size exceed the dense budget.
-        """
+        """Take a compliance between node pairs to one between contact points, N S Nᵀ."""
         if not points_fit(self.n_points, self.dense_budget):
             message = (
                 f"a dense matrix between {self.n_points} contact points exceeds the dense budget "

@@ -155,11 +155,6 @@ class FrictionalContact:
         It begins with forces (3, n_point), those of the increment before; by default all points
         that are pressed together close and stick.
 
-        Raises
-        ------
-        ConvergenceError
-            If neither Newton's method nor a sequence of fixed friction bounds converges.
-
         Notes
         -----
         Coulomb's law is not associated: there is no energy to minimize. Where contact yields there

@@ -102,11 +102,6 @@ def solve_yielding(
     default all points close and stick. The solution is corrected by ``moved_by``, which returns S p
     (n_relative,) [length] of forces between the pairs, for Σ has fewer digits where weak springs
     hold bodies.
-
-    Raises
-    ------
-    ConvergenceError
-        If Newton's method does not arrive.
     """
     G, k = pairs.G, laws.components
     laws = laws.after(None if start is None else start.deepest)

@@ -29,13 +29,7 @@ class LU:
 
     @classmethod
     def of(cls, matrix: npt.NDArray[Any]) -> Self:
-        """Factorize a matrix, which is overwritten.
-
-        Raises
-        ------
-        LinAlgError
-            If it is singular, or overflows.
-        """
+        """Factorize a matrix, which is overwritten."""
         factorize = lapack.sgetrf if matrix.dtype == np.float32 else lapack.dgetrf
         # LAPACK works in column order: it factorizes the transpose in place.
         lu, pivots, failed = factorize(matrix.T, overwrite_a=1)

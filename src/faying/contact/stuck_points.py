@@ -62,13 +62,7 @@ class StuckPoints:
     def of(
         cls, solver: IncrementSolver, forces: Matrix, slip: Matrix, moved: Vector
     ) -> "StuckPoints":
-        """Return them for a joint at rest and the solver of its increments.
-
-        Raises
-        ------
-        ModelError
-            If some point is hard.
-        """
+        """Return them for a joint at rest and the solver of its increments."""
         contact = solver.contact
         if not contact.yields:
             message = (

@@ -112,11 +112,6 @@ class YieldingContact:
     def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
         """Solve one problem; see :meth:`.IncrementSolver.solve`.
 
-        Raises
-        ------
-        ModelError
-            If what pairs move holds NaN or infinity.
-
         Notes
         -----
         For displacements, and for forces where Newton's method goes astray there: a body that

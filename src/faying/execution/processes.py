@@ -121,13 +121,7 @@ class _Workers:
 
 
 def pickled(value: object) -> bytes:
-    """Return what is sent to the workers.
-
-    Raises
-    ------
-    CampaignError
-        If it cannot be sent.
-    """
+    """Return what is sent to the workers."""
     try:
         return pickle.dumps(value)
     except (pickle.PicklingError, AttributeError, TypeError) as error:

@@ -81,12 +81,7 @@ def variables(rom: ReducedModel) -> dict[str, Any]:
 
 
 def refuse_expanding_bolts(rom: ReducedModel) -> None:
-    """Refuse temperatures of bolts, whose part of the bolt force these formats do not hold.
-
-    Raises
-    ------
-    StudyError
-    """
+    """Refuse temperatures of bolts, whose part of the bolt force these formats do not hold."""
     for name, pattern in rom.load_patterns.items():
         if any(pattern.bolt_forces.values()):
             message = (

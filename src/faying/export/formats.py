@@ -166,13 +166,7 @@ def _given(
 
 
 def format_named(name: str) -> Format:
-    """Return a format by name.
-
-    Raises
-    ------
-    StudyError
-        If there is none.
-    """
+    """Return a format by name."""
     if name not in FORMATS:
         message = f"there is no export format '{name}'; {nearest(name, FORMATS)}"
         raise StudyError(message)

@@ -33,11 +33,6 @@ def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path
     """Write the variables of :mod:`faying.export.arrays` (version 5) and the functions.
 
     Vectors are columns, indices count from one, lists of names are cell arrays, N and T are sparse.
-
-    Raises
-    ------
-    FormatError
-        If a matrix is too large for the format.
     """
     members = variables(rom)
     for name, array in members.items():

@@ -98,13 +98,7 @@ def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path
 
 
 def superelement_rows(rom: ReducedModel) -> Rows:
-    """Return which grid component or scalar point each generalized coordinate becomes.
-
-    Raises
-    ------
-    FormatError
-        If there is no room for scalar points above the ids of the grids.
-    """
+    """Return which grid component or scalar point each generalized coordinate becomes."""
     boundaries = rom.boundaries.values()
     existing = {
         (int(node), int(component) + 1): int(row)

@@ -30,11 +30,6 @@ def write(rom: ReducedModel, path: Path, run: Results | None) -> tuple[Path, ...
 
     Each level and component of a boundary is a set over the frequencies of a sweep up, and one of a
     sweep down where that differs. With one load it is displacement over force, else displacement.
-
-    Raises
-    ------
-    StudyError
-        If the run has no responses to harmonic loads.
     """
     import pyuff
 

@@ -68,13 +68,7 @@ def check_room(n_bytes: int, path: Path) -> None:
 
 
 def check_fits(n_bytes: int, free: int | None, path: Path) -> None:
-    """Refuse what is larger than so many bytes; None is not known.
-
-    Raises
-    ------
-    OSError
-        With both figures.
-    """
+    """Refuse what is larger than so many bytes; None is not known."""
     if free is not None and n_bytes > free:
         reason = f"it holds {gigabytes(n_bytes)}, and {gigabytes(free)} of memory are free"
         raise OSError(errno.ENOMEM, reason, str(path))
@@ -88,13 +82,7 @@ def reason_of(error: BaseException) -> str:
 
 
 def check_rows(shape: tuple[int, ...]) -> None:
-    """Refuse a matrix with more rows or columns than any structure has.
-
-    Raises
-    ------
-    ValueError
-        With both figures.
-    """
+    """Refuse a matrix with more rows or columns than any structure has."""
     if max(shape, default=0) > MOST_ROWS:
         message = f"it says {max(shape)} rows or columns, and {MOST_ROWS} are the most"
         raise ValueError(message)

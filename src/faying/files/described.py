@@ -106,13 +106,7 @@ def new_file(
 
 @contextmanager
 def described_file(path: Path, kind: Format) -> Iterator[h5py.File]:
-    """Yield a file of a format; what goes wrong while it is read is said in one message.
-
-    Raises
-    ------
-    FormatError
-        If the file is missing, is of another format or version, or is damaged.
-    """
+    """Yield a file of a format; what goes wrong while it is read is said in one message."""
     if not path.is_file():
         message = f"{path} does not exist; name {kind.wanted}"
         raise FormatError(message)
@@ -230,13 +224,7 @@ def items(group: h5py.Group) -> Iterator[tuple[str, Any]]:
 
 
 def member(group: h5py.Group, name: str) -> Any:
-    """Return a member of a group.
-
-    Raises
-    ------
-    KeyError
-        If there is none.
-    """
+    """Return a member of a group."""
     if member_name(name) not in group:
         message = f"{group.name.rstrip('/')}/{name} is missing"
         raise KeyError(message)
@@ -296,11 +284,6 @@ def read_value(group: Node, kind: type, tables: Mapping[type, Table]) -> Any:
     """Read a dataclass; the annotations of its fields say how.
 
     Of dataclasses with a table its members are read, of others all fields.
-
-    Raises
-    ------
-    KeyError
-        If a member is missing that has no default.
     """
     hints = get_type_hints(kind)
     defaulted = {

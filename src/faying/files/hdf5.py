@@ -38,13 +38,6 @@ def look_through(path: Path, *, whole: bool = True) -> None:
     """Let the other process walk through a file.
 
     All its data are to be read if it is whole: then they must be there, and fit in memory.
-
-    Raises
-    ------
-    FileNotFoundError
-        If it cannot be opened as an HDF5 file.
-    OSError
-        If it is damaged, leads elsewhere, or holds more than the memory that is free.
     """
     extra = path.stat().st_size / SLOWEST if path.is_file() else 0.0
     seconds = STALLED + extra
@@ -132,10 +125,6 @@ def check_hdf5(path: Path, expected: str, remedy: str, *, whole: bool = True) ->
     """Refuse a file that is damaged or leads elsewhere, before this process opens it.
 
     All its data are to be read if it is whole: then they must be there, and fit in memory.
-
-    Raises
-    ------
-    FormatError
     """
     try:
         look_through(path, whole=whole)

@@ -14,11 +14,6 @@ def held(folder: Path) -> Iterator[None]:
     """Hold a folder; the system lets go of it however the process ends.
 
     File systems without locks, as some network drives, hold nothing.
-
-    Raises
-    ------
-    StudyError
-        If another process holds it.
     """
     if os.name == "nt":  # folders have no handles there
         yield

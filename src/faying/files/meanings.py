@@ -46,13 +46,7 @@ Table = Mapping[str, Meaning]
 
 
 def meanings(kind: type) -> Table:
-    """Return what the docstrings of a dataclass and its bases say of its fields, in their order.
-
-    Raises
-    ------
-    TypeError
-        If a field is not among the attributes of a docstring, or has no description.
-    """
+    """Return what the docstrings of a dataclass and its bases say of its fields, in their order."""
     said: dict[str, Meaning] = {}
     for base in reversed(inspect.getmro(kind)):
         said.update(_entries(base.__doc__))

@@ -59,12 +59,6 @@ def read_numbers(
     Messages say ``what`` the file is. The column ``label`` holds names; # is part of names then,
     but where it begins a line. A first line that names the columns is not needed where ``unnamed``
     does. No number exceeds the largest magnitude.
-
-    Raises
-    ------
-    FormatError
-        If the file cannot be read, names a column twice, or holds anything but finite numbers; the
-        message lists what is wrong, with its line.
     """
     try:
         lines = file_text(path).splitlines()
@@ -130,10 +124,6 @@ def check_times(path: Path, times: Vector, place: Callable[[int], str], *, fewes
 
     ``place`` says where an instant stands. Where two instants are needed (``fewest``) they do not
     begin before 0.
-
-    Raises
-    ------
-    FormatError
     """
     if len(times) < fewest:
         message = f"{path}: found {len(times)} instants, expected {fewest} or more"

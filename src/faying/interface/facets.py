@@ -92,11 +92,6 @@ def gauss_rule(kind: str, order: int | None = None) -> Rule:
     The order is that of points per direction (quadrilaterals) or degree of exactness (triangles);
     None takes the lowest one that integrates pressure times shape functions exactly on a flat facet
     with straight sides and evenly spaced nodes.
-
-    Raises
-    ------
-    ModelError
-        If the order is not between 1 and 12.
     """
     chosen = FACES[kind].gauss_order if order is None else order
     if not 1 <= chosen <= _LARGEST_ORDER:

@@ -30,11 +30,6 @@ NODE_COLUMNS = ("node", "gap")
 def with_gap_offset(interface: Interface, offset: Vector) -> Interface:
     """Return the interface with an offset (n_point,) added to its initial gap [length].
 
-    Raises
-    ------
-    ModelError
-        If there is not one finite offset per contact point (or one for all).
-
     Examples
     --------
     >>> import faying as fy
@@ -59,11 +54,6 @@ def gap_from_points(interface: Interface, positions: Matrix, gaps: Vector) -> Ve
     samples (n,) [length] the field is linear on their Delaunay triangles, outside their hull it is
     that of the nearest sample. Interfaces that bend by more than a right angle have no such plane:
     give nodes.
-
-    Raises
-    ------
-    ModelError
-        If positions and gaps do not match, or the positions lie on one line.
     """
     samples, values = np.asarray(positions, dtype=float), np.asarray(gaps, dtype=float)
     if samples.shape != (len(values), 3) or not (
@@ -99,11 +89,6 @@ def gap_from_nodes(
     [length]; where both nodes of a pair are named, their gaps add up (each side has its own form
     error). Nodes elsewhere are ignored. Where meshes do not match, plus nodes act through the
     projection, and all those around a pair are needed.
-
-    Raises
-    ------
-    ModelError
-        If a node pair of the interface has no gap at either node, or a node is named twice.
     """
     ids, values = np.asarray(nodes, dtype=np.int64), np.asarray(gaps, dtype=float)
     if ids.shape != values.shape or not np.isfinite(values).all():

@@ -25,11 +25,6 @@ def reference_coordinates(kind: str, nodes: Matrix, points: Matrix) -> Matrix:
     n_node_per_face, 2) and points [length] are projected onto a plane. Near a curved side reference
     coordinates (n, n_q, 2) may lie a little outside of the reference facet.
 
-    Raises
-    ------
-    ModelError
-        If the facet folds over itself seen along that direction.
-
     Notes
     -----
     Newton's method on all points at once, from the affine map at the centre.

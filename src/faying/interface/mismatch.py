@@ -30,11 +30,6 @@ def check_no_mismatch(
     within the tolerance of its plane. On curved surfaces the plane is allowed the height of the arc
     over the facet in addition. Given are all facets that may touch, the side of each, and whether
     it has found its partner (n_facet,).
-
-    Raises
-    ------
-    ModelError
-        Naming how many facets, where, and by how much the nodes miss each other.
     """
     orphan = _resting(assembly.mesh.nodes, facets, side, ~matched, tolerance)
     if not orphan.any():
@@ -61,13 +56,7 @@ def check_no_mismatch(
 def raise_no_contact(
     assembly: Assembly, spec: InterfaceSpec, facets: Facets, side: Indices, tolerance: float
 ) -> NoReturn:
-    """Report sides that nowhere touch, with the smallest distance between their nodes.
-
-    Raises
-    ------
-    ModelError
-        Always.
-    """
+    """Report sides that nowhere touch, with the smallest distance between their nodes."""
     distance, first_node, second_node = _closest(assembly, facets, side)
     ids = assembly.mesh.node_ids
     within = f"tolerance {tolerance:g}"

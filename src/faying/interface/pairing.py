@@ -217,11 +217,6 @@ def _check_facing(
 def check_not_doubled(interfaces: Mapping[str, Interface]) -> None:
     """Refuse two interfaces that pair the same facets, in either order of the sides.
 
-    Raises
-    ------
-    ModelError
-        Naming both interfaces.
-
     Notes
     -----
     One sort of all paired facets.

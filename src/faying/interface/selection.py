@@ -19,12 +19,6 @@ def select_facets(assembly: Assembly, selection: Selection) -> Facets:
     set), then element sets (exterior facets of these elements); ``"body 0"``, ``"body 1"``, … are
     the separate bodies. One or several numbers are property ids or, if not all of them are, element
     ids. Facets are in the order of ``Mesh.exterior``; those of face sets in their own.
-
-    Raises
-    ------
-    ModelError
-        If the name or number is unknown (the message lists the nearest known names), or no
-        exterior facet belongs to it.
     """
     facets = _resolve(assembly, selection)
     if not len(facets):

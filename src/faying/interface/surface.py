@@ -138,13 +138,7 @@ def curve_of(text: str) -> Law:
 
 
 def recorded_law(record: ContactSurface) -> Law:
-    """Return the law that an interface was recorded with.
-
-    Raises
-    ------
-    ValueError
-        If that is none.
-    """
+    """Return the law that an interface was recorded with."""
     try:
         normal = curve_of(record.closure) if record.closure else normal_law(record.penalty or 0.0)
     except (ModelError, TypeError, AttributeError, KeyError) as error:

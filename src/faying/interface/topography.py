@@ -250,11 +250,6 @@ class Crown:
 def crown_gap(interface: Interface, crowns: Sequence[Crown]) -> Vector:
     """Return the gap (n_point,) [length] that crowned surfaces leave where they touch first.
 
-    Raises
-    ------
-    ModelError
-        If a direction is no direction.
-
     Examples
     --------
     >>> import faying as fy

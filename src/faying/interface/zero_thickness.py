@@ -57,11 +57,6 @@ def build_interface(
     quadrature the points that facets share are one point with their areas summed; ``face_of_point``
     then names the first of these facets.
 
-    Raises
-    ------
-    ModelError
-        If a facet has no area or the order does not fit the quadrature.
-
     Notes
     -----
     Linear in the number of contact points. The two sides of a pair carry exactly opposite
@@ -98,13 +93,7 @@ def build_interface(
 
 
 def contact_rule(spec: InterfaceSpec, kind: str, law: Law) -> Rule:
-    """Return the rule that places the contact points of a facet.
-
-    Raises
-    ------
-    ModelError
-        If the order does not fit the quadrature.
-    """
+    """Return the rule that places the contact points of a facet."""
     quadrature = spec.quadrature or ("nodal" if np.isinf(law.penalty) else "gauss")
     if quadrature == "gauss":
         return gauss_rule(kind, spec.order)

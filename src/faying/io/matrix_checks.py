@@ -32,13 +32,7 @@ class RowLabel:
 
 
 def checked_matrix(name: str, matrix: Any, label: RowLabel) -> SparseMatrix:
-    """Return a real, finite, square matrix of the size of the dof table, in CSR form.
-
-    Raises
-    ------
-    ModelError
-        If it is anything else.
-    """
+    """Return a real, finite, square matrix of the size of the dof table, in CSR form."""
     shape = np.shape(matrix) if not sp.issparse(matrix) else matrix.shape
     if len(shape) != 2 or shape[0] != shape[1]:
         message = f"matrix {name} has shape {tuple(shape)}; it must be square"
@@ -70,13 +64,7 @@ def checked_matrix(name: str, matrix: Any, label: RowLabel) -> SparseMatrix:
 
 
 def symmetric_matrix(name: str, matrix: SparseMatrix, label: RowLabel) -> SparseMatrix:
-    """Return the mean of a matrix and its transpose, which may differ by rounding only.
-
-    Raises
-    ------
-    ModelError
-        If they differ by more than 1e-8 of the largest entry.
-    """
+    """Return the mean of a matrix and its transpose, which may differ by rounding only."""
     largest = float(np.abs(matrix.data).max(initial=0.0))
     difference = sp.coo_array(matrix - matrix.T)
     if not difference.nnz:
@@ -99,13 +87,7 @@ def symmetric_matrix(name: str, matrix: SparseMatrix, label: RowLabel) -> Sparse
 
 
 def check_mass(mass: SparseMatrix, label: RowLabel) -> None:
-    """Refuse a mass matrix with a negative diagonal or no mass rᵀ M r along x, y or z.
-
-    Raises
-    ------
-    ModelError
-        Naming the row or the direction.
-    """
+    """Refuse a mass matrix with a negative diagonal or no mass rᵀ M r along x, y or z."""
     diagonal = mass.diagonal()
     if len(diagonal) and diagonal.min() < 0:
         row = int(diagonal.argmin())

@@ -38,11 +38,6 @@ def with_moved_supports(
     What is moved has displacements (n_load,). Nodes with axes, rows of (3, 3), have components
     along them.
 
-    Raises
-    ------
-    ModelError
-        If something else holds what is to be moved.
-
     Notes
     -----
     Forms the stiffness matrix once.

@@ -21,11 +21,6 @@ def chosen_name(names: Sequence[str], letter_name: str) -> str:
 
     It is that very name; else the only one; else the only one that begins with the letter Nastran
     uses (M, B for damping, K).
-
-    Raises
-    ------
-    DamageError
-        If there is none, or several.
     """
     exact = [name for name in names if name.upper() == letter_name.upper()]
     letter = LETTERS.get(letter_name, letter_name)

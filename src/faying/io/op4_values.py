@@ -78,12 +78,7 @@ class Op4File(Protocol):
 
 
 def checked_header(header: Header, n_bytes: int) -> Header:
-    """Return a header of a known type whose size the file's size can justify.
-
-    Raises
-    ------
-    DamageError
-    """
+    """Return a header of a known type whose size the file's size can justify."""
     matrix_label = f"matrix '{header.name}' ({header.position})"
     if not (header.name and header.name.isascii() and header.name.isprintable()):
         message = f"no matrix name at {header.position}, where a header is expected"

@@ -43,11 +43,6 @@ def check_held(model: Model, remedy: str = REMEDY) -> None:
 
     The structure as a whole may, if it has mass.
 
-    Raises
-    ------
-    ModelError
-        The message names the body, or node, and how it can move.
-
     Notes
     -----
     Finds what :func:`faying.model.rigid_motion.free_motions` finds; a hinge inside a body shows

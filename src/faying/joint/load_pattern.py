@@ -72,12 +72,7 @@ def load_pattern(name: str, loads: NodalLoads, assembly: Assembly, dofs: DofMap)
 
 
 def check_pattern_name(name: str, boundaries: Mapping[str, Boundary]) -> None:
-    """Refuse a name that a load on a boundary has already.
-
-    Raises
-    ------
-    ModelError
-    """
+    """Refuse a name that a load on a boundary has already."""
     boundary, _, component = name.rpartition(".")
     if boundary in boundaries and component in FORCE_NAMES:
         message = (

@@ -14,11 +14,6 @@ def stuck_pairs(interface: Interface, pressure: Vector, threshold: float) -> Mas
     Contact pressures (n_point,) [force/length²] are those of the preloaded state, positive in
     compression. A pair sticks above the threshold, a fraction of the largest nodal average from 0
     (every pair with pressure) up to but not including 1.
-
-    Raises
-    ------
-    ModelError
-        If the threshold is not in [0, 1).
     """
     if not 0 <= threshold < 1:
         message = (
@@ -66,11 +61,6 @@ def sticking_forces(interface: Interface, pairs: Mask, stiffness: float) -> Spar
 
     They pull the plus side back to the minus side: of each pair three components, of what the plus
     side does to the springs.
-
-    Raises
-    ------
-    ModelError
-        If the stiffness is not a positive number.
     """
     if not 0 < stiffness < np.inf:
         message = (

@@ -17,13 +17,7 @@ def available_backends() -> tuple[str, ...]:
 
 
 def chosen_backend(backend: str | None = None) -> str:
-    """Return the backend asked for, else what the environment names, else the fastest.
-
-    Raises
-    ------
-    ModelError
-        If it is unknown or not installed.
-    """
+    """Return the backend asked for, else what the environment names, else the fastest."""
     available = available_backends()
     name = backend or os.environ.get(VARIABLE) or available[0]
     if name not in available:

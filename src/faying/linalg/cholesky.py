@@ -50,11 +50,6 @@ def factorize_condensed(A: Matrix, singly: Vector) -> DenseFactorization:
 
     ``singly`` (n,) is ψᵀ diag(K) ψ of each column: twice its energy if all degrees of freedom moved
     singly.
-
-    Raises
-    ------
-    SingularMatrixError
-        If some motion meets no resistance; the error carries that motion.
     """
     scale = 1.0 / np.sqrt(np.maximum(singly, np.finfo(float).tiny))
     scaled = A * scale[:, None] * scale
@@ -70,13 +65,7 @@ def factorize_condensed(A: Matrix, singly: Vector) -> DenseFactorization:
 
 
 def inverse(matrix: Matrix, smallest: float = 0.0) -> Matrix:
-    """Return the inverse of a positive definite matrix, by Cholesky; it is read-only.
-
-    Raises
-    ------
-    LinAlgError
-        If a squared pivot is not positive, or below ``smallest`` times the largest.
-    """
+    """Return the inverse of a positive definite matrix, by Cholesky; it is read-only."""
     # LAPACK works in column order: of a symmetric matrix the transpose is the same.
     lower, failed = lapack.dpotrf(matrix.T, lower=1, clean=0)
     pivots = np.diag(lower)

@@ -82,11 +82,6 @@ def require_room(n_bytes: float, what: str, remedy: str) -> None:
     """Say before arrays are made that they will not fit.
 
     The message has ``what`` as its subject, in the plural, and the remedy.
-
-    Raises
-    ------
-    NotEnoughMemoryError
-        With both figures.
     """
     if n_bytes < NEGLIGIBLE and VARIABLE not in os.environ:
         return

@@ -51,13 +51,7 @@ class SingularMatrixError(ModelError):
 
 
 def check_signs(A: SparseMatrix, solve: Callable[[Vector], Vector]) -> None:
-    """Check by one substitution that factors of an indefinite matrix stand for it.
-
-    Raises
-    ------
-    InertiaError
-        If pivots grew out of bounds, so that their signs mean nothing.
-    """
+    """Check by one substitution that factors of an indefinite matrix stand for it."""
     b = np.random.default_rng(0).standard_normal(A.shape[0])
     with np.errstate(all="ignore"):
         x = solve(b)

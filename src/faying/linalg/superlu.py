@@ -64,13 +64,7 @@ class SuperluFactorization:
 
 
 def factorize_superlu(A: SparseMatrix) -> SuperluFactorization:
-    """Factorize a symmetric matrix, definite or not.
-
-    Raises
-    ------
-    NotDefiniteError
-        If a pivot is exactly zero.
-    """
+    """Factorize a symmetric matrix, definite or not."""
     require_memory(estimate_superlu(A))
     order = nested_dissection(A)
     try:

@@ -55,13 +55,7 @@ def _bodies_at(mesh: Mesh, seats: Seats, component: int) -> list[Indices]:
 
 
 def check_not_twice(seats: Mapping[str, Seats]) -> None:
-    """Refuse two bolts that sit on the same faces at both ends, which would both pull.
-
-    Raises
-    ------
-    ModelError
-        Naming both.
-    """
+    """Refuse two bolts that sit on the same faces at both ends, which would both pull."""
     names = [name for name, ends in seats.items() if all(map(len, ends))]
     for number, name in enumerate(names):  # bolts, of which there are few
         for first in names[:number]:

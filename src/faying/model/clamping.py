@@ -19,11 +19,6 @@ def check_clamping(mesh: Mesh, spec: BoltSpec, seats: tuple[Indices, Indices]) -
     """Refuse a bolt through one body only; a fork with another part between its arms is fine.
 
     Its seats are nodes of solids that the head and the nut hold.
-
-    Raises
-    ------
-    ModelError
-        If both hold the same bodies and no other one lies between them.
     """
     labels = mesh.bodies
     head, nut = (np.unique(labels[seat]) for seat in seats)

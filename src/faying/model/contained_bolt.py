@@ -14,12 +14,6 @@ def elongation_factors(assembly: Assembly, spec: BoltSpec) -> SparseMatrix:
     """Return the row (1, 6 n_node) of elongation = direction · (u_head − u_nut).
 
     The bolt has ``nodes`` (head, nut), ``stiffness``, and ``direction`` where the nodes coincide.
-
-    Raises
-    ------
-    ModelError
-        If a node is unknown, the two are the same, the stiffness is not positive, or the
-        direction is missing, zero, or points from the head to the nut.
     """
     ids = list(spec.nodes or ())
     if len(ids) != 2 or ids[0] == ids[1]:
@@ -48,11 +42,6 @@ def check_contained(K: SparseMatrix, elongation: Vector, spec: BoltSpec) -> None
 
     A necessary condition, from the rows of K at the bolt's nodes alone: no motion of them may cost
     less energy than the bolt takes up. Tightening sees the exact one.
-
-    Raises
-    ------
-    ModelError
-        If the bolt's nodes do not move, or K cannot contain its spring.
     """
     nonzero = np.flatnonzero(elongation)
     if not len(nonzero):

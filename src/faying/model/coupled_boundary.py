@@ -17,11 +17,6 @@ def add_coupled_boundary(
 
     The node is at ``at`` of the boundary, the mean of the nodes (indices (n,)) unless given. It is
     the last one of the assembly returned with the boundary there, which has one more coupling.
-
-    Raises
-    ------
-    ModelError
-        If there are too few nodes to define a rigid motion.
     """
     points = assembly.mesh.nodes[nodes]
     spread = np.linalg.matrix_rank(points - points.mean(axis=0), tol=1e-9 * np.abs(points).max())

@@ -48,12 +48,7 @@ class JointDescription:
 
 
 def check_surfaces(described: JointDescription, path: Path) -> None:
-    """Refuse a deck in which nothing has a surface that could touch another.
-
-    Raises
-    ------
-    FormatError
-    """
+    """Refuse a deck in which nothing has a surface that could touch another."""
     assembly = described.assembly
     if not assembly.mesh.n_elements and not assembly.shells and assembly.matrices is None:
         message = (

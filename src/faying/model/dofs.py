@@ -50,13 +50,7 @@ class DofMap:
         return ((projected + projected.T) * 0.5).tocsr()
 
     def index(self, nodes: Indices, components: Indices) -> Indices:
-        """Return the free indices of (node index, component) pairs.
-
-        Raises
-        ------
-        ModelError
-            If one of them is supported, dependent or unused.
-        """
+        """Return the free indices of (node index, component) pairs."""
         full = 6 * np.asarray(nodes, dtype=np.int64) + np.asarray(components, dtype=np.int64)
         position = np.full(6 * self.n_nodes, -1, dtype=np.int64)
         position[self.free] = np.arange(len(self.free))

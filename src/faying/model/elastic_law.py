@@ -63,11 +63,6 @@ def orthotropic_law(moduli: Sequence[float], ratios: Sequence[float], shear: Mat
 
     Moduli E1, E2, E3 and shear moduli G12, G23, G31 [force/length²]; ratios ν12, ν13, ν23: -ε2/ε1
     under σ1, and so on.
-
-    Raises
-    ------
-    ValueError
-        If no law has these constants.
     """
     first, second, third = moduli
     if not min(*moduli, *shear) > 0:

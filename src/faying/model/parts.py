@@ -29,12 +29,6 @@ def part_of(
     a set in ``without`` go. Supports, loads, interfaces and bolts on what is left out go with it.
     Everything remains if ``parts`` is empty.
 
-    Raises
-    ------
-    ModelError
-        If a name is not known, no solid remains, or something ties what remains to what is left
-        out, for cutting it would change what remains.
-
     Notes
     -----
     Linear in the size of the mesh.
@@ -68,11 +62,6 @@ def elements_named(
     """Return the ids of the elements that names of bodies or sets, or property ids, stand for.
 
     ``where`` says in messages what gives the names.
-
-    Raises
-    ------
-    ModelError
-        If nothing has such a name.
     """
     mesh = assembly.mesh
     parts = [np.empty(0, dtype=np.int64)]

@@ -20,11 +20,6 @@ def separated(mesh: Mesh, groups: Sequence[str]) -> Mesh:
     originals, as solids of no group do; a group that shares none stays as it is. Node sets contain
     the copies too.
 
-    Raises
-    ------
-    ModelError
-        If a group is not known.
-
     Notes
     -----
     Linear in the number of cells for each group.

@@ -16,13 +16,7 @@ from faying.model.surface import unique_rows
 
 
 def materials_of(assembly: Assembly, block: CellBlock) -> tuple[list[Material], Indices]:
-    """Return the materials of a block and which of them each element has.
-
-    Raises
-    ------
-    ModelError
-        If a property has none.
-    """
+    """Return the materials of a block and which of them each element has."""
     properties, which = np.unique(block.properties, return_inverse=True)
     for position, number in enumerate(properties.tolist()):
         if number not in assembly.materials:
@@ -36,13 +30,7 @@ def materials_of(assembly: Assembly, block: CellBlock) -> tuple[list[Material], 
 
 
 def check_nodes(block: CellBlock, element: SolidElement, n_node: int) -> None:
-    """Refuse cells that have not the nodes of their element.
-
-    Raises
-    ------
-    ModelError
-        Naming one of them.
-    """
+    """Refuse cells that have not the nodes of their element."""
     if block.nodes.ndim != 2 or block.nodes.shape[1] != element.n_nodes:
         message = (
             f"a block of {block.kind} elements has nodes of shape {block.nodes.shape}; "

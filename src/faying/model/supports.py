@@ -15,11 +15,6 @@ def with_supports(assembly: Assembly, supports: Mapping[str, Sequence[int]]) -> 
     """Return the assembly with more supports.
 
     They are node or face sets to the components 0..5 that are held at zero.
-
-    Raises
-    ------
-    ModelError
-        If a set does not exist or a component is none.
     """
     added = []
     for name, components in supports.items():
@@ -44,13 +39,7 @@ def with_held_nodes(
 
 
 def nodes_of_set(assembly: Assembly, name: str) -> Indices:
-    """Return the node indices of a node set, or else of a face set, an element set or a body.
-
-    Raises
-    ------
-    ModelError
-        If there is no such set; the message lists those there are.
-    """
+    """Return the node indices of a node set, or else of a face set, an element set or a body."""
     mesh = assembly.mesh
     if name in mesh.node_sets:
         return mesh.node_sets[name]

@@ -61,12 +61,6 @@ def expansion_of(
     Free strains are α ΔT in all directions of solids, and along beams. Rigid couplings, springs and
     bushes keep their lengths. Bolts are names to the ids of their beams.
 
-    Raises
-    ------
-    ModelError
-        If a part is not known or has two temperatures, a material no coefficient of expansion, or
-        what expands is a shell or came as a matrix.
-
     Notes
     -----
     Linear in the number of elements.

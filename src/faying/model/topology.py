@@ -60,11 +60,6 @@ class Topology:
         """Facets that belong to one element only, and whose they are.
 
         Block by block, in the order of the elements' faces, by one sort of all facets.
-
-        Raises
-        ------
-        ModelError
-            If there is an unknown kind of element.
         """
         keys, kinds = [np.empty((0, 4), dtype=np.int64)], []
         for block in self.blocks:

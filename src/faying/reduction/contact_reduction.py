@@ -51,12 +51,7 @@ class ReducedContact:
 
     @property
     def frictional(self) -> NoReturn:
-        """Refuse: reduced sets of normal forces know no tangential ones.
-
-        Raises
-        ------
-        ModelError
-        """
+        """Refuse: reduced sets of normal forces know no tangential ones."""
         message = (
             "a reduced set of normal contact forces (DEIM, force bases) knows no friction; take "
             "another method"

@@ -95,11 +95,6 @@ def with_force_basis(system: AnyModel, basis: ForceBasis) -> AnyModel:
 
     It is the full model, or a reduced one with residual compliance, which is statically as exact.
 
-    Raises
-    ------
-    ModelError
-        If basis and system have different contact points.
-
     Notes
     -----
     Static cases only. Forms Wᵀ H W once; a case then costs a contact problem of the size of the

@@ -75,11 +75,6 @@ def check_modes(structure: Structure, modes: NormalModes) -> ModeCount | None:
     """Count the normal modes of a structure and compare with those that were found.
 
     None where the frequencies leave no gap to count in.
-
-    Raises
-    ------
-    ConvergenceError
-        If a mode was missed.
     """
     gap = _last_gap([*modes.frequencies.tolist(), modes.next_frequency])
     if gap is None:

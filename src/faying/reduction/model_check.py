@@ -15,13 +15,7 @@ MOST_COMPONENTS = 6
 
 
 def check_definite(matrix: Matrix, entry: str) -> None:
-    """Refuse a symmetric matrix with negative eigenvalues, that contact problems never end with.
-
-    Raises
-    ------
-    ValueError
-        If it is not symmetric or has one.
-    """
+    """Refuse a symmetric matrix with negative eigenvalues, that contact problems never end with."""
     largest = np.abs(matrix).max(initial=0.0)
     if largest == 0:
         return
@@ -39,13 +33,7 @@ def check_definite(matrix: Matrix, entry: str) -> None:
 
 
 def check_finite(group: h5py.Group) -> None:
-    """Refuse numbers that are not finite; a penalty may be infinite, which is hard contact.
-
-    Raises
-    ------
-    ValueError
-        Naming the first member that holds one.
-    """
+    """Refuse numbers that are not finite; a penalty may be infinite, which is hard contact."""
 
     def look(name: str, node: h5py.Group | h5py.Dataset) -> None:
         if isinstance(node, h5py.Dataset) and node.dtype.kind == "f":
@@ -59,12 +47,7 @@ def check_finite(group: h5py.Group) -> None:
 
 
 def check_distinct(indices: Indices, length: int, entry: str) -> None:
-    """Refuse indices beyond a length, and one that is there twice.
-
-    Raises
-    ------
-    ValueError
-    """
+    """Refuse indices beyond a length, and one that is there twice."""
     if len(indices) and not 0 <= indices.min() <= indices.max() < length:
         message = f"'{entry}' points beyond the {length} coordinates"
         raise ValueError(message)
@@ -74,12 +57,7 @@ def check_distinct(indices: Indices, length: int, entry: str) -> None:
 
 
 def check_nodes(nodes: Indices, components: Indices, mesh: MeshShapes, entry: str) -> None:
-    """Refuse degrees of freedom of nodes that are not there, of no component, or there twice.
-
-    Raises
-    ------
-    ValueError
-    """
+    """Refuse degrees of freedom of nodes that are not there, of no component, or there twice."""
     missing = nodes[~np.isin(nodes, mesh.node_ids)]
     if len(missing):
         message = f"'{entry}/nodes' names node {missing[0]}, which is not among the nodes"
@@ -93,12 +71,7 @@ def check_nodes(nodes: Indices, components: Indices, mesh: MeshShapes, entry: st
 
 
 def check_surfaces(interfaces: Mapping[str, ContactSurface], mesh: MeshShapes) -> None:
-    """Refuse interfaces whose arrays are not of their points and pairs, or of nodes not there.
-
-    Raises
-    ------
-    ValueError
-    """
+    """Refuse interfaces whose arrays are not of their points and pairs, or of nodes not there."""
     for interface, surface in interfaces.items():
         n_point, n_pair = len(surface.weights), len(surface.pairs)
         shapes = {

@@ -39,12 +39,6 @@ class NormalModes:
 def fixed_interface_normal_modes(structure: Structure, count: int) -> NormalModes:
     """Compute the lowest vibration modes with the boundary held and contact absent.
 
-    Raises
-    ------
-    ModelError
-        If more modes are asked for than there are interior degrees of freedom, or any of a
-        structure without mass.
-
     Notes
     -----
     Shift-invert Lanczos with the interior factorization the structure already has. One mode more
@@ -81,11 +75,6 @@ def lowest_modes(
     """Solve K φ = ω² M φ for the lowest ω² (count,), with a factorization of K.
 
     Vectors (n, count) are mass-normalized.
-
-    Raises
-    ------
-    ModelError
-        If nothing has mass.
     """
     if not M.diagonal().any():
         message = f"{NO_MASS}, so it has no vibration modes; give its materials a density"

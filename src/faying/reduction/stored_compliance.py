@@ -45,13 +45,7 @@ class StoredCompliance:
     error: float
 
     def compliance(self, places: Matrix, name: str) -> CompressedCompliance:
-        """Return the compliance between pairs at these places.
-
-        Raises
-        ------
-        ValueError
-            If the parts do not fit together, naming the group they are in.
-        """
+        """Return the compliance between pairs at these places."""
         n, widths = len(places), self.ranks.sum(axis=-1)
         lengths = [len(self.members), len(self.diagonal), len(self.factors)]
         fits = (

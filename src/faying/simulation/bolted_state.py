@@ -61,13 +61,7 @@ class BoltedState:
         return np.where(self.loose, 0.0, forces)
 
     def _settled(self, nuts: Vector, bolts: Indices, forces: Vector) -> "BoltedState":
-        """Find which bolts are loose, and where contact stands with them.
-
-        Raises
-        ------
-        ConvergenceError
-            If bolts come loose and tight again without end.
-        """
+        """Find which bolts are loose, and where contact stands with them."""
         begun = self.contact is not None and self.contact.begun
         previous, loose = self.contact if begun else None, self.loose.copy()
         for _ in range(MOST_TRIALS):

@@ -110,11 +110,6 @@ class BoltsByForce:
         """Find the initial forces by a quasi-Newton method, a contact problem for each trial.
 
         C. G. Broyden, Math. Comp. 19 (1965) 577, doi:10.1090/S0025-5718-1965-0198670-6.
-
-        Raises
-        ------
-        ConvergenceError
-            If no trial arrives.
         """
         initial, slope = locked.copy(), np.eye(len(self.bolts))
         initial[self.bolts] = np.maximum(initial[self.bolts], forces)

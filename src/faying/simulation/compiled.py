@@ -52,12 +52,7 @@ _log = logging.getLogger("faying")
 
 
 def check_compiler() -> None:
-    """Refuse to compile time steps where numba is missing.
-
-    Raises
-    ------
-    ModelError
-    """
+    """Refuse to compile time steps where numba is missing."""
     if find_spec("numba") is None:
         message = "compiled time steps need numba; pip install 'faying[compiled]'"
         raise ModelError(message)

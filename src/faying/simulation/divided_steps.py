@@ -223,13 +223,7 @@ def divided_steps(
     integrator: Integrator | None = None,
     compiled: bool | None = None,
 ) -> DividedSteps:
-    """Return what integrates transients of a system within a pressure tolerance.
-
-    Raises
-    ------
-    ModelError
-        If the step or the tolerance is not positive.
-    """
+    """Return what integrates transients of a system within a pressure tolerance."""
     check_times(step, step)
     if not tolerance > 0:
         message = f"the tolerance is {tolerance:g}; give a positive share of the largest pressure"

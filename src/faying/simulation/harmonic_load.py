@@ -14,11 +14,6 @@ def harmonic_inputs(system: System, load: Mapping[str, complex]) -> ComplexVecto
     """Return the complex amplitudes F of inputs (n_input,), f(t) = Re(F exp(iωt)).
 
     The load is ``"boundary.component"``, or the name of a load pattern, to its complex amplitude.
-
-    Raises
-    ------
-    ModelError
-        If there is none but zeros, or one does not fit the system.
     """
     if not any(load.values()):
         message = "the harmonic load is zero; give an amplitude, as {'tip.Fz': 1.0}"

@@ -76,13 +76,7 @@ def solve_path(
 
 
 def path_inputs(system: System, loads: Sequence[StaticLoad]) -> Matrix:
-    """Return the inputs of a sequence of loads (n_load, n_input).
-
-    Raises
-    ------
-    ModelError
-        If there is none, or one does not fit the system.
-    """
+    """Return the inputs of a sequence of loads (n_load, n_input)."""
     if not loads:
         message = "the path has no loads; give at least one, fy.Load() for the bolts alone"
         raise ModelError(message)

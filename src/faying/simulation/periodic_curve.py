@@ -99,11 +99,6 @@ def solve_motion(
     The normal of the plane (size + 1,) is in unknowns and circular frequency; by default the
     frequency stays. ``begun`` is where the points may be along the path, PERIODS N of (components
     n_local,) [length].
-
-    Raises
-    ------
-    ConvergenceError
-        If Newton's method, an increment, or the search for points that slip does not arrive.
     """
     for _ in range(MOST_ROUNDS):
         problem, motion = _watched(problem, problem.follow(unknowns, circular, begun))

@@ -64,13 +64,7 @@ def plot_lines(
 
 
 def checked_quantity(quantity: str) -> str:
-    """Return a quantity that can be drawn.
-
-    Raises
-    ------
-    ModelError
-        If it cannot.
-    """
+    """Return a quantity that can be drawn."""
     if quantity not in QUANTITIES:
         message = f"there is no picture of '{quantity}'; there are those of {', '.join(QUANTITIES)}"
         raise ModelError(message)

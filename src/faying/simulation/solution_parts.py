@@ -63,13 +63,7 @@ def arrays_of(solution: Solution) -> dict[str, Any]:
 
 
 def check_points(system: System, state: Solution) -> None:
-    """Refuse a state with other contact points than a joint has.
-
-    Raises
-    ------
-    ModelError
-        Naming the first interface that differs.
-    """
+    """Refuse a state with other contact points than a joint has."""
     ours, theirs = dict(system.contact.slices), dict(state.system.contact.slices)
     for name in {**ours, **theirs}:
         if ours.get(name) == theirs.get(name):
@@ -87,13 +81,7 @@ def check_points(system: System, state: Solution) -> None:
 
 
 def carried_inputs(system: System, state: Solution) -> Vector:
-    """Return the inputs (n_input,) of a joint under the loads of the last state of a solution.
-
-    Raises
-    ------
-    ModelError
-        If its contact points are others, or it carries what the joint does not have.
-    """
+    """Return the inputs (n_input,) of a joint under the loads of the last state of a solution."""
     check_points(system, state)
     inputs: Vector = np.atleast_2d(state.inputs)[-1]
     if state.system is system:

@@ -30,14 +30,7 @@ def at_rest(system: System) -> Solution:
 def starting_states(
     system: System, loads: Sequence[Load], initial: Sequence[Solution] | None
 ) -> list[Solution]:
-    """Return one static state for each load.
-
-    Raises
-    ------
-    ModelError
-        If their number is another, one moves or is of a joint with other contact points or without
-        its loads, or one has friction where the model has none or the other way round.
-    """
+    """Return one static state for each load."""
     if initial is None:
         return [at_rest(system)] * len(loads)
     if len(initial) != len(loads):

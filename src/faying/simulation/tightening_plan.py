@@ -187,11 +187,6 @@ class _Walk:
         """Return initial forces whose sequence meets the targets, and the forces on the way.
 
         With friction a quasi-Newton method that begins with the slope without.
-
-        Raises
-        ------
-        ConvergenceError
-            If no sequence does.
         """
         reached = self.followed(initial, shares)
         if not self._rubs:

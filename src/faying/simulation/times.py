@@ -7,13 +7,7 @@ MOST_STEPS = 10**9
 
 
 def check_times(step: float, duration: float) -> None:
-    """Refuse steps that are none.
-
-    Raises
-    ------
-    ModelError
-        If the step is not positive, longer than the duration, or there are too many of them.
-    """
+    """Refuse steps that are none."""
     if not 0 < step <= duration:
         message = (
             f"the time step is {step:g} and the duration {duration:g}; "

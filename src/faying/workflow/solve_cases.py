@@ -246,13 +246,7 @@ class CaseSolver:
 
 
 def on_worker(solver: CaseSolver) -> Callable[[Piece], Arrays]:
-    """Return what solves a piece on a worker.
-
-    Raises
-    ------
-    StudyError
-        If the worker does not see the folder of the results.
-    """
+    """Return what solves a piece on a worker."""
     if solver.loads.transients and not solver.checkpoint.folder.is_dir():
         message = (
             f"a worker does not see {solver.checkpoint.folder}, where it keeps what it finishes of "

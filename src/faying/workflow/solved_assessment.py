@@ -106,13 +106,7 @@ def solved_checks(
     static: SolvedCases | None,
     transients: Mapping[str, SolvedCases],
 ) -> tuple[tuple[Verdict, ...], tuple[Check, ...]]:
-    """Judge a joint over the cases and instants that decide, and its bolts over all.
-
-    Raises
-    ------
-    ModelError
-        If no case was solved.
-    """
+    """Judge a joint over the cases and instants that decide, and its bolts over all."""
     rom, loads, rubs = solver.rom, solver.loads, solver.tightening is not None
     sets = {**({} if static is None else {STATIC: static}), **transients}
     decided = {} if static is None else static.states(static.deciding(solver.worst))

@@ -26,13 +26,7 @@ DIRECTIONS = 36
 
 
 def endurance(thread: Thread, units: str) -> float:
-    """Return σ_ASV [force/length²].
-
-    Raises
-    ------
-    ModelError
-        If it is not known what a length and a pressure are in these units.
-    """
+    """Return σ_ASV [force/length²]."""
     pascal, metre = pascals(units), LENGTHS.get(units.split("-")[0])
     if pascal is None or metre is None:
         message = f"endurance is a stress in MPa, and what that is in {units} is not known"

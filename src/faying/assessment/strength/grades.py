@@ -54,13 +54,7 @@ class BoltStrength:
 
 
 def check_grade(grade: str) -> None:
-    """Refuse a grade that is none.
-
-    Raises
-    ------
-    ModelError
-        Naming what is.
-    """
+    """Refuse a grade that is none."""
     if not GRADE.fullmatch(grade):
         message = (
             f"grade '{grade}' is none; give it as in '8.8' or '10.9', 'A2-70' or 'SAE 5', or the "
@@ -75,11 +69,6 @@ def strength_of(grade: str, units: str) -> BoltStrength:
     A property class yields at what its name says: "8.8" at 0.8 of 800 MPa. Its proof stress is that
     of the table, or 0.9 of its yield stress where the table has none; stainless steels have none
     but their yield stress.
-
-    Raises
-    ------
-    ModelError
-        If there is no such grade, or it is not known what a pressure is in these units.
     """
     check_grade(grade)
     pascal = pascals(units)

@@ -97,13 +97,7 @@ class Size:
 
 
 def size_named(name: str, head: str = HEADS[0]) -> Size:
-    """Return a size by its name, as ``"M8"``, ``"M8x1"`` or ``"3/8-24 UNF"``.
-
-    Raises
-    ------
-    ModelError
-        If no size or head is called so, or the head has no such size.
-    """
+    """Return a size by its name, as ``"M8"``, ``"M8x1"`` or ``"3/8-24 UNF"``."""
     text = " ".join(name.split())
     if head not in HEADS:
         message = f"head '{head}' is not known; give one of {', '.join(HEADS)}"

@@ -24,11 +24,6 @@ def with_threads(
 
     The load cases that were judged are given anew at the ends of the scatter of the preloads.
     Repetitions say how often a load case comes.
-
-    Raises
-    ------
-    ModelError
-        If a bolt is not there, or the units are not known.
     """
     unknown = sorted(set(threads) - set(found.bolts))
     if unknown:

@@ -16,13 +16,7 @@ from faying.exceptions import ModelError
 
 
 def force_of_torque(thread: Thread, torque: float) -> float:
-    """Return the preload F_M that a torque gives [force].
-
-    Raises
-    ------
-    ModelError
-        If friction or the diameter under the head is not given.
-    """
+    """Return the preload F_M that a torque gives [force]."""
     if thread.friction is None or thread.head_friction is None:
         message = "a torque gives a preload by friction; give thread_friction and head_friction"
         raise ModelError(message)

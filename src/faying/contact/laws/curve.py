@@ -78,13 +78,7 @@ class Curve(Unilateral):
 
 
 def check_positive(law: Any) -> None:
-    """Refuse a law whose parameters are not all positive numbers.
-
-    Raises
-    ------
-    ModelError
-        Naming law and parameter.
-    """
+    """Refuse a law whose parameters are not all positive numbers."""
     for parameter in fields(law):
         value = getattr(law, parameter.name)
         if not 0 < value < float("inf"):

@@ -28,12 +28,6 @@ MOST_HARD_POINTS = 8192
 def joint_file(rom: ReducedModel, defaults: Defaults) -> tuple[bytes, str]:
     """Return ``joint.bin`` and the instantiation token that it holds.
 
-    Raises
-    ------
-    StudyError
-        If the residual compliance of the model is not a dense matrix, or there are too many points
-        of hard contact, or as :func:`faying.export.arrays.refuse_expanding_bolts`.
-
     Notes
     -----
     Layout: see ``sources/joint.c``. The token is a hash of everything else, so equal joints give

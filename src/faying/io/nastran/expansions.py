@@ -64,13 +64,7 @@ def read_expansions(cards: Mapping[str, Cards]) -> dict[int, Expansion]:
 def expansion_of_plate(
     card: Card, expansions: Mapping[int, Expansion], laws: Mapping[int, PlaneMaterial]
 ) -> Expansion | None:
-    """Return the strains of a degree in the plane of a shell; None where there are none.
-
-    Raises
-    ------
-    UnreadError
-        If it bends when it expands.
-    """
+    """Return the strains of a degree in the plane of a shell; None where there are none."""
     if card.cards.name == "PSHELL":
         if card.integer(10, 0) in expansions:
             message = f"{card.where()} with MID4 of a material that expands"

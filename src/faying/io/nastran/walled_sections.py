@@ -86,11 +86,6 @@ ESTIMATED = (
 def walled_section(kind: str, sizes: Sequence[float]) -> tuple[BeamSection, bool]:
     """Return a section, and whether it is the same upside down and from the other side.
 
-    Raises
-    ------
-    ValueError
-        If a rectangle is not positive.
-
     Notes
     -----
     Torsion is that of open thin walls, the sum of b t³/3 over the rectangles; the shear factors

@@ -27,11 +27,6 @@ def inclined_rows(assembly: Assembly, *, fixed: Mask, blocked: Mask) -> Rows:
     Each equation is solved for the component with the largest direction cosine. Fixed components (6
     n_node,) are held already and drop out of the equations; blocked ones (6 n_node,) must not
     become dependent here.
-
-    Raises
-    ------
-    ModelError
-        If an inclined support leaves no choice but a blocked component.
     """
     groups = _gathered(assembly)
     free = ~fixed[groups.dofs]

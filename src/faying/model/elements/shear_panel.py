@@ -21,11 +21,6 @@ def panel_matrices(local: Matrix, laws: ElementLaws, ids: Indices) -> tuple[Matr
     """Return mass and stiffness (n, 24, 24) of shear panels in their local frames.
 
     Corners in the frame of each are (n, 4, 3) [length].
-
-    Raises
-    ------
-    ModelError
-        If a panel is no parallelogram.
     """
     first, second = local[:, 1] - local[:, 0], local[:, 3] - local[:, 0]
     skew = local[:, 2] - local[:, 0] - first - second

@@ -68,13 +68,7 @@ def flat_frames(coordinates: Matrix, ids: Indices) -> tuple[Matrix, Matrix]:
 
 
 def check_area(good: Mask, ids: Indices) -> None:
-    """Refuse shells that are not ``good`` (n,).
-
-    Raises
-    ------
-    ModelError
-        Naming the first.
-    """
+    """Refuse shells that are not ``good`` (n,)."""
     if not good.all():
         bad = ids[~good]
         others = f" (and {len(bad) - 1} more)" if len(bad) > 1 else ""
@@ -113,11 +107,6 @@ def laws_in(
 
     Frames are (n, 3, 3), at one place of each shell, or (n, n_q, 3, 3); the laws then follow in one
     list (n · n_q).
-
-    Raises
-    ------
-    ModelError
-        If a property has no section, or the direction of a material is normal to its shell.
     """
     repeat = 1 if frames.ndim == 3 else frames.shape[1]
     frames = frames.reshape(-1, 3, 3)

@@ -28,11 +28,6 @@ def write_figures(
     """Draw every figure of a run into a folder as PNG, atomically, in the order of a report.
 
     The folder is made if it does not exist. ``progress`` is called with 1 after each figure.
-
-    Raises
-    ------
-    FormatError
-        If a file cannot be written.
     """
     entries = []
     stems = file_names(results.cases) | {

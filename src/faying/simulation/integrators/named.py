@@ -27,11 +27,6 @@ def named_integrator(name: str | None, rho_infinity: float | None = None) -> Int
     """Return an integrator by its name, the seed's implicit Euler where it is None.
 
     ``rho_infinity`` is that of the :data:`DAMPED` ones; each has a default of its own.
-
-    Raises
-    ------
-    ModelError
-        If there is none of that name.
     """
     if name is None:
         return ImplicitEuler()

@@ -84,13 +84,7 @@ def _elements_between(
 
 
 def check_distinct_bolts(study: Study, bolts: tuple[BoltSpec, ...]) -> None:
-    """Refuse two bolts that tighten the same element, as the deck's and the study's own may.
-
-    Raises
-    ------
-    StudyError
-        Naming both.
-    """
+    """Refuse two bolts that tighten the same element, as the deck's and the study's own may."""
     owner: dict[int, str] = {}
     for bolt in bolts:
         for element in bolt.elements or ():
@@ -112,11 +106,6 @@ def check_no_second_preload(
     """Refuse loads of the deck that pull the ends of a bolt together, for that is a preload too.
 
     Bolts are tightened to a final or initial force [force].
-
-    Raises
-    ------
-    StudyError
-        Naming the load, the bolt and both forces.
     """
     wished = {load.deck_load for _, load in loadings(study)}
     applied = [name for name in assembly.loads if name in wished]
@@ -182,13 +171,7 @@ def unlocked(
 def preloads(
     study: Study, described: JointDescription, bolts: tuple[BoltSpec, ...]
 ) -> dict[str, float]:
-    """Return the final force of every bolt that is not locked at an initial one.
-
-    Raises
-    ------
-    StudyError
-        If a bolt has none, or one that presses.
-    """
+    """Return the final force of every bolt that is not locked at an initial one."""
     wished = final_forces(study)
     locked = initial_forces(study, described)
     forces = {**described.preloads, **wished}

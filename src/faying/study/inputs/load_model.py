@@ -205,12 +205,7 @@ def _with_gap(model: Model, name: str, offset: float | Path) -> Interface:
 
 
 def check_interfaces(study: Study, loaded: LoadedModel) -> None:
-    """Refuse to compute a model in which nothing touches.
-
-    Raises
-    ------
-    StudyError
-    """
+    """Refuse to compute a model in which nothing touches."""
     if not loaded.interfaces:
         message = (
             f"{study.path.name}: neither the study nor its source has a contact interface; add "

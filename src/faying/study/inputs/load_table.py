@@ -122,14 +122,7 @@ def renamed_factors(table: LoadTable, joint: Joint) -> tuple[LoadTable, str]:
 
 
 def table_inputs(table: LoadTable, joint: Joint) -> Matrix:
-    """Return the inputs (n_row, n_input) of the static cases of a table, as those of a load.
-
-    Raises
-    ------
-    StudyError
-        If columns are of nothing that the joint has, all of which are listed; or a preload factor
-        is none.
-    """
+    """Return the inputs (n_row, n_input) of the static cases of a table, as those of a load."""
     targets = known_columns(joint)
     wrong = [
         f"no column '{name}'; {nearest(name, targets)}"

@@ -58,13 +58,7 @@ def with_study_masses(assembly: Assembly, study: Study) -> Assembly:
 def named_nodes(
     assembly: Assembly, study: Study, location: Location, section: SupportSection | MassSection
 ) -> Indices:
-    """Return the nodes (n,) of a table with a node or a set.
-
-    Raises
-    ------
-    StudyError
-        If it does not exist.
-    """
+    """Return the nodes (n,) of a table with a node or a set."""
     mesh, key = assembly.mesh, "set" if section.node is None else "node"
     try:
         if section.node is not None:

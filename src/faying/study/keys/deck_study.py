@@ -48,13 +48,7 @@ def study_or_deck(path: Path, ignore: Sequence[str] = ()) -> Study:
 
 
 def check_not_ansys(path: Path) -> None:
-    """Refuse a .dat that is input of Ansys, as the ds.dat of Workbench, and no Nastran deck.
-
-    Raises
-    ------
-    StudyError
-        With how to bring that model.
-    """
+    """Refuse a .dat that is input of Ansys, as the ds.dat of Workbench, and no Nastran deck."""
     if path.suffix.lower() != ".dat" or not path.is_file():
         return
     with path.open("rb") as file:

@@ -19,12 +19,6 @@ def read_load_factors(path: Path, loads: Sequence[str]) -> NumberTable:
     lines and comments after ``#`` are allowed. Each of the loads of the case has a column unless
     one of the columns is called ``factor`` and multiplies all. Other columns are factors of bolts'
     initial forces.
-
-    Raises
-    ------
-    FormatError
-        If it cannot be read, a name is missing or there twice, a line has gaps, or a factor is no
-        finite number; the message lists everything with its line.
     """
     table = read_numbers(path, "load factors", largest=LARGEST)
     problems = list(_problems(table, loads))

@@ -25,11 +25,6 @@ def read_response(path: Path, kind: Kind) -> tuple[Vector, ComplexVector]:
     """Return frequencies (n,), rising, and displacement per force (n,).
 
     The kind says what responds, where the file does not.
-
-    Raises
-    ------
-    FormatError
-        If it cannot be read, or holds no or several responses.
     """
     if path.suffix.lower() in (".uff", ".unv"):
         frequency, response, kind = _uff(path, kind)

@@ -53,11 +53,6 @@ def steps_to(key: str, tables: Any) -> Steps:
     """Return where a key such as ``"interface.joint.crown.1.height"`` stands.
 
     The tables are those of a study file, as TOML gives them.
-
-    Raises
-    ------
-    LookupError
-        If it is not there; with the reason.
     """
     table, _, inner = key.partition(".")
     if table not in VARIABLE:

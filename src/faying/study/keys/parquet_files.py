@@ -15,11 +15,6 @@ def pyarrow_for(what: str, otherwise: str) -> tuple[Any, Any]:
     """Return the modules pyarrow and pyarrow.parquet.
 
     Messages say ``what`` needs them, and what to do otherwise, in place of installing them.
-
-    Raises
-    ------
-    StudyError
-        If they are not installed.
     """
     try:
         import pyarrow
@@ -37,11 +32,6 @@ def parquet_table(path: Path, label: str) -> NumberTable:
     """Return the numbers of a file, and the names of its rows.
 
     They are in the column ``label``, which is no column of numbers.
-
-    Raises
-    ------
-    StudyError
-        If it cannot be read or a column holds anything but finite numbers; all are listed.
     """
     arrow, parquet = pyarrow_for(path.name, "save the table as csv")
     try:

@@ -358,12 +358,7 @@ def _gained(what: str, response: Response) -> list[str]:
 
 
 def _sound(response: Response | None) -> Response | None:
-    """Refuse a transient whose energy grew from nothing.
-
-    Raises
-    ------
-    ConvergenceError
-    """
+    """Refuse a transient whose energy grew from nothing."""
     if response is not None and response.energy_gain > MOST_GAIN:
         raise ConvergenceError(gain_message(response.energy_gain))
     return response

@@ -65,14 +65,7 @@ class ImportedHistory:
 
 
 def read_imported_history(path: Path, joint: Joint) -> ImportedHistory:
-    """Read a modal or boundary-force history; the joint says which loads there can be.
-
-    Raises
-    ------
-    FormatError
-        If the file cannot be read, has columns that mean nothing, values that are not finite or
-        times that do not increase; the message names the line.
-    """
+    """Read a modal or boundary-force history; the joint says which loads there can be."""
     if not path.is_file():
         message = f"history {path} does not exist; give a .csv or .h5 file"
         raise FormatError(message)

@@ -23,12 +23,7 @@ Tightened = tuple[Tightening, Sequence[Load]]
 
 
 def check_same_joint(checkpoint: Bundles, model: Model) -> None:
-    """Refuse to go on with what was computed of another joint: a deck may have changed since.
-
-    Raises
-    ------
-    StudyError
-    """
+    """Refuse to go on with what was computed of another joint: a deck may have changed since."""
     contact, digest = model.contact, blake2b(digest_size=16)
     arrays = [model.K.data, model.K.indices, model.M.data, contact.interpolation.data]
     arrays += [contact.weights, contact.initial_gap, model.pattern_forces]

@@ -194,11 +194,6 @@ def reduced_model(results: Results, method: str, joint_modes: int | None = None)
     ----------
     joint_modes
         Which of those of the method; it may have one only unless given.
-
-    Raises
-    ------
-    StudyError
-        If the run kept none, or no such one.
     """
     if not results.reduced:
         message = (
