@@ -31,7 +31,7 @@ from faying.study.results.second_solution import Remedy
 from faying.study.results.values import FULL_MODEL, CaseResult, MethodResult, Response
 from faying.study.stages.books import Books
 from faying.study.stages.case_solution import solve_case
-from faying.study.stages.checkpointed_steps import CheckpointedSteps
+from faying.study.stages.checkpointed_steps import CheckpointedSteps, IncrementalCase
 from faying.study.stages.full_transients import (
     FullTransient,
     full_transients,
@@ -326,9 +326,15 @@ class CaseRunner:
         def compute() -> Response:
             with self.books.stage(f"{case.name} {label}", total) as advance:
                 if goes_in_increments(case, model):
-                    preloaded = self._rest(system, label)
-                    steps = CheckpointedSteps(self.books.checkpoint, key)
-                    response = path_response(model, case, system, preloaded, steps, advance, like)
+                    run = IncrementalCase(
+                        case=case,
+                        model=model,
+                        system=system,
+                        preloaded=self._rest(system, label),
+                        steps=CheckpointedSteps(self.books.checkpoint, key),
+                        progress=advance,
+                    )
+                    response = path_response(run, like)
                 else:
                     initial = None if model.contact.forgets else self._rest(system, label)
                     solution, seconds = solve_case(

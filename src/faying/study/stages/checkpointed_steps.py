@@ -9,6 +9,10 @@ import numpy as np
 
 from faying.execution.checkpoint import Arrays, Bundles
 from faying.files.flattening import flattened, restored
+from faying.joint.model import Model
+from faying.joint.system import System
+from faying.simulation.solution import Solution
+from faying.study.keys.tables import LoadCaseSection
 
 T = TypeVar("T")
 
@@ -47,3 +51,25 @@ class CheckpointedSteps:
 
     def _key(self, name: str) -> str:
         return f"{self.key}, {name}"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class IncrementalCase:
+    """A load case that a system answers in increments, from its preloaded state.
+
+    Attributes
+    ----------
+    model
+        The full model.
+    steps
+        Where finished amplitudes and increments are kept.
+    progress
+        Called with how many increments or amplitudes there are more, computed or taken over.
+    """
+
+    case: LoadCaseSection
+    model: Model
+    system: System
+    preloaded: Solution
+    steps: CheckpointedSteps
+    progress: Callable[[int], object]

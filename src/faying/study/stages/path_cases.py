@@ -1,7 +1,7 @@
 """Load cases that go in increments: static loads of joints with friction, paths and cycles."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
@@ -30,7 +30,7 @@ from faying.study.results.path_record import (
 from faying.study.results.responses import respond
 from faying.study.results.values import Response
 from faying.study.stages.backbone_cases import backbone_response
-from faying.study.stages.checkpointed_steps import CheckpointedSteps
+from faying.study.stages.checkpointed_steps import IncrementalCase
 from faying.study.stages.long_paths import follow_path
 
 
@@ -75,29 +75,17 @@ def rest_state(
     return solve_static(system)
 
 
-def path_response(
-    model: Model,
-    case: LoadCaseSection,
-    system: System,
-    preloaded: Solution,
-    steps: CheckpointedSteps,
-    progress: Callable[[int], object],
-    like: Response | None = None,
-) -> Response:
-    """Solve a load case in increments with a system, from its preloaded state.
-
-    Steps keep finished amplitudes and increments; ``progress`` is called with how many there are
-    more of those that :func:`advances` counts. The number of cycles follows that of the response of
-    the full model, ``like``.
-    """
+def path_response(run: IncrementalCase, like: Response | None = None) -> Response:
+    """Solve a load case in increments; as many cycles as the response ``like`` has."""
+    case, model, preloaded = run.case, run.model, run.preloaded
     if case.kind == "backbone":
-        return backbone_response(model, case, system, preloaded, steps, progress)
+        return backbone_response(run)
     if case.kind == "cycle":
-        return _cycle_response(model, case, system, preloaded, steps, progress, like)
+        return _cycle_response(run, like)
     load = case_load(case)
     names, factors = _factors(case)
     loads = _loads(case, model, names, factors)
-    path, seconds = follow_path(system, loads, preloaded, case.name, steps, progress)
+    path, seconds = follow_path(run.system, loads, preloaded, case.name, run.steps, run.progress)
     record = path_record(path, preloaded, load, names, factors)
     return respond(
         last_of(path),
@@ -109,28 +97,20 @@ def path_response(
     )
 
 
-def _cycle_response(
-    model: Model,
-    case: LoadCaseSection,
-    system: System,
-    preloaded: Solution,
-    steps: CheckpointedSteps,
-    progress: Callable[[int], object],
-    like: Response | None,
-) -> Response:
+def _cycle_response(run: IncrementalCase, like: Response | None) -> Response:
     """Solve the cycles of all amplitudes, each from the preloaded joint.
 
     The largest comes last and ends with what the response shows; the others are kept before it.
     """
-    load, seconds = case_load(case), 0.0
+    case, load, seconds = run.case, case_load(run.case), 0.0
     records: dict[str, CycleRecord] = {}
 
     def cycles(amplitude: float) -> Cycles:
         return solve_cycles(
-            system,
+            run.system,
             load,
             amplitude,
-            preloaded,
+            run.preloaded,
             increments=case.increments or DEFAULT_INCREMENTS,
             count=None if like is None else len(like.cycles[str(amplitude)].energies),
         )
@@ -141,16 +121,16 @@ def _cycle_response(
     *others, largest = sorted(case.amplitudes or (1.0,))
     for amplitude in others:
         compute = partial(recorded, amplitude)
-        record, took = steps.value(CycleRecord, f"amplitude {amplitude}", compute)
+        record, took = run.steps.value(CycleRecord, f"amplitude {amplitude}", compute)
         records[str(amplitude)], seconds = record, seconds + took
-        progress(1)
+        run.progress(1)
     start = time.perf_counter()
     last = cycles(largest)
     seconds += time.perf_counter() - start
-    progress(1)
+    run.progress(1)
     records[str(largest)] = cycle_record(last, load)
-    motion = _motion(model, last.cycle)
-    return respond(last_of(last.cycle), model, seconds, cycles=records, motion=motion)
+    motion = _motion(run.model, last.cycle)
+    return respond(last_of(last.cycle), run.model, seconds, cycles=records, motion=motion)
 
 
 MOST_CERTIFIED = 1000
