@@ -8,6 +8,7 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.beam_ends import BeamEnds
+from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.bushes import orientation
 from faying.io.nastran.cards import Card, Cards, property_of
 from faying.io.nastran.general_elements import springs_between
@@ -19,10 +20,7 @@ from faying.model.axes import axes_along
 
 
 def read_beams(
-    cards: Mapping[str, Cards],
-    grids: Grids,
-    sections: Mapping[str, Mapping[int, Property]],
-    ends: BeamEnds,
+    bulk: BulkData, sections: Mapping[str, Mapping[int, Property]], ends: BeamEnds
 ) -> list[Beam]:
     """Read beams; orientation vectors are turned into the basic frame.
 
@@ -30,10 +28,10 @@ def read_beams(
     """
     beams: list[Beam] = []
     for name in ("CBAR", "CBEAM"):
-        default = _default(cards, {"CBAR": "BAROR", "CBEAM": "BEAMOR"}[name])
+        default = _default(bulk.cards, {"CBAR": "BAROR", "CBEAM": "BEAMOR"}[name])
         beams += [
-            _beam(_filled(card, default), grids, sections[name], ends)
-            for card in cards.get(name, ())
+            _beam(_filled(card, default), bulk.grids, sections[name], ends)
+            for card in bulk.cards.get(name, ())
         ]
     return beams
 
@@ -117,10 +115,7 @@ POINTS = (16, 17)
 
 
 def read_warping(
-    cards: Mapping[str, Cards],
-    grids: Grids,
-    sections: Mapping[int, Property],
-    beams: Mapping[int, Beam],
+    bulk: BulkData, sections: Mapping[int, Property], beams: Mapping[int, Beam]
 ) -> Iterator[Spring]:
     """Yield springs by which beams whose ends do not warp freely resist twist more than G J / L.
 
@@ -128,15 +123,17 @@ def read_warping(
     the energy is ∫ (G J φ'² + E C_w φ''²) dx / 2 (V. Z. Vlasov, Thin-walled elastic beams, 1961);
     what beams have of it themselves, G J / L, is taken off.
     """
-    for card in cards.get("CBEAM", ()):
+    for card in bulk.cards.get("CBEAM", ()):
         if not any(card.text(field) for field in POINTS):
             continue
         beam = beams[card.integer(0)]
         resisting = sections[beam.property].warping
         if not resisting:
             continue
-        start, end = (grids.nodes[node] for node in (grids.one(card, 2), grids.one(card, 3)))
-        points = [_point(card, grids, field) for field in POINTS]
+        start, end = (
+            bulk.grids.nodes[node] for node in (bulk.grids.one(card, 2), bulk.grids.one(card, 3))
+        )
+        points = [_point(card, bulk.grids, field) for field in POINTS]
         length = float(np.linalg.norm(end - start))
         axis = (end - start) / length
         twist, bimoment = (np.array(rows) for rows in (_TWIST, _BIMOMENT))

@@ -21,8 +21,9 @@ import numpy as np
 from faying._typing import Vector
 from faying.digits import SOLVED
 from faying.io.nastran import fields as numbers
+from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.bushes import orientation
-from faying.io.nastran.cards import Card, Cards, by_id, property_of
+from faying.io.nastran.cards import Card, by_id, property_of
 from faying.io.nastran.fields import SHORT_DIGITS
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.solids import material_of
@@ -55,29 +56,24 @@ class _Arc:
 
 
 def read_bends(
-    cards: Mapping[str, Cards],
-    grids: Grids,
-    materials: Mapping[int, Material],
-    factors: Mapping[int, float],
-    mass_factor: float,
-    ignored: list[str],
+    bulk: BulkData, materials: Mapping[int, Material], factors: Mapping[int, float]
 ) -> list[Bush]:
     """Read curved bars; half of the mass of each is at either end.
 
     Factors are as of :func:`faying.io.nastran.materials.read_materials`.
     """
     bushes: list[Bush] = []
-    properties = by_id(cards, "PBEND", what="property")
+    properties = by_id(bulk.cards, "PBEND", what="property")
     heavy = 0
-    for card in cards.get("CBEND", ()):
+    for card in bulk.cards.get("CBEND", ()):
         bend = property_of(card, properties, "PBEND")
-        section = _section(bend, materials, factors, mass_factor)
-        arc = _arc(card, bend, grids)
+        section = _section(bend, materials, factors, bulk.mass_factor)
+        arc = _arc(card, bend, bulk.grids)
         heavy += section.line_mass > 0
-        ends = grids.one(card, 2), grids.one(card, 3)
+        ends = bulk.grids.one(card, 2), bulk.grids.one(card, 3)
         bushes += _bushes(card, ends, arc, section)
     if heavy:
-        ignored.append(f"mass of {heavy} CBEND: half of it at either end, without inertia")
+        bulk.ignored.append(f"mass of {heavy} CBEND: half of it at either end, without inertia")
     return bushes
 
 

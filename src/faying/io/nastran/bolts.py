@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from faying.exceptions import FormatError
-from faying.io.nastran.cards import Card, Cards, by_id
+from faying.io.nastran.bulk_data import BulkData
+from faying.io.nastran.cards import Card, by_id
 from faying.io.nastran.case_control import CaseControl
-from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.moved_supports import Moved
 from faying.io.nastran.selection import chosen_sets
@@ -55,27 +55,20 @@ class CutBolts:
     shortened: Mapping[int, float]
 
 
-def cut_bolts(
-    cards: Mapping[str, Cards],
-    grids: Grids,
-    assembly: Assembly,
-    control: CaseControl,
-    moved: Moved,
-    ignored: list[str],
-) -> CutBolts:
+def cut_bolts(bulk: BulkData, assembly: Assembly, moved: Moved) -> CutBolts:
     """Cut the solids of a structure at its bolts."""
     mesh, cuts = assembly.mesh, dict[int, Cut]()
-    for number, section in read_solid_bolts(cards, grids, mesh).items():
+    for number, section in read_solid_bolts(bulk, mesh).items():
         mesh, cuts[number] = cut_mesh(mesh, section)
-    split = read_split_bolts(cards, grids, assembly.loads, moved)
+    split = read_split_bolts(bulk, assembly.loads, moved)
     for number, bolt in split.items():
         mesh, cuts[number] = parted(mesh, number, bolt)
     if split:
-        ignored.append(SPLIT)
+        bulk.ignored.append(SPLIT)
         assembly = without_controls(assembly, split)
     if cuts:
-        ignored.append(SOLIDS_ARE_CUT)
-        ignored.extend(
+        bulk.ignored.append(SOLIDS_ARE_CUT)
+        bulk.ignored.extend(
             f"bolt {number}: {cut.touching} elements touch its section with an edge or a corner "
             "only and are parted too"
             for number, cut in cuts.items()
@@ -83,11 +76,11 @@ def cut_bolts(
         )
     preloads, shortened = dict[int, float](), dict[int, float]()
     for number, bolt in split.items():
-        amount = _only_amount(bolt, control)
+        amount = _only_amount(bolt, bulk.control)
         if amount is None:
             what = "displacements of" if bolt.shortens else "forces on"
             sets = ", ".join(bolt.sets)
-            ignored.append(f"{what} the control grid of bolt {number} differ in sets {sets}")
+            bulk.ignored.append(f"{what} the control grid of bolt {number} differ in sets {sets}")
         else:
             (shortened if bolt.shortens else preloads)[number] = amount
     return CutBolts(
@@ -103,11 +96,7 @@ def _only_amount(bolt: SplitBolt, control: CaseControl) -> float | None:
 
 
 def read_bolts(
-    cards: Mapping[str, Cards],
-    beams: tuple[Beam, ...],
-    closing: Mapping[int, int],
-    control: CaseControl,
-    ignored: list[str],
+    bulk: BulkData, beams: tuple[Beam, ...], closing: Mapping[int, int]
 ) -> tuple[tuple[BoltSpec, ...], dict[str, float]]:
     """Return the bolts, named ``bolt-<id>``, and the forces that case control selects.
 
@@ -116,16 +105,16 @@ def read_bolts(
     """
     bolts = {
         number: (closing[number],) if number in closing else _elements(card, beams)
-        for number, card in by_id(cards, "BOLT").items()
+        for number, card in by_id(bulk.cards, "BOLT").items()
     }
     for name in ("BOLTFRC", "BOLTSEQ"):
-        for card in cards.get(name, ()):
-            if control.present and card.integer(0) != control.bolts:
-                ignored.append(f"{name} {card.integer(0)} (case control does not select it)")
+        for card in bulk.cards.get(name, ()):
+            if bulk.control.present and card.integer(0) != bulk.control.bolts:
+                bulk.ignored.append(f"{name} {card.integer(0)} (case control does not select it)")
                 continue
             card.refuse("it is not supported; give the final force of the bolts by BOLTFOR")
     names = {number: f"bolt-{number}" for number in bolts}
-    forces = _forces(cards, names, control, ignored)
+    forces = _forces(bulk, names)
     specs = tuple(BoltSpec(name=names[number], elements=ids) for number, ids in bolts.items())
     return specs, {names[number]: force for number, force in forces.items()}
 
@@ -143,12 +132,10 @@ def _elements(card: Card, beams: tuple[Beam, ...]) -> tuple[int, ...]:
     return tuple(dict.fromkeys(ids))
 
 
-def _forces(
-    cards: Mapping[str, Cards], names: dict[int, str], control: CaseControl, ignored: list[str]
-) -> dict[int, float]:
+def _forces(bulk: BulkData, names: dict[int, str]) -> dict[int, float]:
     """Force of each bolt by the set that applies."""
     sets: dict[int, dict[int, float]] = {}
-    for card in cards.get("BOLTFOR", ()):
+    for card in bulk.cards.get("BOLTFOR", ()):
         of_set = sets.setdefault(card.integer(0), {})
         force = card.real(1)
         for bolt in id_list(card, card.texts[2:], np.array(list(names))):
@@ -156,20 +143,26 @@ def _forces(
             if bolt in of_set:
                 card.refuse(f"bolt {bolt} has two forces in set {card.integer(0)}; remove one", 2)
             of_set[bolt] = force
-    combined = {number: _combination(card, sets) for number, card in by_id(cards, "BOLTLD").items()}
+    combined = {
+        number: _combination(card, sets) for number, card in by_id(bulk.cards, "BOLTLD").items()
+    }
     both = set(sets) & set(combined)
     if both:
-        message = f"{cards['BOLTLD'].where(0)}: set {min(both)} is also a BOLTFOR; renumber one"
+        message = (
+            f"{bulk.cards['BOLTLD'].where(0)}: set {min(both)} is also a BOLTFOR; renumber one"
+        )
         raise FormatError(message)
     available = {**sets, **combined}
-    if control.bolts is None and not control.present and len(available) == 1:
+    if bulk.control.bolts is None and not bulk.control.present and len(available) == 1:
         return next(iter(available.values()))
     what = "sets of bolt forces"
-    chosen, note = chosen_sets(control, control.bolts, available, what, "BOLTLD")
+    chosen, note = chosen_sets(bulk.control, bulk.control.bolts, available, what, "BOLTLD")
     if len(chosen) == 1:
         return available[chosen[0]]
     if available:
-        ignored.append(note or f"{what} {', '.join(map(str, chosen))} (give case control a BOLTLD)")
+        bulk.ignored.append(
+            note or f"{what} {', '.join(map(str, chosen))} (give case control a BOLTLD)"
+        )
     return {}
 
 

@@ -1,6 +1,5 @@
 """CBUSH, CBUSH1D with PBUSH, PBUSH1D: springs along and about axes of their own."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +7,8 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.digits import DECK_DIGITS
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.cards import Card, Cards, by_id, property_of
+from faying.io.nastran.bulk_data import BulkData
+from faying.io.nastran.cards import Card, by_id, property_of
 from faying.io.nastran.grids import Grids
 from faying.model.assembly import Bush
 from faying.model.axes import any_across, axes_along
@@ -26,9 +26,7 @@ class _Property:
     card: Card
 
 
-def read_bushes(
-    cards: Mapping[str, Cards], grids: Grids, mass_factor: float, ignored: list[str]
-) -> list[Bush]:
+def read_bushes(bulk: BulkData) -> list[Bush]:
     """Read bushes.
 
     MSC Nastran Quick Reference Guide, CBUSH, remarks 2 to 9: the axes are those of CID (at GA where
@@ -36,18 +34,20 @@ def read_bushes(
     springs act at the fraction S between the nodes, or at the place given in OCID.
     """
     properties = {
-        name: {number: read(card) for number, card in by_id(cards, name, what="property").items()}
+        name: {
+            number: read(card) for number, card in by_id(bulk.cards, name, what="property").items()
+        }
         for name, read in (("PBUSH", _general), ("PBUSH1D", _axial))
     }
     bushes: list[Bush] = []
     damped = 0
     for name, family in (("CBUSH", "PBUSH"), ("CBUSH1D", "PBUSH1D")):
-        for card in cards.get(name, ()):
+        for card in bulk.cards.get(name, ()):
             bush_property = property_of(card, properties[family], family)
             damped += bush_property.damped
-            bushes.append(_bush(card, bush_property, grids, mass_factor))
+            bushes.append(_bush(bulk, card, bush_property))
     if damped:
-        ignored.append(f"damping of {damped} CBUSH (give [damping] in the study)")
+        bulk.ignored.append(f"damping of {damped} CBUSH (give [damping] in the study)")
     return bushes
 
 
@@ -86,19 +86,19 @@ def _checked(card: Card, stiffness: list[float], mass: float, damped: bool) -> _
     return _Property(stiffness=tuple(stiffness), mass=mass, damped=damped, card=card)
 
 
-def _bush(card: Card, bush_property: _Property, grids: Grids, mass_factor: float) -> Bush:
-    start = grids.one(card, 2)
-    end = grids.one(card, 3) if card.integer(3, 0) else None
-    line = np.zeros(3) if end is None else grids.nodes[end] - grids.nodes[start]
-    x, y, z = _axes(card, bush_property, grids, start, line).tolist()
-    a, b, c = _place(card, grids, start, line).tolist()
+def _bush(bulk: BulkData, card: Card, bush_property: _Property) -> Bush:
+    start = bulk.grids.one(card, 2)
+    end = bulk.grids.one(card, 3) if card.integer(3, 0) else None
+    line = np.zeros(3) if end is None else bulk.grids.nodes[end] - bulk.grids.nodes[start]
+    x, y, z = _axes(card, bush_property, bulk.grids, start, line).tolist()
+    a, b, c = _place(card, bulk.grids, start, line).tolist()
     return Bush(
         id=card.integer(0),
         nodes=(start,) if end is None else (start, end),
         stiffness=bush_property.stiffness,
         axes=(tuple(x), tuple(y), tuple(z)),
         place=(a, b, c),
-        mass=bush_property.mass * mass_factor,
+        mass=bush_property.mass * bulk.mass_factor,
     )
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.exceptions import FormatError
+from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.contact_pairs import Pair, region_of, rows
@@ -43,24 +44,21 @@ class _Group:
 
 
 def read_msc_pairs(
-    cards: Mapping[str, Cards],
-    control: CaseControl,
-    regions: dict[int, Region],
-    ignored: dict[str, None],
+    bulk: BulkData, regions: dict[int, Region], ignored: dict[str, None]
 ) -> list[Pair]:
     """Read the pairs of the contact table that BCONTACT selects; without case control, of all.
 
     The same two bodies in opposite order are one contact.
     """
-    groups = _selected_groups(cards, control, ignored)
+    groups = _selected_groups(bulk.cards, bulk.control, ignored)
     if not groups:
         return []
     error, slides = 0.0, False
-    for card in cards.get("BCPARA", ()):
+    for card in bulk.cards.get("BCPARA", ()):
         card.integer(0, 0)
         common = read_parameters(card, 1, ignored)
         error, slides = common.error or error, slides or common.slides
-    bodies = _bodies(cards)
+    bodies = _bodies(bulk.cards)
     pairs: dict[tuple[int, int], Pair] = {}
     for group in groups:
         for minus in group.secondary:
@@ -76,11 +74,11 @@ def read_msc_pairs(
                 kind = "glue" if group.parameters.glued else "contact"
                 pairs[minus, plus] = Pair(
                     name=f"{kind}-{minus}-{plus}",
-                    minus=_region(cards, bodies, regions, group.card, minus, ignored),
-                    plus=_region(cards, bodies, regions, group.card, plus, ignored),
+                    minus=_region(bulk.cards, bodies, regions, group.card, minus, ignored),
+                    plus=_region(bulk.cards, bodies, regions, group.card, plus, ignored),
                     where=group.card.where(),
                     parameters=replace(group.parameters, error=group.parameters.error or error),
-                    friction=_friction(cards, bodies, group, (minus, plus), ignored),
+                    friction=_friction(bulk.cards, bodies, group, (minus, plus), ignored),
                     glued=group.parameters.glued,
                 )
     if slides and any(pair.friction > 0 for pair in pairs.values()):
@@ -90,25 +88,22 @@ def read_msc_pairs(
 
 
 def friction_of_all_bodies(
-    cards: Mapping[str, Cards],
-    control: CaseControl,
-    regions: dict[int, Region],
-    elements: Indices,
-    ignored: dict[str, None],
+    bulk: BulkData, regions: dict[int, Region], elements: Indices, ignored: dict[str, None]
 ) -> float | None:
     """Return the friction where everything touches everything (BCONTACT = ALLBODY), else None.
 
     Elements (n,) are ids of all solids, which the contact bodies must comprise.
     """
-    if control.bcontact != "ALLBODY":
+    if bulk.control.bcontact != "ALLBODY":
         return None
     slides = False
-    for card in cards.get("BCPARA", ()):
+    for card in bulk.cards.get("BCPARA", ()):
         card.integer(0, 0)
         slides = read_parameters(card, 1, ignored).slides or slides
-    bodies = _bodies(cards)
+    bodies = _bodies(bulk.cards)
     all_regions = [
-        _region(cards, bodies, regions, card, number, ignored) for number, card in bodies.items()
+        _region(bulk.cards, bodies, regions, card, number, ignored)
+        for number, card in bodies.items()
     ]
     named = [region.elements for region in all_regions if region.elements is not None]
     left = np.setdiff1d(elements, np.concatenate([elements[:0], *named]))
@@ -118,7 +113,7 @@ def friction_of_all_bodies(
             "contact body; add it to a BCPROP or BSURF, or name the pairs by BCTABL1 and BCONECT"
         )
         raise FormatError(message)
-    friction = {_body_friction(cards, card, ignored) for card in bodies.values()} or {0.0}
+    friction = {_body_friction(bulk.cards, card, ignored) for card in bodies.values()} or {0.0}
     if len(friction) > 1:
         message = (
             "case control asks for BCONTACT = ALLBODY, but the bodies have different coefficients "

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.cards import Card, Cards, by_id
-from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.contact_pairs import Pair, region_of, rows
 from faying.io.nastran.contact_parameters import (
     Parameters,
@@ -39,21 +39,18 @@ _GLUE_DISTANCE = 10.0
 
 
 def read_simcenter_pairs(
-    cards: Mapping[str, Cards],
-    control: CaseControl,
-    regions: dict[int, Region],
-    ignored: dict[str, None],
+    bulk: BulkData, regions: dict[int, Region], ignored: dict[str, None]
 ) -> list[Pair]:
     """Read the pairs that BCSET and BGSET select; without a case control section, all of them."""
-    chosen = _chosen(cards, control, _CONTACT, ignored)
-    parameters = {number: _parameters(cards, number, ignored) for number in chosen}
+    chosen = _chosen(bulk, _CONTACT, ignored)
+    parameters = {number: _parameters(bulk.cards, number, ignored) for number in chosen}
     pairs = [
         pair
         for number, cards_of_set in chosen.items()
         for card in cards_of_set
         for pair in _pairs(card, regions, parameters[number])
     ]
-    glue = _chosen(cards, control, _GLUE, ignored)
+    glue = _chosen(bulk, _GLUE, ignored)
     pairs += [
         pair
         for cards_of_set in glue.values()
@@ -61,28 +58,26 @@ def read_simcenter_pairs(
         for pair in _glued(card, regions)
     ]
     for name in ("BGPARM", "BGPARA"):
-        for card in cards.get(name, ()):
+        for card in bulk.cards.get(name, ()):
             card.integer(0)
             read_parameters(card, 1, ignored)
-    _check_offsets(cards, pairs)
+    _check_offsets(bulk.cards, pairs)
     return pairs
 
 
-def _chosen(
-    cards: Mapping[str, Cards], control: CaseControl, kind: _Kind, ignored: dict[str, None]
-) -> dict[int, list[Card]]:
+def _chosen(bulk: BulkData, kind: _Kind, ignored: dict[str, None]) -> dict[int, list[Card]]:
     """Cards of the sets that apply, by id: the selected one, or all without case control."""
     sets: dict[int, list[Card]] = {}
-    for card in cards.get(kind.card, ()):
+    for card in bulk.cards.get(kind.card, ()):
         sets.setdefault(card.integer(0), []).append(card)
     combined: dict[int, list[int]] = {}
-    for number, card in by_id(cards, kind.sums).items():
+    for number, card in by_id(bulk.cards, kind.sums).items():
         combined[number] = id_list(card, card.texts[1:])
         for part in combined[number]:
             card.find(sets, 0, f"{kind.what} set", kind.card, part)
-    selected = control.contact if kind is _CONTACT else control.glue
+    selected = bulk.control.contact if kind is _CONTACT else bulk.control.glue
     numbers, note = chosen_sets(
-        control, selected, [*sets, *combined], f"{kind.what} sets", kind.word
+        bulk.control, selected, [*sets, *combined], f"{kind.what} sets", kind.word
     )
     if note:
         ignored[note] = None

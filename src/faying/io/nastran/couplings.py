@@ -1,13 +1,11 @@
 """RBE3, MPC and MPCADD: averages, and linear equations between components."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from faying._typing import Indices
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.cards import Card, Cards
-from faying.io.nastran.case_control import CaseControl
+from faying.io.nastran.bulk_data import BulkData
+from faying.io.nastran.cards import Card
 from faying.io.nastran.components import components, frame_independent
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
@@ -89,21 +87,19 @@ def _groups(card: Card, texts: list[str]) -> tuple[list[tuple[int, ...]], list[i
     return averaged, ids, weights
 
 
-def read_equations(
-    cards: Mapping[str, Cards], grids: Grids, control: CaseControl, ignored: list[str]
-) -> list[Equation]:
+def read_equations(bulk: BulkData) -> list[Equation]:
     """Read the selected MPC sets.
 
     A component in a displacement coordinate system becomes up to three basic ones. The dependent
     term is then the largest of these that no earlier equation depends on.
     """
-    mpc = cards.get("MPC")
+    mpc = bulk.cards.get("MPC")
     if mpc is None:
-        selected_sets(cards, "MPC", set(), control, ignored)
+        selected_sets(bulk, "MPC", set())
         return []
-    sets = selected_sets(cards, "MPC", set(mpc.integers(0).tolist()), control, ignored)
+    sets = selected_sets(bulk, "MPC", set(mpc.integers(0).tolist()))
     dependent: set[tuple[int, int]] = set()
-    return [_equation(card, grids, dependent) for card in mpc if card.integer(0) in sets]
+    return [_equation(card, bulk.grids, dependent) for card in mpc if card.integer(0) in sets]
 
 
 def _equation(card: Card, grids: Grids, dependent: set[tuple[int, int]]) -> Equation:

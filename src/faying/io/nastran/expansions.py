@@ -7,8 +7,8 @@ import numpy as np
 
 from faying._typing import Vector
 from faying.digits import SOLVED
+from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.cards import Card, Cards
-from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.layers import layers
 from faying.io.nastran.plane_materials import PlaneMaterial
 from faying.model.shells import strain_rotation
@@ -36,13 +36,13 @@ class Expansion:
 NOTHING = Expansion(strains=np.zeros(6), zero=0.0)
 
 
-def check_constant(cards: Mapping[str, Cards], control: CaseControl) -> None:
+def check_constant(bulk: BulkData) -> None:
     """Refuse constants that depend on temperature, where case control asks for them."""
-    if "material" not in control.temperatures:
+    if "material" not in bulk.control.temperatures:
         return
     for name, base in _DEPENDING.items():
-        dependent = {card.integer(0) for card in cards.get(base, ())}
-        for card in cards.get(name, ()):
+        dependent = {card.integer(0) for card in bulk.cards.get(base, ())}
+        for card in bulk.cards.get(name, ()):
             if card.integer(0) in dependent:
                 message = f"{card.where()} at temperatures of TEMPERATURE(BOTH) or (MATERIAL)"
                 raise UnreadError(message)

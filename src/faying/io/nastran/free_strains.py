@@ -12,6 +12,7 @@ import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.io.left_out import IGNORABLE
+from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.expansions import (
     NOTHING,
@@ -21,7 +22,6 @@ from faying.io.nastran.expansions import (
     expansion_of_plate,
     read_expansions,
 )
-from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.moved_supports import ALWAYS
 from faying.io.nastran.plane_materials import PlaneMaterial
@@ -163,13 +163,13 @@ def _thermal(deck: Deck, tightened: Collection[int]) -> Matrix:
     """Return the forces (n_node, 6) of the selected temperatures."""
     cards, grids, assembly = deck.cards, deck.grids, deck.assembly
     control, parents = deck.control, deck.parents
-    check_constant(cards, control)
-    final = _field(cards, grids, control.temperatures["load"], parents)
+    check_constant(deck)
+    final = _field(deck, control.temperatures["load"], parents)
     start = control.temperatures.get("initial")
-    initial = None if start is None else _field(cards, grids, start, parents)
+    initial = None if start is None else _field(deck, start, parents)
     expansions = read_expansions(cards)
     _check_others(cards, expansions)
-    forces = _of_solids(cards, grids, assembly, expansions, initial, final)
+    forces = _of_solids(deck, assembly, expansions, initial, final)
     of_beams = [expansions.get(int(beam.material.name), NOTHING) for beam in assembly.beams]
     ids = np.array([beam.id for beam in assembly.beams], dtype=np.int64)
     ends = np.array([beam.nodes for beam in assembly.beams], dtype=np.int64).reshape(-1, 2)
@@ -206,27 +206,27 @@ def _check_others(cards: Mapping[str, Cards], expansions: Mapping[int, Expansion
                 raise UnreadError(message)
 
 
-def _field(cards: Mapping[str, Cards], grids: Grids, number: int, parents: Indices) -> _Field:
+def _field(bulk: BulkData, number: int, parents: Indices) -> _Field:
     """Read a set of temperatures."""
     for name in UNREAD_TEMPERATURES:
-        for card in cards.get(name, ()):
+        for card in bulk.cards.get(name, ()):
             if card.integer(0) == number:
                 raise UnreadError(card.where())
-    temperatures = np.full(len(grids.ids), np.nan)
+    temperatures = np.full(len(bulk.grids.ids), np.nan)
     listed = False
-    for card in cards.get("TEMPD", ()):
+    for card in bulk.cards.get("TEMPD", ()):
         for field in (0, 2, 4, 6):
             if card.text(field) and card.integer(field) == number:
                 temperatures[:], listed = card.real(field + 1), True
-    if "TEMP" in cards:
-        of_set = cards["TEMP"].take(cards["TEMP"].integers(0) == number)
+    if "TEMP" in bulk.cards:
+        of_set = bulk.cards["TEMP"].take(bulk.cards["TEMP"].integers(0) == number)
         for field in (1, 3, 5):
             these = of_set.take(of_set.given(field))
-            temperatures[grids.of_column(these, field)] = these.reals(field + 1)
+            temperatures[bulk.grids.of_column(these, field)] = these.reals(field + 1)
         listed |= bool(len(of_set))
     elements: dict[int, float] = {}
     for name in ("TEMPP1", "TEMPRB"):
-        for card in cards.get(name, ()):
+        for card in bulk.cards.get(name, ()):
             if card.integer(0) == number:
                 elements.update(_of_elements(card))
     if not listed and not elements:
@@ -250,14 +250,13 @@ def _of_elements(card: Card) -> Iterator[tuple[int, float]]:
 
 
 def _of_solids(
-    cards: Mapping[str, Cards],
-    grids: Grids,
+    bulk: BulkData,
     assembly: Assembly,
     expansions: Mapping[int, Expansion],
     initial: _Field | None,
     final: _Field,
 ) -> Matrix:
-    properties = by_id(cards, "PSOLID")
+    properties = by_id(bulk.cards, "PSOLID")
     forces = np.zeros((len(assembly.mesh.nodes), 6))
     for number, material in assembly.materials.items():
         expansion = expansions.get(int(material.name))
@@ -267,7 +266,7 @@ def _of_solids(
             message = f"property {number} (PCOMPS) of a material that expands"
             raise UnreadError(message)
         system = properties[number].integer(2, 0)
-        along = np.eye(3) if system == 0 else np.asarray(grids.systems.frames[system].axes)
+        along = np.eye(3) if system == 0 else np.asarray(bulk.grids.systems.frames[system].axes)
         at_zero = np.full(len(final.nodes), expansion.zero)
         # What other materials have no temperature for does not matter here.
         used = np.zeros(len(final.nodes), dtype=bool)

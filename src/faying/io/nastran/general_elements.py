@@ -6,7 +6,8 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.bulk_data import BulkData
+from faying.io.nastran.cards import Card
 from faying.io.nastran.components import components
 from faying.io.nastran.grids import Grids
 from faying.model.assembly import Spring
@@ -15,15 +16,15 @@ from faying.model.matrices import rigid_body_motions
 Place = tuple[int, int]
 
 
-def read_general_elements(cards: Mapping[str, Cards], grids: Grids) -> Iterator[Spring]:
+def read_general_elements(bulk: BulkData) -> Iterator[Spring]:
     """Yield springs that make up the stiffness of GENEL, some of them negative.
 
     MSC Nastran Quick Reference Guide, GENEL: forces at u_i are K (u_i - S u_d), K being given or
     the inverse of Z, and S given or that of a rigid body. A symmetric matrix is a spring of -K_ij
     between each two components, and one of the sum of its row from each to the ground.
     """
-    for card in cards.get("GENEL", ()):
-        yield from springs_between(card.integer(0), *_stiffness(card, grids))
+    for card in bulk.cards.get("GENEL", ()):
+        yield from springs_between(card.integer(0), *_stiffness(card, bulk.grids))
 
 
 def springs_between(number: int, places: Sequence[Place], K: Matrix) -> Iterator[Spring]:

@@ -66,8 +66,8 @@ def read_joint(
 
 def _described(deck: Deck) -> JointDescription:
     thin = [np.empty(0, dtype=np.int64), *(block.ids for block in deck.assembly.shells)]
-    regions = read_regions(deck.cards, deck.grids, deck.solids, np.concatenate(thin))
-    cut = cut_bolts(deck.cards, deck.grids, deck.assembly, deck.control, deck.moved, deck.ignored)
+    regions = read_regions(deck, deck.solids, np.concatenate(thin))
+    cut = cut_bolts(deck, deck.assembly, deck.moved)
     cuts = [*cut.cuts.values()]
     parents = deck.parents[origins(cut.assembly.mesh, cuts)]
     deck = replace(deck, assembly=cut.assembly, parents=parents)
@@ -76,13 +76,13 @@ def _described(deck: Deck) -> JointDescription:
     }
     notes: dict[str, None] = {}
     pairs = [
-        *read_simcenter_pairs(deck.cards, deck.control, regions, notes),
-        *read_msc_pairs(deck.cards, deck.control, regions, notes),
+        *read_simcenter_pairs(deck, regions, notes),
+        *read_msc_pairs(deck, regions, notes),
     ]
     check_distinct(pairs)
     pairs, gaps = with_shell_sides(pairs, deck.assembly, deck.thicknesses, notes)
     ids = deck.assembly.mesh.element_ids
-    everything = friction_of_all_bodies(deck.cards, deck.control, regions, ids, notes)
+    everything = friction_of_all_bodies(deck, regions, ids, notes)
     if everything is not None and cuts:
         message = (
             "BCONTACT of all bodies and bolts of solids: the sides of their cuts would touch too; "
@@ -92,7 +92,7 @@ def _described(deck: Deck) -> JointDescription:
     assembly = close_cuts(_with_regions(deck, regions, pairs), cuts)
     springs = assembly.springs[len(assembly.springs) - len(cuts) :]
     closing = {number: item.id for number, item in zip(cut.cuts, springs, strict=True)}
-    bolts, preloads = read_bolts(deck.cards, assembly.beams, closing, deck.control, deck.ignored)
+    bolts, preloads = read_bolts(deck, assembly.beams, closing)
     preloads |= {f"bolt-{number}": force for number, force in cut.preloads.items()}
     assembly = with_free_strains(replace(deck, assembly=assembly), bolts)
     deck = replace(deck, assembly=assembly)

@@ -4,6 +4,7 @@ from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass
 
 from faying.io.nastran import fields as numbers
+from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.cards import Card, Cards
 
 SHELL_PROPERTIES = ("PSHELL", "PCOMP", "PCOMPG", "PSHEAR")
@@ -76,18 +77,14 @@ def materials_of_shells(cards: Mapping[str, Cards]) -> frozenset[int]:
 
 
 def named_materials(
-    cards: Mapping[str, Cards],
-    name: str,
-    named: Container[int],
-    defined: Container[int],
-    ignored: list[str],
+    bulk: BulkData, name: str, named: Container[int], defined: Container[int]
 ) -> Iterator[tuple[int, Card]]:
     """Yield the materials that properties name by id, and note the others.
 
     ``defined`` are those that exist already; what is read of this name is to be added to it.
     """
     unnamed = 0
-    for card in cards.get(name, ()):
+    for card in bulk.cards.get(name, ()):
         number = card.integer(0)
         if number not in named:
             unnamed += 1
@@ -96,4 +93,4 @@ def named_materials(
             card.refuse(f"material {number} is defined twice; renumber one")
         yield number, card
     if unnamed:
-        ignored.append(f"{unnamed} {name} that no property names")
+        bulk.ignored.append(f"{unnamed} {name} that no property names")

@@ -6,6 +6,7 @@ from math import pi
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
+from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.fields import SHORT_DIGITS
 from faying.io.nastran.grids import Grids
@@ -22,34 +23,27 @@ _Load = tuple[int, Indices, Matrix]
 """Load set, nodes (n,), forces and moments (n, 6)."""
 
 
-def read_loads(
-    cards: Mapping[str, Cards],
-    grids: Grids,
-    structure: Assembly,
-    chosen: int | None,
-    moving: Moving,
-    ignored: list[str],
-) -> dict[str, NodalLoads]:
+def read_loads(bulk: BulkData, structure: Assembly, moving: Moving) -> dict[str, NodalLoads]:
     """Read load sets; the one case control selects comes first.
 
     A set that uses a kind of load that is not supported is left out, with a note. The structure has
     all elements, whose mass GRAV and RFORCE act on; ``moving`` moves supports.
     """
-    places = structure.mesh.nodes
-    spoiled = {**moving.unread, **_unsupported(cards)}
-    nodal = [*_on_grids(cards, grids), *_on_scalar_points(cards, grids, spoiled)]
-    nodal += read_pressures(cards, grids, structure)
-    nodal += read_directed_loads(cards, grids, structure)
+    places, chosen = structure.mesh.nodes, bulk.control.load
+    spoiled = {**moving.unread, **_unsupported(bulk.cards)}
+    nodal = [*_on_grids(bulk), *_on_scalar_points(bulk, spoiled)]
+    nodal += read_pressures(bulk, structure)
+    nodal += read_directed_loads(bulk, structure)
     loads = [load for part in nodal for load in _by_set(*part)]
     loads += [(number, *_loaded(forces)) for number, forces in moving.by_load.items()]
-    along = read_line_loads(cards, places, structure.beams, spoiled)
+    along = read_line_loads(bulk.cards, places, structure.beams, spoiled)
     loads += [load for part in along for load in _by_set(*part)]
-    accelerations = read_accelerations(cards, grids, places, structure.masses, spoiled)
+    accelerations = read_accelerations(bulk, places, structure.masses, spoiled)
     loads += [(n, *_loaded(body_forces(structure, motion))) for n, motion in accelerations]
     parts: dict[int, list[tuple[Indices, Matrix]]] = {}
     for number, nodes, forces in loads:
         parts.setdefault(number, []).append((nodes, forces))
-    for card in cards.get("LOAD", ()):
+    for card in bulk.cards.get("LOAD", ()):
         number = card.integer(0)
         combined: list[tuple[Indices, Matrix]] = []
         for factor, member, field in card.combination():
@@ -64,10 +58,12 @@ def read_loads(
             card.refuse(f"load set {number} also has cards of its own; give the LOAD another id")
         parts[number] = combined
     for number, reason in spoiled.items():
-        ignored.append(f"load set {number} ({reason} is not supported)")
+        bulk.ignored.append(f"load set {number} ({reason} is not supported)")
         parts.pop(number, None)
     if chosen is not None and chosen not in parts and chosen not in spoiled:
-        ignored.append(f"case control LOAD = {chosen} (no load of the deck that is read has it)")
+        bulk.ignored.append(
+            f"case control LOAD = {chosen} (no load of the deck that is read has it)"
+        )
     always = [_loaded(moving.always)] if moving.always.any() else []
     if chosen in parts:
         parts[chosen] += always
@@ -89,12 +85,16 @@ def _by_set(sets: Indices, nodes: Indices, forces: Matrix) -> Iterator[_Load]:
         yield number, nodes[sets == number], forces[sets == number]
 
 
-def _on_grids(cards: Mapping[str, Cards], grids: Grids) -> Iterator[Part]:
+def _on_grids(bulk: BulkData) -> Iterator[Part]:
     """FORCE and MOMENT: a size times a vector along a coordinate system."""
-    for loads, first in ((cards[n], j) for n, j in (("FORCE", 0), ("MOMENT", 3)) if n in cards):
-        nodes = grids.of_column(loads, 1)
+    for loads, first in (
+        (bulk.cards[n], j) for n, j in (("FORCE", 0), ("MOMENT", 3)) if n in bulk.cards
+    ):
+        nodes = bulk.grids.of_column(loads, 1)
         vectors = np.stack([loads.reals(j, 0.0) for j in (4, 5, 6)], axis=1)
-        axes = grids.systems.directions_at(loads, 2, np.arange(len(loads)), grids.nodes[nodes])
+        axes = bulk.grids.systems.directions_at(
+            loads, 2, np.arange(len(loads)), bulk.grids.nodes[nodes]
+        )
         forces = np.zeros((len(loads), 6))
         forces[:, first : first + 3] = np.einsum(
             "ni,nij->nj", vectors * loads.reals(3)[:, None], axes
@@ -103,15 +103,13 @@ def _on_grids(cards: Mapping[str, Cards], grids: Grids) -> Iterator[Part]:
         yield loads.integers(0), nodes, forces
 
 
-def _on_scalar_points(
-    cards: Mapping[str, Cards], grids: Grids, unread: dict[int, str]
-) -> Iterator[Part]:
+def _on_scalar_points(bulk: BulkData, unread: dict[int, str]) -> Iterator[Part]:
     """SLOAD: pairs of a scalar point and its load."""
-    for first in (1, 3, 5) if "SLOAD" in cards else ():
-        these = cards["SLOAD"].take(cards["SLOAD"].given(first))
-        nodes = grids.of_column(these, first)
-        for i in np.flatnonzero(nodes < len(grids.ids) - grids.n_scalar).tolist():
-            reason = f"{these.where(i)} on GRID {grids.ids[nodes[i]]}, which is no SPOINT,"
+    for first in (1, 3, 5) if "SLOAD" in bulk.cards else ():
+        these = bulk.cards["SLOAD"].take(bulk.cards["SLOAD"].given(first))
+        nodes = bulk.grids.of_column(these, first)
+        for i in np.flatnonzero(nodes < len(bulk.grids.ids) - bulk.grids.n_scalar).tolist():
+            reason = f"{these.where(i)} on GRID {bulk.grids.ids[nodes[i]]}, which is no SPOINT,"
             unread.setdefault(int(these.integers(0)[i]), reason)
         forces = np.zeros((len(these), 6))
         forces[:, 0] = these.reals(first + 1)
@@ -140,11 +138,7 @@ def _merged(parts: list[tuple[Indices, Matrix]]) -> NodalLoads:
 
 
 def read_accelerations(
-    cards: Mapping[str, Cards],
-    grids: Grids,
-    nodes: Matrix,
-    masses: Sequence[PointMass],
-    unread: dict[int, str],
+    bulk: BulkData, nodes: Matrix, masses: Sequence[PointMass], unread: dict[int, str]
 ) -> Iterator[tuple[int, Matrix]]:
     """Yield load set and accelerations (n_node, 3) of each card.
 
@@ -153,17 +147,17 @@ def read_accelerations(
     mass. Load sets of cards that are not represented are added to ``unread``, with what is not read
     of them.
     """
-    for card in cards.get("GRAV", ()):
-        vector = _basic(card, 1, [card.real(j, 0.0) for j in (3, 4, 5)], grids)
+    for card in bulk.cards.get("GRAV", ()):
+        vector = _basic(card, 1, [card.real(j, 0.0) for j in (3, 4, 5)], bulk.grids)
         if vector is None:
             reason = f"{card.where()} in a system that turns"
             unread.setdefault(card.integer(0), reason)
         else:
             yield card.integer(0), np.tile(card.real(2) * vector, (len(nodes), 1))
-    for card in cards.get("RFORCE", ()):
+    for card in bulk.cards.get("RFORCE", ()):
         number, speed = card.integer(0), 2 * pi * card.real(3, 0.0)
-        axis = _basic(card, 2, [card.real(j, 0.0) for j in (4, 5, 6)], grids)
-        point = grids.nodes[grids.one(card, 1)] if card.integer(1, 0) else np.zeros(3)
+        axis = _basic(card, 2, [card.real(j, 0.0) for j in (4, 5, 6)], bulk.grids)
+        point = bulk.grids.nodes[bulk.grids.one(card, 1)] if card.integer(1, 0) else np.zeros(3)
         if any(any(mass.offset) for mass in masses):
             unread.setdefault(number, f"{card.where()} of CONM2 that are offset")
         elif (

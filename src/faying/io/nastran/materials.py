@@ -5,6 +5,7 @@ from collections.abc import Mapping
 
 from faying.exceptions import ModelError
 from faying.io.nastran import fields as numbers
+from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.layers import materials_of_layered_solids, materials_of_shells
 from faying.model.assembly import Material
@@ -25,9 +26,7 @@ MATERIALS = frozenset(
 """Cards of materials that are not isotropic and linear, or of what makes MAT1 so, by its id."""
 
 
-def read_materials(
-    cards: Mapping[str, Cards], mass_factor: float, ignored: list[str]
-) -> tuple[dict[int, Material], dict[int, float]]:
+def read_materials(bulk: BulkData) -> tuple[dict[int, Material], dict[int, float]]:
     """Return the materials that are used, by id; densities are multiplied by PARAM,WTMASS.
 
     Two of E, G, NU are given, or E alone with NU = 0. Where all three are and contradict each
@@ -42,9 +41,9 @@ def read_materials(
     damped = 0
     contradicting: list[int] = []
     single: list[int] = []
-    named, shells = materials_named(cards), materials_of_shells(cards)
-    only_lines = named - _named_by_bodies(cards)
-    for card in cards.get("MAT1", ()):
+    named, shells = materials_named(bulk.cards), materials_of_shells(bulk.cards)
+    only_lines = named - _named_by_bodies(bulk.cards)
+    for card in bulk.cards.get("MAT1", ()):
         number = card.integer(0)
         if number not in named:
             continue
@@ -69,7 +68,7 @@ def read_materials(
             materials[number] = Material(
                 youngs_modulus=youngs,
                 poissons_ratio=poisson,
-                density=card.real(4, 0.0) * mass_factor,
+                density=card.real(4, 0.0) * bulk.mass_factor,
                 name=str(number),
                 expansion=card.real(5) if card.text(5) else None,
             )
@@ -77,15 +76,15 @@ def read_materials(
             raise card.error(str(error)) from error
         damped += card.real(7, 0.0) != 0.0
     if damped:
-        ignored.append(f"structural damping GE of {damped} MAT1 (give [damping] in the study)")
+        bulk.ignored.append(f"structural damping GE of {damped} MAT1 (give [damping] in the study)")
     if contradicting:
-        ignored.append(
+        bulk.ignored.append(
             f"E, G and NU of MAT1 {_listed(contradicting)} contradict each other by more than 1 %: "
             "as in Nastran solids and membranes of shells have E and NU, transverse shear and "
             "torsion of lines G"
         )
     if single:
-        ignored.append(
+        bulk.ignored.append(
             f"MAT1 {_listed(single)} with E alone: as in Nastran NU is 0, and G is 0 for torsion "
             "and shear of lines"
         )

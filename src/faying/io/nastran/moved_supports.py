@@ -13,9 +13,8 @@ import numpy as np
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.exceptions import FormatError
 from faying.io.moved_supports import Place, moved_note, with_moved_supports
+from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.cards import Cards
-from faying.io.nastran.case_control import CaseControl
-from faying.io.nastran.grids import Grids
 from faying.model.assembly import Assembly
 
 ALWAYS = "spc"
@@ -95,7 +94,7 @@ class Moving(NamedTuple):
     unread: Mapping[int, str]
 
 
-def displacements(cards: Cards, grids: Grids, control: CaseControl) -> list[Displacement]:
+def displacements(bulk: BulkData, cards: Cards) -> list[Displacement]:
     """Return the displacements other than zero of SPC, and all of SPCD."""
     moves = []
     for first in (1, 4):
@@ -103,7 +102,7 @@ def displacements(cards: Cards, grids: Grids, control: CaseControl) -> list[Disp
         values = these.reals(first + 2, 0.0)
         if cards.name == "SPC":
             these, values = these.take(values != 0), values[values != 0]
-        if len(these) and control.heat:
+        if len(these) and bulk.control.heat:
             these.refuse(
                 0,
                 "a temperature, for the analysis is one of heat transfer; no temperatures are "
@@ -111,12 +110,12 @@ def displacements(cards: Cards, grids: Grids, control: CaseControl) -> list[Disp
                 first + 2,
             )
         nodes, sets, digits = (
-            grids.of_column(these, first),
+            bulk.grids.of_column(these, first),
             these.integers(0),
             these.words(first + 1),
         )
         for i, node in enumerate(nodes.tolist()):
-            chosen = grids.components(
+            chosen = bulk.grids.components(
                 nodes[i : i + 1],
                 digits[i],
                 lambda text, i=i: these.error(i, text, first + 1),  # type: ignore[misc]  # noqa: B023
@@ -128,13 +127,7 @@ def displacements(cards: Cards, grids: Grids, control: CaseControl) -> list[Disp
     return moves
 
 
-def read_moved(
-    cards: Mapping[str, Cards],
-    grids: Grids,
-    control: CaseControl,
-    by_support: Sequence[Displacement],
-    fixed: Mask,
-) -> Moved:
+def read_moved(bulk: BulkData, by_support: Sequence[Displacement], fixed: Mask) -> Moved:
     """Return what moves; load sets that move what nothing holds belong to other supports.
 
     The selected SPC displace ``by_support``, and hold with SPC1 what is fixed (n_node, 6).
@@ -143,15 +136,15 @@ def read_moved(
     for move in by_support:
         if always.setdefault(move.dof, move.value) != move.value:
             text = (
-                f"{move.where}: GRID {grids.ids[move.dof[0]]} is moved along component "
+                f"{move.where}: GRID {bulk.grids.ids[move.dof[0]]} is moved along component "
                 f"{move.dof[1] + 1} by another SPC too; remove one"
             )
             raise FormatError(text)
     by_load: dict[int, dict[Place, float]] = {}
     unread: dict[int, str] = {}
-    for move in displacements(cards["SPCD"], grids, control) if "SPCD" in cards else ():
+    for move in displacements(bulk, bulk.cards["SPCD"]) if "SPCD" in bulk.cards else ():
         node, component = move.dof
-        location = f"GRID {grids.ids[node]} along component {component + 1}"
+        location = f"GRID {bulk.grids.ids[node]} along component {component + 1}"
         if not fixed[move.dof]:
             unread.setdefault(
                 move.number, f"{move.where} moves {location}, where no selected SPC holds it; that"
@@ -166,9 +159,7 @@ def read_moved(
     )
 
 
-def with_moving(
-    assembly: Assembly, grids: Grids, moved: Moved, ignored: list[str]
-) -> tuple[Assembly, Moving]:
+def with_moving(bulk: BulkData, assembly: Assembly, moved: Moved) -> tuple[Assembly, Moving]:
     """Return the assembly with springs where supports move, and what moves them.
 
     Raises
@@ -190,7 +181,7 @@ def with_moving(
     axes = {
         node: axes_of_node
         for node in nodes
-        if (axes_of_node := grids.systems.axes(node)) is not None
+        if (axes_of_node := bulk.grids.systems.axes(node)) is not None
     }
     assembly, forces = with_moved_supports(assembly, courses, len(numbers) + 1, axes)
     if not np.isfinite(forces).all():
@@ -200,6 +191,6 @@ def with_moving(
     always = f"the selected load set, or load '{ALWAYS}' without one that is read,"
     for moving, cause, loads in (([moved.always], "SPC", always), (every, "SPCD", "load sets")):
         if count := len({dof for displaced in moving for dof in displaced}):
-            ignored.append(moved_note(count, cause, loads))
+            bulk.ignored.append(moved_note(count, cause, loads))
     by_load = dict(zip(numbers, forces[1:], strict=True))
     return assembly, Moving(always=forces[0], by_load=by_load, unread=moved.unread)

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Matrix
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.bulk_data import BulkData
+from faying.io.nastran.cards import Card
 from faying.io.nastran.layers import materials_of_shells, named_materials
 from faying.model.assembly import Material
 from faying.model.shells import plane_stress
@@ -31,11 +32,7 @@ class PlaneMaterial:
 
 
 def read_plane_materials(
-    cards: Mapping[str, Cards],
-    materials: Mapping[int, Material],
-    factors: Mapping[int, float],
-    mass_factor: float,
-    ignored: list[str],
+    bulk: BulkData, materials: Mapping[int, Material], factors: Mapping[int, float]
 ) -> dict[int, PlaneMaterial]:
     """Return the materials of shells by id.
 
@@ -50,10 +47,10 @@ def read_plane_materials(
         )
         for number, material in materials.items()
     }
-    named = materials_of_shells(cards)
+    named = materials_of_shells(bulk.cards)
     for name, read in (("MAT2", _anisotropic), ("MAT8", _orthotropic)):
-        for number, card in named_materials(cards, name, named, by_number, ignored):
-            by_number[number] = read(card, mass_factor)
+        for number, card in named_materials(bulk, name, named, by_number):
+            by_number[number] = read(card, bulk.mass_factor)
     return by_number
 
 

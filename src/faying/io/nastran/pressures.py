@@ -8,13 +8,14 @@ to G2 and G3 to G4; PLOAD acts along the normal of its grids, PLOAD2 along that 
 by the right-hand rule.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix
 from faying.interface.facets import gauss_rule, shape_functions
 from faying.io.element_faces import face_areas, find_faces, nodal_forces, on_blocks
+from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
@@ -34,28 +35,28 @@ def part_of_faces(cards: Cards, rows: Indices, table: Indices, forces: Matrix) -
     return sets, table.ravel(), np.hstack([forces.reshape(-1, 3), np.zeros((table.size, 3))])
 
 
-def read_pressures(cards: Mapping[str, Cards], grids: Grids, structure: Assembly) -> Iterator[Part]:
+def read_pressures(bulk: BulkData, structure: Assembly) -> Iterator[Part]:
     """Yield the forces of all PLOAD4.
 
     On shells pressure acts along the normal of the element, and THRU names a range of them.
     """
-    if "PLOAD4" not in cards:
+    if "PLOAD4" not in bulk.cards:
         return
-    loads, mesh = cards["PLOAD4"], structure.mesh
+    loads, mesh = bulk.cards["PLOAD4"], structure.mesh
     shell_ids = np.sort(np.concatenate([loads.index[:0], *(b.ids for b in structure.shells)]))
     of_shells = np.isin(loads.integers(1), shell_ids)
     of_shells |= np.array([word == "THRU" for word in loads.words(6)])
     if of_shells.any():
-        yield from _on_shells(loads.take(of_shells), grids, structure)
+        yield from _on_shells(loads.take(of_shells), bulk.grids, structure)
     solids = loads.take(~of_shells)
     if not len(solids):
         return
-    faces, first_corner = _faces(solids, grids, mesh.blocks)
+    faces, first_corner = _faces(solids, bulk.grids, mesh.blocks)
     pressures = _pressures(solids)
     for kind, rows in rows_by_kind(faces).items():
         table = faces[rows, : FACES[kind].n_nodes]
         values = _turned(kind, pressures[rows], first_corner[rows])
-        forces = _forces(kind, mesh.nodes[table], values, -1.0, solids, rows, grids)
+        forces = _forces(kind, mesh.nodes[table], values, -1.0, solids, rows, bulk.grids)
         yield part_of_faces(solids, rows, table, forces)
 
 
@@ -185,20 +186,18 @@ def _forces(
     return nodal_forces(kind, traction)
 
 
-def read_directed_loads(
-    cards: Mapping[str, Cards], grids: Grids, structure: Assembly
-) -> Iterator[Part]:
+def read_directed_loads(bulk: BulkData, structure: Assembly) -> Iterator[Part]:
     """Yield load sets (n,), nodes (n,) and forces and moments (n, 6)."""
     for name, first in (("FORCE1", 0), ("MOMENT1", 3), ("FORCE2", 0), ("MOMENT2", 3)):
-        if name in cards:
-            vectors = np.zeros((len(cards[name]), 6))
-            vectors[:, first : first + 3] = _along_grids(cards[name], grids)
-            cards[name].check_finite(vectors)
-            yield cards[name].integers(0), grids.of_column(cards[name], 1), vectors
-    if "PLOAD" in cards:
-        yield from _on_grids(cards["PLOAD"], grids)
-    if "PLOAD2" in cards:
-        yield from _along_shells(cards["PLOAD2"], structure)
+        if name in bulk.cards:
+            vectors = np.zeros((len(bulk.cards[name]), 6))
+            vectors[:, first : first + 3] = _along_grids(bulk.cards[name], bulk.grids)
+            bulk.cards[name].check_finite(vectors)
+            yield bulk.cards[name].integers(0), bulk.grids.of_column(bulk.cards[name], 1), vectors
+    if "PLOAD" in bulk.cards:
+        yield from _on_grids(bulk.cards["PLOAD"], bulk.grids)
+    if "PLOAD2" in bulk.cards:
+        yield from _along_shells(bulk.cards["PLOAD2"], structure)
 
 
 def _along_grids(cards: Cards, grids: Grids) -> Matrix:

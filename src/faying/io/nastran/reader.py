@@ -13,6 +13,7 @@ from faying.io.left_out import Occurrence
 from faying.io.nastran.beam_ends import BeamEnds
 from faying.io.nastran.beams import read_beams, read_warping
 from faying.io.nastran.bends import read_bends
+from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.bushes import read_bushes
 from faying.io.nastran.card_table import FIELDS
 from faying.io.nastran.cards import Cards
@@ -96,13 +97,11 @@ _READ = frozenset((*FIELDS, *UNSUPPORTED, *UNREAD_TEMPERATURES))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Deck:
+class Deck(BulkData):
     """A deck in parts: the structure, and what readers of contact and bolts need besides.
 
     Attributes
     ----------
-    ignored
-        Notes so far; readers append theirs.
     ignore
         What is left out on request: words of :data:`faying.io.left_out.IGNORABLE`.
     moved
@@ -115,15 +114,11 @@ class Deck:
         Of shells, by property.
     """
 
-    cards: Mapping[str, Cards]
-    control: CaseControl
-    grids: Grids
     solids: Solids
     assembly: Assembly
     parents: Indices
     plane: Mapping[int, PlaneMaterial]
     thicknesses: Mapping[int, float]
-    ignored: list[str]
     ignore: frozenset[str] = frozenset()
     moved: Moved = field(default_factory=Moved)
 
@@ -136,8 +131,7 @@ def read_parts(
     """Read the structure of a deck; see :func:`faying.io.nastran.read_deck`."""
     path = Path(path)
     source = read_source(path)
-    bulk = read_cards(source.bulk)
-    cards = bulk.cards()
+    cards = read_cards(source.bulk).cards()
     ignored: list[str] = []
     control = read_case_control(source.control, ignored, subcase)
     _check_supported(cards, control, ignored, ignore, path)
@@ -149,29 +143,32 @@ def read_parts(
         grids = read_grids(cards)
         if count := grids.systems.n_on_axis:
             ignored.append(f"{count} {ON_AXIS}")
+        bulk = BulkData(
+            cards=cards, control=control, grids=grids, mass_factor=factor, ignored=ignored
+        )
         if not np.isfinite(grids.nodes).all():
             message = f"{path}: coordinates are too large for a number; check the units"
             raise FormatError(message)
-        materials, factors = read_materials(cards, factor, ignored)
-        directed = read_anisotropic(cards, materials_of_solids(cards), materials, factor, ignored)
+        materials, factors = read_materials(bulk)
+        directed = read_anisotropic(bulk, materials_of_solids(cards), materials)
         straight = StraightSides(places=grids.nodes, ids=grids.ids)
-        solids = read_solids(cards, grids, {**materials, **directed}, straight, ignored)
+        solids = read_solids(bulk, {**materials, **directed}, straight)
         heavy = any(item.density > 0 for item in {**materials, **directed}.values())
         if control.present and heavy and lumps_masses(cards, parameters):
             ignored.append(LUMPED)
         check_element_ids([cards[name] for name in ELEMENTS if name in cards])
         check_element_ids([cards[name] for name in RIGID if name in cards])
         by_property = element_sets(solids.blocks)
-        node_sets, more_sets = read_sets(cards, grids, by_property, ignored)
-        plane = read_plane_materials(cards, materials, factors, factor, ignored)
-        laminates = read_shell_properties(cards, plane, factor, ignored)
-        shells = read_shells(cards, grids, laminates, straight, ignored)
-        rigid, rigid_equations = read_rigid_elements(cards, grids)
-        sections = read_sections(cards, materials, factors, factor, ignored)
+        node_sets, more_sets = read_sets(bulk, by_property)
+        plane = read_plane_materials(bulk, materials, factors)
+        laminates = read_shell_properties(bulk, plane)
+        shells = read_shells(bulk, laminates, straight)
+        rigid, rigid_equations = read_rigid_elements(bulk)
+        sections = read_sections(bulk, materials, factors)
         ends = BeamEnds(first=len(grids.ids) + len(straight.node_ids))
-        beams = read_beams(cards, grids, sections, ends)
-        springs, turned = read_springs(cards, grids, ignored)
-        supports, moved = read_supports(cards, grids, control, ignored)
+        beams = read_beams(bulk, sections, ends)
+        springs, turned = read_springs(bulk)
+        supports, moved = read_supports(bulk)
         ids = np.concatenate([grids.ids, straight.node_ids])
         mesh = Mesh(
             nodes=np.vstack([grids.nodes, straight.nodes, ends.nodes]),
@@ -184,44 +181,45 @@ def read_parts(
             mesh=mesh,
             materials=solids.materials,
             element=solids.element,
-            beams=(*beams, *read_rods(cards, grids, materials, factors, factor)),
+            beams=(*beams, *read_rods(bulk, materials, factors)),
             shells=shells.blocks,
             shell_sections=shells.sections,
             springs=(
                 *springs,
-                *read_general_elements(cards, grids),
-                *read_warping(cards, grids, sections["CBEAM"], {item.id: item for item in beams}),
+                *read_general_elements(bulk),
+                *read_warping(bulk, sections["CBEAM"], {item.id: item for item in beams}),
             ),
             bushes=(
                 *turned,
-                *read_bushes(cards, grids, factor, ignored),
-                *read_bends(cards, grids, materials, factors, factor, ignored),
+                *read_bushes(bulk),
+                *read_bends(bulk, materials, factors),
             ),
-            scalar_masses=tuple(read_scalar_masses(cards, grids, factor)),
+            scalar_masses=tuple(read_scalar_masses(bulk)),
             rigid_couplings=(*rigid, *ends.couplings),
             average_couplings=tuple(read_average_coupling(c, grids) for c in cards.get("RBE3", ())),
             equations=(
                 *straight.equations(),
                 *rigid_equations,
-                *read_shell_to_solid(cards, grids, solids, shells.blocks),
+                *read_shell_to_solid(bulk, solids, shells.blocks),
                 *ends.equations,
-                *read_equations(cards, grids, control, ignored),
+                *read_equations(bulk),
             ),
             supports=tuple(supports),
             name=path.stem,
         )
-        masses = without_rotation(read_masses(cards, grids, factor), assembly, ignored)
+        masses = without_rotation(read_masses(bulk), assembly, ignored)
         assembly = replace(assembly, masses=masses)
-        sides = read_panel_sides(cards, grids, materials, assembly.largest_id + 1)
+        sides = read_panel_sides(bulk, materials, assembly.largest_id + 1)
         assembly = replace(assembly, beams=(*assembly.beams, *sides))
-        resting = moved.without(control_grids(cards, grids))
-        assembly, moving = with_moving(assembly, grids, resting, ignored)
-        loads = read_loads(cards, grids, assembly, control.load, moving, ignored)
+        resting = moved.without(control_grids(bulk))
+        assembly, moving = with_moving(bulk, assembly, resting)
+        loads = read_loads(bulk, assembly, moving)
         assembly = replace(assembly, loads=loads)
     return Deck(
         cards=cards,
         control=control,
         grids=grids,
+        mass_factor=factor,
         solids=solids,
         assembly=assembly,
         parents=_parents(grids, straight, ends),

@@ -4,7 +4,7 @@ Simcenter Nastran Quick Reference Guide, BSURFS: an element and three corner gri
 BSURF and BCPROP(S) name elements and properties, whose exterior faces are the region.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,7 +12,8 @@ import numpy as np
 from faying._typing import Indices, Mask
 from faying.io.element_faces import find_faces, numbered_faces
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.bulk_data import BulkData
+from faying.io.nastran.cards import Card
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.solids import SOLID_CARDS, Solids
@@ -66,14 +67,12 @@ _SIDES = {f"S{number}": number for number in range(1, 7)}
 """Sides of CHEXA that BCSURF names."""
 
 
-def read_regions(
-    cards: Mapping[str, Cards], grids: Grids, solids: Solids, shells: Indices
-) -> dict[int, Region]:
+def read_regions(bulk: BulkData, solids: Solids, shells: Indices) -> dict[int, Region]:
     """Read contact regions by id, BCSURF, which are contact bodies, by the negative of theirs."""
     regions: dict[int, Region] = {}
     ids = np.concatenate([np.zeros(0, dtype=np.int64), *(block.ids for block in solids.blocks)])
     properties = np.concatenate([ids[:0], *(block.properties for block in solids.blocks)])
-    for card in cards.get("BSURF", ()):
+    for card in bulk.cards.get("BSURF", ()):
         both = np.sort(np.concatenate([ids, shells]))
         listed = np.array(id_list(card, card.texts[1:], both), dtype=np.int64)
         region = Region(card=card, name=f"bsurf:{card.integer(0)}")
@@ -83,16 +82,16 @@ def read_regions(
             card.refuse("a contact region of shells and solids; give each its own region")
         _add(regions, card, region)
     for name in ("BCPROP", "BCPROPS"):
-        for card in cards.get(name, ()):
+        for card in bulk.cards.get(name, ()):
             listed = np.array(id_list(card, card.texts[1:], np.unique(properties)), dtype=np.int64)
             chosen = ids[np.isin(properties, listed)]
             _add(
                 regions, card, Region(card=card, name=f"bcprop:{card.integer(0)}", elements=chosen)
             )
-    for card in cards.get("BSURFS", ()):
-        facets = _facets(card, grids, solids)
+    for card in bulk.cards.get("BSURFS", ()):
+        facets = _facets(card, bulk.grids, solids)
         _add(regions, card, Region(card=card, name=f"bsurfs:{card.integer(0)}", facets=facets))
-    for card in cards.get("BCSURF", ()):
+    for card in bulk.cards.get("BCSURF", ()):
         facets = _sides(card, solids)
         regions[-card.integer(0)] = Region(
             card=card, name=f"bcsurf:{card.integer(0)}", facets=facets

@@ -5,14 +5,15 @@ equations u_d = D A⁻¹ u_i. RBE2, the case of one independent node, is a coupl
 single components are tied in a displacement system that is not the basic one.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import scipy.linalg
 
 from faying._typing import Indices, Matrix, Vector
 from faying.digits import ROUND_OFF, SOLVED
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.bulk_data import BulkData
+from faying.io.nastran.cards import Card
 from faying.io.nastran.components import components, frame_independent
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
@@ -25,39 +26,37 @@ Place = tuple[int, int]
 _RIGID = 6
 
 
-def read_rigid_elements(
-    cards: Mapping[str, Cards], grids: Grids
-) -> tuple[list[RigidCoupling], list[Equation]]:
+def read_rigid_elements(bulk: BulkData) -> tuple[list[RigidCoupling], list[Equation]]:
     """Read RBE2, RBAR, RBE1, RROD and RTRPLT; thermal coefficients at their ends are left out."""
     couplings: list[RigidCoupling] = []
     equations: list[Equation] = []
-    for card in cards.get("RBE2", ()):
-        reference, nodes, chosen = _rbe2(card, grids)
-        turned = np.array([not _plain(node, chosen, grids) for node in nodes.tolist()])
+    for card in bulk.cards.get("RBE2", ()):
+        reference, nodes, chosen = _rbe2(card, bulk.grids)
+        turned = np.array([not _plain(node, chosen, bulk.grids) for node in nodes.tolist()])
         if not turned.all():
             couplings.append(_coupling(card, reference, nodes[~turned], chosen))
         if turned.any():
             free = [(reference, c) for c in range(6)]
             for node in nodes[turned].tolist():
-                equations += rigid_equations(card, free, [(node, c) for c in chosen], grids)
-    for card in cards.get("RBAR", ()):
-        ends = [grids.one(card, 1), grids.one(card, 2)]
+                equations += rigid_equations(card, free, [(node, c) for c in chosen], bulk.grids)
+    for card in bulk.cards.get("RBAR", ()):
+        ends = [bulk.grids.one(card, 1), bulk.grids.one(card, 2)]
         free, tied = _sides(card, ends, 3)
         if free == [(ends[0], c) for c in range(6)] or free == [(ends[1], c) for c in range(6)]:
             dependent = ends[1] if free[0][0] == ends[0] else ends[0]
             chosen = tuple(c for node, c in tied if node == dependent)
-            if _plain(dependent, chosen, grids):
+            if _plain(dependent, chosen, bulk.grids):
                 couplings.append(_coupling(card, free[0][0], np.array([dependent]), chosen))
                 continue
-        equations += rigid_equations(card, free, tied, grids)
-    for card in cards.get("RTRPLT", ()):
-        corners = [grids.one(card, field) for field in (1, 2, 3)]
+        equations += rigid_equations(card, free, tied, bulk.grids)
+    for card in bulk.cards.get("RTRPLT", ()):
+        corners = [bulk.grids.one(card, field) for field in (1, 2, 3)]
         free, tied = _sides(card, corners, 4)
-        equations += rigid_equations(card, free, tied, grids)
-    for card in cards.get("RBE1", ()):
-        equations += rigid_equations(card, *_rbe1(card, grids), grids)
-    for card in cards.get("RROD", ()):
-        equations.append(_rrod(card, grids))
+        equations += rigid_equations(card, free, tied, bulk.grids)
+    for card in bulk.cards.get("RBE1", ()):
+        equations += rigid_equations(card, *_rbe1(card, bulk.grids), bulk.grids)
+    for card in bulk.cards.get("RROD", ()):
+        equations.append(_rrod(card, bulk.grids))
     return couplings, equations
 
 

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from faying.io.nastran.cards import Card, Cards, by_id, property_of
+from faying.io.nastran.bulk_data import BulkData
+from faying.io.nastran.cards import Card, by_id, property_of
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.sections import with_shear
 from faying.io.nastran.solids import material_of
@@ -17,11 +18,7 @@ Member = tuple[BeamSection, Material]
 
 
 def read_rods(
-    cards: Mapping[str, Cards],
-    grids: Grids,
-    materials: Mapping[int, Material],
-    factors: Mapping[int, float],
-    mass_factor: float,
+    bulk: BulkData, materials: Mapping[int, Material], factors: Mapping[int, float]
 ) -> list[Beam]:
     """Read rods as beams without bending stiffness, whose mass lies along a straight line.
 
@@ -30,17 +27,17 @@ def read_rods(
     rods: list[Beam] = []
     for name, family, read in (("CROD", "PROD", _bar), ("CTUBE", "PTUBE", _tube)):
         members: dict[int, Member] = {}
-        for number, card in by_id(cards, family, what="property").items():
-            section, heavy = read(card, material_of(card, 1, materials), mass_factor)
+        for number, card in by_id(bulk.cards, family, what="property").items():
+            section, heavy = read(card, material_of(card, 1, materials), bulk.mass_factor)
             members[number] = with_shear(section, factors.get(card.integer(1), 1.0)), heavy
-        for card in cards.get(name, ()):
+        for card in bulk.cards.get(name, ()):
             member = property_of(card, members, family)
-            rods.append(_rod(card, grids, (2, 3), member, card.integer(1, card.integer(0))))
-    for card in cards.get("CONROD", ()):
+            rods.append(_rod(card, bulk.grids, (2, 3), member, card.integer(1, card.integer(0))))
+    for card in bulk.cards.get("CONROD", ()):
         material = material_of(card, 3, materials)
-        section, heavy = _member(card, 4, material, mass_factor)
+        section, heavy = _member(card, 4, material, bulk.mass_factor)
         member = (with_shear(section, factors.get(card.integer(3), 1.0)), heavy)
-        rods.append(_rod(card, grids, (1, 2), member, 0))
+        rods.append(_rod(card, bulk.grids, (1, 2), member, 0))
     return rods
 
 

@@ -5,7 +5,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from faying.io.nastran.cards import Card, Cards, by_id
+from faying.io.nastran.bulk_data import BulkData
+from faying.io.nastran.cards import Card, by_id
 from faying.io.nastran.fields import SHORT_DIGITS
 from faying.io.nastran.principal_axes import principal
 from faying.io.nastran.solids import material_of
@@ -34,11 +35,7 @@ _STATIONS = ("YES", "YESA", "NO")
 
 
 def read_sections(
-    cards: Mapping[str, Cards],
-    materials: Mapping[int, Material],
-    factors: Mapping[int, float],
-    mass_factor: float,
-    ignored: list[str],
+    bulk: BulkData, materials: Mapping[int, Material], factors: Mapping[int, float]
 ) -> dict[str, dict[int, Property]]:
     """Return sections by element card (CBAR, CBEAM) and property id.
 
@@ -52,18 +49,20 @@ def read_sections(
         "CBAR": {"PBAR": _pbar, "PBARL": _pbarl},
         "CBEAM": {"PBEAM": _pbeam, "PBEAML": _pbeaml},
     }
-    lines = [card for name in ("CBAR", "CBEAM", "BAROR", "BEAMOR") for card in cards.get(name, ())]
+    lines = [
+        card for name in ("CBAR", "CBEAM", "BAROR", "BEAMOR") for card in bulk.cards.get(name, ())
+    ]
     used = {card.integer(1, 0) or card.integer(0, 0) for card in lines}
     for element, read in readers.items():
-        for number, card in by_id(cards, *read, what="property").items():
+        for number, card in by_id(bulk.cards, *read, what="property").items():
             name = card.cards.name
             if number not in used and card.integer(1) not in materials:
-                ignored.append(f"{name} {number}, without a MAT1, that no element names")
+                bulk.ignored.append(f"{name} {number}, without a MAT1, that no element names")
                 continue
             material = material_of(card, 1, materials)
             section, angle = principal(card, _checked(card, read[name](card, material)))
             factor = factors.get(card.integer(1), 1.0)
-            line_mass = card.real(_mass_field(card), 0.0) * mass_factor
+            line_mass = card.real(_mass_field(card), 0.0) * bulk.mass_factor
             if not 0 <= line_mass < math.inf:
                 card.refuse(
                     f"non-structural mass {line_mass:g} must not be negative", _mass_field(card)
@@ -72,11 +71,11 @@ def read_sections(
             heavier = replace(material, density=material.density + line_mass / section.area)
             warping = _warping(card) if name == "PBEAM" else 0.0
             result[element][number] = Property(with_shear(section, factor), heavier, angle, warping)
-    lists = (cards[name] for name in ("PBARL", "PBEAML") if name in cards)
+    lists = (bulk.cards[name] for name in ("PBARL", "PBEAML") if name in bulk.cards)
     if any(kind in SHAPES for cards_of_kind in lists for kind in cards_of_kind.words(3)):
-        ignored.append(ESTIMATED)
+        bulk.ignored.append(ESTIMATED)
     if heavy:
-        ignored.append(
+        bulk.ignored.append(
             f"non-structural mass of {heavy} properties of beams: added to their density, so that "
             "it turns with the section too"
         )

@@ -1,46 +1,42 @@
 """Sets of constraints: which apply, by case control, SPCADD and MPCADD."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 
 from faying.exceptions import FormatError
-from faying.io.nastran.cards import Cards
+from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.id_lists import id_list
 
 
-def selected_sets(
-    cards: Mapping[str, Cards],
-    kind: str,
-    members: set[int],
-    control: CaseControl,
-    ignored: list[str],
-) -> set[int]:
+def selected_sets(bulk: BulkData, kind: str, members: set[int]) -> set[int]:
     """Return the ids of the constraint sets that apply: in a deck without case control all.
 
     The kind is ``"SPC"`` or ``"MPC"``; members are ids of the sets that hold constraints.
     """
     combined: dict[int, list[int]] = {}
-    for card in cards.get(f"{kind}ADD", ()):
+    for card in bulk.cards.get(f"{kind}ADD", ()):
         number = card.integer(0)
         parts = id_list(card, card.texts[1:])
         unknown = [str(part) for part in parts if part not in members]
         if unknown:
             # As in Nastran, whose own examples name such sets.
-            ignored.append(f"{card.where()}: sets that are not in the deck: {', '.join(unknown)}")
+            bulk.ignored.append(
+                f"{card.where()}: sets that are not in the deck: {', '.join(unknown)}"
+            )
         combined.setdefault(number, []).extend(parts)
-    chosen = control.spc if kind == "SPC" else control.mpc
+    chosen = bulk.control.spc if kind == "SPC" else bulk.control.mpc
     if chosen is None:
         if members:
             shown = ", ".join(map(str, sorted(members)))
             said = (
                 f"case control selects none by {kind}, so that they constrain nothing"
-                if control.present
+                if bulk.control.present
                 else "the deck has no case control that would select, so that all apply"
             )
-            ignored.append(f"{kind} sets {shown}: {said}")
-        return set() if control.present else set(members)
+            bulk.ignored.append(f"{kind} sets {shown}: {said}")
+        return set() if bulk.control.present else set(members)
     if kind == "MPC" and not members and not combined:
-        ignored.append(f"case control selects MPC = {chosen}, of which the deck has none")
+        bulk.ignored.append(f"case control selects MPC = {chosen}, of which the deck has none")
         return set()
     if chosen not in members and chosen not in combined:
         message = (

@@ -5,13 +5,13 @@ from collections.abc import Mapping
 import numpy as np
 
 from faying._typing import Indices
-from faying.io.nastran.cards import Card, Cards
-from faying.io.nastran.grids import Grids
+from faying.io.nastran.bulk_data import BulkData
+from faying.io.nastran.cards import Card
 from faying.io.nastran.id_lists import id_list
 
 
 def read_sets(
-    cards: Mapping[str, Cards], grids: Grids, elements: Mapping[str, Indices], ignored: list[str]
+    bulk: BulkData, elements: Mapping[str, Indices]
 ) -> tuple[dict[str, Indices], dict[str, Indices]]:
     """Return node sets (indices) and element sets (ids).
 
@@ -21,8 +21,8 @@ def read_sets(
     node_sets: dict[str, Indices] = {}
     element_sets: dict[str, Indices] = {}
     element_ids = np.concatenate(list(elements.values()) or [np.zeros(0, dtype=np.int64)])
-    for card in cards.get("SET1", ()):
-        _set1(card, grids, element_ids, node_sets, element_sets, ignored)
+    for card in bulk.cards.get("SET1", ()):
+        _set1(bulk, card, element_ids, node_sets, element_sets)
     return node_sets, element_sets
 
 
@@ -31,20 +31,19 @@ def _extend(sets: dict[str, Indices], name: str, ids: Indices) -> None:
 
 
 def _set1(
+    bulk: BulkData,
     card: Card,
-    grids: Grids,
     element_ids: Indices,
     node_sets: dict[str, Indices],
     element_sets: dict[str, Indices],
-    ignored: list[str],
 ) -> None:
     texts = card.texts[1:]
     name = f"set:{card.integer(0)}"
     if "SKIN" in texts:
-        ignored.append(f"SET1 {card.integer(0)} (SKIN is not supported)")
+        bulk.ignored.append(f"SET1 {card.integer(0)} (SKIN is not supported)")
         return
     ids = np.unique(np.array(id_list(card, texts), dtype=np.int64))
-    index = grids.index(ids)
+    index = bulk.grids.index(ids)
     if len(ids) and (index >= 0).all():
         _extend(node_sets, name, index)
     if len(ids) and np.isin(ids, element_ids).all():

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Matrix
-from faying.io.nastran.cards import Card, Cards, by_id
+from faying.io.nastran.bulk_data import BulkData
+from faying.io.nastran.cards import Card, by_id
 from faying.io.nastran.layers import SHELL_PROPERTIES, Layer, layers
 from faying.io.nastran.plane_materials import PlaneMaterial
 from faying.model.shells import ShellSection, turned_law
@@ -32,16 +33,15 @@ class ShellProperty:
 
 
 def read_shell_properties(
-    cards: Mapping[str, Cards],
-    materials: Mapping[int, PlaneMaterial],
-    mass_factor: float,
-    ignored: list[str],
+    bulk: BulkData, materials: Mapping[int, PlaneMaterial]
 ) -> dict[int, ShellProperty]:
     """Read the properties of shells."""
-    ignored += [LAMINATE for name in SHELL_PROPERTIES if name.startswith("PCOMP") and name in cards]
+    bulk.ignored.extend(
+        LAMINATE for name in SHELL_PROPERTIES if name.startswith("PCOMP") and name in bulk.cards
+    )
     return {
-        number: _READERS[card.cards.name](card, materials, mass_factor)
-        for number, card in by_id(cards, *SHELL_PROPERTIES, what="property").items()
+        number: _READERS[card.cards.name](card, materials, bulk.mass_factor)
+        for number, card in by_id(bulk.cards, *SHELL_PROPERTIES, what="property").items()
     }
 
 

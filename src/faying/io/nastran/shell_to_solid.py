@@ -6,12 +6,13 @@ above a node of the shell at the part t of h = x_B - x_A its motion is u = (1 - 
 θ = h × (u_B - u_A) / h² but for the turn about h, which stays that of the shell.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.bulk_data import BulkData
+from faying.io.nastran.cards import Card
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.rigid_elements import solved
 from faying.io.nastran.solids import Solids
@@ -28,19 +29,21 @@ _NEAR = 1e-3
 
 
 def read_shell_to_solid(
-    cards: Mapping[str, Cards], grids: Grids, solids: Solids, shells: Sequence[ShellBlock]
+    bulk: BulkData, solids: Solids, shells: Sequence[ShellBlock]
 ) -> Iterator[Equation]:
     """Yield the equations of RSSCON, those of a node of two shells once."""
     done: set[int] = set()
-    for card in cards.get("RSSCON", ()):
+    for card in bulk.cards.get("RSSCON", ()):
         by_grids = card.text(1) == "GRID"
         connections = (
-            _of_grids(card, grids) if by_grids else _of_elements(card, solids, shells, grids)
+            _of_grids(card, bulk.grids)
+            if by_grids
+            else _of_elements(card, solids, shells, bulk.grids)
         )
         for node, below, above in connections:
             if node not in done:
                 done.add(node)
-                yield from _clamped(card, grids.nodes, node, below, above)
+                yield from _clamped(card, bulk.grids.nodes, node, below, above)
 
 
 def _of_grids(card: Card, grids: Grids) -> list[tuple[int, Mean, Mean]]:

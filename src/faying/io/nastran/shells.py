@@ -8,6 +8,7 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector
 from faying.digits import DECK_DIGITS
 from faying.io.nastran import fields as numbers
+from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.shell_sections import ShellProperty
@@ -68,11 +69,7 @@ class Shells:
 
 
 def read_shells(
-    cards: Mapping[str, Cards],
-    grids: Grids,
-    properties: Mapping[int, ShellProperty],
-    straight: StraightSides,
-    ignored: list[str],
+    bulk: BulkData, properties: Mapping[int, ShellProperty], straight: StraightSides
 ) -> Shells:
     """Read shells and the sections they use.
 
@@ -84,10 +81,10 @@ def read_shells(
     sections: dict[int, ShellSection] = {}
     by_thickness: dict[tuple[int, float], int] = {}
     for name, layout in _LAYOUTS.items():
-        if name not in cards:
+        if name not in bulk.cards:
             continue
-        cards_of_name = cards[name]
-        nodes = _nodes(cards_of_name, layout, grids, straight)
+        cards_of_name = bulk.cards[name]
+        nodes = _nodes(cards_of_name, layout, bulk.grids, straight)
         check_distinct(cards_of_name, nodes)
         numbers_of = property_ids(cards_of_name)
         for number, card in zip(*np.unique(numbers_of, return_index=True), strict=True):
@@ -103,15 +100,17 @@ def read_shells(
                 ids=cards_of_name.integers(0),
                 properties=numbers_of,
                 offsets=cards_of_name.reals(layout.offset, 0.0),
-                directions=_directions(cards_of_name, layout, nodes, grids),
+                directions=_directions(cards_of_name, layout, nodes, bulk.grids),
             )
         )
     if straight.turning:
-        ignored.append(f"{len(straight.turning)} blank mid-side nodes of shells: straight sides")
-    if "CTRIAR" in cards or "CQUADR" in cards:
-        ignored.append(ROTATING)
-    if "CTRIA6" in cards or "CQUAD8" in cards:
-        ignored.append(CURVED)
+        bulk.ignored.append(
+            f"{len(straight.turning)} blank mid-side nodes of shells: straight sides"
+        )
+    if "CTRIAR" in bulk.cards or "CQUADR" in bulk.cards:
+        bulk.ignored.append(ROTATING)
+    if "CTRIA6" in bulk.cards or "CQUAD8" in bulk.cards:
+        bulk.ignored.append(CURVED)
     return Shells(blocks=tuple(blocks), sections=sections)
 
 
@@ -194,9 +193,7 @@ def _at_angle(places: Matrix, angle: Vector) -> Matrix:
 _FULL = 1.01
 
 
-def read_panel_sides(
-    cards: Mapping[str, Cards], grids: Grids, materials: Mapping[int, Material], first: int
-) -> list[Beam]:
+def read_panel_sides(bulk: BulkData, materials: Mapping[int, Material], first: int) -> list[Beam]:
     """Return what shear panels carry along their sides as rods without mass, from ``first`` on.
 
     MSC Nastran Quick Reference Guide: up to F1 = 1.01 the rods on sides 1-2 and 3-4 have the area
@@ -205,13 +202,13 @@ def read_panel_sides(
     of F1 T in all. F2 is the same of sides 2-3 and 4-1.
     """
     rods: list[Beam] = []
-    properties = by_id(cards, "PSHEAR")
-    for card in cards.get("CSHEAR", ()):
+    properties = by_id(bulk.cards, "PSHEAR")
+    for card in bulk.cards.get("CSHEAR", ()):
         panel = properties[card.integer(1, card.integer(0))]
         factors = panel.real(4, 0.0), panel.real(5, 0.0)
         if any(factors):
             material = material_of(panel, 1, materials)
-            rods += _sides(card, grids, factors, panel.real(2), material, first + len(rods))
+            rods += _sides(card, bulk.grids, factors, panel.real(2), material, first + len(rods))
     return rods
 
 

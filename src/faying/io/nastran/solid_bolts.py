@@ -5,13 +5,13 @@ the shank, ETYPE = 3 its elements and a grid point at the height of the section;
 the axis. Between elements on either side of that height the section need not be flat.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.io.nastran.cards import Card, Cards, by_id
+from faying.io.nastran.bulk_data import BulkData
+from faying.io.nastran.cards import Card, by_id
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
 from faying.io.solid_cuts import Section
@@ -22,16 +22,16 @@ from faying.model.surface import WIDTH, corner_keys, corner_nodes, padded, rows_
 OF_GRIDS, OF_ELEMENTS = 2, 3
 
 
-def read_solid_bolts(cards: Mapping[str, Cards], grids: Grids, mesh: Mesh) -> dict[int, Section]:
+def read_solid_bolts(bulk: BulkData, mesh: Mesh) -> dict[int, Section]:
     """Return the sections of all bolts of solids by id."""
     sections = {}
-    for number, card in by_id(cards, "BOLT").items():
+    for number, card in by_id(bulk.cards, "BOLT").items():
         if is_split(card) or card.integer(1) not in (OF_GRIDS, OF_ELEMENTS):
             continue
         sections[number] = (
-            _of_grids(number, card, grids, mesh)
+            _of_grids(number, card, bulk.grids, mesh)
             if card.integer(1) == OF_GRIDS
-            else _of_elements(number, card, grids, mesh)
+            else _of_elements(number, card, bulk.grids, mesh)
         )
     return sections
 
@@ -41,9 +41,9 @@ def is_split(card: Card) -> bool:
     return "TOP" in card.texts or "BOTTOM" in card.texts
 
 
-def control_grids(cards: Mapping[str, Cards], grids: Grids) -> Indices:
+def control_grids(bulk: BulkData) -> Indices:
     """Return the nodes that tighten MSC's bolts."""
-    controls = [grids.one(card, 1) for card in cards.get("BOLT", ()) if is_split(card)]
+    controls = [bulk.grids.one(card, 1) for card in bulk.cards.get("BOLT", ()) if is_split(card)]
     return np.array(controls, dtype=np.int64)
 
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.exceptions import ModelError
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.bulk_data import BulkData
+from faying.io.nastran.cards import Card
 from faying.io.nastran.coordinates import Systems
 from faying.io.nastran.layers import named_materials
 from faying.model.assembly import Material
@@ -16,11 +17,7 @@ from faying.model.elastic_law import orthotropic_law, turned
 
 
 def read_anisotropic(
-    cards: Mapping[str, Cards],
-    named: frozenset[int],
-    materials: Mapping[int, Material],
-    mass_factor: float,
-    ignored: list[str],
+    bulk: BulkData, named: frozenset[int], materials: Mapping[int, Material]
 ) -> dict[int, Material]:
     """Return the materials along their own axes by id.
 
@@ -29,10 +26,10 @@ def read_anisotropic(
     anisotropic: dict[int, Material] = {}
     for name, law, density in (("MAT9", _general, 22), ("MAT11", _orthotropic, 10)):
         defined = ChainMap(anisotropic, dict(materials))
-        for number, card in named_materials(cards, name, named, defined, ignored):
+        for number, card in named_materials(bulk, name, named, defined):
             try:
                 anisotropic[number] = Material.anisotropic(
-                    law(card), density=card.real(density, 0.0) * mass_factor, name=str(number)
+                    law(card), density=card.real(density, 0.0) * bulk.mass_factor, name=str(number)
                 )
             except (ModelError, ValueError) as error:
                 text = f"material {number}: {error}"

@@ -7,6 +7,7 @@ import numpy as np
 
 from faying._typing import Indices, Mask
 from faying.exceptions import FormatError
+from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.layers import layers
@@ -45,11 +46,7 @@ class Solids:
 
 
 def read_solids(
-    cards: Mapping[str, Cards],
-    grids: Grids,
-    materials: Mapping[int, Material],
-    straight: StraightSides,
-    ignored: list[str],
+    bulk: BulkData, materials: Mapping[int, Material], straight: StraightSides
 ) -> Solids:
     """Read solid elements and the properties they use.
 
@@ -63,23 +60,23 @@ def read_solids(
     blocks: list[CellBlock] = []
     users: dict[int, tuple[Cards, int]] = {}
     for name in SOLID_CARDS:
-        if name in cards:
-            blocks += _blocks(cards[name], name, grids, straight, ignored)
-            _note_properties(cards[name], users)
-    properties = by_id(cards, "PSOLID", LAYERED, what="property")
+        if name in bulk.cards:
+            blocks += _blocks(bulk, bulk.cards[name], name, straight)
+            _note_properties(bulk.cards[name], users)
+    properties = by_id(bulk.cards, "PSOLID", LAYERED, what="property")
     used: dict[int, Material] = {}
     for number, (users_cards, card) in users.items():
         if number not in properties:
             users_cards.refuse(
                 card, f"property {number} is not in the deck; define it (PSOLID or PCOMPS)", 1
             )
-        used[number] = _material(properties[number], materials, grids)
+        used[number] = _material(properties[number], materials, bulk.grids)
     bricks = {n for block in blocks if block.kind == "hex8" for n in np.unique(block.properties)}
-    _note_schemes(blocks, properties, ignored)
+    _note_schemes(blocks, properties, bulk.ignored)
     return Solids(
         blocks=tuple(blocks),
         materials=used,
-        element=_formulation([properties[n] for n in sorted(bricks)], ignored),
+        element=_formulation([properties[n] for n in sorted(bricks)], bulk.ignored),
     )
 
 
@@ -96,9 +93,7 @@ def _note_schemes(
             ignored.append(note)
 
 
-def _blocks(
-    cards: Cards, name: str, grids: Grids, straight: StraightSides, ignored: list[str]
-) -> list[CellBlock]:
+def _blocks(bulk: BulkData, cards: Cards, name: str, straight: StraightSides) -> list[CellBlock]:
     linear, quadratic = sorted(
         (element for element in SOLIDS.values() if element.elsewhere.nastran == name),
         key=lambda element: element.n_nodes,
@@ -117,13 +112,15 @@ def _blocks(
     for element, chosen in ((linear, ~curved), (quadratic, curved)):
         these = cards.take(chosen)
         if len(these):
-            nodes = _nodes(these, element, grids, straight, ignored)
+            nodes = _nodes(bulk, these, element, straight)
             check_distinct(these, nodes)
-            places = np.vstack([grids.nodes, straight.nodes])
+            places = np.vstack([bulk.grids.nodes, straight.nodes])
             nodes, turned = right_side_out(element.kind, nodes, places)
             if turned.any():
                 first = these.words(0)[int(turned.argmax())]
-                ignored.append(f"node order of {turned.sum()} {name} inside out, the first {first}")
+                bulk.ignored.append(
+                    f"node order of {turned.sum()} {name} inside out, the first {first}"
+                )
             result.append(
                 CellBlock(
                     kind=element.kind,
@@ -135,23 +132,21 @@ def _blocks(
     return result
 
 
-def _nodes(
-    cards: Cards, element: SolidElement, grids: Grids, straight: StraightSides, ignored: list[str]
-) -> Indices:
+def _nodes(bulk: BulkData, cards: Cards, element: SolidElement, straight: StraightSides) -> Indices:
     """Node indices (n, n_node); new ones where a mid-side node is blank."""
     nodes = np.zeros((len(cards), element.n_nodes), dtype=np.int64)
     ends = mid_side_ends(element.kind)
     blank = 0
     for j in range(element.n_nodes):
         filled = cards.given(2 + j)
-        nodes[filled, j] = grids.of_column(cards.take(filled), 2 + j)
+        nodes[filled, j] = bulk.grids.of_column(cards.take(filled), 2 + j)
         if not filled.all():
             start, end = ends[j - element.n_corners]
             sides = nodes[~filled, start], nodes[~filled, end]
             nodes[~filled, j] = straight.between(*sides, turns=False)
             blank += int((~filled).sum())
     if blank:
-        ignored.append(f"{blank} blank mid-side nodes of {cards.name}: straight sides")
+        bulk.ignored.append(f"{blank} blank mid-side nodes of {cards.name}: straight sides")
     return nodes
 
 

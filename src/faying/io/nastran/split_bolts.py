@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from faying._typing import Indices, Vector
-from faying.io.nastran.cards import Card, Cards, by_id
+from faying.io.nastran.bulk_data import BulkData
+from faying.io.nastran.cards import Card, by_id
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.moved_supports import Moved
@@ -51,15 +52,15 @@ class SplitBolt:
 
 
 def read_split_bolts(
-    cards: Mapping[str, Cards], grids: Grids, loads: Mapping[str, NodalLoads], moved: Moved
+    bulk: BulkData, loads: Mapping[str, NodalLoads], moved: Moved
 ) -> dict[int, SplitBolt]:
     """Return the bolts of control grids by id."""
     bolts = {}
-    for number, card in by_id(cards, "BOLT").items():
+    for number, card in by_id(bulk.cards, "BOLT").items():
         if not is_split(card):
             continue
-        control = int(grids.several(card, [card.integer(1)])[0])
-        top, bottom = (_listed(card, grids, side) for side in ("TOP", "BOTTOM"))
+        control = int(bulk.grids.several(card, [card.integer(1)])[0])
+        top, bottom = (_listed(card, bulk.grids, side) for side in ("TOP", "BOTTOM"))
         if len(top) != len(bottom) or not len(top):
             card.refuse(f"{len(top)} grids on TOP and {len(bottom)} on BOTTOM; list them in pairs")
         forces = {
@@ -69,7 +70,7 @@ def read_split_bolts(
         }
         shortens = not any(force.any() for force in forces.values())
         if shortens:
-            forces = moved.of_node(control, grids.systems.axes(control))
+            forces = moved.of_node(control, bulk.grids.systems.axes(control))
         nonzero = np.array([force for force in forces.values() if force.any()]).reshape(-1, 3)
         axis = nonzero[0] / np.linalg.norm(nonzero[0]) if len(nonzero) else np.zeros(3)
         across = nonzero - np.outer(nonzero @ axis, axis)

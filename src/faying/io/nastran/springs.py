@@ -6,6 +6,7 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.digits import DECK_DIGITS, SOLVED
+from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.cards import Card, Cards, property_of
 from faying.io.nastran.grids import Grids
 from faying.model.assembly import Assembly, Bush, PointMass, ScalarMass, Spring
@@ -13,20 +14,18 @@ from faying.model.assembly import Assembly, Bush, PointMass, ScalarMass, Spring
 End = tuple[int, int]
 
 
-def read_springs(
-    cards: Mapping[str, Cards], grids: Grids, ignored: list[str]
-) -> tuple[list[Spring], list[Bush]]:
+def read_springs(bulk: BulkData) -> tuple[list[Spring], list[Bush]]:
     """Read springs; an end whose grid is blank or 0 is grounded.
 
     Springs along axes of displacement systems that are no basic axes are bushes.
     """
-    if any(card.text(6) for card in cards.get("CELAS2", ())):
-        ignored.append("structural damping GE of CELAS2")
+    if any(card.text(6) for card in bulk.cards.get("CELAS2", ())):
+        bulk.ignored.append("structural damping GE of CELAS2")
     springs, bushes = list[Spring](), list[Bush]()
-    for card, value in _valued(cards, "CELAS", "PELAS"):
-        turned = _turned(card, value, grids)
+    for card, value in _valued(bulk.cards, "CELAS", "PELAS"):
+        turned = _turned(card, value, bulk.grids)
         if turned is None:
-            ends = _ends(card, grids)
+            ends = _ends(card, bulk.grids)
             springs.append(Spring(id=card.integer(0), ends=ends, stiffness=value))
         else:
             bushes.append(turned)
@@ -68,13 +67,11 @@ def _turned(card: Card, stiffness: float, grids: Grids) -> Bush | None:
     )
 
 
-def read_scalar_masses(
-    cards: Mapping[str, Cards], grids: Grids, mass_factor: float
-) -> list[ScalarMass]:
+def read_scalar_masses(bulk: BulkData) -> list[ScalarMass]:
     """Read scalar masses, which act at one component or on the difference of two."""
     return [
-        ScalarMass(id=card.integer(0), ends=_ends(card, grids), mass=value * mass_factor)
-        for card, value in _valued(cards, "CMASS", "PMASS")
+        ScalarMass(id=card.integer(0), ends=_ends(card, bulk.grids), mass=value * bulk.mass_factor)
+        for card, value in _valued(bulk.cards, "CMASS", "PMASS")
     ]
 
 
@@ -160,10 +157,13 @@ def _is_basic(axes: Matrix | None, component: int) -> bool:
 _TRANSLATIONS = 2
 
 
-def read_masses(cards: Mapping[str, Cards], grids: Grids, mass_factor: float) -> list[PointMass]:
+def read_masses(bulk: BulkData) -> list[PointMass]:
     """Read concentrated masses; inertias are turned into the basic frame."""
-    whole = [_matrix(card, grids, mass_factor) for card in cards.get("CONM1", ())]
-    return [*whole, *(_mass(card, grids, mass_factor) for card in cards.get("CONM2", ()))]
+    whole = [_matrix(card, bulk.grids, bulk.mass_factor) for card in bulk.cards.get("CONM1", ())]
+    return [
+        *whole,
+        *(_mass(card, bulk.grids, bulk.mass_factor) for card in bulk.cards.get("CONM2", ())),
+    ]
 
 
 def _matrix(card: Card, grids: Grids, factor: float) -> PointMass:

@@ -1,13 +1,11 @@
 """SPC, SPC1, SPCADD and permanent supports: components held at zero, or moved."""
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from faying._typing import Indices, Mask
 from faying.exceptions import FormatError
+from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.cards import Cards
-from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.components import components
 from faying.io.nastran.grids import Grids
 from faying.io.nastran.id_lists import id_list
@@ -19,9 +17,7 @@ _Held = dict[tuple[int, tuple[int, ...]], list[Indices]]
 """Set id and components to node indices."""
 
 
-def read_supports(
-    cards: Mapping[str, Cards], grids: Grids, control: CaseControl, ignored: list[str]
-) -> tuple[list[Support], Moved]:
+def read_supports(bulk: BulkData) -> tuple[list[Support], Moved]:
     """Read the SPC sets that case control selects; without case control all of them.
 
     Supports of one set with the same components are joined. Where a displacement coordinate system
@@ -32,30 +28,30 @@ def read_supports(
     constrained: _Held = {}
     members: set[int] = set()
     for name in ("SPC", "SPC1"):
-        if name in cards:
-            members |= set(cards[name].integers(0).tolist())
-    sets = selected_sets(cards, "SPC", members, control, ignored)
-    for digits, nodes in grids.permanent.items():
+        if name in bulk.cards:
+            members |= set(bulk.cards[name].integers(0).tolist())
+    sets = selected_sets(bulk, "SPC", members)
+    for digits, nodes in bulk.grids.permanent.items():
         constrained.setdefault((0, components(digits, _permanent_error)), []).append(nodes)
-    single = cards.get("SPC")
+    single = bulk.cards.get("SPC")
     if single is not None:
         single = single.take(np.isin(single.integers(0), list(sets)))
         for first in (1, 4):
             these = single.take(single.given(first))
-            _collect(these, grids.of_column(these, first), first + 1, constrained, grids)
-    if "SPC1" in cards:
-        _lists(cards["SPC1"], grids, sets, constrained)
+            _collect(these, bulk.grids.of_column(these, first), first + 1, constrained, bulk.grids)
+    if "SPC1" in bulk.cards:
+        _lists(bulk.cards["SPC1"], bulk.grids, sets, constrained)
     joined = {key: np.unique(np.concatenate(parts)) for key, parts in constrained.items()}
-    fixed = np.zeros((len(grids.ids), 6), dtype=bool)
+    fixed = np.zeros((len(bulk.grids.ids), 6), dtype=bool)
     for (_, numbers), nodes in joined.items():
         fixed[nodes[:, None], list(numbers)] = True
-    by_support = [] if single is None else displacements(single, grids, control)
-    moved = read_moved(cards, grids, control, by_support, fixed)
-    moving = moved.mask(len(grids.ids))
+    by_support = [] if single is None else displacements(bulk, single)
+    moved = read_moved(bulk, by_support, fixed)
+    moving = moved.mask(len(bulk.grids.ids))
     supports: list[Support] = []
     for (number, numbers), nodes in joined.items():
         for standing, remaining in _standing(nodes, numbers, moving):
-            supports += _supports(number, remaining, standing, grids)
+            supports += _supports(number, remaining, standing, bulk.grids)
     return supports, moved
 
 
