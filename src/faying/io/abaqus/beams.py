@@ -31,11 +31,7 @@ class _Section:
 
 
 def read_beams(
-    deck: Deck,
-    elements: Elements,
-    sets: NamedSets,
-    materials: Mapping[str, Material],
-    ignored: list[str],
+    deck: Deck, elements: Elements, sets: NamedSets, materials: Mapping[str, Material]
 ) -> Iterator[Beam]:
     """Read beams: two-node ones as they are, three-node ones as two beams.
 
@@ -45,10 +41,10 @@ def read_beams(
     if not blocks:
         return
     sections = _sections(deck, sets, materials)
-    ignored += [
+    deck.ignored.extend(
         f"{name}: taken as beams exact for end loads, not as the element's own"
         for name in sorted({block.type for block in blocks} - {"B33"})
-    ]
+    )
     halves = max((int(block.ids.max(initial=0)) for block in elements.blocks), default=0) + 1
     for block in blocks:
         for i, element_id in enumerate(block.ids.tolist()):

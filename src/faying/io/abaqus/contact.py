@@ -64,7 +64,7 @@ class Pair:
     lone: bool = False
 
 
-def read_interactions(deck: Deck, ignored: list[str]) -> dict[str, Interaction]:
+def read_interactions(deck: Deck) -> dict[str, Interaction]:
     """Read all *SURFACE INTERACTION, by upper-case name."""
     interactions = {}
     for head, members in deck.groups("SURFACE INTERACTION", *MEMBERS):
@@ -72,32 +72,28 @@ def read_interactions(deck: Deck, ignored: list[str]) -> dict[str, Interaction]:
         name = head.required("NAME")
         if tied := [member for member in members if _is_tied(member)]:
             stick = [member for member in members if member.name == "FRICTION"]
-            slopes = tied_slopes(deck, name, tied[0], stick, ignored)
+            slopes = tied_slopes(deck, name, tied[0], stick)
             stiffness = DeckFriction(tangential_penalty=slopes[1])
             interactions[name.upper()] = Interaction(
                 name=name, tied=True, penalty=slopes[0], friction=stiffness
             )
             continue
         if "friction" in deck.ignore:
-            members = _frictionless(members, ignored)
-        penalty = read_behaviour(head, members, is_of_abaqus(deck), ignored)
-        friction = read_friction(members, ignored)
+            members = _frictionless(members, deck.ignored)
+        penalty = read_behaviour(head, members, is_of_abaqus(deck), deck.ignored)
+        friction = read_friction(members, deck.ignored)
         interactions[name.upper()] = Interaction(name=name, penalty=penalty, friction=friction)
     return interactions
 
 
 def read_pairs(
-    deck: Deck,
-    interactions: Mapping[str, Interaction],
-    surfaces: Surfaces,
-    sets: NamedSets,
-    ignored: list[str],
+    deck: Deck, interactions: Mapping[str, Interaction], surfaces: Surfaces, sets: NamedSets
 ) -> list[Pair]:
     """Read all *CONTACT PAIR."""
     return [
         pair
         for keyword in deck.of("CONTACT PAIR")
-        for pair in _pairs(keyword, surfaces, _adjust(keyword, sets), interactions, ignored)
+        for pair in _pairs(keyword, surfaces, _adjust(keyword, sets), interactions, deck.ignored)
     ]
 
 

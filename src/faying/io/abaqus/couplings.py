@@ -37,12 +37,7 @@ class Couplings:
 
 
 def read_couplings(
-    deck: Deck,
-    dofs: Dofs,
-    elements: Elements,
-    surfaces: Surfaces,
-    first_id: int,
-    ignored: list[str],
+    deck: Deck, dofs: Dofs, elements: Elements, surfaces: Surfaces, first_id: int
 ) -> Couplings:
     """Read all *COUPLING with their *KINEMATIC or *DISTRIBUTING.
 
@@ -71,7 +66,7 @@ def read_couplings(
                     message = "rotations along an ORIENTATION are not supported beside some, not "
                     message += "all, translations; tie all translations, or no rotations"
                     raise member.error(message)
-                axes = orientation_at(deck, head, dofs.nodes.coordinates[nodes], ignored)
+                axes = orientation_at(deck, head, dofs.nodes.coordinates[nodes])
                 turned += _along(dofs.nodes.coordinates, reference, nodes, axes[:, translations])
                 references.append(reference)
                 continue
@@ -81,7 +76,7 @@ def read_couplings(
             continue
         if head.has("ORIENTATION"):
             components = _ALL
-            ignored.append(
+            deck.ignored.append(
                 "ORIENTATION of *DISTRIBUTING: forces on its node are along these axes, as in "
                 "CalculiX, but in decks that only Abaqus reads; all rotations are tied"
             )
@@ -100,9 +95,7 @@ def read_couplings(
     return Couplings(rigid=rigid, average=average, turned=turned, turned_references=references)
 
 
-def reference_axes(
-    deck: Deck, nodes: Nodes, sets: NamedSets, ignored: list[str]
-) -> dict[int, Matrix]:
+def reference_axes(deck: Deck, nodes: Nodes, sets: NamedSets) -> dict[int, Matrix]:
     """Return the axes of reference nodes of *DISTRIBUTING with ORIENTATION; none of Abaqus.
 
     CalculiX (User's Manual, *COUPLING) takes forces and moments on them along these axes; in Abaqus
@@ -116,7 +109,7 @@ def reference_axes(
             continue
         reference = plain.one(head, None, head.required("REF NODE"), "the reference node")
         points = nodes.coordinates[[reference]]
-        axes[reference] = orientation_at(deck, head, points, ignored)[0]
+        axes[reference] = orientation_at(deck, head, points)[0]
     return axes
 
 
@@ -171,12 +164,7 @@ def _areas(coupled: DeckSurface, coordinates: Matrix) -> Vector:
 
 
 def read_distributing(
-    deck: Deck,
-    dofs: Dofs,
-    elements: Elements,
-    sets: NamedSets,
-    first_id: int,
-    ignored: list[str],
+    deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets, first_id: int
 ) -> list[Equation]:
     """Read all *DISTRIBUTING COUPLING: one DCOUP3D element, then nodes or sets and weights.
 
@@ -206,7 +194,7 @@ def read_distributing(
             terms = [(reference, c, 1.0)]
             terms += [(node, c, -weight / total) for node, weight in weights.items()]
             equations.append(Equation(id=first_id + len(equations), terms=tuple(terms)))
-        ignored.append(
+        deck.ignored.append(
             f"rotations of *DISTRIBUTING COUPLING {keyword.value('ELSET')}: the mean displacement "
             "as in CalculiX; Abaqus turns it too, as *COUPLING with *DISTRIBUTING does"
         )

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -28,12 +28,15 @@ class Deck:
         The deck, for messages that concern all of it.
     ignore
         What is left out on request: words of :data:`faying.io.left_out.IGNORABLE`.
+    ignored
+        Notes so far; readers append theirs.
     """
 
     keywords: Sequence[Keyword]
     n_step: int
     path: Path
     ignore: frozenset[str] = frozenset()
+    ignored: list[str] = field(default_factory=list)
 
     def of(self, *names: str) -> list[Keyword]:
         """Return the keywords of these names."""

@@ -22,12 +22,7 @@ Key = tuple[str, str]
 
 
 def read_distributed(
-    deck: Deck,
-    assembly: Assembly,
-    sets: NamedSets,
-    surfaces: Surfaces,
-    amplitudes: Amplitudes,
-    ignored: list[str],
+    deck: Deck, assembly: Assembly, sets: NamedSets, surfaces: Surfaces, amplitudes: Amplitudes
 ) -> Iterator[Matrix]:
     """Yield the forces (n_node, 6) of all distributed loads in force, step by step from 0.
 
@@ -35,7 +30,7 @@ def read_distributed(
     all elements, whose mass gravity acts on.
     """
     for keyword in deck.of("DLOAD", "DSLOAD"):
-        amplitudes.note(keyword, ignored)
+        amplitudes.note(keyword, deck.ignored)
     read = partial(_lines, assembly=assembly, sets=sets, surfaces=surfaces)
     for step, loads in enumerate(in_force(deck, ("DLOAD", "DSLOAD"), read)):
         total = np.zeros((len(assembly.mesh.nodes), 6))

@@ -78,13 +78,13 @@ class Elements:
         return [*self.solids, *(block for blocks in self.others.values() for block in blocks)]
 
 
-def read_elements(deck: Deck, nodes: Nodes, ignored: list[str]) -> Elements:
+def read_elements(deck: Deck, nodes: Nodes) -> Elements:
     """Read all *ELEMENT."""
     solids: list[ElementBlock] = []
     others: dict[str, tuple[ElementBlock, ...]] = {}
     for keyword in deck.of("ELEMENT"):
         keyword.check()
-        block = _block(keyword, nodes, ignored)
+        block = _block(keyword, nodes, deck.ignored)
         if block.type in SOLID_TYPES:
             solids.append(block)
         else:

@@ -45,7 +45,7 @@ def read_friction(members: list[Keyword], ignored: list[str]) -> DeckFriction:
 
 
 def tied_slopes(
-    deck: Deck, name: str, keyword: Keyword, friction: list[Keyword], ignored: list[str]
+    deck: Deck, name: str, keyword: Keyword, friction: list[Keyword]
 ) -> tuple[float, float] | tuple[Literal["hard"], Literal["auto"]]:
     """Return the slopes of a tied interaction along normals and across; without any it is rigid.
 
@@ -65,7 +65,7 @@ def tied_slopes(
             f"its slopes are {slope:g} and {along:g} (*FRICTION); both must be positive", 0
         )
     missing = "" if friction else " (half of the largest E: CalculiX 2.20 asks for *FRICTION)"
-    ignored.append(
+    deck.ignored.append(
         f"{name}, which is TIED: an elastic layer of slope {slope:g} and stick slope {along:g}"
         f"{missing}; the coefficient of friction and gaps of the mesh do not count"
     )

@@ -39,7 +39,6 @@ def read_general_contact(
     assembly: Assembly,
     interactions: Mapping[str, Interaction],
     joined: Collection[frozenset[int]],
-    ignored: list[str],
 ) -> tuple[InterfaceSpec, ...]:
     """Return the interfaces of ``*CONTACT INCLUSIONS, ALL EXTERIOR``; none without it.
 
@@ -55,7 +54,7 @@ def read_general_contact(
     interaction = _interaction(assigned, interactions)
     if interaction is None:
         everything[0].refuse("it needs *CONTACT PROPERTY ASSIGNMENT with one *SURFACE INTERACTION")
-    ignored.append(EVERYTHING)
+    deck.ignored.append(EVERYTHING)
     names = body_names(assembly.mesh)
     specs = (
         replace(
@@ -70,7 +69,7 @@ def read_general_contact(
         for pair in facing_bodies(assembly)
         if frozenset((pair.minus, pair.plus)) not in joined
     )
-    return tuple(spec for spec in specs if _meet(assembly, spec, ignored))
+    return tuple(spec for spec in specs if _meet(assembly, spec, deck.ignored))
 
 
 def _meet(assembly: Assembly, spec: InterfaceSpec, ignored: list[str]) -> bool:
@@ -86,7 +85,7 @@ def _meet(assembly: Assembly, spec: InterfaceSpec, ignored: list[str]) -> bool:
 
 
 def read_listed(
-    deck: Deck, interactions: Mapping[str, Interaction], surfaces: Surfaces, ignored: list[str]
+    deck: Deck, interactions: Mapping[str, Interaction], surfaces: Surfaces
 ) -> list[Pair]:
     """Return the pairs of surfaces that ``*CONTACT INCLUSIONS`` lists."""
     pairs = []
@@ -114,7 +113,7 @@ def read_listed(
                 )
             )
     if pairs:
-        ignored.append(LISTED)
+        deck.ignored.append(LISTED)
     if pairs and chosen:
         names = " and ".join(sorted(next(iter(chosen))))
         deck.of("CONTACT PROPERTY ASSIGNMENT")[0].refuse(

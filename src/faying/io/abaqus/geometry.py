@@ -30,13 +30,13 @@ def read_geometry(path: str | PathLike[str]) -> tuple[Mesh, Mapping[str, FaceSet
     supported = (*SOLID_TYPES, *LINE_TYPES)
     keywords = [
         keyword
-        for keyword in with_distinct_ids(deck.keywords, [])
+        for keyword in with_distinct_ids(deck.keywords, deck.ignored)
         if keyword.name in _GEOMETRY
         and (keyword.name != "ELEMENT" or keyword.value("TYPE").upper() in supported)
     ]
     deck = replace(deck, keywords=keywords)
-    nodes = read_nodes(deck, [])
-    elements = read_elements(deck, nodes, [])
+    nodes = read_nodes(deck)
+    elements = read_elements(deck, nodes)
     by_element = read_element_sets(deck, elements)
     by_node = read_node_sets(deck, nodes, elements, by_element)
     ids = sum(len(block.ids) for block in elements.solids)

@@ -53,12 +53,11 @@ def read_joint(
     About 8 s for 500 000 nodes and bricks.
     """
     path = Path(path)
-    ignored: list[str] = []
     # Overflow is caught by the finiteness checks, where the line can be named.
     with np.errstate(over="ignore", invalid="ignore"), naming(path):
         deck = read_keyword_deck(path, checked_ignore(ignore))
-        chosen = step_before_changes(deck, ignored) if step is None else step
-        return description(deck.until(chosen), ignored)
+        chosen = step_before_changes(deck) if step is None else step
+        return description(deck.until(chosen))
 
 
 def read_deck(path: str | PathLike[str]) -> Assembly:
@@ -66,7 +65,7 @@ def read_deck(path: str | PathLike[str]) -> Assembly:
     return read_joint(path).assembly
 
 
-def step_before_changes(deck: Deck, ignored: list[str]) -> int | None:
+def step_before_changes(deck: Deck) -> int | None:
     """Return the last general step in front of the first that changes the structure, and note it.
 
     None if no step changes it, or none comes before: the last step is read then, and refused if
@@ -81,7 +80,7 @@ def step_before_changes(deck: Deck, ignored: list[str]) -> int | None:
     if not earlier:
         return None
     called = "BOUNDARY, FIXED" if first.name == "BOUNDARY" else first.name
-    ignored.append(
+    deck.ignored.append(
         f"steps from {first.step} on: *{called} ({first.where()}) changes the structure "
         f"there; "
         f"step {earlier[-1]} is read"

@@ -16,22 +16,22 @@ from faying.io.abaqus.keyword import Keyword
 Forces = dict[tuple[int, int], float]
 
 
-def read_concentrated(
-    deck: Deck, dofs: Dofs, amplitudes: Amplitudes, ignored: list[str]
-) -> Iterator[Forces]:
+def read_concentrated(deck: Deck, dofs: Dofs, amplitudes: Amplitudes) -> Iterator[Forces]:
     """Yield the *CLOAD in force, step by step from 0: (node, component) of the deck to the value.
 
     As of :func:`~.in_force.in_force`.
     """
     for load in deck.of("CLOAD"):
-        amplitudes.note(load, ignored)
+        amplitudes.note(load, deck.ignored)
         if _is_imaginary(load):
-            ignored.append(
+            deck.ignored.append(
                 f"{load.where()}: *CLOAD, LOAD CASE=2: the imaginary part of a harmonic load; "
                 "the load of the step is the real part"
             )
         if load.has("OMEGA0"):
-            ignored.append(f"{load.where()}: OMEGA0 of *CLOAD: loads of statics have no frequency")
+            deck.ignored.append(
+                f"{load.where()}: OMEGA0 of *CLOAD: loads of statics have no frequency"
+            )
     for step, forces in enumerate(in_force(deck, ("CLOAD",), partial(_values, dofs=dofs))):
         yield {
             dof: sum(value * amplitudes.factor(keyword, step) for value, keyword in values)

@@ -29,7 +29,7 @@ HARMLESS = frozenset(("CONDUCTIVITY", "SPECIFIC HEAT", "LATENT HEAT", "INELASTIC
 MEMBERS = ("ELASTIC", "DENSITY", "DAMPING", "EXPANSION", *sorted(HARMLESS))
 
 
-def without_unused(deck: Deck, ignored: list[str]) -> Deck:
+def without_unused(deck: Deck) -> Deck:
     """Leave out the materials that no section names, whatever is in them.
 
     A block ends at the next keyword that is read for something else.
@@ -41,7 +41,7 @@ def without_unused(deck: Deck, ignored: list[str]) -> Deck:
             name = keyword.value("NAME")
             unused = bool(name) and name.upper() not in used
             if unused:
-                ignored.append(f"material {name}, which no section names")
+                deck.ignored.append(f"material {name}, which no section names")
         elif keyword.name in READ | KEYWORDS.harmless.keys() and keyword.name not in MEMBERS:
             unused = False
         if not unused:
@@ -49,9 +49,7 @@ def without_unused(deck: Deck, ignored: list[str]) -> Deck:
     return replace(deck, keywords=keywords)
 
 
-def read_materials(
-    deck: Deck, temperature: float | None, ignored: list[str]
-) -> dict[str, Material]:
+def read_materials(deck: Deck, temperature: float | None) -> dict[str, Material]:
     """Read all *MATERIAL with *ELASTIC and *DENSITY: upper-case name to material.
 
     Tables over temperature count at the temperature given; None where it differs.
@@ -72,10 +70,12 @@ def read_materials(
             elif member.name == "EXPANSION":
                 expansion = constant_expansion(member)
             elif member.name in HARMLESS:
-                ignored.append(f"*{member.name} of material {name} (no temperatures)")
+                deck.ignored.append(f"*{member.name} of material {name} (no temperatures)")
         tables = [m for m in members if m.name in ("ELASTIC", "DENSITY") and len(m.data) > 1]
         if any(not _is_anisotropic(member) for member in tables):
-            ignored.append(f"tables of material {name}: taken at the temperature {temperature:g}")
+            deck.ignored.append(
+                f"tables of material {name}: taken at the temperature {temperature:g}"
+            )
         if elastic is None and law is None:
             head.refuse(
                 f"material '{name}' has no *ELASTIC; add Young's modulus and Poisson's ratio"
@@ -102,7 +102,7 @@ def _is_anisotropic(member: Keyword) -> bool:
     return member.name == "ELASTIC" and member.choice("TYPE", "ISOTROPIC") not in ISOTROPIC
 
 
-def read_expansions(deck: Deck, ignored: list[str]) -> dict[str, Expansion]:
+def read_expansions(deck: Deck) -> dict[str, Expansion]:
     """Read all *EXPANSION, upper-case name of the material to what it expands by."""
     expansions = {}
     for head, members in deck.groups("MATERIAL", *MEMBERS):
@@ -113,7 +113,7 @@ def read_expansions(deck: Deck, ignored: list[str]) -> dict[str, Expansion]:
             if deck.of("TEMPERATURE"):
                 expansions[name.upper()] = read_expansion(member)
             else:
-                ignored.append(f"*EXPANSION of material {name} (no temperature changes)")
+                deck.ignored.append(f"*EXPANSION of material {name} (no temperature changes)")
     return expansions
 
 

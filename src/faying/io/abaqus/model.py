@@ -62,25 +62,26 @@ from faying.model.description import JointDescription
 from faying.model.mesh import Mesh
 
 
-def description(deck: Deck, ignored: list[str]) -> JointDescription:
+def description(deck: Deck) -> JointDescription:
     """Read everything a deck says in the step it has been cut to."""
-    deck = materials.without_unused(without_temperatures(deck, ignored), ignored)
-    check_supported(deck, ignored)
+    ignored = deck.ignored
+    deck = materials.without_unused(without_temperatures(deck))
+    check_supported(deck)
     deck = replace(deck, keywords=with_distinct_ids(deck.keywords, ignored))
-    nodes = read_nodes(deck, ignored)
-    elements = read_elements(deck, nodes, ignored)
+    nodes = read_nodes(deck)
+    elements = read_elements(deck, nodes)
     by_element = read_element_sets(deck, elements)
     by_node = read_node_sets(deck, nodes, elements, by_element)
-    elements, by_element = without_removed(deck, elements, by_element, ignored)
+    elements, by_element = without_removed(deck, elements, by_element)
     dofs = read_dofs(deck, nodes, by_node, rotation_nodes(deck, nodes, by_node))
-    dofs = replace(dofs, turned=reference_axes(deck, nodes, by_node, ignored))
+    dofs = replace(dofs, turned=reference_axes(deck, nodes, by_node))
     amplitudes = read_amplitudes(deck)
     temperatures = read_temperatures(deck, dofs, amplitudes)
     used = np.concatenate([np.empty(0, np.int64), *(b.nodes.ravel() for b in elements.blocks)])
-    named = materials.read_materials(deck, temperatures.uniform(np.unique(used)), ignored)
-    solids, of_property = read_solid_sections(deck, elements, by_element, named, ignored)
-    note_controls(deck, elements.solids, ignored)
-    note_masses(deck, elements.solids, ignored)
+    named = materials.read_materials(deck, temperatures.uniform(np.unique(used)))
+    solids, of_property = read_solid_sections(deck, elements, by_element, named)
+    note_controls(deck, elements.solids)
+    note_masses(deck, elements.solids)
     mesh = Mesh(
         nodes=nodes.coordinates,
         node_ids=nodes.ids,
@@ -89,25 +90,25 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         element_sets={by_element.names[key]: ids for key, ids in by_element.ids.items()},
     )
     sections = pretension.read_sections(deck, dofs, elements, by_element)
-    shells = read_shells(deck, elements, by_element, named, ignored)
-    mesh, cuts = _cut(deck, mesh, sections, by_element, by_node, shells, ignored)
+    shells = read_shells(deck, elements, by_element, named)
+    mesh, cuts = _cut(deck, mesh, sections, by_element, by_node, shells)
     surfaces = read_surfaces(deck, mesh, by_element, by_node, shells)
-    forces = list(read_concentrated(deck, dofs, amplitudes, ignored))
+    forces = list(read_concentrated(deck, dofs, amplitudes))
     general = forces[: len(forces) - (deck.n_step in deck.perturbations)]
     holds = read_supports(deck, dofs, frozenset(section.node for section in sections), amplitudes)
     springs, bushes = read_springs(deck, elements, by_element, nodes.coordinates)
-    interactions = contact.read_interactions(deck, ignored)
-    declared = contact.read_pairs(deck, interactions, surfaces, by_node, ignored)
-    declared += read_listed(deck, interactions, surfaces, ignored)
-    deck, declared = without_removed_pairs(deck, declared, ignored)
+    interactions = contact.read_interactions(deck)
+    declared = contact.read_pairs(deck, interactions, surfaces, by_node)
+    declared += read_listed(deck, interactions, surfaces)
+    deck, declared = without_removed_pairs(deck, declared)
     pairs = [pair for pair in declared if not pair.interaction.tied]
-    ties = read_ties(deck, surfaces, [pair for pair in declared if pair.interaction.tied], ignored)
+    ties = read_ties(deck, surfaces, [pair for pair in declared if pair.interaction.tied])
     assembly = Assembly(
         mesh=mesh,
         materials=of_property,
-        element=formulation(deck, elements.solids, ignored),
+        element=formulation(deck, elements.solids),
         beams=(
-            *read_beams(deck, elements, by_element, named, ignored),
+            *read_beams(deck, elements, by_element, named),
             *read_trusses(deck, elements, by_element, named, nodes.coordinates),
         ),
         shells=shells.blocks,
@@ -126,13 +127,13 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
         )
         for in_step in forces
     )
-    distributed = list(read_distributed(deck, assembly, by_element, surfaces, amplitudes, ignored))
-    expansions = materials.read_expansions(deck, ignored)
+    distributed = list(read_distributed(deck, assembly, by_element, surfaces, amplitudes))
+    expansions = materials.read_expansions(deck)
     free = [item for item in sections if item.element is not None and item.node not in holds.since]
     heated = with_unlocked_bolts(assembly, pretension.bolts(free, []))
     locked = [item.element for item in sections if item.node in holds.since]
     thermal = thermal_forces(heated, temperatures, expansions, origins(mesh, cuts), locked, ignored)
-    assembly = _tied(deck, assembly, dofs, elements, by_element, surfaces, ignored)
+    assembly = _tied(deck, assembly, dofs, elements, by_element, surfaces)
     assembly = with_ties(assembly, ties, ignored)
     assembly = close_cuts(assembly, cuts)
     closing = assembly.springs[len(assembly.springs) - len(cuts) :]
@@ -167,7 +168,7 @@ def description(deck: Deck, ignored: list[str]) -> JointDescription:
     sides = [(item.slave.nodes, item.master.nodes) for item in pairs]
     sides += [(tie.slave.nodes, tie.master.nodes) for tie in ties]
     joined = joined_bodies(assembly, cuts, sides)
-    specs += read_general_contact(deck, assembly, interactions, joined, ignored)
+    specs += read_general_contact(deck, assembly, interactions, joined)
     return JointDescription(
         assembly=replace(assembly, ignored=tuple(ignored)),
         interfaces=specs,
@@ -191,7 +192,6 @@ def _cut(
     by_element: NamedSets,
     by_node: NamedSets,
     shells: Shells,
-    ignored: list[str],
 ) -> tuple[Mesh, list[Cut]]:
     """Cut the solids at pretension sections; surfaces are read again on the result."""
     through_solids = [section for section in sections if section.element is None]
@@ -202,11 +202,11 @@ def _cut(
         mesh, cut = cut_mesh(mesh, section.through(surface))
         cuts.append(cut)
     if cuts:
-        ignored.append(
+        deck.ignored.append(
             "solids are cut at *PRE-TENSION SECTION: name the sides of interfaces, for minus = "
             '"auto" would find the cuts too'
         )
-    ignored.extend(
+    deck.ignored.extend(
         f"*PRE-TENSION SECTION {cut.name}: {cut.touching} elements of the side that "
         "owns the surface touch it with an edge or a corner only; they are parted from the other "
         "side like all, where CalculiX 2.20 leaves them on both, so that its bolt is tightened "
@@ -224,18 +224,17 @@ def _tied(
     elements: Elements,
     by_element: NamedSets,
     surfaces: Mapping[str, DeckSurface],
-    ignored: list[str],
 ) -> Assembly:
     """Add couplings and equations."""
     equations = list(read_equations(deck, dofs))
     equations += shared_rotations(deck, dofs.nodes, dofs.sets, len(equations) + 1)
-    more, links = read_mpcs(deck, dofs, len(equations) + 1, ignored)
+    more, links = read_mpcs(deck, dofs, len(equations) + 1)
     first = len(equations) + len(more) + len(links) + 1
     bodies = list(read_rigid_bodies(deck, dofs, elements, by_element, first))
-    couplings = read_couplings(deck, dofs, elements, surfaces, first + len(bodies), ignored)
+    couplings = read_couplings(deck, dofs, elements, surfaces, first + len(bodies))
     kinematic, average = couplings.rigid, couplings.average
     first += len(bodies) + len(kinematic) + len(average) + len(couplings.turned)
-    means = read_distributing(deck, dofs, elements, by_element, first, ignored)
+    means = read_distributing(deck, dofs, elements, by_element, first)
     rigid = [*links, *bodies, *kinematic]
     rotating = np.zeros(len(assembly.mesh.nodes), dtype=bool)
     rotating[[coupling.reference for coupling in rigid]] = True
@@ -255,7 +254,7 @@ def _tied(
     )
 
 
-def check_supported(deck: Deck, ignored: list[str]) -> None:
+def check_supported(deck: Deck) -> None:
     """Refuse keywords and elements that may change the structure; note what is left out."""
     unread: dict[str, list[Keyword]] = {}
     for keyword in deck.keywords:
@@ -266,11 +265,11 @@ def check_supported(deck: Deck, ignored: list[str]) -> None:
         Occurrence(name=name, count=len(these), where=these[0].where())
         for name, these in unread.items()
     ]
-    ignored += KEYWORDS.notes(occurrences, deck.ignore, deck.path)
+    deck.ignored.extend(KEYWORDS.notes(occurrences, deck.ignore, deck.path))
     if any(
         k.choice("NLGEOM", "NO") != "NO" or k.value("NLGEOM", "-") == "" for k in deck.of("STEP")
     ):
-        ignored.append("NLGEOM of *STEP: displacements are small here")
+        deck.ignored.append("NLGEOM of *STEP: displacements are small here")
 
 
 def _unread_name(keyword: Keyword) -> str:

@@ -24,9 +24,7 @@ def is_from_the_start(keyword: Keyword) -> bool:
     return (kind == "ELEMENT" and keyword.has("REMOVE")) or kind == "CONTACT PAIR"
 
 
-def without_removed(
-    deck: Deck, elements: Elements, sets: NamedSets, ignored: list[str]
-) -> tuple[Elements, NamedSets]:
+def without_removed(deck: Deck, elements: Elements, sets: NamedSets) -> tuple[Elements, NamedSets]:
     """Return elements and element sets without what *MODEL CHANGE, TYPE=ELEMENT removes."""
     parts: list[Indices] = []
     all_ids = np.concatenate([block.ids for block in elements.blocks])
@@ -45,14 +43,12 @@ def without_removed(
     if not parts:
         return elements, sets
     gone = np.unique(np.concatenate(parts))
-    ignored.append(f"*MODEL CHANGE in step 1: {len(gone)} elements are not there, in no step")
+    deck.ignored.append(f"*MODEL CHANGE in step 1: {len(gone)} elements are not there, in no step")
     left = {name: np.setdiff1d(ids, gone) for name, ids in sets.ids.items()}
     return elements.without(gone), replace(sets, ids=left, absent=gone)
 
 
-def without_removed_pairs(
-    deck: Deck, pairs: Sequence[Pair], ignored: list[str]
-) -> tuple[Deck, list[Pair]]:
+def without_removed_pairs(deck: Deck, pairs: Sequence[Pair]) -> tuple[Deck, list[Pair]]:
     """Return the contact pairs that *MODEL CHANGE, TYPE=CONTACT PAIR leaves, and their deck."""
     remaining = list(pairs)
     for keyword in (
@@ -65,7 +61,7 @@ def without_removed_pairs(
                 keyword.refuse("no *CONTACT PAIR has these surfaces as slave and master", row)
             if keyword.has("REMOVE"):
                 remaining = [pair for pair in remaining if pair not in named]
-                ignored.append(
+                deck.ignored.append(
                     f"*MODEL CHANGE in step 1: the contact pair {', '.join(fields)} is not there, "
                     "in no step"
                 )

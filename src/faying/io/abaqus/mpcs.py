@@ -25,9 +25,7 @@ passes over a node of MEANROT."""
 Terms = tuple[tuple[int, int, float], ...]
 
 
-def read_mpcs(
-    deck: Deck, dofs: Dofs, first_id: int, ignored: list[str]
-) -> tuple[list[Equation], list[RigidCoupling]]:
+def read_mpcs(deck: Deck, dofs: Dofs, first_id: int) -> tuple[list[Equation], list[RigidCoupling]]:
     """Read *MPC of type PIN, TIE, BEAM, PLANE, STRAIGHT and MEANROT.
 
     The last four are linearized about the geometry of the deck: with unit axis a and p_i the arms
@@ -48,8 +46,8 @@ def read_mpcs(
                     equations.append(Equation(id=next_id, terms=terms))
             if kind in ("BEAM", "PLANE", "STRAIGHT", "MEANROT"):
                 note = f"*MPC of type {kind}: linear about the geometry of the deck"
-                if note not in ignored:
-                    ignored.append(note)
+                if note not in deck.ignored:
+                    deck.ignored.append(note)
     return equations, rigid
 
 

@@ -39,7 +39,7 @@ class Nodes:
         return index
 
 
-def read_nodes(deck: Deck, ignored: list[str]) -> Nodes:
+def read_nodes(deck: Deck) -> Nodes:
     """Read all *NODE, with the *SYSTEM in force and the position of their instance."""
     ids, coordinates, owners, rows = [], [], [], []
     system: tuple[Matrix, Vector] | None = None
@@ -47,7 +47,7 @@ def read_nodes(deck: Deck, ignored: list[str]) -> Nodes:
         if keyword.name == "SYSTEM":
             system = _system(keyword)
             continue
-        numbers, points, lines = _node_block(keyword, system, ignored)
+        numbers, points, lines = _node_block(keyword, system, deck.ignored)
         owners.append(keyword)
         ids.append(numbers + keyword.scope.offset)
         coordinates.append(points)

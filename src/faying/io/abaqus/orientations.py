@@ -35,7 +35,7 @@ def distributed_axes(
     ]
 
 
-def orientation_at(deck: Deck, keyword: Keyword, points: Matrix, ignored: list[str]) -> Matrix:
+def orientation_at(deck: Deck, keyword: Keyword, points: Matrix) -> Matrix:
     """Return the axes (n, 3, 3) that the ORIENTATION of a keyword names at points (n, 3), as rows.
 
     Those of a cylindrical one are radial, tangential and axial.
@@ -60,7 +60,7 @@ def orientation_at(deck: Deck, keyword: Keyword, points: Matrix, ignored: list[s
     if on_axis.any():
         radial[on_axis] = _across(axis)
         lengths[on_axis] = 1.0
-        ignored.append(
+        deck.ignored.append(
             f"{int(on_axis.sum())} nodes on the axis of *ORIENTATION {orientation.value('NAME')}: "
             "any direction across it is radial there; the one of CalculiX is taken"
         )

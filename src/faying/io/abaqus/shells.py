@@ -54,11 +54,7 @@ class Shells:
 
 
 def read_shells(
-    deck: Deck,
-    elements: Elements,
-    sets: NamedSets,
-    materials: Mapping[str, Material],
-    ignored: list[str],
+    deck: Deck, elements: Elements, sets: NamedSets, materials: Mapping[str, Material]
 ) -> Shells:
     """Read all shells; their sections are numbered behind those of solids and beams."""
     all_blocks = elements.of(*SHELL_TYPES)
@@ -101,7 +97,7 @@ def read_shells(
                 directions=np.zeros((len(block.ids), 3)),
             )
         )
-    ignored.append(
+    deck.ignored.append(
         f"{len(ids)} shells: surfaces with rotations at their nodes, as in Abaqus, with a drilling "
         "stiffness, shear and mass of their own; CalculiX makes solids of them, which differ where "
         "shells are thick, coarse or joined at angles"

@@ -35,11 +35,7 @@ def find_material(materials: Mapping[str, Material], keyword: Keyword) -> Materi
 
 
 def read_solid_sections(
-    deck: Deck,
-    elements: Elements,
-    sets: NamedSets,
-    materials: Mapping[str, Material],
-    ignored: list[str],
+    deck: Deck, elements: Elements, sets: NamedSets, materials: Mapping[str, Material]
 ) -> tuple[tuple[CellBlock, ...], dict[int, Material]]:
     """Return blocks of cells, whose properties number the sections from 1, and their materials."""
     ids = np.concatenate([np.empty(0, dtype=np.int64), *(b.ids for b in elements.solids)])
@@ -55,7 +51,7 @@ def read_solid_sections(
         chosen = np.isin(ids, sets.find(keyword, keyword.required("ELSET")))
         again = np.flatnonzero(chosen & (section > 0))
         if again.size:
-            ignored.append(
+            deck.ignored.append(
                 f"{keyword.where()}: *SOLID SECTION of {len(again)} elements (the first "
                 f"{ids[again[0]]}) that have one already: the last counts, as in CalculiX; Abaqus "
                 "refuses such a deck"
@@ -135,18 +131,18 @@ def cells(
     return cell_blocks
 
 
-def note_controls(deck: Deck, blocks: Sequence[ElementBlock], ignored: list[str]) -> None:
+def note_controls(deck: Deck, blocks: Sequence[ElementBlock]) -> None:
     """Say what *SECTION CONTROLS would change in the solids of a deck."""
     reduced = any(_hourglasses(block) for block in blocks)
     for keyword in deck.of("SECTION CONTROLS"):
         kind = keyword.choice("HOURGLASS", "STIFFNESS")
         head = f"*SECTION CONTROLS {keyword.value('NAME')}: "
         if not reduced:
-            ignored.append(f"{head}no solid of the deck has hourglass modes")
+            deck.ignored.append(f"{head}no solid of the deck has hourglass modes")
         elif kind == "ENHANCED":
-            ignored.append(f"{head}{_ENHANCED}")
+            deck.ignored.append(f"{head}{_ENHANCED}")
         else:
-            ignored.append(
+            deck.ignored.append(
                 f"{head}hourglass control {kind} and its factors are not taken; C3D8R has the "
                 "default of its program, which few layers in bending feel"
             )
@@ -165,16 +161,16 @@ _ENHANCED = (
 )
 
 
-def formulation(deck: Deck, blocks: Sequence[ElementBlock], ignored: list[str]) -> str:
+def formulation(deck: Deck, blocks: Sequence[ElementBlock]) -> str:
     """Return the formulation of eight-node bricks, and say what differs from the deck."""
     counts: dict[str, int] = {}
     for block in blocks:
         counts[block.type] = counts.get(block.type, 0) + len(block.ids)
     for name, count in counts.items():
         if name == "C3D8R" and is_of_abaqus(deck):
-            ignored.append(f"{count} {name}: {_OF_ABAQUS}")
+            deck.ignored.append(f"{count} {name}: {_OF_ABAQUS}")
         elif note := SOLID_TYPES[name].elsewhere.abaqus.get(name, ""):
-            ignored.append(f"{count} {name}: {note}")
+            deck.ignored.append(f"{count} {name}: {note}")
     bricks = {
         _reduced(deck) if name == "C3D8R" else SOLID_TYPES[name].formulation
         for name in counts

@@ -147,12 +147,12 @@ _TIME_STEP = 3
 """Field of *FREQUENCY behind the number of frequencies and their bounds."""
 
 
-def note_masses(deck: Deck, solids: Sequence[ElementBlock], ignored: list[str]) -> None:
+def note_masses(deck: Deck, solids: Sequence[ElementBlock]) -> None:
     """Say which masses differ, in decks that ask for vibrations."""
     if not any(deck.of(name) for name in _VIBRATIONS):
         return
     if any(block.type == "C3D8I" for block in solids):
-        ignored.append(_INCOMPATIBLE)
+        deck.ignored.append(_INCOMPATIBLE)
     rows = [row for keyword in deck.of("FREQUENCY") for row in keyword.rows()[:1]]
     if any(len(row) > _TIME_STEP and row[_TIME_STEP] for row in rows):
-        ignored.append(_SCALED)
+        deck.ignored.append(_SCALED)

@@ -39,11 +39,11 @@ class Temperatures:
         return float(values[0]) if len(values) == 1 else None
 
 
-def without_temperatures(deck: Deck, ignored: list[str]) -> Deck:
+def without_temperatures(deck: Deck) -> Deck:
     """Leave out the temperatures of steps as asked; the initial ones choose material constants."""
     if "temperature" not in deck.ignore or not deck.of("TEMPERATURE"):
         return deck
-    ignored.append(f"*TEMPERATURE: {IGNORABLE['temperature']} (ignore = temperature)")
+    deck.ignored.append(f"*TEMPERATURE: {IGNORABLE['temperature']} (ignore = temperature)")
     return deck.without("TEMPERATURE")
 
 

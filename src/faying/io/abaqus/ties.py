@@ -33,9 +33,7 @@ class Tie:
     """Slopes [force/length³] along the normals and across them; None is rigid."""
 
 
-def read_ties(
-    deck: Deck, surfaces: Surfaces, pairs: Sequence[Pair], ignored: list[str]
-) -> list[Tie]:
+def read_ties(deck: Deck, surfaces: Surfaces, pairs: Sequence[Pair]) -> list[Tie]:
     """Read all *TIE, behind the contact pairs that are tied."""
     ties = [
         Tie(
@@ -60,7 +58,7 @@ def read_ties(
                 Tie(keyword=keyword, name=name, slave=slave, master=master, tolerance=tolerance)
             )
     if any(tie.stiffness is None for tie in ties):
-        ignored.append(
+        deck.ignored.append(
             "*TIE, TIED: slave and master move together where facets see each other within the "
             "position tolerance, node by node where meshes match and else in the mean (mortar), "
             "which gives way more on coarse meshes (0.1 % on blocks of two and three linear "
