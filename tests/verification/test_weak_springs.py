@@ -1,5 +1,7 @@
 """Weak springs: bodies that contact and friction hold as they would without them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -115,3 +117,24 @@ def test_hard_contact_of_a_plate_on_weak_springs_is_the_limit_of_stiff_penalties
         forces.append(joint.contact.at_pairs(found.contact_forces))
     # What 1e11 N/mm³ gives way by: 4e-8 of the largest force, in proportion to 1 / penalty.
     np.testing.assert_allclose(forces[0], forces[1], atol=2e-7 * forces[1].max())
+
+
+def test_the_softest_springs_cost_a_reduced_model_no_digits(tmp_path):
+    """Free plates on springs of 1e-8 of their stiffness ended in numbers that were not finite."""
+    plates = fy.lap_joint(element_size=10.0, hole_radius=0.0, bolt_positions=())
+    free = fy.build_model(
+        replace(plates.assembly, supports=()),
+        interfaces=[fy.InterfaceSpec(name="joint", friction=0.4)],
+        boundaries=[fy.BoundarySpec(name="tip", node=2)],
+    )
+    joint = fy.with_weak_springs(free, 1e-3)
+    rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=20), compliance=True)
+    rom.save(tmp_path / "free.faying")
+    swings = []
+    for model in (joint, rom, fy.read_reduced_model(tmp_path / "free.faying")):
+        rest = fy.solve_path(model, [fy.Load()])
+        glued = replace(rest, contact_forces=np.ones_like(rest.contact_forces))
+        swings.append(fy.preloaded_frequencies(model, 2, state=glued))
+    # What 20 normal modes hold: 9e-4, on springs of the automatic stiffness too.
+    np.testing.assert_allclose(swings[1], swings[0], rtol=2e-3)
+    np.testing.assert_array_equal(swings[2], swings[1])

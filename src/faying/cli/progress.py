@@ -31,8 +31,10 @@ class Lines:
         """Tell now and then how much of a stage is done."""
         description, total, done = self._tasks[task]
         self._tasks[task] = description, total, done + advance
-        if total and monotonic() - self._last > 30.0:  # seconds
-            self._tell(f"{description}: {done + advance:.0f} of {total:.0f}")
+        if monotonic() - self._last > 30.0:  # seconds
+            self._tell(
+                f"{description}: {done + advance:.0f}" + (f" of {total:.0f}" if total else "")
+            )
 
     def update(self, task: int, *, description: str, **_: Any) -> None:
         """Tell that a stage has become another."""

@@ -29,7 +29,7 @@ REMEDY = (
 
 REMEDY_BESIDE_SPRINGS = (
     "support it, or tie it to a held body with a bolt: weak springs hold nothing but what touches "
-    "another body"
+    "another body, and those of a stiffness below round-off nothing at all"
 )
 """Where weak springs were asked for."""
 

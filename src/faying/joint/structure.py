@@ -26,7 +26,7 @@ from faying.linalg.factorization import (
 from faying.linalg.memory import FactorMemory
 from faying.linalg.partial import compressed_port_compliance, port_stiffness
 from faying.linalg.relief import balanced, supported, supports
-from faying.linalg.substitution import solved_gram
+from faying.linalg.substitution import dense, solved_gram
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -59,6 +59,8 @@ class Structure:
         Where the relative displacements are [length]; without them nothing is compressed.
     dense_budget
         Memory that dense matrices between pairs or contact points may take [bytes].
+    firm_rows : (n_spring, n_dof) sparse or None
+        Displacements over which weak springs act, times the root of what they need to be firm.
     """
 
     matrices: FreeMatrices
@@ -69,6 +71,7 @@ class Structure:
     diagnose: Callable[[SparseMatrix, Vector], str] | None = None
     places: Matrix | None = None
     dense_budget: int = field(default_factory=default_budget)
+    firm_rows: SparseMatrix | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "boundary", frozen(self.boundary, np.int64))
@@ -131,15 +134,30 @@ class Structure:
         return supported(self.K, self.supports)
 
     @cached_property
+    def firm(self) -> "Structure":
+        """The structure whose weak springs are as stiff as what they hold.
+
+        Between pairs a basis that has :attr:`relief_shapes` lacks the same of it. No digits are
+        lost to bodies that nearly move freely.
+        """
+        if self.firm_rows is None:
+            return self
+        K = (self.supported_stiffness + self.firm_rows.T @ self.firm_rows).tocsr()
+        matrices = FreeMatrices(form=lambda: (self.M, K, None))
+        return replace(self, matrices=matrices, whole_motions=None, firm_rows=None)
+
+    @cached_property
     def relief_shapes(self) -> Matrix:
-        """Shapes (n_dof, 2 n_motion) that a basis of a free structure needs, boundary held.
+        """Shapes that a basis of a free or weakly held structure needs, boundary held.
 
         Those of the forces of springs and of inertia, K̂_ii⁻¹ [E, M R]_i: with constraint modes
-        they span R and K̂⁻¹ M R of (M12), so that (M5) and (M6) are the same with K⁺.
+        they span R and K̂⁻¹ M R of (M12), so that (M5) and (M6) are the same with K⁺. Weak springs
+        are more of such springs, and all of them span the same in the firm structure.
         """
         springs = np.zeros((self.n_dof, len(self.supports)))
         springs[self.supports, np.arange(len(self.supports))] = 1.0
-        return self.solve_held(np.hstack([springs, self.carried]))
+        weak = [] if self.firm_rows is None else [dense(self.firm_rows.T)]
+        return self.firm.solve_held(np.hstack([springs, self.carried, *weak]))
 
     @cached_property
     def interior(self) -> Indices:
@@ -241,6 +259,11 @@ class Structure:
         -----
         The inverse of :attr:`held_stiffness`, or a back-substitution per row of P.
         """
+        if self.firm_rows is not None:
+            shapes = self.firm.solve_held(dense(self.firm_rows.T))
+            softer = np.eye(shapes.shape[1]) - self.firm_rows @ shapes
+            core = np.linalg.inv((softer + softer.T) / 2)
+            return plus(self.firm.held_compliance, self.relative_operator @ shapes, core)
         if self.held_stiffness is not None:
             return inverse(self.held_stiffness)
         if self.places is None or self.is_kept_whole:

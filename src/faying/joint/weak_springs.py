@@ -29,6 +29,12 @@ They take 1e-5 of a load from friction. Weaker ones take less, but increments wi
 take more Newton steps; with 1e-7 one was not solved (``docs/how-to/get_a_model_in.md``).
 """
 
+NOTHING_ELASTIC = (
+    "weak springs: what they would hold is rigid, or fixed, at the contact, and nothing tells how "
+    "stiff it is; give the stiffness of a spring [force/length] as a number, far below what "
+    "contact and the rest of the structure resist with"
+)
+
 SMALLEST_MOTION = 0.01
 """Nodes that move by more than this fraction of the largest free motion belong to a free body."""
 
@@ -71,8 +77,11 @@ def with_weak_springs(model: Model, stiffness: float | Literal["auto"] = "auto")
     if not pairs_held:
         return model
     pairs = np.concatenate(list(pairs_held.values()))
+    firm = _stiffness_there(model, np.unique(pairs))
     if stiffness == "auto":
-        stiffness = AUTOMATIC_STIFFNESS * _stiffness_there(model, np.unique(pairs))
+        if not firm:
+            raise ModelError(NOTHING_ELASTIC)
+        stiffness = AUTOMATIC_STIFFNESS * firm
     supports = {
         name: WeakSupport(
             nodes=assembly.mesh.node_ids[pair_rows],
@@ -98,24 +107,17 @@ def with_weak_springs(model: Model, stiffness: float | Literal["auto"] = "auto")
         structure=replace(
             stiffened.structure,
             diagnose=partial(unconstrained, supported, dofs, remedy=REMEDY_BESIDE_SPRINGS),
+            firm_rows=rows * (np.sqrt(firm) / stiffness) if firm else None,
         ),
         weak_supports={**model.weak_supports, **supports},
     )
 
 
 def _stiffness_there(model: Model, nodes: Indices) -> float:
-    """Return the median of what it takes to move one of some nodes alone [force/length]."""
+    """Return the median of what it takes to move one of some nodes alone [force/length], or 0."""
     rows = _translations(model.dofs.transformation, nodes)
     K = stiffness_at(model.assembly, model.dofs, nodes)
-    stiffness = float(np.median((rows @ K @ rows.T).diagonal()))
-    if not stiffness > 0:
-        message = (
-            "weak springs: what they would hold is rigid, or fixed, at the contact, and nothing "
-            "tells how stiff it is; give the stiffness of a spring [force/length] as a number, far "
-            "below what contact and the rest of the structure resist with"
-        )
-        raise ModelError(message)
-    return stiffness
+    return max(float(np.median((rows @ K @ rows.T).diagonal())), 0.0)
 
 
 def _held_pairs(model: Model) -> Mapping[str, Indices]:

@@ -21,15 +21,11 @@ class WeakSupport:
         Of each spring.
     forces : (3 n_pair, n_dof) [force/length]
         Rows that take displacements to the forces of the springs.
-    residual_forces : (3 n_pair, n_relative) [1]
-        Such forces per force between the contact pairs that the trial vectors of a reduced model
-        lack; None where there are none.
     """
 
     nodes: Indices
     stiffness: float
     forces: Matrix | SparseMatrix
-    residual_forces: Matrix | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "nodes", frozen(self.nodes, np.int64))

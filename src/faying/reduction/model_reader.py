@@ -263,7 +263,7 @@ def read_model(group: h5py.Group, joint: ReducedModel) -> ReducedModel:
         }
         if loads is not None
         else {},
-        weak_supports=weak_supports_of(group, n, n_relative),
+        weak_supports=weak_supports_of(group, n),
         rigid_motions=motions,
         recovery_inertia=_optional(group, "inertia_recovery", (n_port, n)),
         recovery_damping=_optional(group, "damping_recovery", (n_port, n)),

@@ -80,14 +80,11 @@ def projected(model: Model, basis: Basis, *, compliance: bool = False) -> Reduce
     M, C, K = _matrices(model, phi)
     residual: Compliance | None = None
     bending: dict[str, Matrix] = {}
-    residuals: dict[str, Matrix] = {}
     if compliance:
         stiffness = _held_stiffness(model, basis)
         residual = _residual_compliance(model, basis, stiffness)
         moments = {n: port.bending for n, port in model.bolts.items() if port.bending is not None}
         bending = _residuals(model, basis, stiffness, moments)
-        forces = {body: port.forces for body, port in model.weak_supports.items()}
-        residuals = _residuals(model, basis, stiffness, forces)
     return ReducedModel(
         M=M,
         C=C,
@@ -103,10 +100,7 @@ def projected(model: Model, basis: Basis, *, compliance: bool = False) -> Reduce
             for name, bolt in model.bolts.items()
         },
         rigid_motions=_rigid_motions(model, phi),
-        weak_supports={
-            body: replace(port.projected(phi), residual_forces=residuals.get(body))
-            for body, port in model.weak_supports.items()
-        },
+        weak_supports={body: port.projected(phi) for body, port in model.weak_supports.items()},
         basis=basis,
         load_patterns={name: port.projected(phi) for name, port in model.load_patterns.items()},
         name=model.name,
@@ -221,7 +215,7 @@ def residual_compliance(model: Model, basis: Basis) -> Compliance:
 def _residual_compliance(model: Model, basis: Basis, stiffness: Matrix) -> Compliance:
     seen = model.structure.relative_operator @ basis.of_kind(*VANISHING)
     flexibility = np.asarray(np.linalg.inv(stiffness), dtype=np.float64)
-    return plus(model.structure.held_compliance, seen, -flexibility)
+    return plus(model.structure.firm.held_compliance, seen, -flexibility)
 
 
 def full_displacement(model: Model, solution: Solution) -> Matrix:
@@ -296,7 +290,7 @@ def _residuals(
 def _beyond(model: Model, basis: Basis, stiffness: Matrix, forces: Matrix) -> Matrix:
     """Return displacements (n_dof, n) under forces, boundary held, that a basis lacks."""
     fixed = basis.of_kind(*VANISHING)
-    statics = model.structure.solve_held(forces)
+    statics = model.structure.firm.solve_held(forces)
     shares = np.linalg.solve(stiffness, fixed.T @ forces)
     beyond: Matrix = statics - fixed @ shares
     return beyond
@@ -346,7 +340,7 @@ def _projection(A: SparseMatrix, phi: Matrix) -> Matrix:
 
 def _held_stiffness(model: Model, basis: Basis) -> Matrix:
     """Return Φ_fᵀ K̂ Φ_f of the shapes that vanish on the boundary."""
-    return _projection(model.structure.supported_stiffness, basis.of_kind(*VANISHING))
+    return _projection(model.structure.firm.supported_stiffness, basis.of_kind(*VANISHING))
 
 
 def _rigid_motions(model: Model, phi: Matrix) -> Matrix:

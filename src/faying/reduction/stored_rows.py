@@ -56,7 +56,7 @@ def rigid_motions_of(group: h5py.Group, n: int) -> Matrix:
     return motions
 
 
-def weak_supports_of(group: h5py.Group, n: int, n_relative: int) -> dict[str, WeakSupport]:
+def weak_supports_of(group: h5py.Group, n: int) -> dict[str, WeakSupport]:
     """Return the weak springs of bodies, where the file has any."""
     if "weak_supports" not in group:
         return {}
@@ -64,12 +64,8 @@ def weak_supports_of(group: h5py.Group, n: int, n_relative: int) -> dict[str, We
         member(group, "weak_supports"), Mapping[str, WeakSupport], TABLES
     )
     for body, support in supports.items():
-        residual, n_row = support.residual_forces, 3 * len(support.nodes)
-        fits = residual is None or residual.shape == (n_row, n_relative)
-        if support.forces.shape != (n_row, n) or support.nodes.shape[1:] != (2,) or not fits:
-            message = (
-                f"'{group.name}/weak_supports' of '{body}' do not fit {n} coordinates and "
-                f"{n_relative} pairs"
-            )
+        shape = (3 * len(support.nodes), n)
+        if support.forces.shape != shape or support.nodes.shape[1:] != (2,):
+            message = f"'{group.name}/weak_supports' of '{body}' do not fit {n} coordinates"
             raise ValueError(message)
     return supports

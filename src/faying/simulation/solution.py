@@ -249,7 +249,7 @@ class Solution(ContactFields, Shown):
             message = f"there are no weak springs '{bodies}'; those there are hold {names}"
             raise ModelError(message)
         support = supports[bodies]
-        forces = self._told_by(support.forces, support.residual_forces)
+        forces = _each(self.states, support.forces)
         at_pairs = np.linalg.norm(forces.reshape(*forces.shape[:-1], -1, 3), axis=-1)
         carried: Matrix = at_pairs.sum(axis=-1)
         return carried
