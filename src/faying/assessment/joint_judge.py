@@ -203,14 +203,18 @@ class JointJudge:
             return {}
         system, asked = self.system, bool(self.reserves)
         asked = asked or self.requirements.min_slip_safety is not None
-        inputs = self._inputs(self.summed, initial)
+        inputs, names = self._inputs(self.summed, initial), [load.name for load in self.summed]
+        if initial is None and system.contact.forgets and self.cases.keys() >= set(names):
+            pressure = np.concatenate([self.cases[name].pressure for name in names])
+        else:
+            pressure = pressures_without_friction(system, inputs)
         demands = slip_demands(
             system,
             self.surfaces,
             tangential_of(system),
-            [load.name for load in self.summed],
+            names,
             inputs,
-            pressures_without_friction(system, inputs),
+            pressure,
             self.coefficients,
         )
         untold = {
@@ -239,15 +243,7 @@ def tangential_of(system: Model | ReducedModel) -> Sequence[TangentialRows]:
 
 def rest_of(preloaded: Solution) -> CaseState:
     """Return a preloaded state, or the last one of a path, as it is judged."""
-    system = preloaded.system
-    return CaseState(
-        pressure=preloaded.pressure.reshape(-1, system.contact.n_points)[-1:],
-        bolt_forces={name: np.ravel(preloaded.bolt_force(name))[-1:] for name in system.bolts},
-        bolt_moments={
-            name: preloaded.bolt_bending(name).reshape(-1, 2, 2)[-1:]
-            for name in bent_bolts(system.bolts)
-        },
-    )
+    return state_of(preloaded, slice(-1, None), bent_bolts(preloaded.system.bolts))
 
 
 def certified_cases(
@@ -316,7 +312,7 @@ def assess(
     clamps = certified_cases(certifier(full), system, names, cases.inputs, exact)
     bent = bent_bolts(system.bolts)
     states = {
-        name: replace(state_of(cases, row, bent), certified=clamps[name])
+        name: replace(state_of(cases, slice(row, row + 1), bent), certified=clamps[name])
         for row, name in enumerate(names)
     }
     factor = 1.0 if scatter is None else scatter.tightening_factor

@@ -14,7 +14,7 @@ from faying.contact.laws_at_points import LawsAtPoints
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import System, input_forces
 from faying.linalg.threads import threads_for
-from faying.simulation.load import Load, StaticLoad
+from faying.simulation.load import StaticLoad
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import OF_EACH_STATE, carried_inputs
 from faying.simulation.static import port_forces, relative_forces, solve_static_inputs
@@ -25,7 +25,7 @@ MOST_DIVISIONS = 6
 
 def solve_path(
     system: System,
-    loads: Sequence[Load],
+    loads: Sequence[StaticLoad],
     initial: Solution | None = None,
     name: str = "path",
 ) -> Solution:

@@ -1,22 +1,25 @@
 """Many static cases, or a transient, solved on a reduced model a part at a time."""
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
 
 from faying._typing import Indices, Matrix
-from faying.assessment.case_metrics import Metric, metrics_of
+from faying.assessment.case_metrics import Metric, bent_bolts, metrics_of
 from faying.assessment.certificate import Certifier, certifier
+from faying.assessment.joint_record import CaseState
 from faying.assessment.slip_metrics import friction_metrics
+from faying.assessment.strength.preload_ends import state_of
 from faying.exceptions import ConvergenceError, StudyError
 from faying.execution.campaign import run_campaign
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.execution.executor import Executor
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
-from faying.simulation.load import Load
+from faying.simulation.load import InputRow, Load
+from faying.simulation.path import solve_path
 from faying.simulation.ramps import solve_ramps
 from faying.simulation.restart import kept_restart, restart_from
 from faying.simulation.solution import Solution
@@ -203,6 +206,16 @@ class CaseSolver:
         if self.tightening is None:
             return solve_static_inputs(self.rom, inputs)
         return solve_ramps(self.rom, inputs, self.rest, increments=DEFAULT_INCREMENTS)
+
+    def followed(self, rows: Sequence[int]) -> dict[int, CaseState]:
+        """Return static cases of a joint with friction as a run judges them: every increment."""
+        shares = np.arange(1, DEFAULT_INCREMENTS + 1) / DEFAULT_INCREMENTS
+        states: dict[int, CaseState] = {}
+        for row in rows:
+            load = InputRow(name=self.loads.names[row], row=self.loads.inputs[row])
+            path = solve_path(self.rom, [load.scaled(share) for share in shares], self.rest)
+            states[row] = state_of(path, slice(None), bent_bolts(self.rom.bolts))
+        return states
 
     def _walked(self, load: TimedLoad) -> Arrays:
         """Keep the pieces of a transient; return their number, and what went wrong.

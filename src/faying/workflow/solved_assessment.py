@@ -1,6 +1,6 @@
 """The joint judged over many solved cases: those that decide as a run judges its own."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -30,7 +30,7 @@ from faying.study.keys.requirement_tables import MarginsSection
 from faying.study.stages.path_cases import rest_state
 from faying.workflow.deciding_cases import Deciding
 from faying.workflow.solve_cases import CaseSolver
-from faying.workflow.solved_cases import OPENS, SLIDES, SolvedCases
+from faying.workflow.solved_cases import BENDING, OPENS, SLIDES, SolvedCases
 from faying.workflow.solved_pieces import Demanded
 
 STATIC = ""
@@ -109,11 +109,14 @@ def solved_checks(
     """Judge a joint over the cases and instants that decide, and its bolts over all."""
     rom, loads, rubs = solver.rom, solver.loads, solver.tightening is not None
     sets = {**({} if static is None else {STATIC: static}), **transients}
-    decided = {} if static is None else static.states(static.deciding(solver.worst))
+    decided: dict[int, CaseState] = {}
+    if static is not None:
+        deciding = static.deciding(solver.worst)
+        decided = solver.followed(deciding) if rubs else static.states(deciding)
     rows = list(decided)
     states = {loads.names[row]: state for row, state in decided.items()}
     if rows and solver.judge is not None:
-        pressure = np.concatenate([state.pressure for state in decided.values()])
+        pressure = np.concatenate([state.pressure for state in states.values()])
         names = list(states)
         clamps = certified_cases(solver.judge, rom, names, loads.inputs[rows], pressure)
         states = {name: replace(states[name], certified=clamps[name]) for name in names}
@@ -130,11 +133,11 @@ def solved_checks(
         followed = Deciding(
             rom=rom, loads=loads, areas=demanded.opens, open_below=demanded.open_below
         )
-        slides, opens = static.of_all(SLIDES), static.of_all(OPENS)
+        slides, opens = static.of_all(SLIDES, OPENS)
         with solver.books.attempt("load factors of opening and sliding"):
             reserves = followed.reserves(solver.rest, slides, opens) if rubs else {}
             openings = followed_openings(reserves) if rubs else followed.openings(opens)
-    deciding = _loads(loads, [loads.names[row] for row in rows])
+    summed = _loads(loads, rows)
     judge = JointJudge(
         system=rom,
         exact=rom,
@@ -143,8 +146,8 @@ def solved_checks(
         requirements=requirements,
         strengths=strengths,
         attempt=solver.books.attempt,
-        loads=() if rubs else _loads(loads, [load.name for load in deciding] + list(openings)),
-        summed=deciding,
+        loads=() if rubs else _loads(loads, [*rows, *map(loads.names.index, openings)]),
+        summed=summed,
         reserves=reserves,
         openings=openings,
     )
@@ -152,33 +155,38 @@ def solved_checks(
     histories = {name: _history(cases, rom) for name, cases in sets.items()} if rom.bolts else {}
     histories = {name: state for name, state in histories.items() if len(state.pressure)}
     while True:
+        if rubs and histories:
+            histories |= {loads.names[row]: state for row, state in decided.items()}
         ends = judge.ends(histories)
         apart = [_told_apart(end, loads) for end in ends]
         stressed = judge.strengthened(assessment, histories, apart, loads.repetitions)
-        names = [loads.names[row] for row in sorted(_worst_rows(strengths, apart, stressed.checks))]
-        known = {load.name for load in judge.loads}
-        more = _loads(loads, [name for name in names if name not in known])
-        if not more or not ends[0].solved:
+        solved = {*histories, *(load.name for load in judge.loads)}
+        worst = _worst_rows(loads, strengths, apart, stressed.checks)
+        more = [row for row in sorted(worst) if loads.names[row] not in solved]
+        if not more or not (rubs or ends[0].solved):
             break
-        judge = replace(judge, loads=[*judge.loads, *more])
+        if rubs:
+            decided = solver.followed(more)
+        else:
+            judge = replace(judge, loads=[*judge.loads, *_loads(loads, more)])
     assessment = judge.at_ends(assessment, ends)
     assessment = judge.strengthened(assessment, histories, apart, loads.repetitions)
     checks = tuple(_labelled(check, sets) for check in assessment.checks)
-    assessment = with_margins(replace(assessment, checks=checks), judge, margins, deciding)
+    assessment = with_margins(replace(assessment, checks=checks), judge, margins, summed)
     return assessment.verdicts, joint_checks(assessment, rom.unit_set, reserves)
 
 
-def _loads(loads: LoadSet, names: Sequence[str]) -> list[InputRow]:
+def _loads(loads: LoadSet, rows: Iterable[int]) -> list[InputRow]:
     """Return static cases as loads, each once."""
-    rows = {name: row for row, name in enumerate(loads.names)}
-    return [InputRow(name=name, row=loads.inputs[rows[name]]) for name in dict.fromkeys(names)]
+    return [InputRow(name=loads.names[row], row=loads.inputs[row]) for row in dict.fromkeys(rows)]
 
 
 def _worst_rows(
-    strengths: BoltStrengths, ends: Sequence[PreloadEnd], checks: Sequence[Check]
+    loads: LoadSet, strengths: BoltStrengths, ends: Sequence[PreloadEnd], checks: Sequence[Check]
 ) -> set[int]:
     """Return the static cases that decide a check, or in which a fibre of a thread is at an end."""
     rows = {int(one.instant) for one in checks if one.case == STATIC and one.instant is not None}
+    rows |= {loads.names.index(one.case) for one in checks if one.case in loads.repetitions}
     for state in (end.cases[STATIC] for end in ends if STATIC in end.cases):
         for bolt, thread in strengths.threads.items():
             stresses = fibre_stresses(thread, state.bolt_forces[bolt], state.bolt_moments.get(bolt))
@@ -189,12 +197,14 @@ def _worst_rows(
 
 def _history(cases: SolvedCases, rom: ReducedModel) -> CaseState:
     """Return the bolts in all cases that were solved as one over "time", which is their number."""
-    forces = {name: cases.column(f"bolt_force.{name}") for name in rom.bolts}
+    bent, metrics = bent_bolts(rom.bolts), [metric.name for metric in cases.metrics]
+    table, *moments = cases.of_all("metrics", *(f"{BENDING}{name}" for name in bent))
+    forces = {name: table[:, metrics.index(f"bolt_force.{name}")] for name in rom.bolts}
     rows = np.flatnonzero(~np.isnan(next(iter(forces.values()))))
     return CaseState(
         pressure=np.empty((len(rows), 0)),
         bolt_forces={name: column[rows] for name, column in forces.items()},
-        bolt_moments={name: cases.bending(name)[rows] for name in bent_bolts(rom.bolts)},
+        bolt_moments={name: bending[rows] for name, bending in zip(bent, moments, strict=True)},
         times=rows.astype(float),
     )
 
@@ -225,7 +235,7 @@ def _told_apart(end: PreloadEnd, loads: LoadSet) -> PreloadEnd:
     cases[STATIC] = _rows(merged, others)
     if not others:
         del cases[STATIC]
-    return replace(end, cases={**cases, **apart}, solved=frozenset())
+    return replace(end, cases={**apart, **cases}, solved=end.solved & apart.keys())
 
 
 def _rows(state: CaseState, rows: Sequence[int]) -> CaseState:

@@ -88,7 +88,7 @@ class SolvedCases:
             for arrays in self:
                 yield [self.label(row) for row in arrays["rows"].tolist()], arrays["metrics"]
             return
-        table = self.of_all("metrics")
+        (table,) = self.of_all("metrics")
         yield [self.label(row) for row in range(len(table))], table
 
     def worst(self, count: int) -> list[Worst]:
@@ -113,7 +113,7 @@ class SolvedCases:
     def deciding(self, count: int) -> list[int]:
         """Return the worst rows of metrics, and where what is judged at its least is smallest."""
         worst = {entry.row for entry in self.worst(count)}
-        return sorted(worst | smallest_rows(self.of_all(SMALLEST)))
+        return sorted(worst | smallest_rows(*self.of_all(SMALLEST)))
 
     def states(self, rows: Collection[int]) -> dict[int, CaseState]:
         """Return those of some rows that were kept, as they are judged."""
@@ -146,22 +146,12 @@ class SolvedCases:
         """Return what a static case is called, or an instant of a history."""
         return f"{history} at {self.label(row)}" if history else self.label(row)
 
-    def column(self, metric: str) -> Vector:
-        """Return a metric of all cases or instants, NaN where there is no solution."""
-        column = [metric_entry.name for metric_entry in self.metrics].index(metric)
-        return self.of_all("metrics", column)
-
-    def bending(self, bolt: str) -> Matrix:
-        """Return the bending moments of a bolt (n_row, 2, 2), NaN where there is no solution."""
-        return self.of_all(f"{BENDING}{bolt}")
-
-    def of_all(self, name: str, column: int | None = None) -> Matrix:
-        """Return an array of all cases or instants, or a column of it, in their order."""
-        parts, rows = [], []
-        for arrays in self:
-            parts.append(arrays[name] if column is None else arrays[name][:, column])
-            rows.append(arrays["rows"])
-        return np.concatenate(parts)[np.argsort(np.concatenate(rows), kind="stable")]
+    def of_all(self, *names: str) -> list[Matrix]:
+        """Return arrays of all cases or instants, in their order, from one reading of the parts."""
+        parts = [[arrays["rows"], *(arrays[name] for name in names)] for arrays in self]
+        rows, *joined_arrays = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+        order = np.argsort(rows, kind="stable")
+        return [array[order] for array in joined_arrays]
 
     def fields(self, rows: Sequence[int]) -> tuple[list[int], Matrix, Matrix]:
         """Return those of some rows that were kept, with pressures and gaps (n_row, n_point)."""

@@ -26,6 +26,7 @@ from faying.simulation.start import last_of
 from faying.simulation.without_friction import released_state
 from faying.study.inputs.load_model import build
 from faying.study.inputs.loads import case_load
+from faying.study.judgement.comparison import state_of_case
 from faying.study.judgement.verdict import run_verdict
 from faying.study.keys.load_factors import read_load_factors
 from faying.study.keys.schema import parse_study, read_study
@@ -207,6 +208,10 @@ def test_increments_are_those_of_a_path_in_python(study, results):
         # One path on one structure, its tightening found by other trials.
         np.testing.assert_allclose(mine, exact, rtol=0, atol=1e-7 * np.abs(exact).max())
     np.testing.assert_array_equal(results.cases["pull"].reference.pressure, record.pressure[-1])
+    judged, bent = state_of_case(results.cases["pull"]), path.bolt_bending("bolt")
+    np.testing.assert_allclose(judged.bolt_forces["bolt"], path.bolt_force("bolt"), rtol=1e-7)
+    small = 1e-7 * np.abs(bent).max()
+    np.testing.assert_allclose(judged.bolt_moments["bolt"], bent, rtol=0, atol=small)
     assert record.status.shape == record.pressure.shape
     assert set(np.unique(record.status)) <= {0, 1, 2}
 

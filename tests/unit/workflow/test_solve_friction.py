@@ -151,6 +151,5 @@ def test_many_loads_have_the_verdict_of_a_run(tmp_path):
         # The range of a stress is over all cases, and both ends shift it alike.
         told += [] if check["quantity"] == "fatigue" else ["case", "scatter"]
         assert [check[key] for key in told] == [other[key] for key in told]
-        # Factors are cut to a thousandth. Runs add to the force of every increment the bending of
-        # the last: 0.8 % of a stress here.
-        assert check["value"] == pytest.approx(other["value"], rel=1e-2)
+        # Factors are cut to a thousandth.
+        assert check["value"] == pytest.approx(other["value"], rel=1e-3)

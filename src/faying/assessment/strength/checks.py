@@ -210,7 +210,7 @@ def _fatigue_checks(
     sums = [_damage(bolt, thread, end, repetitions, limit) for end in ends]
     if any(case in repetitions for case in ends[0].cases):
         worst = max(range(len(ends)), key=lambda row: sums[row][1])
-        case, total = sums[worst]
+        case, total, end = sums[worst]
         yield Check(
             part=bolt,
             kind="bolt",
@@ -220,7 +220,7 @@ def _fatigue_checks(
             value=total,
             limit=1.0,
             case=case,
-            scatter=ends[worst].name,
+            scatter=end,
             source=MINER,
         )
     uncounted = [case for case in ends[0].cases if case not in repetitions]
@@ -269,18 +269,25 @@ def _damage(
     end: PreloadEnd,
     repetitions: Mapping[str, float],
     limit: float,
-) -> tuple[str, float]:
-    """Return the load case that does most, and Miner's sum of the worst fibre over all."""
+) -> tuple[str, float, str]:
+    """Return the load case that does most, Miner's sum of the worst fibre, and at which end it is.
+
+    Where cases were not solved there the amplitudes are those of nominal preloads.
+    """
     sums = {
         case: miner_sums(_stresses(bolt, thread, end, case), repetitions[case], limit)
         for case in end.cases
         if case in repetitions
     }
     if not sums:
-        return "", 0.0
+        return "", 0.0, end.name
     total = np.sum(list(sums.values()), axis=0)
     fibre = int(total.argmax())
-    return max(sums, key=lambda case: float(sums[case][fibre])), float(total[fibre])
+    harmful = [case for case, damage in sums.items() if damage[fibre] > 0]
+    moved = len([case for case in harmful if case not in end.solved]) if end.name else 0
+    nominal = f"{moved} of {len(harmful)} cases by their nominal amplitudes" if moved else ""
+    where = ", ".join(filter(None, (end.name, nominal)))
+    return max(sums, key=lambda case: float(sums[case][fibre])), float(total[fibre]), where
 
 
 def _stresses(bolt: str, thread: Thread, end: PreloadEnd, case: str) -> Matrix:

@@ -138,10 +138,13 @@ def solved_end(
     locked = with_initial(system, inputs, initial)
     solution = solve_static_inputs(system, locked, "ends of the preloads")
     bent = [name for name in bent_bolts(system.bolts) if name in moved.rest.bolt_moments]
-    solved = {name: state_of(solution, row, bent) for row, name in enumerate(loads, start=1)}
+    solved = {
+        name: state_of(solution, slice(row, row + 1), bent)
+        for row, name in enumerate(loads, start=1)
+    }
     return replace(
         moved,
-        rest=state_of(solution, 0, bent),
+        rest=state_of(solution, slice(1), bent),
         cases={**moved.cases, **solved},
         solved=frozenset(loads),
     )
@@ -177,15 +180,13 @@ def initial_forces_at(system: System, forces: Mapping[str, float]) -> Vector:
     return initial
 
 
-def state_of(solution: Solution, row: int, bent: Iterable[str]) -> CaseState:
-    """Return one static case of a solution, with the bending of some bolts."""
+def state_of(solution: Solution, rows: slice, bent: Iterable[str]) -> CaseState:
+    """Return cases or increments of a solution, as they are judged, with some bolts' bending."""
+    system = solution.system
     return CaseState(
-        pressure=solution.pressure[row : row + 1],
-        bolt_forces={
-            name: np.asarray(solution.bolt_force(name))[row : row + 1]
-            for name in solution.system.bolts
-        },
-        bolt_moments={name: solution.bolt_bending(name)[row : row + 1] for name in bent},
+        pressure=solution.pressure.reshape(-1, system.contact.n_points)[rows],
+        bolt_forces={name: np.ravel(solution.bolt_force(name))[rows] for name in system.bolts},
+        bolt_moments={name: solution.bolt_bending(name).reshape(-1, 2, 2)[rows] for name in bent},
     )
 
 

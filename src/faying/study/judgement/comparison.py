@@ -37,16 +37,13 @@ def increments(response: Response) -> list[PathRecord]:
 def state_of_case(case: CaseResult) -> CaseState:
     """Return a load case as it is judged: over all instants, or all increments of its paths."""
     response, paths = case.reference, increments(case.reference)
-    states = [np.atleast_2d(response.pressure), *(record.pressure for record in paths)]
-    pressure = np.concatenate(states)
-    moments = {name: ends.reshape(-1, 2, 2) for name, ends in response.bolt_moments.items()}
+    # The state of a path is that of its last increment.
+    parts: Sequence[PathRecord | Response] = paths or [response]
     return CaseState(
-        pressure=pressure,
+        pressure=np.concatenate([np.atleast_2d(part.pressure) for part in parts]),
         bolt_forces={
-            name: np.concatenate(
-                [np.atleast_1d(force), *(record.bolt_forces[name] for record in paths)]
-            )
-            for name, force in response.bolt_forces.items()
+            name: np.concatenate([np.atleast_1d(part.bolt_forces[name]) for part in parts])
+            for name in response.bolt_forces
         },
         retightened=any(
             name in response.bolt_forces and (record.factors[:, column] != 1).any()
@@ -54,10 +51,9 @@ def state_of_case(case: CaseResult) -> CaseState:
             for column, name in enumerate(record.loads)
         ),
         times=case.times,
-        # Of increments bending is known at the last one, which stands for the others.
         bolt_moments={
-            name: np.concatenate([ends, *[ends[-1:]] * (len(pressure) - len(ends))])
-            for name, ends in moments.items()
+            name: np.concatenate([part.bolt_moments[name].reshape(-1, 2, 2) for part in parts])
+            for name in response.bolt_moments
         },
     )
 

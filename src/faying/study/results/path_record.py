@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
+from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.slip import point_states, slip_history
 from faying.joint.system import Joint
 from faying.simulation.cycles import Cycles, load_work, loop_area
@@ -97,6 +98,8 @@ class PathRecord(SlipRecord):
         Load at factor one times the displacement it does work on.
     iterations : (n_increment,) [1]
         Newton steps.
+    bolt_moments : (n_increment, 2, 2) [force·length]
+        Bending moments by bolt with beams: end, and component across its axis.
     displacements : (n_increment, n) [length]
         By boundary: translations [length] and rotations [rad].
     bolt_forces : (n_increment,) [force]
@@ -108,6 +111,7 @@ class PathRecord(SlipRecord):
     pressure: Matrix
     load_work: Vector
     iterations: Indices
+    bolt_moments: Mapping[str, Matrix]
     displacements: Mapping[str, Matrix] = field(default_factory=dict)
     bolt_forces: Mapping[str, Vector] = field(default_factory=dict)
 
@@ -172,6 +176,7 @@ def path_record(
         iterations=path.iterations,
         displacements={name: path.displacement(name) for name in joint.boundaries},
         bolt_forces={name: np.asarray(path.bolt_force(name)) for name in joint.bolts},
+        bolt_moments={name: path.bolt_bending(name) for name in bent_bolts(joint.bolts)},
     )
 
 

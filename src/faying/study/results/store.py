@@ -47,7 +47,7 @@ from faying.units import units_of
 
 RESULTS = Format(
     name="results",
-    version=3,
+    version=4,
     wanted="the results.h5 of a finished run",
     remedy="run the study again",
     description=(
