@@ -31,6 +31,7 @@ def check(
 
     from faying.cli.description import described
     from faying.cli.progress import progress_bar
+    from faying.joint.bolt_pull import misdirected
     from faying.joint.diagnosis import REMEDY, REMEDY_BESIDE_SPRINGS, check_held
     from faying.model.solid_cells import tangled
     from faying.study.inputs.jumps import jump_sentence, load_jumps
@@ -76,8 +77,8 @@ def check(
     ]
     unjudged = not_judged(checked, model)
     shapes = tangled(loaded.assembly)
-    seats = uneven_seats(loaded)
-    for doubt in [*constants, *filter(None, [shapes, *missing, *jumps]), *seats, *unjudged]:
+    bolts = [*misdirected(model, loaded.bolts if model.bolts else ()), *uneven_seats(loaded)]
+    for doubt in [*constants, *filter(None, [shapes, *missing, *jumps]), *bolts, *unjudged]:
         console.print(f"Doubtful: {doubt}", style="bold", highlight=False)
     if out is not None:
         for path in (_picture(loaded, model, out / "model.png"), *_gap_pictures(model, out)):

@@ -148,27 +148,22 @@ def _material(assembly: Assembly, spec: BoltSpec) -> Material:
 def _seats(mesh: Mesh, spec: BoltSpec, ends: Matrix) -> tuple[Indices, Indices]:
     """Find the nodes under the two washers."""
     axis = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
-    facets = mesh.exterior
-    cosines = facet_normals(mesh.nodes, facets) @ axis
-    labels = mesh.bodies
-
-    def facing(towards: float) -> Indices:
-        """Nodes of the facets that face along the axis, or against it."""
-        nodes = np.unique(facets.nodes[towards * cosines >= _SMALLEST_COSINE])
-        return nodes[nodes >= 0]
-
+    cosines = facet_normals(mesh.nodes, mesh.exterior) @ axis
     first, second = (
-        _seat(mesh, spec, labels, facing(towards), end, towards * axis)
+        _seat(mesh, spec, towards * cosines, end, towards * axis)
         for end, towards in ((ends[0], -1.0), (ends[1], 1.0))
     )
     return first, second
 
 
-def _seat(
-    mesh: Mesh, spec: BoltSpec, labels: Indices, nodes: Indices, end: Vector, outward: Vector
-) -> Indices:
-    """Nodes within the washer radius of the axis, near the bearing plane at ``end``."""
-    radius = spec.washer_radius or 0.0
+def _seat(mesh: Mesh, spec: BoltSpec, cosines: Vector, end: Vector, outward: Vector) -> Indices:
+    """Nodes within the washer radius of the axis, near the bearing plane at ``end``.
+
+    Of the facets that face outward along the axis, as cosines (n_facet,) of their normals tell.
+    """
+    radius, labels, facets = spec.washer_radius or 0.0, mesh.bodies, mesh.exterior.nodes
+    chosen = np.unique(facets[cosines >= _SMALLEST_COSINE])
+    nodes: Indices = chosen[chosen >= 0]
     from_end = mesh.nodes[nodes] - end
     offset = np.abs(from_end @ outward)
     radial = np.linalg.norm(from_end - np.outer(from_end @ outward, outward), axis=1)
@@ -176,12 +171,16 @@ def _seat(
     under = in_plane & (radial <= radius * (1 + 1e-9))
     if not under.any():
         position = "({:g}, {:g}, {:g})".format(*end)
-        hint = (
-            f"the nearest node of that surface is {radial[in_plane].min():.4g} from the axis; "
-            "enlarge the washer or refine the mesh"
-            if in_plane.any()
-            else "no surface lies there; move the end of the axis to the centre of the surface"
-        )
+        around = mesh.nodes[facets[facets >= 0]]
+        if in_plane.any():
+            hint = (
+                f"the nearest node of that surface is {radial[in_plane].min():.4g} from the axis; "
+                "enlarge the washer or refine the mesh"
+            )
+        elif (np.linalg.norm(around - end, axis=1) <= radius).any():
+            hint = "the surfaces there lie askew of the axis; turn it onto the normal of its seat"
+        else:
+            hint = "no surface lies there; move the end of the axis to the centre of the surface"
         message = (
             f"bolt '{spec.name}': no node lies under the washer of radius {radius:g} at {position}"
             f"; {hint}"

@@ -1,5 +1,6 @@
 """Motions of a structure that no stiffness resists while every body stays rigid."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -98,10 +99,11 @@ def whole_motions(points: Matrix, free: Indices, K: SparseMatrix) -> Matrix:
     return distinct
 
 
-def rigid_parts(assembly: Assembly) -> Indices:
+def rigid_parts(assembly: Assembly, cuts: Sequence[Indices] = ()) -> Indices:
     """Label what deforms as a whole: bodies of solids, shells, connected parts of given matrices.
 
-    A node of several belongs to the first; a hinge between them costs no energy.
+    A node of several belongs to the first; a hinge between them costs no energy. What matrices have
+    directly between the two nodes of a cut connects nothing.
     """
     labels = _with_shells(assembly, np.array(assembly.mesh.bodies))
     block = assembly.matrices
@@ -109,8 +111,10 @@ def rigid_parts(assembly: Assembly) -> Indices:
         return labels
     n_node = len(labels)
     entries = sp.coo_array(block.K)
-    ends = (block.nodes[entries.row], block.nodes[entries.col])
-    graph = sp.csr_array((np.ones(entries.nnz, dtype=np.int8), ends), shape=(n_node, n_node))
+    ends = np.stack([block.nodes[entries.row], block.nodes[entries.col]])
+    for cut in cuts:
+        ends = ends[:, ~np.isin(ends, cut).all(axis=0)]
+    graph = sp.csr_array((np.ones(ends.shape[1]), tuple(ends)), shape=(n_node, n_node))
     _, part = connected_components(graph, directed=False)
     new = np.intersect1d(block.nodes, np.flatnonzero(labels < 0))
     _, number = np.unique(part[new], return_inverse=True)

@@ -1,5 +1,6 @@
 """Bolts that given matrices contain, and bolts that clamp nothing."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 
 import faying as fy
 from faying.exceptions import ModelError
+from faying.joint.bolt_pull import misdirected
 from faying.joint.lap_joint import lap_joint_assembly
 from faying.joint.model import Model
 from faying.model.assembly import RigidCoupling, Spring
@@ -89,6 +91,14 @@ def test_a_cut_with_coincident_nodes_needs_a_direction(generated, ends):
     against = from_matrices(model, nodes=(head, nut), stiffness=stiffness, direction=(0, 0, -1))
     with pytest.raises(ModelError, match=r"clamps nothing: its tension closes no .*not reversed"):
         fy.preload(against, {"bolt": 10e3})
+    for built, vector, text in (
+        (along, (0, 0, 2.0), None),
+        (against, (0, 0, -1), r"pulls 'joint' open: its direction \(0.0, 0.0, -1.0\) .*turn it"),
+        (against, (1, 0, 0.5), "lies 63° or more from the normals of .* those of 'joint'"),
+    ):
+        spec = fy.BoltSpec(name="bolt", nodes=(head, nut), stiffness=stiffness, direction=vector)
+        said = list(misdirected(built, [spec]))
+        assert (text is None and not said) or re.search(text, *said)
 
 
 @pytest.mark.parametrize(
