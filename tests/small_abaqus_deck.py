@@ -200,25 +200,9 @@ SIDE, OTHER
 """
 
 # Two bricks tied, one of reduced integration; heated, spun and moved at its supports.
-TIED = """\
-*NODE, NSET=NALL
-1, 0., 0., 0.
-2, 2., 0., 0.
-3, 2., 3., 0.
-4, 0., 3., 0.
-5, 0., 0., 1.
-6, 2., 0., 1.
-7, 2., 3., 1.
-8, 0., 3., 1.
-11, 0., 0., 1.
-12, 2., 0., 1.
-13, 2., 3., 1.
-14, 0., 3., 1.
-15, 0., 0., 2.
-16, 2., 0., 2.
-17, 2., 3., 2.
-18, 0., 3., 2.
-*ELEMENT, TYPE=C3D8R, ELSET=LOWER
+_BRICKS = DECK[DECK.index("*NODE") : DECK.index("100, 1.")]
+TIED = f"""\
+{_BRICKS}*ELEMENT, TYPE=C3D8R, ELSET=LOWER
 1, 1, 2, 3, 4, 5, 6, 7, 8
 *ELEMENT, TYPE=C3D8I, ELSET=UPPER
 2, 11, 12, 13, 14, 15, 16, 17, 18

@@ -25,6 +25,7 @@ from faying.study.keys.history import read_history
 from faying.study.keys.schema import parse_study, read_study
 from faying.workflow.run import run
 from small_abaqus_deck import DECK as ABAQUS
+from small_nastran_deck import blocks
 
 STUDY = """
 units = "mm-t-s"
@@ -38,26 +39,13 @@ preload = 1e3
 methods = ["compliance"]
 """
 MARK = b"\xef\xbb\xbf"
-SQUARE = [(0, 0), (10, 0), (10, 10), (0, 10)]
-GRIDS = "".join(
-    f"GRID,{10 * part + 4 * top + i + 1},,{x}.,{y}.,{10 * (part + top)}.\n"
-    for part in (0, 1)
-    for top in (0, 1)
-    for i, (x, y) in enumerate(SQUARE)
-)
 NASTRAN = f"""SOL 101
 CEND
 SPC = 1
 BCSET = 1
 BOLTLD = 1
 BEGIN BULK
-{GRIDS}CHEXA,1,1,1,2,3,4,5,6
-,7,8
-CHEXA,2,1,11,12,13,14,15,16
-,17,18
-PSOLID,1,1
-MAT1,1,210000.,,.3,7.8-9
-GRID,21,,5.,5.,0.
+{blocks(10)}GRID,21,,5.,5.,0.
 GRID,22,,5.,5.,20.
 RBE2,31,21,123,1,2,3,4
 RBE2,32,22,123,15,16,17,18

@@ -7,22 +7,9 @@ import pytest
 
 from faying.exceptions import FormatError
 from faying.io.nastran import read_joint
+from small_nastran_deck import blocks
 
-SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
-CUBES = "".join(
-    f"GRID,{10 * part + 4 * top + i + 1},,{x}.,{y}.,{part + top}.\n"
-    for part in (0, 1)
-    for top in (0, 1)
-    for i, (x, y) in enumerate(SQUARE)
-)
-SOLIDS = """CHEXA,1,1,1,2,3,4,5,6
-,7,8
-CHEXA,2,1,11,12,13,14,15,16
-,17,18
-PSOLID,1,1
-MAT1,1,210000.,,.3,7.8-9
-"""
-BULK = CUBES + SOLIDS
+BULK = blocks()
 
 
 @pytest.fixture

@@ -8,14 +8,8 @@ from faying.study.inputs.load_model import build, load_model
 from faying.study.keys.schema import read_study
 from faying.study.stages.offline import prepare_joint
 from faying.workflow.run import run
+from small_nastran_deck import blocks
 
-SQUARE = [(0, 0), (10, 0), (10, 10), (0, 10)]
-GRIDS = "".join(
-    f"GRID,{10 * part + 4 * top + i + 1},,{x}.,{y}.,{10 * (part + top)}.\n"
-    for part in (0, 1)
-    for top in (0, 1)
-    for i, (x, y) in enumerate(SQUARE)
-)
 # Two blocks of 10 mm; the bolt is cut at z = 10, where nodes 23 (nut's side) and 24 coincide.
 DECK = f"""SOL 101
 CEND
@@ -23,13 +17,7 @@ SPC = 1
 BCSET = 1
 LOAD = 7
 BEGIN BULK
-{GRIDS}CHEXA,1,1,1,2,3,4,5,6
-,7,8
-CHEXA,2,1,11,12,13,14,15,16
-,17,18
-PSOLID,1,1
-MAT1,1,210000.,,.3,7.8-9
-GRID,21,,5.,5.,0.
+{blocks(10)}GRID,21,,5.,5.,0.
 GRID,22,,5.,5.,20.
 GRID,23,,5.,5.,10.
 GRID,24,,5.,5.,10.
