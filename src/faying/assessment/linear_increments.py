@@ -131,8 +131,6 @@ class Derivatives:
 
     def _along_tangents(self, values: Matrix) -> Matrix:
         tangents = self.system.contact.tangents
-        if tangents is None:
-            return np.zeros((*self.contact_forces.shape[:-1], 3, len(self.parameters)))
         return np.asarray(np.einsum("...ipq,ipk->...pkq", values, tangents))
 
 
@@ -236,11 +234,11 @@ def linear_increments(solution: Solution, initial: Solution | None) -> Iterator[
     n = contact.n_points
     slips = slip_history(solution, initial)
     relative = moved_alone(system, np.atleast_2d(solution.inputs))
-    normal, shear = np.atleast_2d(solution.contact_forces), solution.shear_forces
+    normal = solution.contact_forces.reshape(-1, 1, n)
+    acting = np.concatenate([normal, solution.shear_forces.reshape(len(normal), -1, n)], axis=1)
     for number, (moved, slip) in enumerate(zip(relative, slips[:-1], strict=True)):
-        x = np.vstack([normal[number][None], np.zeros((2, n))])
-        if shear is not None:
-            x[1:] = shear.reshape(len(normal), 2, n)[number]
+        x = np.zeros((3, n))
+        x[: contact.components] = acting[number]
         closure, compliance = solver.laws.closure(x)
         z = solver.steps.moved(x) + closure + contact.free_slack(moved, slip)
         tried = x - solver.scale * z

@@ -263,10 +263,9 @@ def _checked(
     increments: int,
     over: str,
 ) -> Vector:
+    system.contact.check_rubs()
     wrong = []
     levels = np.atleast_1d(np.asarray(amplitudes, dtype=float))
-    if not len(system.contact.rubbing):
-        wrong.append("no interface has friction; give it with model.with_friction")
     if mode not in range(1, system.K.shape[0]):
         wrong.append(f"there is no mode {mode}; modes are whole numbers from 1")
     if levels.ndim != 1 or not len(levels) or not ((levels > 0) & (levels < np.inf)).all():

@@ -12,7 +12,7 @@ derives it and says what limits it.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, final
 
 import numpy as np
@@ -36,10 +36,10 @@ from faying.reduction.recovery import (
     supported_operator,
 )
 from faying.reduction.reduced_model import ReducedModel
-from faying.simulation.contact_fields import ContactFields
+from faying.simulation.contact_fields import ContactFields, no_tangent, shear_everywhere
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
-from faying.simulation.static import AT_REST, relative_forces, solved_cases
+from faying.simulation.static import AT_REST, relative_forces
 
 
 @final
@@ -66,9 +66,9 @@ class Recovered(ContactFields):
     iterations : (...)
         Linear systems each contact problem took.
     times : (n_time,) or None
-    shear_forces : (..., 2, n_point) or None [force]
-        Tangential components of the contact forces of a joint with friction.
-    shear_slip : (..., 2, n_point) or None [length]
+    shear_forces : (..., n_tangent, n_point) [force]
+        Tangential components of the contact forces: two where some interface has friction, or none.
+    shear_slip : (..., n_tangent, n_point) [length]
         Tangential components of the slip.
     deepest : (..., n_point) or None [length]
         Largest closures so far, of a joint with gaskets.
@@ -82,13 +82,14 @@ class Recovered(ContactFields):
     inputs: Matrix
     iterations: Indices
     times: Vector | None = None
-    shear_forces: Matrix | None = None
-    shear_slip: Matrix | None = None
+    shear_forces: Matrix = field(default_factory=no_tangent)
+    shear_slip: Matrix = field(default_factory=no_tangent)
     deepest: Matrix | None = None
 
     def __post_init__(self) -> None:
         for name in ("contact_forces", "gap", "port_displacements", "inputs"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
+        shear_everywhere(self)
 
     def displacement(self, boundary: str) -> Matrix:
         """Return the recovered displacements at a boundary (..., n) in its components' order."""
@@ -158,8 +159,7 @@ def recover_pressure(
     """
     picked = slice(None) if instants is None else np.asarray(instants, dtype=np.int64)
     joint = model.joint if isinstance(model, ReducedModel) else model
-    forgets = joint.contact.forgets
-    chosen = _selected(solution, picked) if forgets else solution
+    chosen = _selected(solution, picked) if joint.contact.forgets else solution
     if isinstance(chosen.system, ReducedModel):
         free = _free_from_reduced(model, joint, chosen.system, chosen, operator)
     elif isinstance(model, ReducedModel):
@@ -167,10 +167,8 @@ def recover_pressure(
         raise ModelError(message)
     else:
         free = _free_from_full(model, chosen)
-    if forgets:
-        return solve_instants(joint, chosen.name, chosen.inputs, free, chosen.times)
     path = solve_instants(joint, chosen.name, chosen.inputs, free, chosen.times, begin=solution)
-    return path if instants is None or free.ndim == 1 else _taken(path, picked)
+    return path if chosen is not solution or free.ndim == 1 else _taken(path, picked)
 
 
 def solve_at_ports(joint: Joint, load: Load = AT_REST) -> Recovered:
@@ -287,32 +285,20 @@ def solve_instants(
     """
     rows = np.atleast_2d(free)[:, : model.port_compliance.n_relative]
     index = 0 if free.ndim == 1 else slice(None)
-    if not model.contact.forgets:
-        path = solve_increments(model, rows, begin)
-        return Recovered(
-            name=name,
-            system=model,
-            contact_forces=path.forces[index],
-            gap=path.gap[index],
-            port_displacements=free
-            + _contact_displacements(model, path.forces[index], path.shear_forces[index]),
-            inputs=inputs,
-            iterations=path.iterations[index],
-            times=times,
-            shear_forces=path.shear_forces[index],
-            shear_slip=path.slip[index],
-            deepest=None if path.deepest is None else path.deepest[index],
-        )
-    forces, gaps, iterations, _ = solved_cases(model, rows)
+    path = solve_increments(model, rows, begin)
+    forces, shear = path.forces[index], path.shear_forces[index]
     return Recovered(
         name=name,
         system=model,
-        contact_forces=forces[index],
-        gap=gaps[index],
-        port_displacements=free + _contact_displacements(model, forces[index], None),
+        contact_forces=forces,
+        gap=path.gap[index],
+        port_displacements=free + _contact_displacements(model, forces, shear),
         inputs=inputs,
-        iterations=iterations[index],
+        iterations=path.iterations[index],
         times=times,
+        shear_forces=shear,
+        shear_slip=path.slip[index],
+        deepest=None if path.deepest is None else path.deepest[index],
     )
 
 

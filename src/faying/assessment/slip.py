@@ -10,6 +10,7 @@ import numpy as np
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.contact.contact import Contact
 from faying.digits import SOLVED
+from faying.simulation.path import last_of
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import check_points
 
@@ -59,25 +60,18 @@ def slip_states(path: Solution, initial: Solution | None = None) -> SlipStates:
     )
 
 
-def point_states(
-    contact: Contact, normal: Matrix, shear: Matrix | None, slip: Matrix
-) -> SlipStates:
+def point_states(contact: Contact, normal: Matrix, shear: Matrix, slip: Matrix) -> SlipStates:
     """Tell what points do under given forces.
 
-    Normal (n_increment, n_point) and shear forces (n_increment, 2, n_point) [force]; slip
-    (n_increment + 1, 2, n_point) [length] before the first increment and after each.
+    Normal (n_increment, n_point) and shear forces (n_increment, n_tangent, n_point) [force]; slip
+    (n_increment + 1, n_tangent, n_point) [length] before the first increment and after each.
     """
-    friction = np.zeros(contact.n_points)
-    friction[contact.rubbing] = contact.friction
+    friction = contact.coefficients
     status = np.where(_slips(normal, shear, slip, friction), SLIP, STICK)
     status[:, friction == 0] = SLIP
     status = np.where(normal > 0, status, OPEN)
     shares = _shares(status, contact.weights, contact.rubbing)
-    whole = [
-        all_slip(status[:, points])
-        for name, points in contact.slices.items()
-        if contact.laws[name].friction > 0
-    ]
+    whole = [all_slip(status[:, contact.slices[name]]) for name in contact.rubbing_interfaces]
     return SlipStates(
         status=status,
         open_share=shares[OPEN],
@@ -88,33 +82,29 @@ def point_states(
 
 
 def slip_history(path: Solution, initial: Solution | None = None) -> Matrix:
-    """Return the slip before a path and after each increment (n_increment + 1, 2, n_point)."""
-    first = np.zeros((1, 2, path.system.contact.n_points))
+    """Return the slip before a path and after each increment (n_increment + 1, n_tangent, n_point).
+
+    An initial state without friction has not slipped.
+    """
+    shape = (np.size(path.iterations), *path.shear_slip.shape[-2:])
+    first = np.zeros((1, *shape[1:]))
     if initial is not None:
         check_points(path.system, initial)
-    earlier = first if initial is None else _slip(initial)[-1:]
-    return np.concatenate([earlier, _slip(path)])
+        earlier = last_of(initial).shear_slip[: shape[1]]
+        first[0, : len(earlier)] = earlier
+    return np.concatenate([first, path.shear_slip.reshape(shape)])
 
 
-def _slip(path: Solution) -> Matrix:
-    """Return the slip (n_increment, 2, n_point) of a path or a static solution."""
-    shape = (*np.atleast_2d(path.contact_forces).shape[:1], 2, path.system.contact.n_points)
-    return np.zeros(shape) if path.shear_slip is None else path.shear_slip.reshape(shape)
-
-
-def _slips(normal: Matrix, shear: Matrix | None, slip: Matrix, friction: Vector) -> Mask:
+def _slips(normal: Matrix, shear: Matrix, slip: Matrix, friction: Vector) -> Mask:
     """Say where the traction is on its bound and the slip changes (n_increment, n_point)."""
-    if shear is None:
-        return np.zeros(normal.shape, dtype=bool)
-    farthest = np.hypot(slip[:, 0], slip[:, 1]).max(initial=0.0)
-    change = np.diff(slip, axis=0)
-    moved = np.hypot(change[:, 0], change[:, 1]) > SOLVED * farthest
+    farthest = np.linalg.norm(slip, axis=1).max(initial=0.0)
+    moved = np.linalg.norm(np.diff(slip, axis=0), axis=1) > SOLVED * farthest
     return np.asarray(moved & on_the_bound(normal, shear, friction))
 
 
 def on_the_bound(normal: Matrix, shear: Matrix, friction: Vector) -> Mask:
-    """Say where tangential forces (n, 2, n_point) are at μ times normal ones (n, n_point)."""
-    bound, size = friction * normal, np.hypot(shear[:, 0], shear[:, 1])
+    """Say where forces (n, n_tangent, n_point) along are at μ times normal ones (n, n_point)."""
+    bound, size = friction * normal, np.linalg.norm(shear, axis=1)
     slack = ON_THE_BOUND * bound + SOLVED * normal.max(initial=0.0)
     return np.asarray(size >= bound - slack)
 

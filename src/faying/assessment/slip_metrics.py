@@ -37,14 +37,10 @@ def friction_metrics(interfaces: Iterable[str]) -> list[Metric]:
 def friction_figures(solution: Solution, interfaces: Mapping[str, ContactSurface]) -> Matrix:
     """Return the metrics (n_case, n_metric) of many cases or instants of a joint with friction."""
     contact, normal = solution.system.contact, np.atleast_2d(solution.contact_forces)
-    friction = np.zeros(contact.n_points)
-    friction[contact.rubbing] = contact.friction
-    none = np.zeros((len(normal), 2, contact.n_points))
-    shear = none if solution.shear_forces is None else solution.shear_forces
-    slip = none if solution.shear_slip is None else solution.shear_slip
-    force = np.linalg.norm(shear, axis=1)
-    bound = (normal > 0) & (force >= (1 - ON_THE_BOUND) * friction * normal)
-    traction, far = force / contact.weights, np.linalg.norm(slip, axis=1)
+    force = np.linalg.norm(solution.shear_forces, axis=-2).reshape(normal.shape)
+    bound = (normal > 0) & (force >= (1 - ON_THE_BOUND) * contact.coefficients * normal)
+    far = np.linalg.norm(solution.shear_slip, axis=-2).reshape(normal.shape)
+    traction = force / contact.weights
     columns: list[Vector] = []
     for record in interfaces.values():
         points = slice(*record.slice)
@@ -53,7 +49,7 @@ def friction_figures(solution: Solution, interfaces: Mapping[str, ContactSurface
             bound[:, points] @ record.weights,
             far[:, points].max(axis=1),
         ]
-    return np.column_stack(columns)
+    return np.array(columns).reshape(-1, len(normal)).T
 
 
 INCREMENTS = 10
@@ -117,9 +113,7 @@ def _case(
 
 def _slip(path: Solution, interfaces: Mapping[str, ContactSurface]) -> Vector:
     slips = slip_states(path).status[-1] == SLIP
-    far = np.zeros(slips.shape)
-    if path.shear_slip is not None:
-        far = np.linalg.norm(path.shear_slip[-1], axis=0)
+    far = np.linalg.norm(path.shear_slip[-1], axis=0)
     metrics = [
         (slips[slice(*interface.slice)] @ interface.weights, far[slice(*interface.slice)].max())
         for interface in interfaces.values()

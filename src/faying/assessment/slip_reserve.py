@@ -207,8 +207,6 @@ def friction_used(system: System, name: str, forces: Matrix) -> float:
     Contact forces (3, n_point) [force] are normal and along both tangents.
     """
     contact = system.contact
-    if contact.tangents is None:
-        return 0.0
     points = contact.slices[name]
     pressed = np.flatnonzero(forces[0, points] > 0)
     chosen = pressed + points.start
@@ -223,9 +221,7 @@ def friction_used(system: System, name: str, forces: Matrix) -> float:
 def _check(
     system: System, load: Load | InputRow, share: float | None, increments: int, largest: float
 ) -> None:
-    if not len(system.contact.rubbing) or not (system.contact.friction > 0).any():
-        message = "the model has no friction, so nothing holds that could slip; add friction"
-        raise ModelError(message)
+    system.contact.check_rubs()
     if share is not None and not 0 < share <= 1:
         message = f"the share of slipping area is {share:g}; give one above 0 and at most 1"
         raise ModelError(message)

@@ -64,12 +64,10 @@ def stuck_springs(system: System, state: Solution) -> tuple[SparseMatrix, Vector
     closed = forces[0] > 0
     deepest = None if state.deepest is None else np.atleast_2d(state.deepest)[-1]
     compliance = LawsAtPoints(contact=contact, deepest=deepest).closure(forces)[1]
-    parts, yields = [contact.interpolation[closed]], [compliance[0, closed]]
-    if contact.shear is not None:
-        stuck = np.tile(closed[contact.rubbing], 2)
-        parts.append(contact.shear[stuck])
-        yields.append(compliance[1:, contact.rubbing].ravel()[stuck])
-    rows, flexibility = sp.vstack(parts).tocsr(), np.concatenate(yields)
+    stuck = np.tile(closed[contact.rubbing], 2)
+    rows = sp.vstack([contact.interpolation[closed], contact.shear[stuck]]).tocsr()
+    along = compliance[1:, contact.rubbing].ravel()[stuck]
+    flexibility = np.concatenate([compliance[0, closed], along])
     if (flexibility == 0).any():
         flexibility = np.maximum(flexibility, SMALLEST_FLEXIBILITY * _own_compliance(system, rows))
     return rows, flexibility

@@ -75,10 +75,8 @@ def certify_increments(
     components, ⅔ (3 n_point)³ multiplications, then O(n_point²) an increment.
     """
     contact = model.contact
-    if contact.components == 1:
-        message = "the model has no friction: take fy.certify, or give it friction"
-        raise ModelError(message)
-    if path.shear_forces is None or path.contact_forces.shape[-1] != contact.n_points:
+    contact.check_rubs()
+    if path.shear_forces.shape[-2:] != (contact.components - 1, contact.n_points):
         message = (
             f"the path '{path.name}' is not one with friction at the {contact.n_points} contact "
             "points of the model; give a result of solve_path, of the model or one reduced from it"

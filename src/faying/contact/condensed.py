@@ -168,8 +168,9 @@ class CondensedContact:
         total = self.total
         if isinstance(total, CompressedCompliance):
             message = (
-                f"friction at {self.contact.n_points} points needs a dense compliance between "
-                "pairs; raise the budget with model.with_dense_budget, or take a coarser interface"
+                f"friction and curves at {self.contact.n_points} points need a dense compliance "
+                "between pairs; raise the budget with model.with_dense_budget, or take a coarser "
+                "interface"
             )
             raise ModelError(message)
         return FrictionalContact(contact=self.contact, S=_finite(total))
@@ -207,10 +208,8 @@ class CondensedContact:
     @property
     def cases(self) -> IncrementSolver | None:
         """Increments for displacements; with friction or curves also for forces."""
-        if self._compressed:
-            return None
-        forces = not isinstance(self.increments, YieldingContact)
-        if forces and self.contact.components == 1 and self.contact.proportional:
+        of_pressures = self.contact.forgets and self.contact.proportional
+        if of_pressures and (self._compressed or not isinstance(self.increments, YieldingContact)):
             return None
         return self.increments
 

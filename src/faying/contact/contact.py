@@ -34,11 +34,11 @@ class Contact:
         Relative displacement per contact force that the basis of a reduced model cannot express.
     places : (n_relative, 3) or None
         Where the relative displacements are [length].
-    shear : (2, n_rubbing, n_relative) sparse, stacked, or None
+    shear : (2, n_rubbing, n_relative) sparse, stacked
         Tangential displacements of the points of interfaces with friction, all along the first
-        tangents, then all along the second; None where there is no friction.
-    tangents : (2, n_point, 3) or None
-        Directions of the tangential components.
+        tangents, then all along the second; without rows unless given.
+    tangents : (2, n_point, 3)
+        Directions of the tangential components; zeros unless given.
     dense_budget
         Memory that dense matrices between pairs or contact points may take [bytes].
     """
@@ -51,9 +51,15 @@ class Contact:
     slices: Mapping[str, slice]
     residual_compliance: Compliance | None = None
     places: Matrix | None = None
-    shear: SparseMatrix | None = None
-    tangents: Matrix | None = None
+    shear: SparseMatrix = field(default_factory=lambda: sp.csr_array((0, 0)))
+    tangents: Matrix = field(default_factory=lambda: np.zeros((2, 1, 3)))
     dense_budget: int = field(default_factory=default_budget)
+
+    def __post_init__(self) -> None:
+        n_relative, shape = self.interpolation.shape[1], (2, self.n_points, 3)
+        if self.components == 1:
+            object.__setattr__(self, "shear", sp.csr_array((0, n_relative)))
+        object.__setattr__(self, "tangents", np.broadcast_to(self.tangents, shape))
 
     @property
     def gap_operator(self) -> SparseMatrix | Matrix:
@@ -92,7 +98,7 @@ class Contact:
     @cached_property
     def rows(self) -> SparseMatrix:
         """G (components n_point, n_relative): gaps, then displacements along both tangents."""
-        if self.shear is None or self.components == 1:
+        if self.components == 1:
             return self.interpolation.tocsr()
         n, half = self.n_points, len(self.rubbing)
         where = sp.csr_array((np.ones(half), (self.rubbing, np.arange(half))), shape=(n, half))
@@ -107,15 +113,18 @@ class Contact:
         """Components of the force at a point: 1, or 3 where some interface has friction."""
         return 3 if len(self.rubbing) else 1
 
-    def parts(self, forces: Matrix) -> tuple[Matrix, Matrix | None]:
-        """Return normal (..., n_point) and tangential forces (..., 2, n_point) of all of them.
+    @property
+    def rubbing_interfaces(self) -> list[str]:
+        """Names of the interfaces with friction."""
+        return [name for name, law in self.laws.items() if law.components > 1]
+
+    def parts(self, forces: Matrix) -> tuple[Matrix, Matrix]:
+        """Return normal (..., n_point) and tangential forces (..., n_tangent, n_point) of all.
 
         Forces (..., components * n_point) go component by component.
         """
-        if self.components == 1:
-            return forces, None
         n = self.n_points
-        return forces[..., :n], forces[..., n:].reshape(*forces.shape[:-1], 2, n)
+        return forces[..., :n], forces[..., n:].reshape(*forces.shape[:-1], self.components - 1, n)
 
     def moved(self, relative: Vector) -> Matrix:
         """Return what pairs (n_relative,) move at the points (3, n_point) [length].
@@ -124,30 +133,30 @@ class Contact:
         """
         moved = np.zeros((3, self.n_points))
         moved[0] = self.interpolation @ relative
-        if self.shear is not None:
-            moved[1:, self.rubbing] = (self.shear @ relative).reshape(2, -1)
+        moved[1:, self.rubbing] = (self.shear @ relative).reshape(2, -1)
         return moved
 
-    def offset(self, slip: Matrix | None = None) -> Matrix:
+    def offset(self, slip: Matrix | float = 0.0) -> Matrix:
         """Return z₀ of (F1) (3, n_point) [length]: initial gap, and minus the slip (2, n_point)."""
         offset = np.zeros((3, self.n_points))
         offset[0] = self.initial_gap
-        if slip is not None:
-            offset[1:] -= slip
+        offset[1:] -= slip
         return offset
 
     def free_slack(self, relative: Vector, slip: Matrix) -> Matrix:
         """Return z₀ and what pairs (n_relative,) move without forces (3, n_point) [length]."""
-        return self.moved(relative) + self.offset(slip)
+        free = self.moved(relative) + self.offset()
+        free[1 : 1 + len(slip)] -= slip
+        return free
 
     def at_pairs(self, forces: Matrix, shear_forces: Matrix | None = None) -> Matrix:
         """Return forces between the pairs (n_relative, ...) of forces at points (..., n_point).
 
-        Tangential components (..., 2, n_point) act through the tangential displacements in the same
-        way.
+        Tangential components (..., n_tangent, n_point) act through the tangential displacements in
+        the same way.
         """
         pairs: Matrix = self.transposed[0] @ np.asarray(forces).T
-        if shear_forces is not None and self.shear is not None and self.components > 1:
+        if shear_forces is not None and shear_forces.size and self.components > 1:
             rubbing = shear_forces[..., self.rubbing]
             pairs = pairs + self.shear.T @ rubbing.reshape(*rubbing.shape[:-2], -1).T
         return pairs
@@ -172,14 +181,23 @@ class Contact:
         """Whether nothing is remembered from load to load: neither slip nor closure."""
         return self.components == 1 and not self.remembers
 
+    def increments(self, asked: int) -> int:
+        """Return how many increments a way takes: those asked for, or one if nothing remembers."""
+        return 1 if self.forgets else asked
+
+    def check_rubs(self) -> None:
+        """Refuse joints without friction, for what tells of slip alone."""
+        if not self.coefficients.any():
+            message = "no interface has friction; give it with model.with_friction"
+            raise ModelError(message)
+
     def check_frictionless(self) -> None:
         """Refuse friction, for what solves without increments."""
-        rubbing = [name for name, law in self.laws.items() if law.components > 1]
-        if rubbing:
+        if self.rubbing_interfaces:
             message = (
-                f"interface '{rubbing[0]}' has friction, which is not carried here: tighten bolts "
-                "before with_friction, solve by solve_static, solve_path or solve_transient, and "
-                "take certificates of the model without friction"
+                f"interface '{self.rubbing_interfaces[0]}' has friction, which is not carried "
+                "here: tighten bolts before with_friction, solve by solve_static, solve_path or "
+                "solve_transient, and take certificates of the model without friction"
             )
             raise ModelError(message)
 

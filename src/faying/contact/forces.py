@@ -1,6 +1,8 @@
 """Contact forces are data: the solution of one contact problem."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+
+import numpy as np
 
 from faying._typing import Mask, Matrix, Vector
 
@@ -22,9 +24,9 @@ class ContactForces:
     error
         Bound on the relative error of the forces in the norm (Σ λ²/(c_n w))½; zero where the
         problem was solved to round-off.
-    shear_forces : (2, n_point) or None [force]
-        Tangential components of a joint with friction.
-    slip : (2, n_point) or None [length]
+    shear_forces : (n_tangent, n_point) [force]
+        Tangential components; by default none.
+    slip : (n_tangent, n_point) [length]
         Tangential components of what has slipped so far.
     dissipation
         Energy that friction took [force·length].
@@ -35,6 +37,6 @@ class ContactForces:
     active: Mask
     iterations: int
     error: float = 0.0
-    shear_forces: Matrix | None = None
-    slip: Matrix | None = None
+    shear_forces: Matrix = field(default_factory=lambda: np.zeros((0, 1)))
+    slip: Matrix = field(default_factory=lambda: np.zeros((0, 1)))
     dissipation: float = 0.0

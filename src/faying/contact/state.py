@@ -18,8 +18,8 @@ class ContactState:
         Points expected in contact.
     supported : (n_point,) or None
         Points on whose springs compiled steps have their pairs.
-    slip : (2, n_point) or None [length]
-        Tangential components of what has slipped in a joint with friction.
+    slip : (2, n_point) [length]
+        Tangential components of what has slipped so far.
     forces : (3, n_point) or None [force]
         Of the increment before, from which the next one starts there.
     moved : (n_relative,) or None [length]
@@ -31,7 +31,7 @@ class ContactState:
 
     active: Mask
     supported: Mask | None = None
-    slip: Matrix | None = None
+    slip: Matrix | float = 0.0
     forces: Matrix | None = None
     moved: Vector | None = None
     at_end: "ContactState | None" = None

@@ -181,10 +181,7 @@ class LocalContact:
             count = int(chosen[points_of_law].sum())
             slices[name] = slice(start, start + count)
             start += count
-        shear = contact.shear
-        if shear is not None:
-            rubbing = np.tile(chosen[contact.rubbing], 2)
-            shear = shear[rubbing][:, pairs].tocsr()
+        rubbing = np.tile(chosen[contact.rubbing], 2)
         return replace(
             contact,
             relative_operator=contact.relative_operator[pairs],
@@ -194,8 +191,8 @@ class LocalContact:
             slices=slices,
             residual_compliance=None,
             places=None,
-            shear=shear,
-            tangents=None if contact.tangents is None else contact.tangents[:, self.points],
+            shear=contact.shear[rubbing][:, pairs].tocsr(),
+            tangents=contact.tangents[:, self.points],
         )
 
     @property

@@ -38,7 +38,6 @@ def variables(rom: ReducedModel) -> dict[str, Any]:
     refuse_expanding_bolts(rom)
     contact, bolts, n_mode = rom.contact, rom.bolts, len(rom.K)
     preloaded, recovery = last_of(at_rest(rom)), rom.recovery
-    at_points = np.zeros((2, contact.n_points, 3)) if contact.tangents is None else contact.tangents
     return {
         "M": rom.M,
         "C": rom.C,
@@ -50,19 +49,19 @@ def variables(rom: ReducedModel) -> dict[str, Any]:
         "w": contact.weights,
         "cn": contact.penalty,
         "ct": _tangential_penalty(rom),
-        "mu": _at_rubbing(rom, contact.friction, 0.0),
+        "mu": contact.coefficients,
         "points": _stacked(rom, "points", 3),
         "normals": _stacked(rom, "normals", 3),
-        "tangents1": np.asarray(at_points[0]),
-        "tangents2": np.asarray(at_points[1]),
+        "tangents1": np.asarray(contact.tangents[0]),
+        "tangents2": np.asarray(contact.tangents[1]),
         "E": elongations(bolts, n_mode),
         "bolt_stiffness": np.array([bolt.stiffness for bolt in bolts.values()], dtype=float),
         "N0": initial_bolt_forces(rom),
         "L": pattern_forces(rom.load_patterns, n_mode),
         "q0": preloaded.states,
         "lambda0": preloaded.contact_forces,
-        "shear0": _tangential(rom, preloaded.shear_forces),
-        "slip0": _tangential(rom, preloaded.shear_slip),
+        "shear0": _tangential(preloaded.shear_forces),
+        "slip0": _tangential(preloaded.shear_slip),
         "recovery_inertia": recovery.inertia,
         "recovery_damping": recovery.damping,
         "recovery_compliance": recovery.joint.port_compliance.whole,
@@ -98,11 +97,9 @@ def sparse_variables(rom: ReducedModel) -> dict[str, SparseMatrix]:
     of points without friction are empty.
     """
     contact = rom.contact
-    T = sp.coo_array((2 * contact.n_points, contact.interpolation.shape[1]))
-    if contact.shear is not None:
-        shear, half = contact.shear.tocoo(), len(contact.rubbing)
-        rows = contact.rubbing[shear.row % half] + contact.n_points * (shear.row // half)
-        T = sp.coo_array((shear.data, (rows, shear.col)), shape=T.shape)
+    shear, every = contact.shear.tocoo(), contact.rubbing + contact.n_points * np.arange(2)[:, None]
+    shape = (2 * contact.n_points, shear.shape[1])
+    T = sp.coo_array((shear.data, (every.ravel()[shear.row], shear.col)), shape=shape)
     return {"N": sp.csr_array(contact.interpolation), "T": T.tocsr()}
 
 
@@ -119,24 +116,20 @@ def numpy_variables(rom: ReducedModel) -> dict[str, Any]:
     return arrays
 
 
-def _at_rubbing(rom: ReducedModel, values: Vector, elsewhere: float) -> Vector:
-    """Return values of the points with friction at all points (n_point,)."""
-    every = np.full(rom.contact.n_points, elsewhere)
-    every[rom.contact.rubbing] = values
+def _tangential_penalty(rom: ReducedModel) -> Vector:
+    """Return c_t (n_point,); infinite where nothing gives that sticks, and without friction."""
+    every = np.full(rom.contact.n_points, np.inf)
+    rigid = rom.contact.tangential_flexibility == 0
+    relative = rom.contact.weights[rom.contact.rubbing] * rom.contact.tangential_flexibility
+    every[rom.contact.rubbing] = np.where(rigid, np.inf, 1.0 / np.where(rigid, 1.0, relative))
     return every
 
 
-def _tangential_penalty(rom: ReducedModel) -> Vector:
-    """Return c_t (n_point,); infinite where nothing gives that sticks, and without friction."""
-    rigid = rom.contact.tangential_flexibility == 0
-    relative = rom.contact.weights[rom.contact.rubbing] * rom.contact.tangential_flexibility
-    return _at_rubbing(rom, np.where(rigid, np.inf, 1.0 / np.where(rigid, 1.0, relative)), np.inf)
-
-
-def _tangential(rom: ReducedModel, components: Matrix | None) -> Matrix:
-    """Return tangential components (n_point, 2) of (2, n_point); zero without friction."""
-    nothing = np.zeros((rom.contact.n_points, 2))
-    return nothing if components is None else np.ascontiguousarray(components.T)
+def _tangential(components: Matrix) -> Matrix:
+    """Return tangential components (n_point, 2) of (n_tangent, n_point); zero without friction."""
+    both = np.zeros((components.shape[1], 2))
+    both[:, : len(components)] = components.T
+    return both
 
 
 def _texts(names: Any) -> Any:

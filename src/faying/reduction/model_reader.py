@@ -339,10 +339,19 @@ def _contact(group: h5py.Group, interfaces: Mapping[str, ContactSurface]) -> Con
         laws={name: recorded_law(record) for name, record in interfaces.items()},
         slices={name: slice(*record.slice) for name, record in interfaces.items()},
         places=_optional(group, "places", (n_relative, 3)),
-        shear=sparse_matrix(group, "shear") if "shear" in group else None,
-        tangents=_optional(group, "tangents", (2, ends[-1], 3)),
         dense_budget=int(budget),
+        **_along(group, ends[-1]),
     )
+
+
+def _along(group: h5py.Group, n_point: int) -> dict[str, Any]:
+    """Return what a file says of tangents; those of earlier versions say it of friction alone."""
+    if "shear" not in group:
+        return {}
+    return {
+        "shear": sparse_matrix(group, "shear"),
+        "tangents": numbers(group, "tangents", (2, n_point, 3)),
+    }
 
 
 def _joined(parts: Iterable[Matrix]) -> Matrix:

@@ -31,8 +31,8 @@ class BoltedState:
         The same, but of loose bolts what takes their force to zero.
     loose : (n_bolt,)
         Whether a bolt would have to push: its nut has come off its seat.
-    slip
-        So far; None without friction.
+    slip : (2, n_point) [length]
+        So far.
     contact
         Where it stands; None before anything was turned.
     """
@@ -41,7 +41,7 @@ class BoltedState:
     nuts: Vector
     initial: Vector
     loose: Mask
-    slip: Matrix | None
+    slip: Matrix
     contact: Increment | None
 
     def locked_at(self, nuts: Vector) -> "BoltedState":
@@ -79,13 +79,12 @@ class BoltedState:
             pushing = ~loose & (reached < -ROUND_OFF * np.abs(reached).max())
             pulling = loose & (nuts > initial)
             if not (pushing | pulling).any():
-                slip = None if self.slip is None else self.slip + contact.slack[1:]
                 return BoltedState(
                     joint=self.joint,
                     nuts=nuts,
                     initial=initial,
                     loose=loose,
-                    slip=slip,
+                    slip=self.slip + contact.slack[1:],
                     contact=contact,
                 )
             loose = (loose | pushing) & ~pulling
@@ -103,7 +102,7 @@ def bolted_state(joint: Joint, initial: Vector) -> BoltedState:
         nuts=initial,
         initial=initial,
         loose=np.zeros(len(initial), dtype=bool),
-        slip=None if joint.contact.forgets else np.zeros((2, joint.contact.n_points)),
+        slip=np.zeros((2, joint.contact.n_points)),
         contact=None,
     )
     return start.locked_at(initial) if initial.any() else start

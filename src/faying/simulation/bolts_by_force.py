@@ -58,7 +58,7 @@ class BoltsByForce:
     bolts: Indices
 
     def solve(
-        self, forces: Vector, locked: Vector, slip: Matrix | None, start: Increment | None
+        self, forces: Vector, locked: Vector, slip: Matrix | float, start: Increment | None
     ) -> tuple[Increment, Vector]:
         """Return where contact stands, and the initial forces of all bolts (n_bolt,).
 
@@ -85,7 +85,7 @@ class BoltsByForce:
         return self._by_trial(forces, locked, slip, start) if increment is None else increment
 
     def _at_once(
-        self, forces: Vector, others: Vector, slip: Matrix | None, start: Increment | None
+        self, forces: Vector, others: Vector, slip: Matrix | float, start: Increment | None
     ) -> tuple[Increment, Vector] | None:
         """Solve (T1) where contact yields and Σ exists."""
         ports, solver = self.joint.port_compliance, self.joint.static_contact.cases
@@ -105,7 +105,7 @@ class BoltsByForce:
         return increment, initial
 
     def _by_trial(
-        self, forces: Vector, locked: Vector, slip: Matrix | None, start: Increment | None
+        self, forces: Vector, locked: Vector, slip: Matrix | float, start: Increment | None
     ) -> tuple[Increment, Vector]:
         """Find the initial forces by a quasi-Newton method, a contact problem for each trial.
 
@@ -137,13 +137,13 @@ class BoltsByForce:
         )
         raise ConvergenceError(message)
 
-    def at(self, initial: Vector, slip: Matrix | None, start: Increment | None) -> Increment:
+    def at(self, initial: Vector, slip: Matrix | float, start: Increment | None) -> Increment:
         """Return where contact stands with all initial forces (n_bolt,) given."""
         ports, contact = self.joint.port_compliance, self.joint.contact
         free, offset = -initial @ ports.contact_columns[ports.bolts], contact.offset(slip)
         condensed = self.joint.static_contact
-        if condensed.cases is not None or not contact.forgets:
-            return condensed.increments.solve(free, offset, start)
+        if (solver := condensed.cases) is not None:
+            return solver.solve(free, offset, start)
         solution, _ = condensed.solve(condensed.free_gap(free))
         forces, slack = np.zeros((3, contact.n_points)), offset.copy()
         forces[0], slack[0] = solution.forces, solution.slack

@@ -7,14 +7,19 @@ from faying.exceptions import ModelError
 from faying.joint.system import Joint
 
 
+def no_tangent() -> Matrix:
+    """Return the tangential components of a state that has none, at whatever points."""
+    return np.zeros((0, 0))
+
+
 class ContactFields:
     """Pressures, tractions and resultants of contact forces and gaps (..., n_point)."""
 
     system: Joint
     contact_forces: Matrix
     gap: Matrix
-    shear_forces: Matrix | None
-    shear_slip: Matrix | None
+    shear_forces: Matrix
+    shear_slip: Matrix
 
     @property
     def pressure(self) -> Matrix:
@@ -34,11 +39,9 @@ class ContactFields:
         """Slip of the plus side over the minus side (..., n_point, 3) [length]."""
         return self._along_tangents(self.shear_slip)
 
-    def _along_tangents(self, components: Matrix | None) -> Matrix:
-        """Return vectors (..., n_point, 3) of tangential components (..., 2, n_point)."""
-        tangents = self.system.contact.tangents
-        if components is None or tangents is None:
-            return np.zeros((*self.contact_forces.shape, 3))
+    def _along_tangents(self, components: Matrix) -> Matrix:
+        """Return vectors (..., n_point, 3) of tangential components (..., n_tangent, n_point)."""
+        tangents = self.system.contact.tangents[: components.shape[-2]]
         vectors: Matrix = np.einsum("...cp,cpk->...pk", components, tangents)
         return vectors
 
@@ -73,3 +76,11 @@ class ContactFields:
             )
             raise ModelError(message)
         return self.system.contact.slices[interface]
+
+
+def shear_everywhere(fields: ContactFields) -> None:
+    """Let fields without tangential components have them of shape (..., 0, n_point)."""
+    *many, n_point = fields.contact_forces.shape
+    for name in ("shear_forces", "shear_slip"):
+        if getattr(fields, name).shape[-2] == 0:
+            object.__setattr__(fields, name, np.zeros((*many, 0, n_point)))

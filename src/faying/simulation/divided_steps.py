@@ -262,7 +262,6 @@ def _ended(solution: Solution, level: int, error: float) -> Solution:
 
 def _started(first: Solution) -> Solution:
     """Return the static solution that a transient starts from as its first instant."""
-    shear, slip = first.shear_forces, first.shear_slip
     nothing = np.zeros(1)
     return replace(
         first,
@@ -273,8 +272,8 @@ def _started(first: Solution) -> Solution:
         times=nothing,
         velocities=np.zeros((1, len(first.states))),
         accelerations=np.zeros((1, len(first.states))),
-        shear_forces=None if shear is None else shear[None],
-        shear_slip=None if slip is None else slip[None],
+        shear_forces=first.shear_forces[None],
+        shear_slip=first.shear_slip[None],
         iterations=np.zeros(1, dtype=np.int64),
         contact_error=nothing,
         dissipation=nothing,

@@ -14,16 +14,12 @@ def half_form(matrix: SparseMatrix | Matrix, vectors: Matrix) -> Vector:
     return energy
 
 
-def contact_energy(contact: Contact, forces: Matrix, shear: Matrix | None = None) -> Vector:
+def contact_energy(contact: Contact, forces: Matrix, shear: Matrix) -> Vector:
     """Energy of contact forces: what the laws have stored, and ½ λᵀ R λ of residual compliance.
 
-    Forces are (n_time, n_point), tangential ones of a joint with friction (n_time, 2, n_point)
-    [force].
+    Forces are (n_time, n_point), tangential ones (n_time, n_tangent, n_point) [force].
     """
-    every, times = forces[:, None], len(forces)
-    if contact.components > 1:
-        rubbed = np.zeros((times, 2, contact.n_points)) if shear is None else shear
-        every = np.concatenate([every, rubbed], axis=1)
+    every, times = np.concatenate([forces[:, None], shear], axis=1), len(forces)
     energy = np.zeros(times)
     for name, points in contact.slices.items():
         law, weights = contact.laws[name], np.tile(contact.weights[points], times)

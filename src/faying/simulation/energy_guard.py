@@ -99,8 +99,7 @@ def audited(
             work = ledger.work + np.cumsum(done)
             lost = 2 * half_form(system.C, moves) / step + history.dissipation[0, chunk]
             spent = ledger.spent + np.cumsum(lost)
-            shear = None if system.contact.components == 1 else history.shear[0, chunk]
-            forces = history.forces[0, chunk]
+            shear, forces = history.shear[0, chunk], history.forces[0, chunk]
             kinetic, energy = _stored(system, states, velocities, forces, shear)
             moved = np.maximum(np.maximum.accumulate(np.abs(work) + kinetic), ledger.moved)
             gain = energy - ledger.stored - (work - spent)
@@ -214,7 +213,7 @@ def gain_message(gain: float) -> str:
 
 
 def _stored(
-    system: System, states: Matrix, velocities: Matrix, forces: Matrix, shear: Matrix | None
+    system: System, states: Matrix, velocities: Matrix, forces: Matrix, shear: Matrix
 ) -> tuple[Vector, Vector]:
     """Kinetic energy, and that with strain and contact energy, of each instant (n_time,)."""
     moving = velocities.any()

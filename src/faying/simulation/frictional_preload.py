@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
 from faying.contact.increment import Increment
-from faying.exceptions import ModelError
 from faying.joint.system import System, initial_bolt_forces
 from faying.simulation.bolted_state import BoltedState
 from faying.simulation.bolts_by_force import BoltsByForce, forces_of_bolts
@@ -107,10 +107,8 @@ def tighten_with_friction(
         for stage, loss_state in loses(done, losses):
             state = loss_state.initial
             inputs.append(_inputs(system, state))
-            if loss_state.contact is None or loss_state.slip is None:
-                message = "a joint without friction has no path"
-                raise ModelError(message)
-            path.append(_step(system, inputs[-1], loss_state.contact, loss_state.slip))
+            contact = cast("Increment", loss_state.contact)
+            path.append(_step(system, inputs[-1], contact, loss_state.slip))
             reached.append((stage, loss_state.forces))
     loads = [
         Load(name="preload", bolt_forces=dict(zip(names, row.tolist(), strict=True)))

@@ -44,10 +44,10 @@ class IncrementEnd:
         for relative, state in zip(free, states, strict=True):
             offset = contact.offset(state.slip)
             increment = solver.solve(relative, offset, _start(solver, relative, state))
-            slip = _slipped(contact, state, increment.slack)
-            ends.append(_contact_forces(increment, increment.dissipation, slip))
+            slip = state.slip + increment.slack[1:]
+            ends.append(_contact_forces(contact, increment, increment.dissipation, slip))
             acting.append(increment.forces[: contact.components].ravel())
-            states_after.append(_state(ends[-1], increment))
+            states_after.append(_state(ends[-1], increment, slip))
         return np.array(acting), ends, states_after
 
 
@@ -91,11 +91,11 @@ class IncrementMean:
             offset = contact.offset(state.slip) - self._given_way(last_forces)
             mean = solver.solve(relative, offset, _start(solver, relative, state))
             end = self._at_end(mean, mean.forces - last_forces)
-            slip = _slipped(contact, state, mean.slack + end.slack)
+            slip = state.slip + mean.slack[1:] + end.slack[1:]
             dissipated = 0.5 * mean.dissipation + end.dissipation
             means.append(mean.forces[:k].ravel())
-            ends.append(_contact_forces(end, dissipated, slip))
-            states_after.append(_state(ends[-1], mean))
+            ends.append(_contact_forces(contact, end, dissipated, slip))
+            states_after.append(_state(ends[-1], mean, slip))
         return np.array(means), ends, states_after
 
     def _at_end(self, mean: Increment, forces: Matrix) -> Increment:
@@ -142,28 +142,24 @@ class IncrementMean:
         return CondensedContact(contact=alone, compliance=residual).increments
 
 
-def _slipped(contact: Contact, state: ContactState, slack: Matrix) -> Matrix | None:
-    """Return what has slipped so far (2, n_point) [length]; None without friction."""
-    if contact.components == 1:
-        return None
-    return np.asarray(slack[1:] if state.slip is None else state.slip + slack[1:])
-
-
-def _state(end: ContactForces, increment: Increment) -> ContactState:
-    """Return where contact stands after a step."""
+def _state(end: ContactForces, increment: Increment, slip: Matrix) -> ContactState:
+    """Return where contact stands after a step, with what has slipped so far (2, n_point)."""
     return ContactState(
-        active=end.active, slip=end.slip, forces=increment.forces, moved=increment.moved
+        active=end.active, slip=slip, forces=increment.forces, moved=increment.moved
     )
 
 
-def _contact_forces(increment: Increment, dissipation: float, slip: Matrix | None) -> ContactForces:
+def _contact_forces(
+    contact: Contact, increment: Increment, dissipation: float, slip: Matrix
+) -> ContactForces:
+    along = slice(contact.components - 1)
     return ContactForces(
         forces=increment.forces[0],
         slack=increment.slack[0],
         active=increment.forces[0] > 0,
         iterations=increment.iterations,
-        shear_forces=None if slip is None else increment.forces[1:],
-        slip=slip,
+        shear_forces=increment.forces[1:][along],
+        slip=slip[along],
         dissipation=dissipation,
     )
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -55,9 +54,8 @@ class Instants:
         self.states[:, 0], self.accelerations[:, 0] = motion.u.T, motion.a.T
         self.forces[:, 0] = [start.contact_forces for start in starts]
         self.gaps[:, 0] = [start.gap for start in starts]
-        if self.shear.size:
-            self.shear[:, 0] = [start.shear_forces for start in starts]
-            self.slip[:, 0] = [start.shear_slip for start in starts]
+        self.shear[:, 0] = [start.shear_forces for start in starts]
+        self.slip[:, 0] = [start.shear_slip for start in starts]
 
     def of_case(self, case: int) -> "Instants":
         """Return the part of one case, to be written in place."""
@@ -76,19 +74,8 @@ class Instants:
             self.forces[case, n], self.gaps[case, n] = contact.forces, contact.slack
             self.iterations[case, n] = contact.iterations
             self.errors[case, n] = contact.error
-            if contact.slip is not None:
-                self.shear[case, n], self.slip[case, n] = contact.shear_forces, contact.slip
-                self.dissipation[case, n] = contact.dissipation
-
-    def friction(self, case: int) -> dict[str, Any]:
-        """Return what a solution of this case says of friction, nothing where there is none."""
-        if not self.shear.size:
-            return {}
-        return {
-            "shear_forces": self.shear[case],
-            "shear_slip": self.slip[case],
-            "dissipation": self.dissipation[case],
-        }
+            self.shear[case, n], self.slip[case, n] = contact.shear_forces, contact.slip
+            self.dissipation[case, n] = contact.dissipation
 
 
 def require_history_room(n_case: int, n_time: int, system: System) -> None:

@@ -1,7 +1,8 @@
 """Quasi-static paths: increments of load, with friction that remembers its slip."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import final
 
 import numpy as np
@@ -12,12 +13,13 @@ from faying.contact.increment import Increment
 from faying.contact.increment_solver import IncrementSolver, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.exceptions import ConvergenceError, ModelError
-from faying.joint.system import System, input_forces
+from faying.joint.system import Joint, System
+from faying.linalg.memory import require_room
 from faying.linalg.threads import threads_for
 from faying.simulation.load import StaticLoad
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import OF_EACH_STATE, carried_inputs
-from faying.simulation.static import port_forces, relative_forces, solve_static_inputs
+from faying.simulation.static import ContactStates, port_forces, solution_of, solved_cases
 
 MOST_DIVISIONS = 6
 """Times an increment is halved before its path is given up."""
@@ -67,12 +69,34 @@ def solve_path(
     remembered, and the loads are cases of :func:`~faying.simulation.static.solve_static_cases`.
     """
     inputs = path_inputs(system, loads)
-    if system.contact.forgets:
-        solved = solve_static_inputs(system, inputs, name)
-        return replace(solved, dissipation=np.zeros(len(inputs)))
-    start, relative = path_start(system, initial), moved_alone(system, inputs)
-    steps = list(follow(system.static_contact.increments, relative, start))
-    return assembled(system, inputs, steps, name)
+    begun = partial(path_start, system, initial)
+    contact = contact_along(system, moved_alone(system, inputs), begun)
+    return solution_of(system, inputs, contact, name)
+
+
+def contact_along(
+    system: Joint, relative: Matrix, begun: Callable[[], "PathStep"]
+) -> ContactStates:
+    """Return contact under loads that alone move the pairs (n_load, n_relative) [length].
+
+    Each load goes on from where the one before it left the joint; where contact remembers nothing
+    they are cases.
+
+    Parameters
+    ----------
+    begun
+        Says where the first load goes on from, where that matters.
+    """
+    contact = system.contact
+    require_room(
+        8.0 * len(relative) * 2 * contact.components * contact.n_points,
+        f"contact of {len(relative)} loads",
+        "solve fewer at a time",
+    )
+    if contact.forgets:
+        with threads_for(contact.n_points):
+            return solved_cases(system, relative)
+    return states_of(contact, list(follow(system.static_contact.increments, relative, begun())))
 
 
 def path_inputs(system: System, loads: Sequence[StaticLoad]) -> Matrix:
@@ -94,23 +118,21 @@ def moved_alone(system: System, inputs: Matrix) -> Matrix:
 
 def assembled(system: System, inputs: Matrix, steps: Sequence["PathStep"], name: str) -> Solution:
     """Return the solution of a path that was followed, one back-substitution for each load."""
-    laws = LawsAtPoints(contact=system.contact)
-    normal = np.array([step.increment.forces[0] for step in steps])
-    shear = np.array([step.increment.forces[1:] for step in steps])
-    gap = np.array([step.increment.gap(laws) for step in steps])
-    external = input_forces(system, inputs) + relative_forces(system, normal, shear)
-    return Solution(
-        name=name,
-        system=system,
-        states=system.factorize_static().solve(external.T).T,
-        contact_forces=normal,
-        gap=gap,
-        inputs=inputs,
+    return solution_of(system, inputs, states_of(system.contact, steps), name)
+
+
+def states_of(contact: Contact, steps: Sequence["PathStep"]) -> ContactStates:
+    """Return contact after the steps of a path."""
+    laws, along = LawsAtPoints(contact=contact), slice(contact.components - 1)
+    return ContactStates(
+        forces=np.array([step.increment.forces[0] for step in steps]),
+        gap=np.array([step.increment.gap(laws) for step in steps]),
+        shear_forces=np.array([step.increment.forces[1:][along] for step in steps]),
+        slip=np.array([step.slip[along] for step in steps]),
         iterations=np.array([step.iterations for step in steps]),
-        shear_forces=shear,
-        shear_slip=np.array([step.slip for step in steps]),
+        error=np.zeros(len(steps)),
         dissipation=np.array([step.dissipation for step in steps]),
-        deepest=deepest_of(system.contact, steps),
+        deepest=deepest_of(contact, steps),
     )
 
 
@@ -121,11 +143,16 @@ def deepest_of(contact: Contact, steps: Sequence["PathStep"]) -> Matrix | None:
 
 def last_of(solution: Solution) -> Solution:
     """Return the last state of a path, or a static solution as it is."""
+    return state_of(solution, -1)
+
+
+def state_of(solution: Solution, number: int) -> Solution:
+    """Return one state of a path, or a static solution as it is."""
     if solution.states.ndim == 1:
         return solution
     values = {name: getattr(solution, name) for name in OF_EACH_STATE}
-    last = {name: value[-1] for name, value in values.items() if np.ndim(value)}
-    return replace(solution, **last)
+    state = {name: value[number] for name, value in values.items() if np.ndim(value)}
+    return replace(solution, **state)
 
 
 @final
@@ -167,15 +194,11 @@ def path_start(system: System, initial: Solution | None) -> PathStep:
     )
     if initial is None:
         return PathStep(relative=moved, increment=nothing, slip=slip)
-    relative = moved_alone(system, carried_inputs(system, initial))
-    if initial.shear_forces is not None and initial.shear_slip is not None:
-        shape = (-1, 2, n)
-        forces[1:] = initial.shear_forces.reshape(shape)[-1]
-        slip = initial.shear_slip.reshape(shape)[-1]
-    forces[0] = np.atleast_2d(initial.contact_forces)[-1]
+    relative, last = moved_alone(system, carried_inputs(system, initial)), last_of(initial)
+    forces[: 1 + len(last.shear_forces)] = [last.contact_forces, *last.shear_forces]
+    slip[: len(last.shear_slip)] = last.shear_slip
     moved = displaced(system.static_contact.increments, relative, forces)
-    deepest = None if initial.deepest is None else np.atleast_2d(initial.deepest)[-1]
-    begun = replace(nothing, forces=forces, moved=moved, deepest=deepest)
+    begun = replace(nothing, forces=forces, moved=moved, deepest=last.deepest)
     return PathStep(relative=relative, increment=begun, slip=slip)
 
 

@@ -126,7 +126,7 @@ def tighten(
     contact: Increment | None = None
     reached: list[tuple[str, Vector]] = []
     for stage, chosen, goal in tightening_stages(names, forces, 1):
-        solved = BoltsByForce(joint=system, bolts=chosen).solve(goal, state, None, contact)
+        solved = BoltsByForce(joint=system, bolts=chosen).solve(goal, state, 0.0, contact)
         contact, state = solved
         reached.append((stage, forces_of_bolts(system, state, contact)))
     if contact is not None:

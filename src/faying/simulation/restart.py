@@ -82,7 +82,7 @@ def restart_from(arrays: Mapping[str, Any]) -> Restart:
         contact=ContactState(
             active=arrays["active"],
             supported=arrays.get("supported"),
-            slip=arrays.get("slip"),
+            slip=arrays.get("slip", 0.0),
             forces=arrays.get("forces"),
             moved=arrays.get("pairs_moved"),
             at_end=ContactState(active=arrays["end_active"]) if "end_active" in arrays else None,

@@ -1,7 +1,7 @@
 """Solutions are data: states, contact forces and what follows from them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +11,7 @@ from faying.display.facts import Shown, with_unit
 from faying.exceptions import ModelError
 from faying.joint.system import System, unstretched_bolt_forces
 from faying.model.bolt import Bolt
-from faying.simulation.contact_fields import ContactFields
+from faying.simulation.contact_fields import ContactFields, no_tangent, shear_everywhere
 from faying.units import units_of
 
 if TYPE_CHECKING:
@@ -51,9 +51,9 @@ class Solution(ContactFields, Shown):
     energy_gain
         Of a transient: share of the energy in motion that its integration gained from nothing, at
         worst; above a tenth its pressures mean nothing (:mod:`~.energy_guard`).
-    shear_forces : (..., 2, n_point) or None [force]
-        Tangential components of the contact forces of a joint with friction.
-    shear_slip : (..., 2, n_point) or None [length]
+    shear_forces : (..., n_tangent, n_point) [force]
+        Tangential components of the contact forces: two where some interface has friction, or none.
+    shear_slip : (..., n_tangent, n_point) [length]
         Tangential components of the slip.
     dissipation : (...)
         Energy that friction took in each increment or step [force·length].
@@ -78,8 +78,8 @@ class Solution(ContactFields, Shown):
     velocities: Matrix | None = None
     accelerations: Matrix | None = None
     energy_gain: float = 0.0
-    shear_forces: Matrix | None = None
-    shear_slip: Matrix | None = None
+    shear_forces: Matrix = field(default_factory=no_tangent)
+    shear_slip: Matrix = field(default_factory=no_tangent)
     dissipation: Matrix | float = 0.0
     deepest: Matrix | None = None
     substeps: Indices | None = None
@@ -88,6 +88,7 @@ class Solution(ContactFields, Shown):
     def __post_init__(self) -> None:
         for name in ("states", "contact_forces", "gap", "inputs"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
+        shear_everywhere(self)
 
     @property
     def facts(self) -> Mapping[str, str]:

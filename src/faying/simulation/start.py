@@ -17,13 +17,10 @@ from faying.simulation.restart import Restart, each_of
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import carried_inputs
 from faying.simulation.static import AT_REST, relative_forces
-from faying.simulation.static_case import solve_static
 
 
 def at_rest(system: System) -> Solution:
     """Solve the joint under its bolts alone; with friction they are tightened in one increment."""
-    if system.contact.forgets:
-        return solve_static(system)
     return last_of(solve_path(system, [AT_REST], name=AT_REST.name))
 
 
@@ -47,18 +44,11 @@ def _checked(system: System, start: Solution, moves: bool) -> Solution:
             "rest; give a static solution or a path, or solve the longer transient"
         )
         raise ModelError(message)
-    rubs, slipped = system.contact.components > 1, start.shear_slip is not None
-    if rubs and not slipped:
+    if len(start.shear_slip) != system.contact.components - 1:
         message = (
-            f"the joint has friction, and the initial solution '{start.name}' does not say what "
-            "has slipped; give one of solve_path, solve_path(model, [fy.Load()], initial=...) to "
-            "close a joint that was tightened without friction"
-        )
-        raise ModelError(message)
-    if slipped and not rubs and start.system.contact.components > 1:
-        message = (
-            f"the initial solution '{start.name}' has friction and the joint none; start from "
-            "solve_static, or solve the transient with friction"
+            f"of the joint and the initial solution '{start.name}' only one has friction, and says "
+            "what has slipped; give one of solve_path, solve_path(joint, [fy.Load()], initial=...) "
+            "to close a joint with friction that was tightened without"
         )
         raise ModelError(message)
     return start if start.system is system else _carried(system, start)
@@ -72,11 +62,9 @@ def _carried(system: System, start: Solution) -> Solution:
     return replace(start, system=system, inputs=inputs, states=states)
 
 
-def stacked_forces(normal: Matrix, shear: Matrix | None) -> Matrix:
+def stacked_forces(normal: Matrix, shear: Matrix) -> Matrix:
     """Return all components of contact forces (n_case, components * n_point)."""
-    if shear is None:
-        return normal
-    return np.concatenate([normal[:, None], shear], axis=1).reshape(len(normal), -1)
+    return np.concatenate([normal, shear.reshape(len(normal), -1)], axis=1)
 
 
 def begun(
@@ -95,8 +83,7 @@ def begun(
     now = np.zeros(1)
     inputs = np.concatenate([load.inputs(system, now) for load in loads])
     forces = np.array([start.contact_forces for start in starts])
-    rubs = system.contact.components > 1
-    shear = np.array([start.shear_forces for start in starts], dtype=float) if rubs else None
+    shear = np.array([start.shear_forces for start in starts])
     u = np.array([start.states for start in starts]).T
     applied = input_forces(system, inputs).T
     contact = relative_forces(system, forces, shear).T
@@ -106,10 +93,11 @@ def begun(
     carried_force = scheme.kept_force(applied, contact)
     every = stacked_forces(forces, shear)
     motion = Motion(u, np.zeros_like(u), a, carried_force, np.zeros_like(u), every.T)
-    whole = np.zeros((len(starts), 3, forces.shape[1]))
+    whole, slips = (np.zeros((len(starts), n, forces.shape[1])) for n in (3, 2))
     whole[:, : system.contact.components] = every.reshape(len(starts), -1, forces.shape[1])
+    slips[:, : system.contact.components - 1] = [start.shear_slip for start in starts]
     states = [
-        ContactState(active=x[0] > 0, slip=start.shear_slip, forces=x)
-        for x, start in zip(whole, starts, strict=True)
+        ContactState(active=x[0] > 0, slip=slip, forces=x)
+        for x, slip in zip(whole, slips, strict=True)
     ]
     return each_of(0, motion, states)

@@ -58,17 +58,54 @@ def solved_inputs(system: System, touching: Joint, inputs: Matrix, name: str) ->
     ports = touching.port_compliance
     free = port_forces(ports, inputs) @ ports.contact_columns
     with threads_for(touching.contact.n_points):
-        forces, gaps, iterations, errors = solved_cases(touching, free)
-    external = input_forces(system, inputs) + relative_forces(system, forces)
+        contact = solved_cases(touching, free)
+    return solution_of(system, inputs, contact, name)
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ContactStates:
+    """Contact of some cases, instants or increments; every array begins with their number.
+
+    Attributes
+    ----------
+    forces, gap : (n_case, n_point) [force], [length]
+    shear_forces, slip : (n_case, n_tangent, n_point) [force], [length]
+        Tangential components.
+    iterations : (n_case,)
+    error : (n_case,)
+        Bounds on the relative errors of the forces.
+    dissipation : (n_case,) [force·length]
+    deepest : (n_case, n_point) or None [length]
+    """
+
+    forces: Matrix
+    gap: Matrix
+    shear_forces: Matrix
+    slip: Matrix
+    iterations: Indices
+    error: Vector
+    dissipation: Vector
+    deepest: Matrix | None = None
+
+
+def solution_of(system: System, inputs: Matrix, contact: ContactStates, name: str) -> Solution:
+    """Return the solution whose contact is known: one back-substitution for each case."""
+    external = input_forces(system, inputs)
+    external = external + relative_forces(system, contact.forces, contact.shear_forces)
     return Solution(
         name=name,
         system=system,
         states=system.factorize_static().solve(external.T).T,
-        contact_forces=forces,
-        gap=gaps,
+        contact_forces=contact.forces,
+        gap=contact.gap,
         inputs=inputs,
-        iterations=iterations,
-        contact_error=errors,
+        iterations=contact.iterations,
+        contact_error=contact.error,
+        shear_forces=contact.shear_forces,
+        shear_slip=contact.slip,
+        dissipation=contact.dissipation,
+        deepest=contact.deepest,
     )
 
 
@@ -129,8 +166,8 @@ def solved_case(
     )
 
 
-def solved_cases(system: Joint, free: Matrix) -> tuple[Matrix, Matrix, Indices, Vector]:
-    """Return forces, gaps, iterations and error bounds of cases whose pairs move without contact.
+def solved_cases(system: Joint, free: Matrix) -> ContactStates:
+    """Return contact of cases whose pairs move (n_case, n_relative) without it.
 
     Similar cases are solved side by side where contact yields in proportion to pressure, and one
     from the other else.
@@ -148,12 +185,21 @@ def solved_cases(system: Joint, free: Matrix) -> tuple[Matrix, Matrix, Indices, 
             begin = np.broadcast_to(first, (len(cases), len(first)))
             solution = solve_similar(solver, free[cases], begin)
             forces[cases], gaps[cases], iterations[cases] = solution
-        return forces, gaps, iterations, errors
-    for (case,) in similar_groups(shapes, 1):
-        alone = solved_case(system, free[case], start)
-        start, iterations[case], errors[case] = alone.state, alone.iterations, alone.error
-        forces[case], gaps[case] = alone.forces, alone.gap
-    return forces, gaps, iterations, errors
+    else:
+        for (case,) in similar_groups(shapes, 1):
+            alone = solved_case(system, free[case], start)
+            start, iterations[case], errors[case] = alone.state, alone.iterations, alone.error
+            forces[case], gaps[case] = alone.forces, alone.gap
+    none = np.zeros((len(free), 0, contact.n_points))
+    return ContactStates(
+        forces=forces,
+        gap=gaps,
+        shear_forces=none,
+        slip=none,
+        iterations=iterations,
+        error=errors,
+        dissipation=np.zeros(len(free)),
+    )
 
 
 def port_forces(ports: PortCompliance, inputs: Matrix) -> Matrix:
@@ -168,7 +214,7 @@ def relative_forces(
 ) -> Matrix:
     """Return forces Pᵀ Nᵀ λ (..., n_dof) of contact forces (..., n_point), Eq. (15.11).
 
-    Tangential components of a joint with friction are (..., 2, n_point).
+    Tangential components are (..., n_tangent, n_point).
     """
     contact = system.contact
     forces: Matrix = (contact.transposed[1] @ contact.at_pairs(contact_forces, shear_forces)).T

@@ -224,7 +224,9 @@ class TransientSolver:
                 velocities=history.velocities[case],
                 accelerations=history.accelerations[case],
                 energy_gain=ledgers[case].gain,
-                **history.friction(case),
+                shear_forces=history.shear[case],
+                shear_slip=history.slip[case],
+                dissipation=history.dissipation[case],
             )
             for case, load in enumerate(loads)
         ]
@@ -276,8 +278,7 @@ class TransientSolver:
         u = self.effective.solve(right + scheme.force_weight * from_contact)
         carried_force = scheme.kept_force(applied, from_contact)
         motion = scheme.advance(motion, u, carried_force, self.step)
-        rubs = system.contact.components > 1
-        shear = np.array([contact.shear_forces for contact in contacts]) if rubs else None
+        shear = np.array([contact.shear_forces for contact in contacts])
         return replace(motion, contact=stacked_forces(forces, shear).T), states_after, contacts
 
     def _loop(self, n_step: int) -> CompiledSteps | None:

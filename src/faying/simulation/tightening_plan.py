@@ -173,34 +173,27 @@ class _Walk:
     bolts: Indices
     increments: int
 
-    @property
-    def _rubs(self) -> bool:
-        return not self.system.contact.forgets
-
     def solved(self, targets: Vector) -> Vector:
         """Return initial forces (n_bolt,) that give the targets together, without friction."""
-        joint = smooth_joint(self.system) if self._rubs else self.system
-        problem = BoltsByForce(joint=joint, bolts=self.bolts)
-        return problem.solve(targets, initial_bolt_forces(self.system), None, None)[1]
+        problem = BoltsByForce(joint=smooth_joint(self.system), bolts=self.bolts)
+        return problem.solve(targets, initial_bolt_forces(self.system), 0.0, None)[1]
 
     def meeting(self, targets: Vector, initial: Vector, shares: Vector) -> tuple[Vector, Matrix]:
         """Return initial forces whose sequence meets the targets, and the forces on the way.
 
         With friction a quasi-Newton method that begins with the slope without.
         """
-        reached = self.followed(initial, shares)
-        if not self._rubs:
-            return initial, reached
-        slope = np.column_stack(
-            [
-                (self.solved(targets + nudge) - initial)[self.bolts] / nudge.sum()
-                for nudge in np.diag(NUDGE * targets)
-            ]
-        )
+        reached, slope = self.followed(initial, shares), None
         for _ in range(MOST_SEQUENCES):
             miss = targets - reached[-1, self.bolts]
             if (np.abs(miss) <= MET * targets).all():
                 return initial, reached
+            if slope is None:
+                columns = [
+                    (self.solved(targets + nudge) - initial)[self.bolts] / nudge.sum()
+                    for nudge in np.diag(NUDGE * targets)
+                ]
+                slope = np.column_stack(columns)
             change = slope @ miss
             initial = initial.copy()
             initial[self.bolts] += change
@@ -246,5 +239,5 @@ class _Walk:
 
     @property
     def _parts(self) -> Sequence[float]:
-        n = self.increments if self._rubs else 1
+        n = self.system.contact.increments(self.increments)
         return [number / n for number in range(1, n + 1)]

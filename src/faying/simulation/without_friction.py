@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import final
+from typing import cast, final
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from faying.joint.system import Joint, PortCompliance, System, static_contact_of
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 from faying.simulation.load import Load
+from faying.simulation.path import solve_path
 from faying.simulation.solution import Solution
 from faying.simulation.static import AT_REST, port_forces, solved_cases, solved_inputs
 
@@ -44,11 +45,13 @@ class SmoothJoint:
         return static_contact_of(self)
 
 
-def smooth_joint(joint: Joint) -> SmoothJoint:
+def smooth_joint(joint: Joint) -> Joint:
     """Return a joint without the friction of its interfaces; nothing is factorized again."""
+    if joint.contact.components == 1:
+        return joint
     laws = {name: law.normal for name, law in joint.contact.laws.items()}
     return SmoothJoint(
-        contact=replace(joint.contact, laws=laws, shear=None),
+        contact=replace(joint.contact, laws=laws),
         boundaries=joint.boundaries,
         bolts=joint.bolts,
         load_patterns=joint.load_patterns,
@@ -60,7 +63,7 @@ def pressures_without_friction(joint: Joint, inputs: Matrix) -> Matrix:
     """Return contact pressures of static loads (n_case, n_input) as if nothing rubbed."""
     ports = joint.port_compliance
     free = port_forces(ports, inputs) @ ports.contact_columns
-    pressures: Matrix = solved_cases(smooth_joint(joint), free)[0] / joint.contact.weights
+    pressures: Matrix = solved_cases(smooth_joint(joint), free).forces / joint.contact.weights
     return pressures
 
 
@@ -81,20 +84,20 @@ def released_state(system: System, load: Load = AT_REST) -> Solution:
     ModelError, ConvergenceError
         As :func:`faying.solve_static`.
     """
+    if system.contact.components == 1:
+        return solve_path(system, [load], name=load.name)
     contact, ports = system.contact, system.port_compliance
     smooth = smooth_joint(system)
     inputs = load.inputs(system, np.zeros(1))
     solved = solved_inputs(system, smooth, inputs, load.name)
-    slip = np.zeros((2, contact.n_points))
-    if contact.shear is not None:
-        free = port_forces(ports, inputs[0]) @ ports.contact_columns
-        pressed = contact.interpolation.T @ solved.contact_forces[0]
-        relative = free + smooth.static_contact.total @ pressed
-        slip[:, contact.rubbing] = (contact.shear @ relative).reshape(2, -1)
+    free = port_forces(ports, inputs[0]) @ ports.contact_columns
+    pressed = contact.interpolation.T @ solved.contact_forces[0]
+    total = cast("CondensedContact", smooth.static_contact).total
+    slip = contact.moved(free + total @ pressed)[1 : contact.components]
     return replace(
         solved,
         contact_error=0.0,
-        shear_forces=np.zeros((1, 2, contact.n_points)),
+        shear_forces=np.zeros((1, *slip.shape)),
         shear_slip=slip[None],
         dissipation=np.zeros(1),
     )

@@ -120,7 +120,7 @@ def solve_loads(
         remedy = nearest(unknown[0], loads.names[:20])
         message = f"there is no static case '{unknown[0]}' to keep; {remedy}"
         raise StudyError(message)
-    rubbing = [name for name, law in rom.contact.laws.items() if law.components > 1]
+    rubbing = rom.contact.rubbing_interfaces
     if rubbing and tightening is None:
         message = (
             f"interface '{rubbing[0]}' has friction, so that what a load leaves depends on how the "

@@ -167,7 +167,7 @@ class CaseSolver:
             rings=self.demanded.rings,
             areas=self.demanded.areas if static else (),
         )
-        return metrics + ([] if self.tightening is None else friction_metrics(interfaces))
+        return metrics + friction_metrics(self.rom.contact.rubbing_interfaces)
 
     @property
     def _length(self) -> int:

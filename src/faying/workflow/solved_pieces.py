@@ -65,12 +65,11 @@ def arrays_of(
     of the worst cases of each metric and of the chosen rows.
     """
     pressed = demanded.pressed.values()
+    rubbing = {name: rom.interfaces[name] for name in rom.contact.rubbing_interfaces}
 
     def figures(solution: Solution, certificate: Certificate | None) -> Matrix:
         table = case_metrics(solution, rom.interfaces, certificate, demanded.rings, demanded.areas)
-        if solution.shear_forces is None:
-            return table
-        return np.hstack([table, friction_figures(solution, rom.interfaces)])
+        return np.hstack([table, friction_figures(solution, rubbing)])
 
     def smallest(solution: Solution, _: object) -> Matrix:
         forces = [np.asarray(solution.bolt_force(name)) for name in rom.bolts]
@@ -115,14 +114,12 @@ def factors_of(
 ) -> dict[str, np.ndarray]:
     """Return the factors at which static cases would open areas, and slide, as estimated."""
     system = rest.system
-    rubbing = [name for name, law in system.contact.laws.items() if law.friction > 0]
+    rubbing = system.contact.rubbing_interfaces
 
     def opens(solution: Solution, _: object) -> Matrix:
         return estimated_openings(rest, solution, demanded.opens, demanded.open_below)
 
     def slides(solution: Solution, _: object) -> Matrix:
-        if solution.shear_forces is None:
-            return np.full((len(solution.contact_forces), len(rubbing)), np.inf)
         normal = solution.contact_forces[:, None]
         used = [
             [friction_used(system, name, forces) for name in rubbing]

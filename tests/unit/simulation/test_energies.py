@@ -42,7 +42,7 @@ def test_springs_store_half_force_times_what_they_yield(residual_compliance):
 
 def test_tangential_forces_add_to_what_normal_ones_store():
     contact = two_points(None)
-    pressed = contact_energy(contact, FORCES)
+    pressed = contact_energy(contact, FORCES, np.zeros_like(SHEAR))
     np.testing.assert_allclose(
         pressed, (FORCES**2 / (2 * NORMAL * WEIGHTS)).sum(axis=1), rtol=1e-14
     )

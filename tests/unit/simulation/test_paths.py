@@ -140,7 +140,7 @@ def test_a_path_goes_on_from_a_joint_without_friction():
     """Its normal forces are where it begins, and nothing has slipped."""
     system = sliders()
     law = {"sliders": Penalty(NORMAL)}
-    smooth = replace(system, contact=replace(system.contact, laws=law, shear=None))
+    smooth = replace(system, contact=replace(system.contact, laws=law))
     before = fy.solve_static(smooth, pulled(3.0))
     start = path_start(system, before)
     np.testing.assert_array_equal(start.increment.forces[0], before.contact_forces)
@@ -332,7 +332,7 @@ def test_cycles_that_go_on_changing_are_ended(monkeypatch):
 def test_cycles_without_friction_take_nothing():
     system = sliders()
     law = {"sliders": Penalty(NORMAL)}
-    smooth = replace(system, contact=replace(system.contact, laws=law, shear=None))
+    smooth = replace(system, contact=replace(system.contact, laws=law))
     found = fy.solve_cycles(smooth, LOAD, 2.0, increments=2)
     np.testing.assert_array_equal(found.energies, [0.0])
     assert found.stationary

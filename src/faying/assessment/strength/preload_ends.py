@@ -176,7 +176,7 @@ def initial_forces_at(system: System, forces: Mapping[str, float]) -> Vector:
     goal = np.array([force for force in forces.values() if force > 0])
     if not len(chosen):
         return locked
-    _, initial = BoltsByForce(joint=joint, bolts=chosen).solve(goal, locked, None, None)
+    _, initial = BoltsByForce(joint=joint, bolts=chosen).solve(goal, locked, 0.0, None)
     return initial
 
 

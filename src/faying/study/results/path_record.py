@@ -211,8 +211,6 @@ def _range(slip: Matrix) -> Vector:
 
 def _slip_work(path: Solution, start: Solution, joint: Joint) -> Vector:
     """Return the energy per area (n_point,) that friction took: traction times change of slip."""
-    if path.shear_forces is None:
-        return np.zeros(joint.contact.n_points)
     change = np.diff(slip_history(path, start), axis=0)
     work: Vector = -(path.shear_forces * change).sum(axis=(0, 1)) / joint.contact.weights
     return work

@@ -59,7 +59,7 @@ def respond(
         ),
         motion=nodal_motion(model, solution) if moves and not static else motion,
         friction=None
-        if static or solution.shear_slip is None
+        if static or not solution.shear_slip.size
         else SlipRecord(**slip_fields(solution, None)),
         increment_error=None if certificate is None else float(certificate.energy_error.max()),
         law_residual=None if certificate is None else float(certificate.residual.max()),

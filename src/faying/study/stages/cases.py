@@ -43,7 +43,7 @@ from faying.study.stages.offline import PreparedJoint
 from faying.study.stages.path_cases import (
     advances,
     goes_in_increments,
-    has_friction,
+    has_reserve,
     path_response,
     reserve_of,
     rest_state,
@@ -235,7 +235,7 @@ class CaseRunner:
 
     def _reserve(self, case: LoadCaseSection) -> SlipReserve | None:
         """Return the slip reserve of a load that may be multiplied, where there is friction."""
-        if case.kind not in ("static", "cycle") or not has_friction(self.joint.model):
+        if not has_reserve(case, self.joint.model):
             return None
 
         demanded = requirements_of(self.joint.study.requirement)
@@ -336,7 +336,7 @@ class CaseRunner:
                     )
                     response = path_response(run, like)
                 else:
-                    initial = None if model.contact.forgets else self._rest(system, label)
+                    initial = self._rest(system, label) if case.transient else None
                     solution, seconds = solve_case(
                         self.joint, case, system, advance, refinement, initial, like
                     )

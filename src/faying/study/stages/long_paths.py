@@ -45,7 +45,7 @@ def follow_path(
     ``progress`` is called with the number of increments that there are more of.
     """
     start = time.perf_counter()
-    if system.contact.forgets or len(loads) <= PIECE:
+    if system.contact.increments(len(loads)) <= PIECE:
         path = solve_path(system, loads, initial=initial, name=name)
         progress(len(loads))
         return path, time.perf_counter() - start

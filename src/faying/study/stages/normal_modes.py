@@ -56,8 +56,6 @@ def _chosen(joint: PreparedJoint, case: LoadCaseSection, modes: Modes) -> Normal
         integrator=integrator_of(case),
         tolerance=mark,
         step_tolerance=case.tolerance,
-        rest=partial(rest_state, tightening=joint.preload_path, full=joint.rest)
-        if not joint.model.contact.forgets
-        else None,
+        rest=partial(rest_state, tightening=joint.preload_path, full=joint.rest),
         modes=modes,
     )

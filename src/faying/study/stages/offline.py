@@ -1,6 +1,6 @@
 """The offline part of a run: model, preload, bases, reduced models."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -24,6 +24,7 @@ from faying.simulation.frictional_preload import tighten_with_friction
 from faying.simulation.load import Load
 from faying.simulation.path import last_of
 from faying.simulation.preload import Sticking, Tightening, tighten, with_sticking
+from faying.simulation.preload_loss import PreloadLoss
 from faying.simulation.solution import Solution
 from faying.simulation.static_case import solve_static
 from faying.simulation.stepping import TransientSolver, transient_solver
@@ -113,17 +114,17 @@ def prepare_joint(study: Study, books: Books | None = None) -> PreparedJoint:
         check_same_joint(checkpoint, model)
     _condense(model, books, "compliance")
     forces = {name: force for name, force in loaded.preloads.items() if force > 0}
-    if not model.contact.forgets:
-        return _rubbing_joint(study, loaded, model, forces, books)
     # What sticks is decided by the preload that was meant, and lost after that.
     lost = (losses(study), {}) if study.sticking is None else ({}, losses(study))
+    first = "rest" if study.sticking is None else "preload"
     with books.stage("preload"):
-        free = model
-        tightening, _ = kept_tightening(
-            checkpoint, "tightening", lambda: (tighten(free, forces, losses=lost[0]), ())
+        compute = partial(
+            _tightened, study, model, forces, lost[0], partial(kept_state, checkpoint, first, model)
         )
-        locked = model = free.with_bolt_forces(tightening.initial_forces)
-        preload = kept_state(checkpoint, "preload", locked, lambda: solve_static(locked))
+        tightening, path = kept_tightening(checkpoint, "tightening", compute)
+        locked = model.with_bolt_forces(tightening.initial_forces)
+        preload = rest = kept_state(checkpoint, first, locked, lambda: rest_state(locked, path))
+    model = locked
     if study.sticking is not None:
         sticking = Sticking(threshold=study.sticking.threshold, stiffness=study.sticking.stiffness)
         tied = with_sticking(model, sticking)
@@ -132,10 +133,8 @@ def prepare_joint(study: Study, books: Books | None = None) -> PreparedJoint:
             again, _ = kept_tightening(
                 checkpoint, "tightening again", lambda: (tighten(tied, forces, losses=lost[1]), ())
             )
-            model = tied.with_bolt_forces(again.initial_forces)
-    with books.stage("preload"):
-        final = model
-        preloaded = kept_state(checkpoint, "rest", final, lambda: solve_static(final))
+            model = final = tied.with_bolt_forces(again.initial_forces)
+            rest = kept_state(checkpoint, "rest", final, lambda: solve_static(final))
     return PreparedJoint(
         study=study,
         books=books,
@@ -143,41 +142,25 @@ def prepare_joint(study: Study, books: Books | None = None) -> PreparedJoint:
         model=model,
         tightening=tightening,
         preload=preload,
-        rest=preloaded,
-    )
-
-
-def _rubbing_joint(
-    study: Study,
-    loaded: LoadedModel,
-    model: Model,
-    forces: Mapping[str, float],
-    books: Books,
-) -> PreparedJoint:
-    """Tighten the bolts of a joint with friction or gaskets along a path, or without friction."""
-
-    def tightened() -> Tightened:
-        if not study.friction_during_preload:
-            return tighten(smooth_joint(model), forces, losses=losses(study)), ()
-        path_tightening = tighten_with_friction(model, forces, losses=losses(study))
-        # Kept before the path that led there, which need not be followed a second time.
-        kept_state(books.checkpoint, "rest", model, lambda: last_of(path_tightening.rest))
-        return path_tightening.tightening, path_tightening.loads
-
-    with books.stage("preload"):
-        tightening, path = kept_tightening(books.checkpoint, "tightening", tightened)
-        locked = model.with_bolt_forces(tightening.initial_forces)
-        preloaded = kept_state(books.checkpoint, "rest", locked, lambda: rest_state(locked, path))
-    return PreparedJoint(
-        study=study,
-        books=books,
-        loaded=loaded,
-        model=locked,
-        tightening=tightening,
-        preload=preloaded,
-        rest=preloaded,
+        rest=rest,
         preload_path=path,
     )
+
+
+def _tightened(
+    study: Study,
+    model: Model,
+    forces: Mapping[str, float],
+    lost: Mapping[str, PreloadLoss],
+    keep: Callable[[Callable[[], Solution]], Solution],
+) -> Tightened:
+    """Tighten bolts along a path, where the way matters and friction acts on it; else without."""
+    if model.contact.forgets or not study.friction_during_preload:
+        return tighten(smooth_joint(model), forces, losses=lost), ()
+    path = tighten_with_friction(model, forces, losses=lost)
+    # Kept before the path that led there, which need not be followed a second time.
+    keep(lambda: last_of(path.rest))
+    return path.tightening, path.loads
 
 
 def _condense(model: Model, books: Books, key: str) -> None:

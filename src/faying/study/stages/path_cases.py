@@ -16,7 +16,6 @@ from faying.simulation.cycles import Cycles, solve_cycles
 from faying.simulation.load import Load
 from faying.simulation.path import last_of, solve_path
 from faying.simulation.solution import Solution
-from faying.simulation.static_case import solve_static
 from faying.simulation.without_friction import released_state
 from faying.study.inputs.loads import case_load
 from faying.study.keys.load_factors import ALL, read_load_factors
@@ -32,11 +31,6 @@ from faying.study.results.values import Response
 from faying.study.stages.backbone_cases import backbone_response
 from faying.study.stages.checkpointed_steps import IncrementalCase
 from faying.study.stages.long_paths import follow_path
-
-
-def has_friction(model: Model) -> bool:
-    """Say whether an interface of a model has friction."""
-    return any(interface.law.friction > 0 for interface in model.interfaces.values())
 
 
 def goes_in_increments(case: LoadCaseSection, model: Model) -> bool:
@@ -70,9 +64,7 @@ def rest_state(
         return replace(state, dissipation=full.dissipation)
     if tightening:
         return last_of(solve_path(system, tightening, name="preload"))
-    if (system.contact.friction > 0).any():
-        return last_of(released_state(system))
-    return solve_static(system)
+    return last_of(released_state(system))
 
 
 def path_response(run: IncrementalCase, like: Response | None = None) -> Response:
@@ -139,9 +131,9 @@ MOST_CERTIFIED = 1000
 
 def _certificate(model: Model, path: Solution, preloaded: Solution) -> IncrementCertificate | None:
     """Certify the increments of a reduced model; those of the full one are what is meant."""
-    rubs = path.shear_forces is not None and has_friction(model)
-    rubs = rubs and model.contact.proportional
-    if path.system is model or not rubs or model.contact.n_points > MOST_CERTIFIED:
+    contact = model.contact
+    certified = contact.rubbing_interfaces and contact.proportional
+    if path.system is model or not certified or contact.n_points > MOST_CERTIFIED:
         return None
     return certify_increments(model, path, preloaded)
 
@@ -149,6 +141,11 @@ def _certificate(model: Model, path: Solution, preloaded: Solution) -> Increment
 def _motion(model: Model, path: Solution) -> NodalMotion | None:
     """Return the displacements along a path of the full model; other models are drawn by its."""
     return nodal_motion(model, path) if path.system is model else None
+
+
+def has_reserve(case: LoadCaseSection, model: Model) -> bool:
+    """Say whether a load case has a slip reserve: a load that may be multiplied, and friction."""
+    return case.kind in ("static", "cycle") and bool(model.contact.rubbing_interfaces)
 
 
 def reserve_of(

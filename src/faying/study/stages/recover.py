@@ -112,7 +112,7 @@ def recover(results: Results, path: Path, options: RecoverOptions) -> RecoveredR
     method = options.method or (MODAL_METHODS[0] if modal else "compliance")
     rom = reduced_model(results, method, options.joint_modes)
     recovered, derivatives = (_from_modal if modal else _from_loads)(rom, history, options)
-    rubs = recovered.shear_forces is not None
+    rubs = recovered.shear_forces.size > 0
     return RecoveredRecord(
         title=results.title,
         units=results.units,

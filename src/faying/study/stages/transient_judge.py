@@ -47,6 +47,5 @@ class TransientJudge:
         """Estimate how far off a transient is from that of the full model, without it."""
         finer = finer_model(self.joint.model, solution)
         joint = self.joint
-        forgets = joint.model.contact.forgets
-        initial = None if forgets else rest_state(finer, joint.preload_path, joint.rest)
+        initial = rest_state(finer, joint.preload_path, joint.rest)
         return transient_error(finer, solution, load, integrator=integrator, initial=initial)
