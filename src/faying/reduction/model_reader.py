@@ -32,7 +32,6 @@ from faying.joint.system import (
     boundary_slices,
     port_compliance_of,
 )
-from faying.linalg.budget import default_budget
 from faying.linalg.compressed import Compliance, plus
 from faying.linalg.relief import factorize_relieved, shifted
 from faying.model.bolt import Bolt
@@ -326,11 +325,12 @@ def _contact(group: h5py.Group, interfaces: Mapping[str, ContactSurface]) -> Con
     ):
         message = f"the interfaces have {ends[-1]} points, {group.name} does not"
         raise ValueError(message)
-    budget = (
-        numbers(group, "dense_budget", (), np.int64)
-        if "dense_budget" in group
-        else default_budget()
-    )
+    stated: dict[str, Any] = {}  # files of earlier versions state less
+    if "dense_budget" in group:
+        stated["dense_budget"] = int(numbers(group, "dense_budget", (), np.int64))
+    if "shear" in group:
+        stated["shear"] = sparse_matrix(group, "shear")
+        stated["tangents"] = numbers(group, "tangents", (2, ends[-1], 3))
     return Contact(
         relative_operator=np.zeros((n_relative, 0)),
         interpolation=interpolation,
@@ -339,19 +339,8 @@ def _contact(group: h5py.Group, interfaces: Mapping[str, ContactSurface]) -> Con
         laws={name: recorded_law(record) for name, record in interfaces.items()},
         slices={name: slice(*record.slice) for name, record in interfaces.items()},
         places=_optional(group, "places", (n_relative, 3)),
-        dense_budget=int(budget),
-        **_along(group, ends[-1]),
+        **stated,
     )
-
-
-def _along(group: h5py.Group, n_point: int) -> dict[str, Any]:
-    """Return what a file says of tangents; those of earlier versions say it of friction alone."""
-    if "shear" not in group:
-        return {}
-    return {
-        "shear": sparse_matrix(group, "shear"),
-        "tangents": numbers(group, "tangents", (2, n_point, 3)),
-    }
 
 
 def _joined(parts: Iterable[Matrix]) -> Matrix:
