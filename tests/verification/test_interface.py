@@ -14,9 +14,10 @@ from faying.interface.interface import FacePairs
 from faying.interface.pairing import find_interfaces, pair_facets
 from faying.interface.relative_displacement import times_normals
 from faying.interface.zero_thickness import automatic_penalty, build_interface
+from faying.joint.build import build_model
 from faying.joint.lap_joint import lap_joint_assembly
 from faying.joint.sticking import sticking_stiffness, stuck_pairs
-from faying.model.assembly import Assembly, FaceSet, Material
+from faying.model.assembly import Assembly, FaceSet, Material, Support
 from faying.model.dofs import DofMap
 from faying.model.mesh import Mesh
 from faying.model.specs import InterfaceSpec
@@ -190,6 +191,24 @@ def test_pairs_have_the_relative_displacements_that_their_points_feel(curvature)
     # Axis-parallel: two entries per row, no rounding in the other directions.
     assert flat.relative_operator.nnz == 2 * len(flat.pairs)
     np.testing.assert_array_equal(np.unique(flat.relative_operator.data), [-1.0, 1.0])
+
+
+def test_what_supports_hold_on_both_sides_is_no_relative_displacement():
+    """Of a half joint across its plane of symmetry: compliances with rows of zeros are singular."""
+    described = lap_joint_assembly(element_size=5.0)
+    assembly = described.assembly
+    edge = np.flatnonzero(assembly.mesh.nodes[:, 1] == -10.0)
+    held = Support(id=10, nodes=edge, components=(1,))
+    half = build_model(
+        replace(assembly, supports=(*assembly.supports, held)),
+        interfaces=described.interfaces,
+        bolts=described.bolts,
+        boundaries=described.boundaries,
+    ).with_friction(0.2)
+    joint, between = half.interfaces["joint"], half.static_contact.between
+    on_plane = np.isin(joint.pairs, edge).all(axis=1)
+    assert joint.relative_operator.shape[0] == 3 * len(joint.pairs) - np.count_nonzero(on_plane)
+    np.linalg.cholesky(between.compliance)
 
 
 def test_an_initial_gap_is_measured_along_the_normal_and_keeps_the_balance():

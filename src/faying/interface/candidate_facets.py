@@ -7,7 +7,7 @@ from faying.exceptions import ModelError, naming
 from faying.interface.selection import select_facets
 from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec
-from faying.model.surface import Facets, unique_rows
+from faying.model.surface import Facets
 
 DEFAULT_TOLERANCE = 0.01
 """Default tolerance as a fraction of the smallest facet edge."""
@@ -42,8 +42,7 @@ def _all_bodies(assembly: Assembly, spec: InterfaceSpec) -> tuple[Facets, Indice
 def _one_side_and_the_rest(assembly: Assembly, spec: InterfaceSpec) -> tuple[Facets, Facets]:
     named = _selected(assembly, spec, "plus" if spec.minus == "auto" else "minus")
     exterior = assembly.mesh.exterior
-    first, group, _ = unique_rows(named.joined(exterior).corner_keys)
-    unnamed = exterior.taken(first[group[len(named) :]] >= len(named))
+    unnamed = exterior.taken(named.positions(exterior.nodes) < 0)
     return (unnamed, named) if spec.minus == "auto" else (named, unnamed)
 
 

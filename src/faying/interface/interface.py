@@ -145,9 +145,12 @@ class Interface(Shown):
         """T (n_relative, 3 n_pair): unit rows of the motion of each pair that its points feel.
 
         One where all points of a pair have one normal, two on an edge between planes, three where
-        the surface is curved or tangential forces act, none where no point is.
+        the surface is curved or tangential forces act, none where no point is, nor along what
+        supports hold on both sides, as across a plane of symmetry.
         """
-        return axes_of(self.point_shape, self.normals, tangential=self.law.components > 1)
+        axes = axes_of(self.point_shape, self.normals, tangential=self.law.components > 1)
+        moved = abs(axes @ self.motion_operator).max(axis=1).toarray().ravel()
+        return axes[moved > ROUND_OFF * moved.max(initial=0.0)]
 
     @cached_property
     def relative_operator(self) -> SparseMatrix:

@@ -9,13 +9,7 @@ from faying.interface.interface import FacePairs
 from faying.model.assembly import Assembly
 from faying.model.elements import SOLIDS
 from faying.model.mesh import Mesh
-from faying.model.surface import (
-    Facets,
-    facet_centres,
-    facet_normals,
-    padded,
-    unique_rows,
-)
+from faying.model.surface import Facets, facet_centres, facet_normals, padded
 
 PENALTY_FACTOR = 10.0
 """Automatic penalty over E/h: the interface is then ten times stiffer than one element layer."""
@@ -45,10 +39,10 @@ def facet_penalty(assembly: Assembly, facets: Facets) -> float:
     if (facets.properties >= 0).any():
         facets = facets.taken(facets.properties >= 0)
     missing = np.setdiff1d(facets.properties, np.fromiter(assembly.materials, np.int64))
-    if missing.size:
+    if missing.size or not len(facets):
         what = (
             "its facets belong to no solid elements"
-            if missing[0] < 0
+            if not len(facets) or missing[0] < 0
             else f"property {missing[0]} has no material"
         )
         message = (
@@ -67,13 +61,10 @@ def coupling_penalty(assembly: Assembly, coupling: Coupling) -> float:
 
 
 def _owners(assembly: Assembly, faces: tuple[FacePairs, ...]) -> Facets:
-    """Find whose exterior facets the two sides are; -1 where they are none's."""
+    """Return the exterior facets that the two sides are."""
     nodes = np.concatenate([padded(side) for f in faces for side in (f.minus, f.plus)])
-    nobody = np.full(len(nodes), -1)
-    facets_given = Facets(nodes=nodes, elements=nobody, properties=nobody, bodies=nobody)
-    both = assembly.mesh.exterior.joined(facets_given)
-    first, group, _ = unique_rows(both.corner_keys)
-    return both.taken(first[group[-len(nodes) :]])
+    position = assembly.mesh.exterior.positions(nodes)
+    return assembly.mesh.exterior.taken(position[position >= 0])
 
 
 def _heights(mesh: Mesh, facets: Facets) -> Vector:

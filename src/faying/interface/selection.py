@@ -9,7 +9,7 @@ from faying.display.facts import MOST_SHOWN
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
 from faying.model.specs import Selection
-from faying.model.surface import Facets, padded, unique_rows
+from faying.model.surface import Facets, padded
 
 
 def select_facets(assembly: Assembly, selection: Selection) -> Facets:
@@ -78,14 +78,9 @@ def _by_number(assembly: Assembly, numbers: Indices) -> Facets:
 def _face_set(assembly: Assembly, name: str) -> Facets:
     """Take a face set as given and look up whose facets these are."""
     nodes = padded(assembly.face_sets[name].nodes)
-    nobody = np.full(len(nodes), -1)
-    facets = Facets(nodes=nodes, elements=nobody, properties=nobody, bodies=nobody)
-    exterior = assembly.mesh.exterior
-    first, group, _ = unique_rows(exterior.joined(facets).corner_keys)
-    owner = first[group[len(exterior) :]]
-    # The first of a group is the exterior facet where there is one.
-    owned = owner < len(exterior)
-    source = exterior.taken(owner[owned])
+    owner = assembly.mesh.exterior.positions(nodes)
+    owned = owner >= 0
+    source = assembly.mesh.exterior.taken(owner[owned])
     filled = np.full((3, len(nodes)), -1, dtype=np.int64)
     filled[:, owned] = source.elements, source.properties, source.bodies
     return Facets(nodes=nodes, elements=filled[0], properties=filled[1], bodies=filled[2])

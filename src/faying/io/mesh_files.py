@@ -22,7 +22,7 @@ from faying.model.elements import SOLIDS
 from faying.model.elements.orientation import right_side_out
 from faying.model.mesh import Mesh
 from faying.model.separate_bodies import separated
-from faying.model.surface import Facets, padded, unique_rows
+from faying.model.surface import padded
 
 ANY_GROUP = "default"
 """Material of the groups that have none of their own."""
@@ -83,17 +83,14 @@ def read_mesh_file(
     element_sets, node_sets = _sets(mesh_read, groups, blocks)
     used = sorted({int(number) for block in blocks for number in np.unique(block.properties)})
     names = {group.number: group.name for group in volume_groups(mesh_read, groups)}
-    mesh = separated(
-        Mesh(
-            nodes=points,
-            node_ids=np.arange(1, len(points) + 1),
-            blocks=blocks,
-            node_sets=node_sets,
-            element_sets=element_sets,
-        ),
-        separate,
+    whole = Mesh(
+        nodes=points,
+        node_ids=np.arange(1, len(points) + 1),
+        blocks=blocks,
+        node_sets=node_sets,
+        element_sets=element_sets,
     )
-    face_sets, notes = _face_sets(mesh_read, groups, mesh.exterior)
+    mesh, face_sets, notes = _with_faces(mesh_read, groups, whole, separated(whole, separate))
     chosen = {number: _material(path, names[number], materials) for number in used}
     others = [name for name in materials if name not in {*names.values(), ANY_GROUP}]
     chosen |= {n: materials[name] for n, name in enumerate(others, max([*names, *used]) + 1)}
@@ -242,7 +239,6 @@ def _sets(
     mesh: Any, groups: list[Group], blocks: tuple[CellBlock, ...]
 ) -> tuple[dict[str, Indices], dict[str, Indices]]:
     """Element sets of volume groups and node sets of all groups."""
-    ids: list[Indices | None] = []
     solids = iter(blocks)
     ids = [next(solids).ids if dimension(block.type) == 3 else None for block in mesh.cells]
     element_sets: dict[str, Indices] = {}
@@ -263,40 +259,47 @@ def _sets(
     return element_sets, node_sets
 
 
-def _face_sets(
-    mesh: Any, groups: list[Group], exterior: Facets
-) -> tuple[dict[str, FaceSet], list[str]]:
+def _with_faces(
+    mesh_read: Any, groups: list[Group], whole: Mesh, mesh: Mesh
+) -> tuple[Mesh, dict[str, FaceSet], list[str]]:
     """Surface groups as facets of the solids, which know what is outside.
 
     A mesher's own orientation follows its geometry, not the body. Groups of faces between solids,
-    or of facets of several kinds, remain node sets.
+    or of facets of several kinds, remain node sets. Where bodies were separated, a group has the
+    nodes of the bodies whose faces it names, of both where it is where they touch.
     """
+    origin = np.arange(len(mesh.nodes) + 1)
+    origin[-1] = -1
+    for separate_block, block in zip(mesh.blocks, whole.blocks, strict=True):
+        origin[separate_block.nodes] = block.nodes
+    copied = (origin[mesh.exterior.nodes] != mesh.exterior.nodes).any(axis=1)
+    exterior = mesh.exterior.taken(np.argsort(copied, kind="stable"))
+    as_read = replace(exterior, nodes=origin[exterior.nodes])
     face_sets: dict[str, FaceSet] = {}
-    notes: list[str] = []
+    node_sets, notes = dict(mesh.node_sets), list[str]()
     for group in groups:
         tables = [
             padded(np.asarray(block.data[cells], dtype=np.int64))
-            for block, cells in cells_of(mesh, group)
+            for block, cells in cells_of(mesh_read, group)
             if np.shape(block.data)[1:] == (FACE_NODES.get(block.type),)
         ]
         if not tables:
             continue
-        group_nodes = np.concatenate(tables)
-        nobody = np.full(len(group_nodes), -1)
-        group_facets = Facets(nodes=group_nodes, elements=nobody, properties=nobody, bodies=nobody)
-        first, which, _ = unique_rows(exterior.joined(group_facets).corner_keys)
-        owner = np.unique(first[which[len(exterior) :]])
-        facets = exterior.taken(owner[owner < len(exterior)])
-        kinds = facets.by_kind()
-        if len(kinds) == 1 and len(facets) == len(np.unique(group_facets.corner_keys, axis=0)):
+        owner = np.unique(as_read.positions(np.concatenate(tables)))
+        kinds = exterior.taken(owner).by_kind()
+        if owner.min(initial=0) >= 0 and len(kinds) == 1:
             ((kind, nodes),) = kinds.items()
             face_sets[group.name] = FaceSet(kind=kind, nodes=nodes)
+            sides = exterior.nodes[as_read.taken(owner).positions(as_read.nodes) >= 0]
+            members = node_sets[group.name]
+            elsewhere = np.isin(origin[members], origin[sides]) & ~np.isin(members, sides)
+            node_sets[group.name] = members[~elsewhere]
         else:
             notes.append(
                 f"surface group '{group.name}' is no face of one kind of solid's outside: "
                 "taken as a set of nodes"
             )
-    return face_sets, notes
+    return replace(mesh, node_sets=node_sets), face_sets, notes
 
 
 def _material(path: Path, group: str, materials: Mapping[str, Material]) -> Material:

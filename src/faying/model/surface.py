@@ -68,6 +68,12 @@ class Facets:
             bodies=self.bodies[chosen],
         )
 
+    def positions(self, nodes: Indices) -> Indices:
+        """Return which of these have the corners of facets (n, width) of a table; -1 for none."""
+        first, group, _ = unique_rows(np.concatenate([self.corner_keys, corner_keys(nodes)]))
+        position: Indices = first[group[len(self) :]]
+        return np.where(position < len(self), position, -1)
+
     def joined(self, following: "Facets") -> "Facets":
         """Return these facets followed by the other ones."""
         return Facets(

@@ -134,6 +134,27 @@ def test_separating_keeps_node_sets_on_both_sides(tmp_path):
         separated(mesh, ["middle"])
 
 
+def test_separated_bodies_keep_the_surface_groups_of_their_own_faces(tmp_path):
+    """What holds a side of one layer held the edge of the other one, which shares its nodes."""
+    mesh = tagged(fragmented("hex8"))
+    cells = mesh.cells[0].data[:, [0, 4, 7, 3]]
+    sides = cells[(mesh.points[cells][:, :, 0] == 0).all(axis=1)]
+    upper = mesh.points[sides][:, :, 2].mean(axis=1) > 1
+    both = meshio.Mesh(
+        mesh.points,
+        [("quad", sides), *mesh.cells],
+        cell_data={k: [np.where(upper, 8, 9), *v] for k, v in mesh.cell_data.items()},
+        field_data={**mesh.field_data, "left": np.array([9, 2]), "top left": np.array([8, 2])},
+    )
+    path = written(both, tmp_path / "sides.msh", file_format="gmsh22", binary=False)
+    assembly = read_mesh_file(path, materials=MATERIALS, separate=("upper",))
+    for name, body in (("left", 0), ("top left", 1)):
+        nodes = assembly.mesh.node_sets[name]
+        np.testing.assert_array_equal(assembly.mesh.bodies[nodes], body)
+        np.testing.assert_array_equal(np.unique(assembly.face_sets[name].nodes), np.sort(nodes))
+        assert len(nodes) == 6
+
+
 def test_surface_groups_face_outwards(tmp_path):
     """A mesher's facets may be turned the wrong way; ours come from the solids."""
     mesh = tagged(fragmented("hex8"))
