@@ -135,9 +135,11 @@ AREAS = np.random.default_rng(4).uniform(0.5, 2.0, 400)
 
 @pytest.mark.parametrize("law", YIELDING)
 @pytest.mark.parametrize("given", [False, True])
-def test_responses_are_the_forces_of_admissible_and_closure(law, given):
+@pytest.mark.parametrize("small", [1.0, 1e-2])  # which sticks before surfaces meet, too
+def test_responses_are_the_forces_of_admissible_and_closure(law, given, small):
     """λ = admissible(λ − r (moved + c(λ))), (F1), at open, sticking and slipping points."""
-    moved, pressing = MOVED[: law.components], np.abs(MOVED[1]) * 20 if given else None
+    moved = (MOVED * [[1.0], [small], [small]])[: law.components]
+    pressing = np.abs(MOVED[1]) * 20 if given else None
     forces, _ = law.respond(moved, AREAS, pressing)
     if pressing is not None:
         moved, forces, pressing = (a[..., MOVED[0] < 0] for a in (moved, forces, pressing))

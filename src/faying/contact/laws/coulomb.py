@@ -161,7 +161,9 @@ class Coulomb:
         trial = -shear * moved[1:]
         size = np.hypot(trial[0], trial[1])
         limit = self.friction * (pressed[0] if pressing is None else np.maximum(pressing, 0.0))
-        touching = limit > 0 if pressing is not None else (moved[0] <= 0) & (self.friction > 0)
+        # Curves may press before surfaces meet; where they meet without pressure yet, c_t counts.
+        meets = self.friction > 0 and pressing is None
+        touching = (limit > 0) | ((moved[0] <= 0) & meets)
         slips = (size > limit) | ~touching
         over = 1.0 / np.where(size > 0, size, 1.0)
         first, second = trial * over
