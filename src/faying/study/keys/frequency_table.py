@@ -15,35 +15,14 @@ MOST_HARMONICS = 50
 
 
 class HarmonicForce(Loading):
-    """[[frequency]] forces: value · cos(ω t + phase), at level one.
-
-    Attributes
-    ----------
-    phase : [degree]
-    """
+    """[[frequency]] forces: value · cos(ω t + phase), at level one."""
 
     value: Number
     phase: Number = 0.0
 
 
 class FrequencySection(Section):
-    """[[frequency]]: see :func:`faying.frequency_response`.
-
-    Attributes
-    ----------
-    levels
-        Factors of the forces.
-    lowest, highest : [1/time]
-        Range of frequencies, ``from`` and ``to`` in a file.
-    points
-        Frequencies that are computed, evenly, beside those where the curve bends.
-    harmonics, samples
-        Of the motion, and increments of a period; None chooses.
-    at
-        Component of a boundary that tables and figures show; None is the first that is loaded.
-    check
-        ``"transient"``: integrate the motion at the peak of each level too.
-    """
+    """[[frequency]]: see :func:`faying.frequency_response`."""
 
     name: Name
     forces: Annotated[tuple[HarmonicForce, ...], Field(min_length=1)]

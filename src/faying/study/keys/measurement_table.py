@@ -6,20 +6,7 @@ from faying.study.keys.section import Count, ExistingFile, Name, Positive, Secti
 
 
 class ResponseSection(Section):
-    """[[measurement.response]]: a frequency response around the mode, at one amplitude.
-
-    Attributes
-    ----------
-    amplitude : [length]
-        Beside a backbone: of the displacement, kept while the frequency was stepped; or at the
-        resonance.
-    level : [1]
-        Beside curves over frequency: of the load.
-    factor : [1]
-        What the numbers of the file are multiplied by to be in the units of the study.
-    of
-        What responds, where the file does not say it.
-    """
+    """[[measurement.response]]: a frequency response around the mode, at one amplitude."""
 
     file: ExistingFile
     amplitude: Positive | None = None
@@ -29,19 +16,7 @@ class ResponseSection(Section):
 
 
 class MeasurementSection(Section):
-    """[[measurement]]: see :class:`faying.assessment.measured_curve.MeasuredCurve`.
-
-    Attributes
-    ----------
-    load_case, mode
-        Backbone that it stands beside.
-    frequency
-        In their place: harmonic load whose curves it stands beside.
-    file
-        Of the curve.
-    response
-        In its place: responses that each give a point of it.
-    """
+    """[[measurement]]: see :class:`faying.assessment.measured_curve.MeasuredCurve`."""
 
     name: Name
     load_case: Name | None = None

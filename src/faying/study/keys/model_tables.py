@@ -71,20 +71,7 @@ IdList = Annotated[tuple[Id, ...], Field(min_length=1)]
 
 
 class NamedSet(Section):
-    """[model.sets] NAME = { one of the keys below }.
-
-    Attributes
-    ----------
-    deck
-        Name of a set of the deck; NAME = "deck name" for short.
-    properties
-        Elements of these properties; NAME = id for short.
-    ids
-        Node ids where a boundary uses the name, element ids where an interface does;
-        NAME = [id, …] for short.
-    nodes, elements
-        Ids, whoever uses the name.
-    """
+    """[model.sets] NAME = { one of the keys below }."""
 
     deck: Name | None = None
     properties: IdList | None = None
@@ -99,33 +86,7 @@ AnySet = Annotated[
 
 
 class ModelSection(Section):
-    """[model]: where the structure comes from.
-
-    Attributes
-    ----------
-    file
-        Deck of sources "nastran" and "abaqus", mesh file of source "mesh".
-    subcase
-        Subcase or step of the deck whose supports and loads count; the first unless given.
-    ignore
-        What the deck has and the model shall not, see :data:`faying.io.left_out.IGNORABLE`.
-    parts
-        Bodies, element sets or property ids that the model is made of; all unless given.
-    without
-        Bodies, element sets or property ids that are left out of it.
-    files
-        Matrix and table files of source "matrices".
-    element
-        Formulation of hex8.
-    separate
-        Volume groups of a mesh file that get nodes of their own where they touch others.
-    sets
-        Own names for parts of the mesh.
-    weak_springs
-        Hold bodies that contact alone would hold by springs of this stiffness [force/length].
-    lap_joint
-        Keywords of :func:`faying.joint.lap_joint.lap_joint_assembly`.
-    """
+    """[model]: where the structure comes from."""
 
     source: Annotated[str, name_in(SOURCES)]
     file: ExistingFile | None = None
@@ -144,13 +105,7 @@ class ModelSection(Section):
 class MaterialSection(Section):
     """[material.NAME]: values that replace those of the material of that name.
 
-    Attributes
-    ----------
-    E : [force/length²]
-    nu : [-]
-    rho : [mass/length³]
-    alpha : [1/temperature]
-        Coefficient of thermal expansion.
+    E [force/length²], rho [mass/length³], alpha [1/temperature].
     """
 
     E: Positive | None = None
@@ -168,18 +123,7 @@ class TemperatureSection(Section):
 
 
 class InterfaceSection(Section):
-    """[[interface]]: see :class:`faying.model.specs.InterfaceSpec`.
-
-    Attributes
-    ----------
-    initial_gap : [length]
-        Added to the gap of the geometry before anything is tightened: one offset everywhere, or a
-        file for :func:`faying.interface.gap_field.read_gap_field`.
-    topography
-        Scans of one side, of both or of the gap, whose gap is added too.
-    crown
-        Crowned or hollow surfaces, whose gap is added too.
-    """
+    """[[interface]]: see :class:`faying.model.specs.InterfaceSpec`."""
 
     name: Name
     minus: Selection = "auto"
@@ -236,54 +180,7 @@ class ThreadSection(Section):
 
 
 class BoltSection(Section):
-    """[[bolt]]: see :class:`faying.model.specs.BoltSpec`.
-
-    Attributes
-    ----------
-    nodes
-        Instead of ``elements``: ids of the nodes that the bolt's beams of the deck run through.
-        Of source "matrices": the nodes on the head's and on the nut's side.
-    stiffness, direction
-        Of source "matrices" only.
-    preload : [force]
-        Final axial force in the preloaded state.
-    initial_force : [force]
-        Instead of it: the force the bolt would have if nothing gave way, Young's modulus × area ×
-        initial strain. The joint relaxes part of it.
-    end_masses : [mass]
-        Of a generated bolt: of head and washer where its axis begins, of nut and washer where it
-        ends.
-    size
-        Name of its thread, as ``"M8"``, ``"M8x1"`` or ``"3/8-24 UNF"``.
-    head
-        Hexagon, socket, or hexagon on a plain washer.
-    grade
-        As ``"8.8"``, ``"A2-70"`` or ``"SAE 5"``.
-    strength
-        In place of that of the grade.
-    torque : [force·length]
-        Instead of ``preload``: M_A.
-    utilisation
-        Instead of both: the share of its yield stress to which tightening uses it.
-    thread_friction, head_friction
-        μ_G and μ_K.
-    tightening_factor
-        α_A, largest over smallest preload.
-    gamma
-        Instead: Γ, variation of the preload about the nominal one.
-    hole : [length]
-        Diameter of the hole under the head.
-    head_pressure_limit : [force/length²]
-        What the plate under head and nut bears.
-    engagement : [length]
-        Length of the thread that is engaged.
-    thread
-        Diameter, pitch and grade in numbers, in place of ``size`` and ``grade``.
-    embedding : [length]
-        What each face between head and nut flattens after tightening.
-    relaxation
-        Share of the force that is lost in time.
-    """
+    """[[bolt]]: see :class:`faying.model.specs.BoltSpec`."""
 
     name: Name
     preload: NotNegative | None = None
@@ -319,13 +216,7 @@ class BoltSection(Section):
 
 
 class SupportSection(Section):
-    """[[support]]: nodes held at zero, beside what the source holds itself.
-
-    Attributes
-    ----------
-    components
-        Displacements ``ux`` … and rotations ``rx`` … that are held.
-    """
+    """[[support]]: nodes held at zero, beside what the source holds itself."""
 
     set: Name | None = None
     node: Id | None = None
@@ -337,15 +228,7 @@ class SupportSection(Section):
 
 
 class MassSection(Section):
-    """[[mass]]: a mass that moves with a node, or with the nodes of a set.
-
-    Attributes
-    ----------
-    name
-        What it is of, for the reader.
-    mass : [mass]
-        In all; the nodes of a set share it evenly.
-    """
+    """[[mass]]: a mass that moves with a node, or with the nodes of a set."""
 
     name: Name | None = None
     set: Name | None = None
@@ -364,15 +247,7 @@ class BoundarySection(Section):
 
 
 class StickingSection(Section):
-    """[sticking]: pairs tied in tangential direction, seed §15.4.2.
-
-    Attributes
-    ----------
-    threshold
-        Fraction of the preload's largest pressure above which a pair sticks.
-    stiffness : [force/length]
-        Of the tangential springs of one pair.
-    """
+    """[sticking]: pairs tied in tangential direction, seed §15.4.2."""
 
     threshold: Annotated[Number, Field(ge=0, le=1)] = 0.5
     stiffness: Positive

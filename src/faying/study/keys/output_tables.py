@@ -12,18 +12,7 @@ OutputField = Literal["pressure", "gap", "displacement"]
 
 
 class OutputSection(Section):
-    """[output].
-
-    Attributes
-    ----------
-    times : [time]
-        Instants of transient cases at which fields are written for viewing; none by default,
-        which is the instant of the largest pressure.
-    fields
-        What is written.
-    report
-        Whether report.html is built.
-    """
+    """[output]: what is written."""
 
     times: tuple[NotNegative, ...] = ()
     fields: tuple[OutputField, ...] = ("pressure", "gap", "displacement")
@@ -43,18 +32,7 @@ def _no_sweep(value: Any) -> Any:
 class ValidationSection(Section):
     """[validation]: what to find out beyond the load cases.
 
-    Attributes
-    ----------
-    unseen_loads
-        Random loads of the training box at which every method is compared with the full model;
-        twice as many more make the floor under all linear bases. 0 is none.
-    penalty_sweep
-        False in studies of earlier versions, which swept the contact stiffness otherwise.
-    half_step
-        Whether the full model repeats transient load cases with half the time step.
-    reference
-        What load cases are compared with: the full model; the reduced one with the full one for
-        the worst static cases; or the reduced one alone. None decides by the size of the model.
+    Twice as many unseen loads more make the floor under all linear bases.
     """
 
     gone: ClassVar[Mapping[str, str]] = dict.fromkeys(

@@ -19,15 +19,7 @@ Steps = tuple[str | int, ...]
 
 
 class ParameterSection(Section):
-    """[[parameter]]: a number of the study that is known by its range alone.
-
-    Attributes
-    ----------
-    keys
-        Where it stands, as ``"interface.joint.friction"``; all of them have the same value.
-    range
-        Smallest and largest value. Where both are positive it goes by its logarithm.
-    """
+    """[[parameter]]: a number of the study that is known by its range alone."""
 
     name: Name
     keys: Annotated[tuple[Name, ...], Field(min_length=1)]
@@ -35,15 +27,7 @@ class ParameterSection(Section):
 
 
 class BandSection(Section):
-    """[band]: at which values of the parameters a band is computed.
-
-    Attributes
-    ----------
-    design
-        All corners of the ranges and their middle, or points of Halton's sequence in them.
-    samples
-        Of Halton's sequence.
-    """
+    """[band]: at which values of the parameters a band is computed."""
 
     design: Literal["corners", "quasi-random"] = "corners"
     samples: Count = 32

@@ -48,7 +48,10 @@ def check_names(
 
 
 class Section(BaseModel):
-    """A table of the study file: immutable, and no key that is not known."""
+    """A table of the study file: immutable, and no key that is not known.
+
+    What keys mean is said in ``docs/study-file.md``; a test holds it to these tables.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
     gone: ClassVar[Mapping[str, str]] = {}

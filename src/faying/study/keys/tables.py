@@ -55,15 +55,7 @@ COMPARED = tuple(name for name, method in METHODS.items() if method.compared)
 
 
 class Timed(Section):
-    """How a transient run advances.
-
-    Attributes
-    ----------
-    step, duration : [time]
-        Time step and length.
-    periods, steps_per_period
-        The same by the longest period of the preloaded structure.
-    """
+    """How a transient run advances."""
 
     step: Positive | None = None
     duration: Positive | None = None
@@ -81,26 +73,9 @@ class BoxSide(Loading):
 class TrainingSection(Timed):
     """[reduction.training]: loads whose contact forces train the bases.
 
-    Attributes
-    ----------
-    box
-        Boundary loads; all combinations of ``levels`` values of each are computed, (15.25).
-    levels
-        Equidistant values per side, ``min`` and ``max`` included.
-    preload_factors
-        Bolt forces of the static runs over their nominal values.
-    dynamics
-        Whether step responses at nominal preload are training runs too, (15.28): all combinations
-        of the smallest, middle and largest value of each side but the middle one; by default over
-        one period in a hundred steps.
-    system
-        What the step responses are computed with: the full model, or first a reduced one, as seed
-        §15.3.4.2 recommends.
-    subareas
-        Loaded patches of method A over all interfaces together, (15.23); None leaves the number
-        to :func:`faying.reduction.jim_a.jim_a`.
-    weight
-        Inner product of method A's POD, (15.22).
+    Static runs take all combinations of ``levels`` values of the box (15.25); step responses, at
+    nominal preload, those of the smallest, middle and largest value of each side but the middle one
+    (15.28). Patches (15.23) and the inner product (15.22) are those of method A.
     """
 
     box: tuple[BoxSide, ...] = ()
@@ -137,20 +112,7 @@ DEFAULT_NORMAL_MODES = 20
 class ReductionSection(Section):
     """[reduction]: the bases to build and compare.
 
-    Attributes
-    ----------
-    normal_modes
-        Number of fixed-interface normal modes; ``"auto"`` is as many as the load cases over time
-        need for their tolerances, kept as None.
-    joint_modes
-        Numbers of joint modes to compare; ``"auto"`` is the fewest whose certified energy error
-        meets ``tolerance`` at random loads of the training box, kept as an empty tuple.
-    transient_tolerance
-        Largest estimated pressure error of reduced transients over the peak that is left as it is,
-        of load cases without a tolerance of their own.
-    inertia
-        Whether transients that ``compliance`` is estimated to get wrong by more are solved again by
-        ``compliance+inertia``, which the study does not name.
+    ``"auto"`` of normal modes is kept as None, that of joint modes as an empty tuple.
     """
 
     normal_modes: CountOrAuto = DEFAULT_NORMAL_MODES
@@ -188,49 +150,10 @@ DEFAULT_INCREMENTS = 10
 
 
 class LoadCaseSection(Timed):
-    """[[load_case]].
+    """[[load_case]]: loads that act on the joint, at rest or over time.
 
-    Attributes
-    ----------
-    kind
-        ``"static"``; ``"step"``, applied at once to the preloaded structure at rest; ``"history"``,
-        by default as long as its shortest file; ``"path"``, static loads one after the other;
-        ``"cycle"``, to and fro; or ``"backbone"``, modes of the preloaded joint over amplitude.
-    factors
-        Of a path: csv of the loads' factors in each increment.
-    amplitudes
-        Of cycles: factors of the loads at the reversals; once the loads by default. Of backbones:
-        displacements [length], angles [rad] where ``at`` is a rotation.
-    amplitude_range
-        Of backbones: smallest and largest amplitude, and how many, evenly by their logarithm.
-    over
-        Of backbones: whether amplitudes are displacements or energies of the vibration.
-    maps
-        Of backbones: amplitudes whose slip the report maps; by default three.
-    masing
-        Of backbones: whether Masing's rule stands beside the cycles.
-    modes
-        Of backbones: numbers of modes, from 1.
-    at
-        Of backbones: boundary, or component of one, whose displacement the amplitude is; None is
-        the boundary that a mode moves most.
-    increments
-        From the preload to a static load of a joint with friction, and of a quarter of a cycle;
-        None is :data:`DEFAULT_INCREMENTS`.
-    slip_share
-        Share of the area in contact whose slip the slip reserve also tells; None is a half.
-    integrator
-        None is ``"implicit-euler"``.
-    rho_infinity
-        Spectral radius at infinite frequency, of integrators that have one.
-    rise_time : [time]
-        Over which the loads of a step rise, by half a cosine; None is a jump.
-    step : [time]
-        As of :class:`Timed`; ``"auto"`` in a file is kept as the tolerance.
-    tolerance
-        Largest pressure error of the time steps over the peak, within which they are divided, and
-        of the reduction; ``step`` and ``steps_per_period`` are then the distance of instants. None
-        divides none.
+    ``step = "auto"`` is kept as the tolerance. Amplitudes of backbones are displacements [length],
+    or angles [rad] where ``at`` is a rotation.
     """
 
     name: Name
