@@ -1,6 +1,6 @@
 """Load factors at which a joint opens: where too little is left of what the preload presses."""
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, MutableMapping
 from dataclasses import dataclass, field
 from typing import TypeVar, final
 
@@ -97,6 +97,7 @@ def opening_factors(
     open_below: float = OPEN_BELOW,
     largest: float = LARGEST_FACTOR,
     interfaces: Collection[str] = (),
+    reached: MutableMapping[float, SolvedCase] | None = None,
 ) -> Openings:
     """Find the factors at which a joint without friction opens under a static load.
 
@@ -119,9 +120,13 @@ def opening_factors(
     fixed, growing = growing_displacements(system, inputs)
     touching = SOLVED * float(np.abs(contact.free_gap(fixed)).max(initial=0.0))
 
+    cases = {} if reached is None else reached
+
     def reach(factor: float, solved: SolvedCase | None) -> SolvedCase:
-        state = None if solved is None else solved.state
-        return solved_case(system, fixed + factor * growing, state)
+        if factor not in cases:
+            state = None if solved is None else solved.state
+            cases[factor] = solved_case(system, fixed + factor * growing, state)
+        return cases[factor]
 
     def pressed(case: SolvedCase) -> Vector:
         return pressed_depth(contact, case.gap, touching)

@@ -5,6 +5,7 @@ the latter are estimated of all cases; those that come first are followed, then 
 before are tried again and again, until none of them opens or slides before.
 """
 
+from collections import defaultdict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -18,6 +19,7 @@ from faying.assessment.slip_reserve import SlipReserve, slip_reserve
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import InputRow
 from faying.simulation.solution import Solution
+from faying.simulation.static import SolvedCase
 from faying.study.inputs.load_set import LoadSet
 
 TRIED = 8
@@ -83,12 +85,14 @@ class Deciding:
         Estimates are (n_case, n_area).
         """
         joint, loads, found = self.rom.joint, self.loads, dict[str, dict[str, float]]()
+        # The same case often opens more than one area first.
+        reached = defaultdict[int, dict[float, SolvedCase]](dict)
         for (name, points), column in zip(self.areas.items(), estimates.T, strict=True):
             search = partial(opening_factors, areas={name: points}, open_below=self.open_below)
             margins = partial(opening_margins, areas={name: points}, open_below=self.open_below)
 
             def exact(row: int, search: Callable[..., Openings] = search) -> float:
-                opened = search(joint, loads.inputs[row]).opened
+                opened = search(joint, loads.inputs[row], reached=reached[row]).opened
                 found.setdefault(loads.names[row], {}).update(opened)
                 return min(opened.values(), default=np.inf)
 
