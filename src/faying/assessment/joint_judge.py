@@ -103,9 +103,9 @@ class JointJudge:
     @cached_property
     def coefficients(self) -> dict[str, float]:
         """Coefficient that each interface is judged with, of those that have one."""
-        smooth = [name for name, surface in self.surfaces.items() if not surface.friction > 0]
-        given = slip_coefficients(self.requirements.slip_friction, smooth)
-        return self.strengths.rubbing(self.surfaces) | given
+        contact = self.system.contact
+        given = slip_coefficients(self.requirements.slip_friction, contact.smooth_interfaces)
+        return self.strengths.rubbing(contact) | given
 
     def assessment(self) -> Assessment:
         """Judge bolts and interfaces over the load cases as they are, and what is required."""
@@ -221,9 +221,7 @@ class JointJudge:
             (name, ""): SlipDemand(coefficient=self.coefficients.get(name), unknown=UNTOLD)
             for name in self.surfaces
         }
-        judged_by_sums = [
-            name for name, surface in self.surfaces.items() if asked or not surface.friction > 0
-        ]
+        judged_by_sums = list(self.surfaces) if asked else system.contact.smooth_interfaces
         return {
             area: demand
             for area, demand in {**untold, **demands}.items()

@@ -131,7 +131,7 @@ def preload_spreads(
     initial force N₀ of a bolt is multiplied and lowered by its stiffness times the settlement; its
     final force follows in proportion where nothing but the bolts loads the joint and gaps are zero.
     """
-    rubbing = len(system.contact.rubbing) > 0
+    rubbing = system.contact.rubbing_interfaces
     if not system.bolts or (scatter.surface_friction is not None and not rubbing):
         what = "bolt" if not system.bolts else "interface with friction"
         message = f"the model has no {what} that could scatter; leave that out"
@@ -206,7 +206,7 @@ def _coefficients(
 ) -> list[dict[str, float]]:
     """Return the coefficients of the interfaces, as they are and then of each sample."""
     coefficients = {
-        name: law.friction for name, law in system.contact.laws.items() if law.friction > 0
+        name: system.contact.laws[name].friction for name in system.contact.rubbing_interfaces
     }
     if scatter.surface_friction is None:
         return [coefficients] * (scatter.samples + 1)

@@ -67,7 +67,7 @@ def resonance(
 
     None if nothing rubs, or no mode is there that the load reaches.
     """
-    if not len(system.contact.rubbing):
+    if not system.contact.rubbing_interfaces:
         return None
     low, high = frequencies
     modes = stuck_modes(system, state, high)

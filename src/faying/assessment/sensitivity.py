@@ -149,8 +149,7 @@ class Sensitivity:
 
     @property
     def _rubbing(self) -> tuple[str, ...]:
-        laws = self.system.contact.laws
-        return tuple(name for name, law in laws.items() if law.components > 1)
+        return tuple(self.system.contact.rubbing_interfaces)
 
     def _members(self, names: tuple[str, ...]) -> Matrix:
         """Return which points (n_point, n) belong to interfaces, as ones and zeros."""
@@ -220,7 +219,7 @@ class Sensitivity:
                 dz[1:] += increment.forces[1:, :, None] * yields
             dx = increment.changes(dz, friction)
             dz += increment.yielded(dx)
-            slip = slip + dz[1:] if contact.components > 1 else slip
+            slip = slip + dz[1:]
             down, up = increment.reach(dx - increment.scaled(dz), friction)
             lower, upper = np.maximum(lower, down), np.minimum(upper, up)
             lost = -np.einsum("ip,ipq->q", increment.forces[1:], dz[1:])

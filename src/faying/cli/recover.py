@@ -96,8 +96,8 @@ def _tell(results: "Results", recovered: "RecoveredRecord") -> None:
     for peak in peaks(results, recovered):
         point = ", ".join(f"{value:.4g}" for value in peak.point)
         numbers = [f"{value:.5g}" for value in (peak.pressure, peak.time, peak.contact_force)]
-        rubs = [] if peak.traction is None else [f"{peak.traction:.5g}"]
-        table.add_row(peak.interface, numbers[0], f"({point})", *numbers[1:], *rubs)
+        tractions = [] if peak.traction is None else [f"{peak.traction:.5g}"]
+        table.add_row(peak.interface, numbers[0], f"({point})", *numbers[1:], *tractions)
     console.print(table)
 
 

@@ -116,7 +116,12 @@ class Contact:
     @property
     def rubbing_interfaces(self) -> list[str]:
         """Names of the interfaces with friction."""
-        return [name for name, law in self.laws.items() if law.components > 1]
+        return [name for name, law in self.laws.items() if law.friction > 0]
+
+    @property
+    def smooth_interfaces(self) -> list[str]:
+        """Names of the interfaces without friction."""
+        return [name for name, law in self.laws.items() if not law.friction > 0]
 
     def parts(self, forces: Matrix) -> tuple[Matrix, Matrix]:
         """Return normal (..., n_point) and tangential forces (..., n_tangent, n_point) of all.
@@ -193,13 +198,14 @@ class Contact:
 
     def check_frictionless(self) -> None:
         """Refuse friction, for what solves without increments."""
-        if self.rubbing_interfaces:
-            message = (
-                f"interface '{self.rubbing_interfaces[0]}' has friction, which is not carried "
-                "here: tighten bolts before with_friction, solve by solve_static, solve_path or "
-                "solve_transient, and take certificates of the model without friction"
-            )
-            raise ModelError(message)
+        for name, law in self.laws.items():
+            if law.components > 1:
+                message = (
+                    f"interface '{name}' has friction, which is not carried here: tighten bolts "
+                    "before with_friction, solve by solve_static, solve_path or solve_transient, "
+                    "and take certificates of the model without friction"
+                )
+                raise ModelError(message)
 
     def check_forgetful(self, what: str, instead: str) -> None:
         """Refuse laws that remember how far points were closed, for what does not carry that.

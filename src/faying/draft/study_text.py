@@ -141,8 +141,8 @@ def _head(findings: Findings, target: Path, built: Mapping[str, Interface]) -> I
         names = ", ".join(map(quoted, file.separate))
         yield f"separate = [{names}]  # {MARK} parts that touch; they share nodes in the mesh"
     if findings.weak_springs:
-        rubs = any(interface.law.friction > 0 for interface in built.values())
-        why = "and friction hold some body" if rubs else "alone holds some body; give it friction"
+        holds = any(interface.law.friction for interface in built.values())
+        why = "and friction hold some body" if holds else "alone holds some body; give it friction"
         yield f'weak_springs = "auto"  # {MARK} contact {why}, or support it'
     parts = [quoted(name) for name in body_names(mesh)]
     extent = " × ".join(f"{size:.4g}" for size in np.ptp(mesh.nodes, axis=0).tolist())

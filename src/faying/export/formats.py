@@ -185,7 +185,7 @@ def default_name(rom: ReducedModel, to: str) -> str:
 
 
 def _check_friction(rom: ReducedModel, to: str, chosen: Format) -> None:
-    rubbing = [name for name, law in rom.contact.laws.items() if law.friction > 0]
+    rubbing = rom.contact.rubbing_interfaces
     if rubbing and not chosen.friction:
         whole, linear = (
             ", ".join(name for name, e in FORMATS.items() if (e.kind, e.friction) == hand_over)

@@ -281,11 +281,11 @@ class Model(Shown):
         for name in interfaces:
             self._interface(name)
         changed, structure = {**self.interfaces, **interfaces}, self.structure
-        rubbing = [
+        components = [
             [interface.law.components for interface in interfaces_of.values()]
             for interfaces_of in (self.interfaces, changed)
         ]
-        if rubbing[0] == rubbing[1]:
+        if components[0] == components[1]:
             return replace(self, interfaces=changed)
         stacked = stack(changed)
         if not _same(stacked.relative_operator, structure.relative_operator):

@@ -8,6 +8,7 @@ from faying._typing import Matrix
 from faying.joint.system import System
 from faying.simulation.path import PathStep, assembled, follow, moved_alone, path_start
 from faying.simulation.solution import Solution
+from faying.simulation.static import solve_static_inputs
 
 
 def solve_ramps(
@@ -27,8 +28,10 @@ def solve_ramps(
     Notes
     -----
     As many increments as :func:`faying.solve_path` with the same loads, and one back-substitution
-    for each load.
+    for each load. Where contact remembers nothing they are cases, solved together.
     """
+    if system.contact.forgets:
+        return solve_static_inputs(system, inputs, name)
     step = path_start(system, rest)
     solver = system.static_contact.increments
     begun = np.atleast_2d(rest.inputs)[-1]

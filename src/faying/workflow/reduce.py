@@ -116,7 +116,7 @@ def reduce_study(
 
 def _tightened(joint: PreparedJoint) -> dict[str, str]:
     """Say how a joint with friction was tightened: initial bolt forces, increment by increment."""
-    if not len(joint.model.contact.rubbing):
+    if not joint.model.contact.rubbing_interfaces:
         return {}
     return {PRELOAD_PATH: json.dumps([dict(load.bolt_forces) for load in joint.preload_path])}
 

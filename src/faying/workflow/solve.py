@@ -113,8 +113,7 @@ def solve_loads(
     """
     chosen = options or SolveOptions()
     check_table_format(chosen.table)
-    smooth = [name for name, surface in rom.interfaces.items() if not surface.friction > 0]
-    check_names(chosen.requirements, list(rom.interfaces), smooth)
+    check_names(chosen.requirements, list(rom.interfaces), rom.contact.smooth_interfaces)
     unknown = [name for name in chosen.named if name not in loads.names]
     if unknown:
         remedy = nearest(unknown[0], loads.names[:20])

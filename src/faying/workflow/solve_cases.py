@@ -23,7 +23,7 @@ from faying.simulation.path import solve_path
 from faying.simulation.ramps import solve_ramps
 from faying.simulation.restart import kept_restart, restart_from
 from faying.simulation.solution import Solution
-from faying.simulation.static import similar_loads, solve_static_inputs
+from faying.simulation.static import similar_loads
 from faying.simulation.stepping import transient_solver
 from faying.simulation.transient_windows import transient_windows
 from faying.study.inputs.load_set import LoadSet, TimedLoad
@@ -203,8 +203,6 @@ class CaseSolver:
 
     def _ends(self, inputs: Matrix) -> Solution:
         """Solve static cases, with friction in increments from the preload as in a study."""
-        if self.tightening is None:
-            return solve_static_inputs(self.rom, inputs)
         return solve_ramps(self.rom, inputs, self.rest, increments=DEFAULT_INCREMENTS)
 
     def followed(self, rows: Sequence[int]) -> dict[int, CaseState]:
@@ -238,7 +236,7 @@ class CaseSolver:
                 [load.load],
                 duration=load.duration,
                 length=self._length,
-                initial=None if self.tightening is None else [self.rest],
+                initial=[self.rest],
                 restarts=None if restart is None else [restart],
                 progress=advance,
             )

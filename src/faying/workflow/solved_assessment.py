@@ -78,9 +78,8 @@ def _areas(
 
     Those around bolts are judged by the margins of a standard alone.
     """
-    smooth = [name for name, surface in rom.interfaces.items() if not surface.friction > 0]
-    judged = slip_coefficients(requirements.slip_friction, smooth)
-    judged |= strengths.rubbing(rom.interfaces)
+    judged = slip_coefficients(requirements.slip_friction, rom.contact.smooth_interfaces)
+    judged |= strengths.rubbing(rom.contact)
     around = margins is not None and margins.standard == NASA
     return {
         area_name(rows.interface, rows.bolt): rows

@@ -192,15 +192,15 @@ def test_interrupted_call_goes_on_where_it_was(rom, tmp_path, monkeypatch):
 
 def test_case_that_does_not_converge_is_named_and_costs_no_other(rom, tmp_path, monkeypatch):
     loads = read_loads(random_loads(tmp_path / "many.csv", 9), rom)
-    solve, bad = solve_cases.solve_static_inputs, loads.inputs[4]
+    solve, bad = solve_cases.solve_ramps, loads.inputs[4]
 
-    def failing(system, inputs):
+    def failing(system, inputs, rest, **options):
         if (inputs == bad).all(axis=1).any():
             message = "did not settle"
             raise ConvergenceError(message)
-        return solve(system, inputs)
+        return solve(system, inputs, rest, **options)
 
-    monkeypatch.setattr(solve_cases, "solve_static_inputs", failing)
+    monkeypatch.setattr(solve_cases, "solve_ramps", failing)
     done = solve_loads(rom, loads, tmp_path / "out")
     assert not done.converged
     assert done.summary["not_converged"] == ["n4: did not settle"]

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from faying.assessment.strength.thread import Thread
 from faying.assessment.strength.tightening import PreloadRange
-from faying.interface.surface import ContactSurface
+from faying.contact.contact import Contact
 from faying.simulation.load import StaticLoad
 
 
@@ -33,11 +33,10 @@ class BoltStrengths:
     temperatures: Mapping[str, StaticLoad] = field(default_factory=dict)
     smallest_friction: float | None = None
 
-    def rubbing(self, surfaces: Mapping[str, ContactSurface]) -> dict[str, float]:
+    def rubbing(self, contact: Contact) -> dict[str, float]:
         """Return the coefficients of the interfaces that have friction, of a range the smallest."""
         lowest = self.smallest_friction
         return {
-            name: surface.friction if lowest is None else lowest
-            for name, surface in surfaces.items()
-            if surface.friction > 0
+            name: contact.laws[name].friction if lowest is None else lowest
+            for name in contact.rubbing_interfaces
         }

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -305,34 +306,31 @@ def interface_outputs(rom: ReducedModel) -> Iterator[Variable]:
             "energy that friction took since initialization in",
         ),
     )
-    for kind, label, quantity, text in (*smooth, *frictional):
-        for index, name in enumerate(rom.contact.slices):
-            if kind >= Kind.MAX_TRACTION and not _rubs(rom, name):
-                continue
+    numbers = {name: index for index, name in enumerate(rom.contact.slices)}
+    groups = ((smooth, numbers), (frictional, rom.contact.rubbing_interfaces))
+    for outputs, names in groups:
+        for (kind, label, quantity, text), name in product(outputs, names):
             yield Variable(
                 name=f"{name}.{label}",
                 kind=kind,
-                index=index,
+                index=numbers[name],
                 causality="output",
                 quantity=quantity,
                 description=f"{text} interface {name}",
             )
 
 
-def _rubs(rom: ReducedModel, interface: str) -> bool:
-    return rom.contact.laws[interface].components > 1
-
-
 def fields(rom: ReducedModel) -> Iterator[Variable]:
     """Yield pressures, and tractions where there is friction, as arrays over contact points."""
+    slices, rubbing = rom.contact.slices, rom.contact.rubbing_interfaces
     families = (
-        (Kind.PRESSURE, "pressure", "contact pressure"),
-        (Kind.TRACTION, "traction", "length of the tangential traction"),
+        (Kind.PRESSURE, "pressure", "contact pressure", list(slices)),
+        (Kind.TRACTION, "traction", "length of the tangential traction", rubbing),
     )
-    for kind, label, text in families:
-        for index, (name, points) in enumerate(rom.contact.slices.items()):
+    for kind, label, text, names in families:
+        for index, (name, points) in enumerate(slices.items()):
             count = points.stop - points.start
-            if count and (kind == Kind.PRESSURE or _rubs(rom, name)):
+            if count and name in names:
                 yield Variable(
                     name=f"{name}.{label}",
                     kind=kind,

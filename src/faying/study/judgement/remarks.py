@@ -126,15 +126,13 @@ def _estimates(results: Results) -> list[str]:
     ]
     if said:
         low, high = OBSERVED_RATIOS
-        rubs = any(
+        of_tractions = any(
             error.max_traction_error is not None
             for errors in estimates.values()
             for error in errors.values()
         )
-        of_tractions = f"; {TRACTIONS_OBSERVED}" if rubs else ""
-        said.append(
-            f"(Estimates, {low:g} to {high:g} times the true error on {OBSERVED_ON}{of_tractions}.)"
-        )
+        observed = f"{OBSERVED_ON}; {TRACTIONS_OBSERVED}" if of_tractions else OBSERVED_ON
+        said.append(f"(Estimates, {low:g} to {high:g} times the true error on {observed}.)")
     return [*said, *filter(None, [hint(results)])]
 
 
@@ -150,5 +148,6 @@ def _estimated(case: CaseResult) -> Iterator[tuple[str, Accuracy]]:
 
 def _told(estimate: Accuracy) -> str:
     """Return estimated errors of pressures and, where something rubs, of tractions."""
-    rubs = estimate.max_traction_error
-    return f"{estimate.max_relative_error:.2%}{'' if rubs is None else f' (tractions {rubs:.2%})'}"
+    rubbed = estimate.max_traction_error
+    tractions = "" if rubbed is None else f" (tractions {rubbed:.2%})"
+    return f"{estimate.max_relative_error:.2%}{tractions}"

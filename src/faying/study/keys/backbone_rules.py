@@ -55,12 +55,11 @@ def backbone_problems(study: Study, location: Location, case: LoadCaseSection) -
 
 def backbones_of(study: Study, model: Model) -> Iterator[Problem]:
     """Find backbones without friction, of modes or at places that a model does not have."""
-    rubs = any(interface.law.friction > 0 for interface in model.interfaces.values())
     for i, case in enumerate(study.load_cases):
         if case.kind != "backbone":
             continue
         wrong: dict[str, str] = {}
-        if not rubs:
+        if not model.contact.rubbing_interfaces:
             wrong["kind"] = "no interface has friction, which makes damping; add 'friction' to one"
         count = model.K.shape[0] - 1
         if any(mode > count for mode in case.modes):

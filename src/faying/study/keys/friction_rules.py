@@ -101,7 +101,7 @@ def check_friction(study: Study, model: Model) -> None:
     StudyError
         One message with everything that is refused, by name.
     """
-    rubbing = [name for name, interface in model.interfaces.items() if interface.law.friction > 0]
+    rubbing = model.contact.rubbing_interfaces
     problems = [
         *_bolt_columns(study, model),
         *backbones_of(study, model),

@@ -31,7 +31,9 @@ def check_requirements(study: Study, model: Model) -> None:
     """
     requirements = requirements_of(study.requirement)
     problems = []
-    for key, text in misnamed(requirements, list(model.interfaces), _smooth(model)):
+    for key, text in misnamed(
+        requirements, list(model.interfaces), model.contact.smooth_interfaces
+    ):
         location = ("requirement", key)
         problems.append(study.problem(location, text))
     reject(study.source, problems)
@@ -43,8 +45,7 @@ def check_requirements(study: Study, model: Model) -> None:
 def not_judged(study: Study, model: Model) -> Iterator[str]:
     """Say which requirements a run will not be able to judge, and why."""
     section, kinds = study.requirement, {case.kind for case in study.load_cases}
-    smooth = _smooth(model)
-    rubbing = len(smooth) < len(model.interfaces)
+    rubbing = bool(model.contact.rubbing_interfaces)
     followed = rubbing and kinds & {"static", "cycle"}
     coefficient_known = rubbing or section.slip_friction is not None
     if section.min_slip_safety is not None and not (
@@ -55,8 +56,3 @@ def not_judged(study: Study, model: Model) -> Iterator[str]:
         yield f"min_sliding_factor cannot be judged: {NO_FRICTION}"
     if section.min_opening_factor is not None and "static" not in kinds:
         yield "min_opening_factor cannot be judged: it is about static loads, and there is none"
-
-
-def _smooth(model: Model) -> list[str]:
-    """Return the interfaces without friction."""
-    return [name for name, interface in model.interfaces.items() if not interface.law.friction > 0]
