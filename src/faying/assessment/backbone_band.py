@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, final
+from typing import final
 
 import numpy as np
 
@@ -12,9 +12,6 @@ from faying.assessment.measured_curve import at_amplitudes
 from faying.display.facts import Shown, with_unit
 from faying.exceptions import ModelError
 from faying.units import units_of
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 @final
@@ -64,23 +61,6 @@ class BackboneBand(Shown):
             name: f"{low.min():.4g} to {with_unit(high.max(), unit)}"
             for name, (low, high, unit) in ranges.items()
         } | {"backbones": str(int(self.samples.max()))}
-
-    def plot(self) -> "Figure":
-        """Draw frequency above damping over amplitude, in a new figure."""
-        from matplotlib import pyplot
-
-        units = units_of(self.units)
-        figure, (upper, lower) = pyplot.subplots(2, 1, sharex=True, layout="constrained")
-        upper.fill_between(self.amplitude, self.frequency_low, self.frequency_high, alpha=0.3)
-        lower.fill_between(
-            self.amplitude, 100 * self.damping_low, 100 * self.damping_high, alpha=0.3
-        )
-        upper.set_xscale("log")
-        upper.set_ylabel(f"frequency [1/{units.time}]")
-        lower.set_ylabel("damping ratio [%]")
-        length = amplitude_unit(self.measured_at, self.units)
-        lower.set_xlabel(f"amplitude at {self.measured_at} [{length}]")
-        return figure
 
 
 def backbone_band(backbones: Sequence[Backbone]) -> BackboneBand:

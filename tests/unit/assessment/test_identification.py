@@ -86,6 +86,32 @@ def test_a_model_that_lacks_something_and_ends_of_ranges_are_named():
     assert "times their scatter: the model lacks something" in said
 
 
+def test_amplitudes_too_far_apart_are_not_taken_for_a_model_that_lacks_something():
+    """Between three amplitudes damping of ln ζ ~ ln² A is 30 scatters from straight lines."""
+
+    def bent(amplitude, trial):
+        damping = 1e-3 * trial["b"] * np.exp(0.2 * np.log(amplitude) ** 2)
+        frequency = 100.0 * trial["a"] * amplitude**-0.02
+        return SimpleNamespace(amplitude=amplitude, frequency=frequency, damping_ratio=damping)
+
+    truth = bent(AMPLITUDE, {"a": 1.1, "b": 2.0})
+    test = measured(frequency=truth.frequency[1:-1], damping_ratio=truth.damping_ratio[1:-1])
+    coarse, fine = (
+        identify(lambda trials, x=x: [{"test": bent(x, one)} for one in trials], [A, B], [test])
+        for x in (AMPLITUDE[::4], AMPLITUDE)
+    )
+    said = " ".join(coarse.remarks)
+    assert "compute amplitudes that lie at the measured ones" in said
+    assert "lacks something" not in said
+    assert fine.remarks == ()
+
+
+def test_a_backbone_without_damping_is_refused_by_name():
+    still = SimpleNamespace(**{**vars(curve(1.0, 1.0)), "damping_ratio": AMPLITUDE - 0.01})
+    with pytest.raises(ModelError, match=r"nothing damps .*'test' at 0\.01, .*\[damping\]"):
+        identify(lambda trials: [{"test": still} for _ in trials], [A], [measured()])
+
+
 def test_amplitudes_that_are_not_reached_are_left_out_and_said():
     wide = np.append(AMPLITUDE[1:-1], 3.0)
     frequency = np.append(curve(1.1, 2.0).frequency[1:-1], 1.0)

@@ -677,6 +677,7 @@ REFUSED = [
     (edited(("1, 0., 0., 0.", "1, 0., 1.E400, 0.")), r":5: .*too large for a number"),
     (edited(("2, 2., 0., 0.", "1, 2., 0., 0.")), r":6: \*NODE: node 1 is defined twice"),
     (edited(("2, 2., 0., 0.", "2 2., 0., 0., 0.")), r":6: .* a node id: '2 2\.' is not a number"),
+    (before_steps("*ELEMENT, TYPE=S4, DLOAD\n9, 1, 2, 3, 4\n"), r":81: .*only carry loads"),
     (edited(("5, 6, 7, 8\n", "5, 6, 7\n")), r":27: \*ELEMENT: expected an id and 8 nodes"),
     (edited(("5, 6, 7, 8\n", "5, 6, 7, 99\n")), r":27: \*ELEMENT: there is no node 99"),
     (edited(("5, 6, 7, 8\n", "5, 6, 7, 7\n")), r":27: .*element 1 names a node twice"),

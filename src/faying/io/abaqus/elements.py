@@ -84,6 +84,11 @@ def read_elements(deck: Deck, nodes: Nodes) -> Elements:
     others: dict[str, tuple[ElementBlock, ...]] = {}
     for keyword in deck.of("ELEMENT"):
         keyword.check()
+        if keyword.has("DLOAD"):
+            keyword.refuse(
+                "shells that only carry loads (DLOAD) onto the solids beneath them are not "
+                "supported; press on faces of solids, by *DSLOAD or P1 … P6 of *DLOAD"
+            )
         block = _block(keyword, nodes, deck.ignored)
         if block.type in SOLID_TYPES:
             solids.append(block)

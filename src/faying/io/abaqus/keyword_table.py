@@ -14,7 +14,7 @@ def without_blanks(name: str) -> str:
 _TAKES: Mapping[str, str] = {
     "NODE": "NSET, SYSTEM=R|C|S, INPUT",
     "SYSTEM": "",
-    "ELEMENT": "TYPE*, ELSET",
+    "ELEMENT": "TYPE*, ELSET, DLOAD",
     "NSET": "NSET*, GENERATE, INSTANCE, INTERNAL, UNSORTED, ELSET, FREQUENCY",
     "ELSET": "ELSET*, GENERATE, INSTANCE, INTERNAL, UNSORTED",
     "SURFACE": "NAME*, TYPE=ELEMENT|NODE, INTERNAL",

@@ -222,4 +222,7 @@ def _check_all_solid(keyword: Keyword, mesh: Mesh, ids: Indices, rows: Indices) 
     unknown = np.flatnonzero(~np.isin(ids, mesh.element_ids))
     if unknown.size:
         bad = int(unknown[0])
-        keyword.refuse(f"{ids[bad]} is no solid element; surfaces need solids", int(rows[bad]))
+        keyword.refuse(
+            f"{ids[bad]} is no solid element; surfaces need solids or shells",
+            int(rows[bad]),
+        )

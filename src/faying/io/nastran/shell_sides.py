@@ -35,7 +35,7 @@ def with_shell_sides(
         if len(thin) > 1 or pair.glued:
             region.card.refuse(
                 "a contact region of shells may touch solids; contact with shells, and glue, is "
-                "not supported"
+                "not supported: model one of the two by solids"
             )
         sides, height = _sides(region, _faces(opposite, assembly), assembly, thicknesses)
         gaps[pair.name] = -height
