@@ -44,8 +44,7 @@ def described(study: Study, loaded: LoadedModel, preview: ModelPreview) -> Itera
     if model.interfaces:
         yield _interfaces(model, "Interfaces" if loaded.interfaces else "Candidate interfaces")
         yield _sides(model)
-        if model.contact.components > 1:
-            yield _friction(model)
+        yield from _friction(model)
     if model.bolts:
         yield _bolts(study, loaded, model)
     if model.boundaries:
@@ -212,13 +211,14 @@ def _interfaces(model: Model, title: str) -> Table:
     return _table(title, columns, map(_interface, model.interfaces.values()))
 
 
-def _friction(model: Model) -> Table:
-    rows = (
+def _friction(model: Model) -> Iterator[Table]:
+    rows = [
         (interface.name, law.friction, float(law.tangential_penalty))
         for interface in model.interfaces.values()
         if isinstance(law := interface.law, Coulomb)
-    )
-    return _table("Friction", ["interface", "coefficient", "tangential penalty"], rows)
+    ]
+    if rows:
+        yield _table("Friction", ["interface", "coefficient", "tangential penalty"], rows)
 
 
 def _sides(model: Model) -> Table:

@@ -91,9 +91,7 @@ def _stiffness(face: InterfaceRecord) -> float | None:
 
 
 def _sticking(face: InterfaceRecord) -> float | str | None:
-    if not face.friction:
-        return None
-    return "rigid" if np.isinf(face.tangential_penalty) else face.tangential_penalty
+    return "rigid" if np.isinf(face.tangential_penalty) else face.tangential_penalty or None
 
 
 def _open(face: InterfaceRecord) -> float:

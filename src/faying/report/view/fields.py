@@ -8,7 +8,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.report.style import label
-from faying.study.judgement.comparison import increments
+from faying.study.judgement.comparison import increments, rubbed
 from faying.study.results.interface_surface import nodal_average
 from faying.study.results.nodal_motion import shown_states
 from faying.study.results.values import CaseResult, Response, Results
@@ -130,9 +130,6 @@ def fields_of_response(
         pressed = path.pressure[frames.chosen]
         yield field(name="pressure", at=everywhere, values=lambda: averages(results, pressed))
         yield field(name="gap", at=last, values=lambda: averages(results, response.gap[None]))
-        if results.rubbing:
-            slip = np.linalg.norm(path.slip[frames.chosen], axis=-1)
-            yield field(name="slip", at=everywhere, values=lambda: averages(results, slip))
     else:
         of_time = response.pressure.ndim > 1
         chosen = frames.chosen if of_time else slice(None)
@@ -141,9 +138,10 @@ def fields_of_response(
         )
         yield field(name="pressure", at=everywhere, values=lambda: averages(results, pressure))
         yield field(name="gap", at=everywhere, values=lambda: averages(results, gap))
-        if response.friction is not None:
-            slipped = np.linalg.norm(response.friction.slip[chosen], axis=-1)
-            yield field(name="slip", at=everywhere, values=lambda: averages(results, slipped))
+    for record in rubbed(response)[-1:]:
+        slip = np.linalg.norm(record.slip[frames.chosen], axis=-1)
+        if slip.any():
+            yield field(name="slip", at=everywhere, values=partial(averages, results, slip))
     motion, moved = response.motion, response.nodal_displacement
     if motion is not None:
         shapes, amplitudes = motion.shapes[:, nodes], motion.amplitudes

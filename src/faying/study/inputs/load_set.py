@@ -155,7 +155,7 @@ def _of_cases(cases: Sequence[LoadCaseSection], rom: ReducedModel) -> LoadSet:
         )
         raise StudyError(message)
     finer = [case.name for case in cases if case.kind == "static" and case.increments is not None]
-    if finer and rom.contact.rubbing_interfaces:
+    if finer:
         message = (
             f"load case '{finer[0]}' says its increments, which only a run of a study follows; "
             f"leave 'increments' out, and static cases take {DEFAULT_INCREMENTS} here"
