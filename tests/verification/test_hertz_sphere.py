@@ -52,18 +52,10 @@ def test_peak_and_radius(penalty):
     assert abs(radius[solution.pressure > 0].max() - HERTZ.contact_radius) <= 1 / 4
     # Less what the holding spring of 0.1 N/mm takes.
     assert solution.contact_force() == pytest.approx(HERTZ.load / 4, rel=1e-5)
-
-
-@pytest.mark.parametrize("penalty", ["hard", "auto"])
-def test_a_reduced_model_presses_as_the_full_one(penalty):
-    blocks, full = solve(1 / 4, penalty)
     basis = fy.craig_bampton(blocks.model, normal_modes=4)
-    rom = fy.reduce(blocks.model, basis, compliance=True)
-    fast = Layers(rom).pressed(HERTZ.load / 2)
-    # Statics are exact, up to what the holding spring of 0.1 N/mm beside 1e6 takes of 16 digits.
-    np.testing.assert_allclose(fast.pressure, full.pressure, atol=1e-6 * HERTZ.peak_pressure)
-    # As the full one, above; and flat blocks know nothing of the cap.
-    assert fast.max_pressure == pytest.approx(HERTZ.peak_pressure, rel=1e-2)
+    reduced = Layers(fy.reduce(blocks.model, basis, compliance=True)).pressed(HERTZ.load / 2)
+    # Statics are exact, up to what a spring of 0.1 N/mm beside 1e6 leaves of 16 digits.
+    np.testing.assert_allclose(reduced.pressure, solution.pressure, atol=5e-4)
 
 
 @pytest.mark.parametrize("penalty", ["hard", "auto"])

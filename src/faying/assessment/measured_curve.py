@@ -54,15 +54,12 @@ class Deviations:
 
     Attributes
     ----------
-    within : (n,)
-        Which measured amplitudes these are.
     frequency, damping_ratio : (n,)
         Computed at the measured amplitudes; NaN at those it does not reach.
     frequency_error, damping_error : (n,) [1]
         Over what was measured; NaN there, and where it was not measured.
     """
 
-    within: Vector
     frequency: Vector
     damping_ratio: Vector
     frequency_error: Vector
@@ -95,7 +92,6 @@ def deviations(measured: MeasuredCurve, computed: Backbone) -> Deviations:
         return np.full(len(amplitude), np.nan) if truth is None else value / truth - 1
 
     return Deviations(
-        within=np.isfinite(frequency),
         frequency=frequency,
         damping_ratio=damping,
         frequency_error=error(frequency, measured.frequency),

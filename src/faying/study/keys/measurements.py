@@ -195,7 +195,7 @@ def sentence(curve: MeasuredCurve, backbones: Mapping[str, Backbone]) -> str:
     if computed is None:
         return f"'{curve.name}' has no computed curve beside it"
     differences = deviations(curve, computed)
-    count, said = int(np.count_nonzero(differences.within)), []
+    count, said = int(np.count_nonzero(np.isfinite(differences.frequency))), []
     if not count:
         return f"'{curve.name}' was measured at amplitudes that mode {curve.mode} does not reach"
     for what, errors in (
@@ -207,5 +207,5 @@ def sentence(curve: MeasuredCurve, backbones: Mapping[str, Backbone]) -> str:
             said.append(f"{what} {off.min():+.2g} to {off.max():+.2g} %")
     return (
         f"mode {curve.mode} is off '{curve.name}' (triangles) by {', '.join(said)} at {count} of "
-        f"{len(differences.within)} measured amplitudes"
+        f"{len(differences.frequency)} measured amplitudes"
     )
