@@ -256,8 +256,6 @@ def _assessment():
         max_nodal_pressure_case="LC2-step",
         closed_area=300.0,
         closed_area_case="LC1",
-        first_opening={"LC1": 0.5},
-        loss_of_clamp={"LC1": np.inf},
         opening={"LC1": 2.5, "LC2/torsion": np.inf},
     )
     return Assessment(bolts={"bolt": bolt}, interfaces={"joint": joint}, checks=(YIELD,))

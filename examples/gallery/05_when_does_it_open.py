@@ -14,7 +14,8 @@ import faying as fy
 joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
 lift = fy.Load({"tip.Fz": -400.0, "tip.Fx": 2e3}, name="lift")
 face = fy.assess(joint, [lift]).interfaces["joint"]
-first, half = face.first_opening["lift"], face.opening["lift"]
+all_closed = fy.assess(joint, [lift], fy.Requirements(open_below=1.0)).interfaces["joint"]
+first, half = all_closed.opening["lift"], face.opening["lift"]
 print(f"first opening at {first:.3f} times the load, half of the area at {half:.3f}")
 
 # %%

@@ -177,7 +177,7 @@ def lift_off() -> Iterator[Row]:
         (
             "load at lift-off [N]",
             module.PRELOAD / (1 - phi),
-            force * found.interfaces["joint"].loss_of_clamp["lift"],
+            force * found.interfaces["joint"].opening["lift"],
         ),
         ("bolt force beyond lift-off [N]", 3 * module.PRELOAD, float(apart.bolt_force("bolt"))),
     ):

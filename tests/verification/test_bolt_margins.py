@@ -96,7 +96,7 @@ def apart(preload, share):
     )
     assert fy.solve_static(fitting).bolt_force("bolt") == pytest.approx(preload, rel=1e-12)
     (inputs,) = fy.Load({"mass.Fx": 1e3}).inputs(fitting, np.zeros(1))
-    return 1e3 * opening_factors(fitting, inputs, {}, interfaces=["stop"]).last["stop"]
+    return 1e3 * opening_factors(fitting, inputs, {"stop": np.array([True])}).opened["stop"]
 
 
 def test_contact_parts_two_fittings_at_the_loads_of_a_12_3():

@@ -33,7 +33,7 @@ def share_left(model, factor, area=True):
     return weights @ (rest & loaded) / (weights @ rest)
 
 
-@pytest.mark.parametrize("open_below", [None, 0.7, 0.9])
+@pytest.mark.parametrize("open_below", [None, 0.7, 1.0])
 def test_less_than_the_share_is_left_from_there_on(pair, open_below):
     wanted = fy.Requirements(open_below=open_below, min_opening_factor=1.0)
     found = fy.assess(pair, [BEND], wanted)
@@ -45,9 +45,6 @@ def test_less_than_the_share_is_left_from_there_on(pair, open_below):
     (verdict,) = found.verdicts
     assert verdict.value == min(factor, *around)
     assert verdict.place in {"joint", *(f"joint around {name}" for name in pair.bolts)}
-    # The load bends: something stays pressed for ever, and the first edge opens early.
-    assert found.interfaces["joint"].loss_of_clamp["bend"] == np.inf
-    assert found.interfaces["joint"].first_opening["bend"] < 0.5 * factor
 
 
 def test_around_each_bolt_less_than_half_is_left_from_its_factor_on(pair):
@@ -60,9 +57,6 @@ def test_around_each_bolt_less_than_half_is_left_from_its_factor_on(pair):
         # Found to a millionth.
         left = [share_left(pair, factor * (1 + e), areas[area_name("joint", name)]) for e in STEPS]
         assert left[0] >= 0.5 - 1e-9 > left[1]
-    first = judged.interfaces["joint"].first_opening["bend"]
-    left = [share_left(pair, first * (1 + step)) for step in STEPS]
-    assert left[0] == 1.0 > left[1]
 
 
 def test_one_solution_says_on_which_side_of_its_factor_a_load_is(pair):

@@ -168,8 +168,6 @@ def _interface(
         max_nodal_pressure_case=crushed,
         closed_area=float(areas[smallest]),
         closed_area_case=smallest,
-        first_opening={c: path.first[name] for c, path in paths.items() if name in path.first},
-        loss_of_clamp={c: path.last[name] for c, path in paths.items() if name in path.last},
         opening=_openings(paths, name),
     )
 

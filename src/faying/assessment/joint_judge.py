@@ -185,7 +185,6 @@ class JointJudge:
                         inputs,
                         areas,
                         open_below=self.requirements.open_share,
-                        interfaces=system.contact.slices if initial is None else (),
                     )
         return openings
 

@@ -130,10 +130,6 @@ class InterfaceAssessment:
         Smallest area under pressure.
     closed_area_case
         Load case it belongs to.
-    first_opening : [1]
-        Load case to the factor at which a point opens that the preload presses.
-    loss_of_clamp : [1]
-        Load case to the factor from which nothing is pressed any more; infinite if never.
     slip
         Friction that static load cases need of it; None where no load case is static.
     opening : [1]
@@ -156,8 +152,6 @@ class InterfaceAssessment:
     max_nodal_pressure_case: str
     closed_area: float
     closed_area_case: str
-    first_opening: Mapping[str, float]
-    loss_of_clamp: Mapping[str, float]
     slip: SlipDemand | None = None
     opening: Mapping[str, float] = field(default_factory=dict)
 

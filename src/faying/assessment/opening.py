@@ -1,7 +1,7 @@
 """Load factors at which a joint opens: where too little is left of what the preload presses."""
 
-from collections.abc import Callable, Collection, Mapping, MutableMapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, MutableMapping
+from dataclasses import dataclass
 from typing import TypeVar, final
 
 import numpy as np
@@ -33,17 +33,11 @@ class Openings:
     opened
         Area (:func:`areas_that_open`) to the factor from which less than a share of what the
         preload presses there is still pressed.
-    first
-        Interface to the factor at which the first point closed at rest opens.
-    last
-        Interface to the factor from which no point closed at rest is.
     followed
         Factor up to which the load was followed.
     """
 
     opened: Mapping[str, float]
-    first: Mapping[str, float] = field(default_factory=dict)
-    last: Mapping[str, float] = field(default_factory=dict)
     followed: float = np.inf
 
 
@@ -96,14 +90,13 @@ def opening_factors(
     *,
     open_below: float = OPEN_BELOW,
     largest: float = LARGEST_FACTOR,
-    interfaces: Collection[str] = (),
     reached: MutableMapping[float, SolvedCase] | None = None,
 ) -> Openings:
     """Find the factors at which a joint without friction opens under a static load.
 
     An area of points (n_point,) opens where less than a share of what is pressed at rest is left: 0
-    is nothing, 1 all. The search ends at the largest factor. The first and the last point of the
-    interfaces named are sought as well.
+    is nothing, 1 all. The search ends at the largest factor. What is reached of this load for other
+    areas is taken, and added to.
 
     Raises
     ------
@@ -119,7 +112,6 @@ def opening_factors(
     contact = system.contact
     fixed, growing = growing_displacements(system, inputs)
     touching = SOLVED * float(np.abs(contact.free_gap(fixed)).max(initial=0.0))
-
     cases = {} if reached is None else reached
 
     def reach(factor: float, solved: SolvedCase | None) -> SolvedCase:
@@ -133,34 +125,16 @@ def opening_factors(
 
     start = reach(0.0, None)
     shares = pressed_shares(areas, pressed(start) > 0, contact.weights)
-    every = {name: np.zeros(contact.n_points) for name in interfaces}
-    for name, share in every.items():
-        points = contact.slices[name]
-        share[points] = 1.0 / (points.stop - points.start)
-    asked = [
-        *((OPENED, name, share, enough(open_below)) for name, share in shares.items()),
-        *((FIRST, name, shares[name], enough(1.0)) for name in every if name in shares),
-        *((LAST, name, share, enough(0.0)) for name, share in every.items()),
-    ]
+    limit = enough(open_below)
     events = first_events(
         reach,
         start,
-        {
-            f"{what} {name}": opening_event(pressed, share, limit)
-            for what, name, share, limit in asked
-        },
+        {name: opening_event(pressed, share, limit) for name, share in shares.items()},
         increments=INCREMENTS,
         largest=largest,
     )
-    factors: dict[str, dict[str, float]] = {what: {} for what in (OPENED, FIRST, LAST)}
-    for what, name, _, _ in asked:
-        factors[what][name] = events.factors.get(f"{what} {name}", np.inf)
-    return Openings(
-        opened=factors[OPENED], first=factors[FIRST], last=factors[LAST], followed=events.largest
-    )
-
-
-OPENED, FIRST, LAST = "opened", "first", "last"
+    opened = {name: events.factors.get(name, np.inf) for name in shares}
+    return Openings(opened=opened, followed=events.largest)
 
 
 def opening_margins(
