@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -65,7 +66,8 @@ def first_events(
     It grows in equal increments to its nominal value, from there on by the same share of itself.
     The increment in which something first happens is cut where a chord says that it does
     (regula falsi of Anderson and Björck), or halved where no number says when, and what is left of
-    it again, so that the path goes there in smaller and smaller increments.
+    it again, so that the path goes there in smaller and smaller increments; each of them is taken
+    once, whatever happens in it.
 
     ``reach`` takes a load factor and the state before to the state there, in one increment.
 
@@ -84,12 +86,12 @@ def first_events(
         except ConvergenceError:
             stopped = True
             break
-        reached = {factor: state, target: trial}
+        reached, once = {factor: state, target: trial}, cache(reach)
         for name, left in events.items():
             if name not in factors and (value := left(trial, state)) <= 0:
                 counts = np.isfinite(value) and left(state, state) > 0
                 cut = _cut_by_chords if counts else _cut_by_halves
-                factors[name], states[name] = cut(reach, left, reached)
+                factors[name], states[name] = cut(once, left, reached)
         state, factor = trial, target
     return Growth(factors=factors, states=states, largest=factor, stopped=stopped)
 
@@ -144,16 +146,18 @@ def _cut_by_halves(
 ) -> tuple[float, tuple[State, State]]:
     """Return the factor at which something happens in an increment, states there and before."""
     low, high = min(reached), max(reached)
-    lower, begun = reached[low], reached[high]
-    for _ in range(MOST_HALVINGS):
-        if high - low <= PRECISION * high:
+    lower, begun, smallest = reached[low], reached[high], (high - low) / 2**MOST_HALVINGS
+    # A joint that slips under next to no load does so at once: asked first, not after all halvings.
+    middle = smallest if low == 0.0 else (low + high) / 2
+    for _ in range(MOST_HALVINGS + 1):
+        if high - low <= max(PRECISION * high, smallest):
             break
-        middle = (low + high) / 2
         trial = reach(middle, lower)
         if left(trial, lower) <= 0:
             high, begun = middle, trial
         else:
             low, lower = middle, trial
+        middle = (low + high) / 2
     return high, (begun, lower)
 
 

@@ -169,6 +169,8 @@ class PathStep:
     slip : (2, n_point)
     iterations, dissipation
         Of all increments of the load.
+    previous
+        Where the load before left the path; None where that is not known.
     """
 
     relative: Vector
@@ -176,6 +178,7 @@ class PathStep:
     slip: Matrix
     iterations: int = 0
     dissipation: float = 0.0
+    previous: "PathStep | None" = None
 
 
 def path_start(system: System, initial: Solution | None) -> PathStep:
@@ -199,7 +202,9 @@ def path_start(system: System, initial: Solution | None) -> PathStep:
     slip[: len(last.shear_slip)] = last.shear_slip
     moved = displaced(system.static_contact.increments, relative, forces)
     begun = replace(nothing, forces=forces, moved=moved, deepest=last.deepest)
-    return PathStep(relative=relative, increment=begun, slip=slip)
+    begins = initial.states.ndim == 1 or len(initial.states) == 1
+    previous = None if begins else path_start(system, state_of(initial, -2))
+    return PathStep(relative=relative, increment=begun, slip=slip, previous=previous)
 
 
 def follow(
@@ -210,7 +215,7 @@ def follow(
 ) -> Iterator[PathStep]:
     """Yield where a path stands after each load (n_load, n_relative), from where it begins.
 
-    Some of the loads may be given, if ``here`` is where those before them led.
+    Some of the loads may be given, if ``step`` is where those before them led.
 
     Raises
     ------
@@ -236,9 +241,9 @@ def _in_proportion(contact: Contact, step: PathStep) -> bool:
 
 def _to(solver: IncrementSolver, step: PathStep, target: Vector, divisions: int) -> PathStep:
     """Go to a load in one increment, or by halves of it where that is too far."""
-    offset = solver.contact.offset(step.slip)
+    offset, previous = solver.contact.offset(step.slip), replace(step, previous=None)
     try:
-        increment = solver.solve(target, offset, step.increment if step.increment.begun else None)
+        increment = solver.solve(target, offset, _ahead(step, target))
     except ConvergenceError:
         if divisions == 0 or _in_proportion(solver.contact, step):
             raise
@@ -246,6 +251,7 @@ def _to(solver: IncrementSolver, step: PathStep, target: Vector, divisions: int)
         end = _to(solver, middle, target, divisions - 1)
         return replace(
             end,
+            previous=previous,
             iterations=middle.iterations + end.iterations,
             dissipation=middle.dissipation + end.dissipation,
         )
@@ -255,4 +261,21 @@ def _to(solver: IncrementSolver, step: PathStep, target: Vector, divisions: int)
         slip=step.slip + increment.slack[1:],
         iterations=increment.iterations,
         dissipation=increment.dissipation,
+        previous=previous,
     )
+
+
+def _ahead(step: PathStep, target: Vector) -> Increment | None:
+    """Return where an increment begins: on the line from the step before, as far as the load goes.
+
+    At most as far as that was, so that round-off between equal loads leads nowhere.
+    """
+    start, previous = step.increment, step.previous
+    if not start.begun:
+        return None
+    if previous is None or not previous.increment.begun:
+        return start
+    line, ahead = step.relative - previous.relative, target - step.relative
+    length = float(line @ line)
+    part = float(np.clip(ahead @ line / length, -1.0, 1.0)) if length > 0 else 0.0
+    return replace(start, moved=start.moved + part * (start.moved - previous.increment.moved))

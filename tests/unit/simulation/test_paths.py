@@ -225,8 +225,8 @@ def test_the_second_half_of_an_increment_is_divided_as_often_as_the_first():
     assert len(solver.asked) == 1 + 1 + 6  # the whole, its first half, six parts of its second
 
 
-def test_increments_begin_where_the_last_one_ended():
-    """Of an unstressed joint, as if nothing were known."""
+def test_increments_begin_on_the_line_of_the_one_before():
+    """As far as the load goes along it; of an unstressed joint as if nothing were known."""
     system = sliders()
     solver = Refusing(system.static_contact.increments, np.inf)
     way = [pulled(bolts={"a": -5.0, "b": 20.0}), *WAY[1:3]]
@@ -234,8 +234,13 @@ def test_increments_begin_where_the_last_one_ended():
     steps = list(follow(solver, relative, path_start(system, None)))
     assert (steps[0].increment.forces[0] > 0).tolist() == [False, True]  # one point is open
     assert solver.asked[0] is None
-    for step, start in zip(steps, solver.asked[1:], strict=False):
-        assert start is step.increment
+    assert solver.asked[1] is steps[0].increment
+    line, ahead = np.diff(relative, axis=0)
+    part = line @ ahead / (line @ line)
+    assert 0.1 < abs(part) < 1
+    first, last = (step.increment.moved for step in steps[:2])
+    expected = last + part * (last - first)
+    np.testing.assert_allclose(solver.asked[2].moved, expected, rtol=0, atol=1e-15)  # round-off
 
 
 LOAD = pulled(3.0, -2.0)

@@ -1,7 +1,8 @@
 """Paths of many increments: what is followed of them is kept for a run that resumes."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -57,7 +58,7 @@ def follow_path(
         part = range(first, min(first + PIECE, len(inputs)))
         compute = partial(_followed, solver, relative, state, part)
         arrays = kept_parts.take(f"increments {first + 1} to {part.stop}", compute)
-        steps += _unpacked(arrays, relative[first : part.stop])
+        steps += _unpacked(arrays, relative[first : part.stop], state)
         state, seconds = steps[-1], seconds + float(arrays[SECONDS])
         progress(len(part))
     start = time.perf_counter()
@@ -81,10 +82,12 @@ def _followed(solver: IncrementSolver, relative: Matrix, state: PathStep, part: 
     }
 
 
-def _unpacked(arrays: Mapping[str, Matrix], relative: Matrix) -> list[PathStep]:
-    """Return what :func:`_followed` took from steps."""
-    return [
-        PathStep(
+def _unpacked(
+    arrays: Mapping[str, Matrix], relative: Matrix, state: PathStep
+) -> Iterator[PathStep]:
+    """Yield what :func:`_followed` took from the steps after a state."""
+    for row, moved in enumerate(relative):
+        state = PathStep(
             relative=moved,
             increment=Increment(
                 forces=arrays["forces"][row],
@@ -97,6 +100,6 @@ def _unpacked(arrays: Mapping[str, Matrix], relative: Matrix) -> list[PathStep]:
             slip=arrays["slip"][row],
             iterations=int(arrays["iterations"][row]),
             dissipation=float(arrays["dissipation"][row]),
+            previous=replace(state, previous=None),
         )
-        for row, moved in enumerate(relative)
-    ]
+        yield state
