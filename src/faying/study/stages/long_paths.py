@@ -1,22 +1,17 @@
 """Paths of many increments: what is followed of them is kept for a run that resumes."""
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
-import numpy as np
-
 from faying._typing import Matrix
-from faying.contact.increment import Increment
 from faying.contact.increment_solver import IncrementSolver
-from faying.execution.checkpoint import Arrays
 from faying.joint.system import System
 from faying.simulation.load import Load
 from faying.simulation.path import (
     PathStep,
     assembled,
-    deepest_of,
     follow,
     moved_alone,
     path_inputs,
@@ -24,11 +19,18 @@ from faying.simulation.path import (
     solve_path,
 )
 from faying.simulation.solution import Solution
-from faying.study.stages.checkpointed_steps import SECONDS, CheckpointedSteps
+from faying.study.stages.checkpointed_steps import CheckpointedSteps
 
 PIECE = 50
-"""Increments that are kept together: to write them takes 2 ms with 600 contact points, 13 ms with
-3000, a hundredth of what it takes to compute them, or less."""
+"""Increments that are kept together: to write them takes 12 ms with 600 contact points, 18 ms with
+3000, some hundredths of what it takes to compute them, or less."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    """Increments that are kept together."""
+
+    steps: tuple[PathStep, ...]
 
 
 def follow_path(
@@ -57,49 +59,18 @@ def follow_path(
     for first in range(0, len(inputs), PIECE):
         part = range(first, min(first + PIECE, len(inputs)))
         compute = partial(_followed, solver, relative, state, part)
-        arrays = kept_parts.take(f"increments {first + 1} to {part.stop}", compute)
-        steps += _unpacked(arrays, relative[first : part.stop], state)
-        state, seconds = steps[-1], seconds + float(arrays[SECONDS])
+        followed, took = kept_parts.value(_Piece, f"increments {first + 1} to {part.stop}", compute)
+        for step in followed.steps:
+            state = replace(step, previous=replace(state, previous=None))
+            steps.append(state)
+        seconds += took
         progress(len(part))
     start = time.perf_counter()
     path = assembled(system, inputs, steps, name)
     return path, seconds + time.perf_counter() - start
 
 
-def _followed(solver: IncrementSolver, relative: Matrix, state: PathStep, part: range) -> Arrays:
-    """Return what is reached after some of the loads, by name, each with them as first axis."""
-    steps = list(follow(solver, relative, state, part=part))
-    deepest = deepest_of(solver.contact, steps)
-    return {
-        **({} if deepest is None else {"deepest": deepest}),
-        "forces": np.array([step.increment.forces for step in steps]),
-        "slack": np.array([step.increment.slack for step in steps]),
-        "moved": np.array([step.increment.moved for step in steps]),
-        "last": np.array([[step.increment.iterations, step.increment.residual] for step in steps]),
-        "slip": np.array([step.slip for step in steps]),
-        "iterations": np.array([step.iterations for step in steps]),
-        "dissipation": np.array([step.dissipation for step in steps]),
-    }
-
-
-def _unpacked(
-    arrays: Mapping[str, Matrix], relative: Matrix, state: PathStep
-) -> Iterator[PathStep]:
-    """Yield what :func:`_followed` took from the steps after a state."""
-    for row, moved in enumerate(relative):
-        state = PathStep(
-            relative=moved,
-            increment=Increment(
-                forces=arrays["forces"][row],
-                slack=arrays["slack"][row],
-                moved=arrays["moved"][row],
-                iterations=int(arrays["last"][row, 0]),
-                residual=float(arrays["last"][row, 1]),
-                deepest=arrays["deepest"][row] if "deepest" in arrays else None,
-            ),
-            slip=arrays["slip"][row],
-            iterations=int(arrays["iterations"][row]),
-            dissipation=float(arrays["dissipation"][row]),
-            previous=replace(state, previous=None),
-        )
-        yield state
+def _followed(solver: IncrementSolver, relative: Matrix, state: PathStep, part: range) -> _Piece:
+    """Return what is reached after some of the loads."""
+    steps = follow(solver, relative, state, part=part)
+    return _Piece(tuple(replace(step, previous=None) for step in steps))
