@@ -102,14 +102,15 @@ def main() -> None:
     fy.solve_static_cases(tight, growing)
     table.line("static case, warm", (time.process_time() - start) / FULL, f"{FULL} loads")
     if options.friction:
-        rub(table, tight, load, options.friction, options.steps, options.factor)
+        rubbing = fresh(tight.with_friction(options.friction))
+        del smooth, tight  # with their matrices between pairs
+        rub(table, rubbing, load, options.friction, options.steps, options.factor)
 
 
 def rub(
-    table: Table, tight: fy.Model, load: fy.Load, friction: float, steps: int, factor: float
+    table: Table, rubbing: fy.Model, load: fy.Load, friction: float, steps: int, factor: float
 ) -> None:
     """Print the stages with friction."""
-    rubbing = tight.with_friction(friction)
     rubbing = table.stage(f"contact prepared, friction {friction:g}", lambda: prepared(rubbing))
     state = table.stage("preload in one increment", lambda: fy.solve_path(rubbing, [AT_REST]))
     tell(table, "preload in one increment", 0.0, state)
