@@ -1,5 +1,6 @@
 """Models shared by the tests; built once, for models do not change."""
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -52,6 +53,22 @@ def fine_joint():
 def classic(joint):
     """Craig-Bampton basis of ``joint``."""
     return fy.craig_bampton(joint, normal_modes=10)
+
+
+@pytest.fixture
+def call(monkeypatch, capsys):
+    """Run the command line in this process; return status, standard output and error."""
+    from faying import cli
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["faying", *map(str, arguments)])
+        # Wide enough that rich does not wrap what tests look for.
+        monkeypatch.setenv("COLUMNS", "200")
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        return ended.value.code or 0, *capsys.readouterr()
+
+    return run
 
 
 @pytest.fixture(scope="session")

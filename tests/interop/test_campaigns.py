@@ -18,7 +18,6 @@ import pytest
 from threadpoolctl import threadpool_limits
 
 import faying as fy
-from faying import cli
 from faying.exceptions import CampaignError, ModelError
 from faying.execution import (
     Checkpoint,
@@ -508,16 +507,8 @@ def test_another_version_on_a_worker_is_refused():
 # Command line -------------------------------------------------------------------------------------
 
 
-def call(monkeypatch, capsys, *arguments):
-    """Run the command line in this process; return status and standard error."""
-    monkeypatch.setattr(sys, "argv", ["faying", *map(str, arguments)])
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    return ended.value.code or 0, capsys.readouterr().err
-
-
 @pytest.mark.long
-def test_a_scheduler_file_is_enough(monkeypatch, capsys, cluster, study, one_worker, tmp_path):
+def test_a_scheduler_file_is_enough(call, cluster, study, one_worker, tmp_path):
     file = tmp_path / "scheduler.json"
     # Of a scheduler's file only the address counts. distributed's own writer is no help in a test:
     # once a worker has reported its timings it fails on their keys, which are tuples.
@@ -525,7 +516,7 @@ def test_a_scheduler_file_is_enough(monkeypatch, capsys, cluster, study, one_wor
     # Who connects to a scheduler is patient: without workers it would wait for ever.
     cluster._client.wait_for_workers(1, timeout=600)
     arguments = ["run", study.path, "--out", tmp_path / "out", "--scheduler", file]
-    status, err = call(monkeypatch, capsys, *arguments)
+    status, _, err = call(*arguments)
     assert status == 0, err
     same(numbers(tmp_path / "out" / "results.h5"), one_worker)
 
@@ -546,14 +537,14 @@ def test_a_scheduler_file_is_enough(monkeypatch, capsys, cluster, study, one_wor
         (["--scheduler", ""], "no Dask scheduler"),
     ],
 )
-def test_bad_options_are_one_message(monkeypatch, capsys, study, tmp_path, options, words):
+def test_bad_options_are_one_message(call, monkeypatch, study, tmp_path, options, words):
     if "--scheduler" in options:
         pytest.importorskip("distributed", reason="needs the extra 'cluster'")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(dask, "CONNECT_SECONDS", 0.3)
     Path("empty.json").write_text("{")
     Path("list.json").write_text(json.dumps(["tcp://127.0.0.1:1"]))
-    status, err = call(monkeypatch, capsys, "run", study.path, *options)
+    status, _, err = call("run", study.path, *options)
     assert status == 2
     assert words in err
     assert err.startswith("faying: ")
@@ -568,9 +559,9 @@ def test_no_client_is_started_for_an_address_that_does_not_answer(monkeypatch):
         dask.DaskExecutor.connect("tcp://127.0.0.1:1")
 
 
-def test_a_missing_extra_is_named(monkeypatch, capsys, study, tmp_path):
+def test_a_missing_extra_is_named(call, monkeypatch, study, tmp_path):
     monkeypatch.setitem(sys.modules, "distributed", None)
     arguments = ["--out", tmp_path, "--scheduler", "tcp://127.0.0.1:8786"]
-    status, err = call(monkeypatch, capsys, "run", study.path, *arguments)
+    status, _, err = call("run", study.path, *arguments)
     assert status == 2
     assert "pip install 'faying[cluster]'" in err

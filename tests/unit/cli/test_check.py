@@ -13,7 +13,6 @@ from faying import cli
 from faying.cli.description import _table
 from faying.joint.diagnosis import free_parts
 from faying.linalg.backends import available_backends
-from small_abaqus_deck import DECK
 
 SUPPORT = "SPC1,1,123,1,2,3,4,5,6\n,7,8,9,10,11,12,13,14\n,15\n"
 EXAMPLES = Path(__file__).parents[3] / "examples"
@@ -57,13 +56,11 @@ def check(monkeypatch, capsys, tmp_path):
         ("grid.bdf", "BEGIN BULK\nGRID,1,,0.,0.,0.\nENDDATA\n", "0 beams, 1 nodes"),
     ],
 )
-def test_decks_in_which_nothing_can_touch(monkeypatch, capsys, tmp_path, command, name, text, held):
+def test_decks_in_which_nothing_can_touch(call, tmp_path, command, name, text, held):
     (tmp_path / name).write_text(text)
-    monkeypatch.setattr(sys, "argv", ["faying", command, str(tmp_path / name)])
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    assert ended.value.code
-    (line,) = capsys.readouterr().err.splitlines()
+    status, _, error = call(command, tmp_path / name)
+    assert status
+    (line,) = error.splitlines()
     assert f"no solids, no shells and no matrices ({held})" in line
 
 
@@ -210,138 +207,12 @@ def test_joint_without_bolt_lets_one_body_go():
 # --- decks alone, and studies that are not ready to run ---------------------------------------
 
 
-def run_check(monkeypatch, capsys, path, *options):
-    """Check a file; return status, lines and error."""
-    monkeypatch.setattr(sys, "argv", ["faying", "check", str(path), *options])
-    monkeypatch.setenv("COLUMNS", "200")
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    out, err = capsys.readouterr()
-    return ended.value.code or 0, [line.split() for line in out.splitlines()], err
-
-
 @pytest.fixture
-def check_file(monkeypatch, capsys):
-    return lambda path, *options: run_check(monkeypatch, capsys, path, *options)
+def check_file(call):
+    """Return what checks a file, to its status, lines and error."""
 
+    def check(path, *options):
+        status, out, err = call("check", path, *options)
+        return status, [line.split() for line in out.splitlines()], err
 
-def without_contact(text):
-    start, end = text.index("*SURFACE INTERACTION"), text.index("*RIGID BODY")
-    return text[:start] + text[end:]
-
-
-def test_a_bare_deck_is_told_with_what_a_run_would_need(check_file, tmp_path):
-    path = tmp_path / "joint.inp"
-    path.write_text(DECK.replace("102, 1, 6", "102, 1, 2"))
-    status, lines, err = check_file(path, "--out", str(tmp_path))
-    assert (status, err) == (0, "")
-    assert ["Interfaces"] in lines
-    assert cells(lines, "Joint")[-1] == "1e+06"
-    assert " ".join(cells(lines, "bolt")).endswith("400 the source")
-    needs = lines.index(["what", "a", "run", "would", "still", "need"])
-    assert ["a", "[[load_case]]", "or", "[[frequency]]"] in lines[needs:]
-    # A study is refused for that; of a deck it is told.
-    assert any(line[:2] == ["supports,", "unless"] for line in lines[needs:])
-    assert (tmp_path / "model.png").stat().st_size > 0
-    start = lines.index(["[model]"])
-    pasted = "\n".join(" ".join(line) for line in lines[start : start + 3])
-    assert tomllib.loads(pasted) == {"model": {"source": "abaqus", "file": "joint.inp"}}
-
-
-def test_candidates_where_no_interface_is_declared(check_file, tmp_path):
-    path = tmp_path / "bricks.inp"
-    path.write_text(without_contact(DECK))
-    study = tmp_path / "study.toml"
-    study.write_text('[model]\nsource = "abaqus"\nfile = "bricks.inp"\n')
-    for one in (path, study):
-        status, lines, err = check_file(one, "--out", str(tmp_path))
-        assert (status, err) == (0, "")
-        assert ["Candidate", "interfaces"] in lines
-        assert cells(lines, "joint")[1:4] == ["1", "4", "4"]
-        start = lines.index(["[[interface]]"])
-        pasted = "\n".join(" ".join(line) for line in lines[start : start + 5])
-        (found,) = tomllib.loads(pasted)["interface"]
-        assert found == {"name": "joint", "minus": "auto", "plus": "auto", "meshes": "matching"}
-    apart = without_contact(DECK)
-    for node in range(11, 19):
-        apart = re.sub(rf"^({node}, .*), (.)\.$", r"\1, 2\2.", apart, flags=re.MULTILINE)
-    path.write_text(apart)
-    status, lines, _ = check_file(path)
-    assert status == 0
-    assert ["Candidate", "interfaces"] not in lines
-    assert any(line[:4] == ["an", "interface:", "none", "is"] for line in lines)
-
-
-def test_a_study_without_density_is_told_that_it_needs_one(check_file, tmp_path):
-    """It is refused when it is run."""
-    (tmp_path / "cantilever.bdf").write_text(
-        (EXAMPLES / "cantilever.bdf").read_text().replace("7.82-9", "")
-    )
-    study = tmp_path / "study.toml"
-    text = (EXAMPLES / "nastran_deck.toml").read_text()
-    study.write_text(text)
-    status, lines, _ = check_file(study)
-    assert status == 0
-    assert any(line[:1] == ["densities:"] for line in lines)
-
-
-def test_bolts_and_contact_that_cannot_be_built_are_needs_of_a_deck_alone(check_file, tmp_path):
-    path = tmp_path / "bricks.inp"
-    # Head and nut in one brick.
-    path.write_text(DECK.replace("NAME=HEAD\nUPPER, S2", "NAME=HEAD\nLOWER, S2"))
-    status, lines, err = check_file(path)
-    assert (status, err) == (0, "")
-    assert ["Bodies"] in lines
-    assert any(line[:4] == ["contact", "and", "bolts", "that"] for line in lines)
-    # A bolt through one body and no contact at all: both are told.
-    path.write_text(
-        without_contact(DECK.replace("NAME=HEAD\nUPPER, S2", "NAME=HEAD\nLOWER, S2")).replace(
-            "UPPER\n2, 11, 12, 13, 14", "UPPER\n2, 5, 6, 7, 8"
-        )
-    )
-    status, lines, _ = check_file(path)
-    assert status == 0
-    assert any(line[:4] == ["contact", "and", "bolts", "that"] for line in lines)
-    assert any(line[:4] == ["an", "interface:", "none", "is"] for line in lines)
-    # The slave lies inside out, so that it sees nothing of the master.
-    path.write_text(DECK.replace("NAME=MASTER\n2, S1", "NAME=MASTER\n2, S2"))
-    status, lines, _ = check_file(path)
-    assert status == 0
-    assert any(line[:4] == ["contact", "and", "bolts", "that"] for line in lines)
-
-
-def test_what_a_deck_alone_is_to_be_read_without(check_file, tmp_path):
-    path = tmp_path / "bricks.inp"
-    path.write_text(DECK.replace("*DENSITY\n", "*PLASTIC\n300., 0.\n*DENSITY\n", 1))
-    status, _, err = check_file(path)
-    assert status == 2
-    assert 'ignore = ["plastic"]' in err
-    status, lines, _ = check_file(path, "--ignore", "plastic")
-    assert status == 0
-    assert ["ignore", "=", '["plastic"]'] in lines
-    status, _, err = check_file(path, "--ignore", "plastik")
-    assert status == 2
-    assert "'plastik'" in err
-    status, _, err = check_file(EXAMPLES / "nastran_deck.toml", "--ignore", "plastic")
-    assert status == 2
-    assert "a study says what to ignore itself" in err
-
-
-def test_files_of_no_known_kind_are_refused(check_file, tmp_path):
-    path = tmp_path / "joint.step"
-    path.write_text("")
-    status, _, err = check_file(path)
-    assert status == 2
-    assert "'.step' is neither .toml nor a suffix of decks (.bdf, " in err
-    for name, text, said in (
-        (
-            "ds.dat",
-            "/batch\n/com,--- Data in consistent MKS units.\n/prep7\n",
-            "CDWRITE,DB,joint,cdb",
-        ),
-        ("joint.msh", "", "faying init joint.msh begins its study"),
-    ):
-        (tmp_path / name).write_text(text)
-        status, _, err = check_file(tmp_path / name)
-        assert status == 2
-        assert said in " ".join(err.split())
+    return check

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying import cli
 from faying.exceptions import FormatError, StudyError
 from faying.export import vtk
 from faying.export.formats import CONTACT, CURVES, FORMATS, LINEAR, MEANINGS, default_name, export
@@ -48,14 +47,6 @@ def usable(name):
     if chosen.extra:
         pytest.importorskip(chosen.extra, reason=f"the extra {chosen.extra} is not installed")
     return chosen
-
-
-def call(monkeypatch, capsys, *arguments):
-    monkeypatch.setattr(sys, "argv", ["faying", *map(str, arguments)])
-    monkeypatch.setenv("COLUMNS", "200")
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    return ended.value.code or 0, *capsys.readouterr()
 
 
 def contents(folder):
@@ -153,8 +144,8 @@ def test_missing_extra_is_named(given, tmp_path, format_module):
         (["--to", "npz", "--method", "jim-b", "--joint-modes", "7"], "with 7 joint modes"),
     ],
 )
-def test_wrong_wishes_are_one_message(monkeypatch, capsys, quick_demo, arguments, message):
-    status, out, err = call(monkeypatch, capsys, "export", quick_demo, *arguments)
+def test_wrong_wishes_are_one_message(call, quick_demo, arguments, message):
+    status, out, err = call("export", quick_demo, *arguments)
     assert status == 2
     assert out == ""
     assert message in err
@@ -162,24 +153,20 @@ def test_wrong_wishes_are_one_message(monkeypatch, capsys, quick_demo, arguments
 
 
 @pytest.mark.long
-def test_wrong_places_are_one_message(monkeypatch, capsys, quick_demo, tmp_path):
-    status, _, err = call(monkeypatch, capsys, "export", tmp_path, "--to", "npz")
+def test_wrong_places_are_one_message(call, quick_demo, tmp_path):
+    status, _, err = call("export", tmp_path, "--to", "npz")
     assert status == 2
     assert "no results.h5" in err
     for target in (tmp_path, quick_demo / "results.h5" / "joint.npz"):
-        status, _, err = call(
-            monkeypatch, capsys, "export", quick_demo, "--to", "npz", "--out", target
-        )
+        status, _, err = call("export", quick_demo, "--to", "npz", "--out", target)
         assert status == 2
         assert str(target) in err
 
 
 @pytest.mark.long
-def test_command_says_what_it_wrote(monkeypatch, capsys, quick_demo, tmp_path):
+def test_command_says_what_it_wrote(call, quick_demo, tmp_path):
     target = tmp_path / "pictures"
     status, out, _ = call(
-        monkeypatch,
-        capsys,
         "export",
         quick_demo,
         "--to",
@@ -201,16 +188,14 @@ def test_command_says_what_it_wrote(monkeypatch, capsys, quick_demo, tmp_path):
 
 
 @pytest.mark.long
-def test_class_of_a_hand_over_is_said_first(
-    monkeypatch, capsys, quick_demo, format_module, tmp_path
-):
+def test_class_of_a_hand_over_is_said_first(call, quick_demo, format_module, tmp_path):
     def write(_, path, run):
         path.write_bytes(b"whole")
         return (path,)
 
     format_module(write)
     target = tmp_path / "joint.npz"
-    status, out, _ = call(monkeypatch, capsys, "export", quick_demo, "--to", "npz", "--out", target)
+    status, out, _ = call("export", quick_demo, "--to", "npz", "--out", target)
     assert status == 0
     assert out.lower().startswith(CONTACT)
     assert out.rstrip().endswith(f"Wrote {target}")

@@ -12,7 +12,6 @@ import pytest
 import scipy.sparse as sp
 
 import faying as fy
-from faying import cli
 from faying.io.nastran import write_deck
 from faying.model.assembly import Assembly, Beam
 from faying.model.cells import CellBlock
@@ -110,27 +109,22 @@ def deck_of(assembly: Assembly, folder: Path) -> str:
 
 
 @pytest.fixture
-def refused(monkeypatch, capsys, tmp_path) -> Callable[..., str]:
+def refused(call, tmp_path) -> Callable[..., str]:
     """Return a function that runs a command on a study and returns its one message."""
-    monkeypatch.setenv("COLUMNS", "200")
 
-    def call(study: str | Path, command: str = "check", *options: object) -> str:
+    def check(study: str | Path, command: str = "check", *options: object) -> str:
         path = tmp_path / "study.toml" if isinstance(study, str) else study
         if isinstance(study, str):
             path.write_text(study)
-        arguments = ["faying", command, str(path), *map(str, options)]
         if command == "run" and not options:
-            arguments += ["--out", str(tmp_path / "results")]
-        monkeypatch.setattr(sys, "argv", arguments)
-        with pytest.raises(SystemExit) as ended:
-            cli.main()
-        out, err = capsys.readouterr()
-        assert ended.value.code == 2, err
+            options = ("--out", tmp_path / "results")
+        status, out, err = call(command, path, *options)
+        assert status == 2, err
         # 'check' shows what it understood of a model that is not held before it refuses it.
         assert out == "" or (command == "check" and "unconstrained" in err)
         return one_message(err)
 
-    return call
+    return check
 
 
 def one_message(err: str) -> str:
@@ -450,16 +444,14 @@ def test_bolt_stiffer_than_its_matrices(refused, matrices):
 
 
 @pytest.mark.parametrize("command", ["check", "run", "demo"])
-def test_output_folder(refused, deck, monkeypatch, capsys, tmp_path, command):
+def test_output_folder(refused, call, deck, tmp_path, command):
     (tmp_path / "joint.bdf").write_text(deck)
     (tmp_path / "taken").write_text("")
     for out in (tmp_path / "taken", tmp_path / "taken" / "inside"):
         if command == "demo":
-            monkeypatch.setattr(sys, "argv", ["faying", "demo", "--out", str(out)])
-            with pytest.raises(SystemExit) as ended:
-                cli.main()
-            assert ended.value.code == 2
-            message = one_message(capsys.readouterr().err)
+            status, _, error = call("demo", "--out", out)
+            assert status == 2
+            message = one_message(error)
         else:
             message = refused(DECK_STUDY, command, "--out", out)
         assert_says(message, f"cannot write to folder {out}", "choose another with --out")

@@ -1,7 +1,6 @@
 """Mistakes that people make in studies and decks end in one message that says what to do."""
 
 import re
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,7 +8,6 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying import cli
 from faying.exceptions import FormatError, ModelError, StudyError
 from faying.export.formats import format_named
 from faying.io import abaqus, nastran
@@ -381,15 +379,12 @@ def test_a_run_says_what_no_solid_bears(tmp_path):
     assert any("load case 'rest': the largest pressure is" in text for text in said)
 
 
-def test_check_tells_of_doubtful_constants(tmp_path, monkeypatch, capsys):
+def test_check_tells_of_doubtful_constants(call, tmp_path):
     path = tmp_path / "study.toml"
     path.write_text(STUDY + "[material.steel]\nE = 2.1e11\n")
-    monkeypatch.setattr(sys, "argv", ["faying", "check", str(path)])
-    monkeypatch.setenv("COLUMNS", "200")
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    assert not ended.value.code
-    assert "Doubtful: material 'steel': E = 2.1e+11 is 2.1e+17 Pa" in capsys.readouterr().out
+    status, out, _ = call("check", path)
+    assert status == 0
+    assert "Doubtful: material 'steel': E = 2.1e+11 is 2.1e+17 Pa" in out
 
 
 @pytest.mark.parametrize("command", ["check", "run"])
@@ -403,9 +398,7 @@ def test_check_tells_of_doubtful_constants(tmp_path, monkeypatch, capsys):
         ('[[boundary]]\nname = "end"\nnode = 9999\n', r"\[\[boundary\]\] number 1 of study"),
     ],
 )
-def test_complaints_of_the_model_name_the_table(
-    deck, tmp_path, monkeypatch, capsys, command, table, place
-):
+def test_complaints_of_the_model_name_the_table(call, deck, tmp_path, command, table, place):
     study = deck()
     case = (
         '[[boundary]]\nname = "head"\nnode = 22\n[[load_case]]\nname = "pull"\nkind = "static"\n'
@@ -413,11 +406,8 @@ def test_complaints_of_the_model_name_the_table(
     )
     study.write_text(DECK_STUDY + table + case)
     out = ["--out", str(tmp_path / "out")] if command == "run" else []
-    monkeypatch.setattr(sys, "argv", ["faying", command, str(study), *out])
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    assert ended.value.code == 2
-    error = capsys.readouterr().err
+    status, _, error = call(command, study, *out)
+    assert status == 2
     # A line for each stage that was begun stands before the message.
     stages = r"(?: +\d+:\d\d  [^\n]*\n)*"
     assert re.match(rf"{stages}faying: {place}\.toml \(line 7\): ", error), error

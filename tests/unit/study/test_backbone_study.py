@@ -1,7 +1,6 @@
 """Load cases that are backbones: keys, refusals, summary, results file and figure."""
 
 import json
-import sys
 from dataclasses import fields, replace
 from io import StringIO
 
@@ -10,7 +9,6 @@ import pytest
 from rich.console import Console
 
 import faying as fy
-from faying import cli
 from faying.assessment.backbone import Backbone
 from faying.assessment.modal_cycles import Swing
 from faying.cli.outcome import show_outcome
@@ -301,15 +299,13 @@ def test_the_report_says_that_vibrations_slip(results, tmp_path):
     assert "case_ring_pressure.png" not in drawn
 
 
-def test_check_says_how_many_increments_there_are(tmp_path, monkeypatch, capsys):
+def test_check_says_how_many_increments_there_are(call, tmp_path):
     (tmp_path / "ring.toml").write_text(STUDY)
-    monkeypatch.setattr(sys, "argv", ["faying", "check", str(tmp_path / "ring.toml")])
-    monkeypatch.setenv("COLUMNS", "200")  # wide enough that rich does not wrap what is looked for
-    with pytest.raises(SystemExit, match="0"):
-        cli.main()
+    status, out, _ = call("check", tmp_path / "ring.toml")
+    assert status == 0
     # Two modes, three amplitudes, a quarter of a cycle and one cycle of twelve.
-    assert "modes 2, 1 at 3 amplitudes each, cycles until they repeat: 90 increments at least" in (
-        capsys.readouterr().out
+    assert (
+        "modes 2, 1 at 3 amplitudes each, cycles until they repeat: 90 increments at least" in out
     )
 
 

@@ -148,12 +148,9 @@ def test_nodes_move_as_those_of_the_full_model(results, name):
     np.testing.assert_allclose(found, exact, rtol=0, atol=1e-8 * np.abs(exact).max())
 
 
-def test_check_shows_friction_and_what_loads_do(study, monkeypatch, capsys):
-    monkeypatch.setattr(sys, "argv", ["faying", "check", str(study.path)])
-    monkeypatch.setenv("COLUMNS", "200")  # wide enough that rich does not wrap what is looked for
-    with pytest.raises(SystemExit, match="0"):
-        cli.main()
-    out = capsys.readouterr().out
+def test_check_shows_friction_and_what_loads_do(call, study):
+    status, out, _ = call("check", study.path)
+    assert status == 0
     assert re.search(r"joint +0\.2 +800000", out)
     assert "increments of way.csv" in out
     assert "cycles of 1.5, 0.5 times the loads until they repeat" in out

@@ -1,6 +1,5 @@
 """``faying recover``: what a run keeps is enough to recover pressures of imported histories."""
 
-import sys
 from pathlib import Path
 
 import h5py
@@ -8,7 +7,6 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying import cli
 from faying.assessment.imported_recovery import (
     backward_differences,
     recover_from_boundary_loads,
@@ -113,26 +111,18 @@ def modal_columns(solution, *, derivatives=True):
     return columns | {"tip.Fz": -500.0 * acting, "tip.Mx": 20e3 * acting}
 
 
-def call(monkeypatch, capsys, *arguments):
-    monkeypatch.setattr(sys, "argv", ["faying", *map(str, arguments)])
-    monkeypatch.setenv("COLUMNS", "200")
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-    return ended.value.code or 0, *capsys.readouterr()
-
-
-def test_what_is_derived_is_said_once(folder, solution, tmp_path, monkeypatch, capsys):
+def test_what_is_derived_is_said_once(call, folder, solution, tmp_path):
     path = write_csv(tmp_path / "bare.csv", modal_columns(solution, derivatives=False))
-    status, out, _ = call(monkeypatch, capsys, "recover", folder, path)
+    status, out, _ = call("recover", folder, path)
     assert status == 0
     assert "craig-bampton; velocities and accelerations by a cubic spline" in out
 
 
 def test_a_modal_csv_gives_the_pressures_of_memory(
-    folder, results, solution, expected, tmp_path, monkeypatch, capsys
+    call, folder, results, solution, expected, tmp_path
 ):
     path = write_csv(tmp_path / "motion.csv", modal_columns(solution))
-    status, out, err = call(monkeypatch, capsys, "recover", folder, path)
+    status, out, err = call("recover", folder, path)
     assert (status, err) == (0, "")
     assert "craig-bampton; velocities and accelerations: both from the history" in out
     assert "Boundary forces: tip.Fz, tip.Mx from the history; all others are zero" in out
@@ -340,14 +330,14 @@ def test_methods_that_were_not_run(results, solution, tmp_path):
     refused(results, loads, "remove --derivatives", derivatives="spline")
 
 
-def test_errors_are_one_message_and_status_2(folder, tmp_path, monkeypatch, capsys):
-    status, out, err = call(monkeypatch, capsys, "recover", tmp_path, tmp_path / "motion.csv")
+def test_errors_are_one_message_and_status_2(call, folder, tmp_path):
+    status, out, err = call("recover", tmp_path, tmp_path / "motion.csv")
     assert (status, out) == (2, "")
     assert "holds no results.h5" in err
-    status, out, err = call(monkeypatch, capsys, "recover", folder, tmp_path / "motion.csv")
+    status, out, err = call("recover", folder, tmp_path / "motion.csv")
     assert (status, out) == (2, "")
     assert err.startswith("faying: history ")
-    status, out, _ = call(monkeypatch, capsys, "recover", "--help")
+    status, out, _ = call("recover", "--help")
     assert status == 0
     assert "HISTORY" in out
 
