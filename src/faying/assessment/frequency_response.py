@@ -9,11 +9,13 @@ from faying.assessment.forced_joint import FEWEST, ForcedJoint, linear_range
 from faying.assessment.response_curve import FrequencyResponse, remarks_of
 from faying.exceptions import ModelError
 from faying.joint.system import System
+from faying.linalg.threads import one_thread
 from faying.simulation.load import Load
 from faying.simulation.path import solve_path
 from faying.simulation.solution import Solution
 
 
+@one_thread()
 def frequency_response(
     system: System,
     load: Mapping[str, complex],

@@ -22,7 +22,7 @@ from scipy.linalg import LinAlgError
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.contact.between_pairs import BetweenPairs
-from faying.contact.held_pairs import HeldPairs, anchored_pairs, pressed_points
+from faying.contact.held_pairs import HeldPairs, anchored_pairs, change_from, pressed_points
 from faying.contact.pair_factors import LU, Factors, PairSystem, WholeFactors
 from faying.contact.point_springs import PointSprings
 from faying.linalg.gmres import corrected
@@ -230,15 +230,15 @@ class GluedPairs:
 
     def _changed(self, K: Matrix, right: Matrix) -> "_Changed":
         """Return what K and b change of the pairs that it is nearest to."""
-        nearest, rows = self.glued, len(self.points.touched(self.glued.change_to(K))[0])
+        nearest, rows = self.glued, len(self.points.touched(change_from(self.glued.springs, K))[0])
         if len(self.points.touched(K)[0]) < rows:
             opened = self.open.pairs
-            if opened and len(self.points.touched(opened.change_to(K))[0]) < rows:
+            if opened and len(self.points.touched(change_from(opened.springs, K))[0]) < rows:
                 nearest = opened
         return self._changed_from(nearest, K, right)
 
     def _changed_from(self, reference: HeldPairs, K: Matrix, right: Matrix) -> "_Changed":
-        change = reference.change_to(K)
+        change = change_from(reference.springs, K)
         rows, columns = self.points.touched(change)
         block = self.points.between_pairs(change)[:, columns]
         return _Changed(reference, rows, columns, block, right, reference.moved_by(right))

@@ -145,8 +145,12 @@ class StuckPoints:
 
     def local(self, points: Indices) -> "LocalContact":
         """Return the contact problem of some points (n,), rising."""
-        pairs, rows = _restricted(self.contact.rows, points, self.contact.n_points)
-        return LocalContact(whole=self, points=points, pairs=pairs, rows=rows)
+        components = self.contact.n_points * np.arange(len(self.springs))
+        part = self.contact.rows[(components[:, None] + points).ravel()]
+        pairs = np.unique(part.indices)
+        return LocalContact(
+            whole=self, points=points, pairs=pairs, rows=sp.csr_array(part[:, pairs])
+        )
 
 
 @final
@@ -247,25 +251,3 @@ class LocalContact:
     def block(self) -> SparseMatrix:
         """Springs of the points between the pairs (n_touched, n_touched) [force/length]."""
         return (self.rows.T @ sp.diags_array(self.springs.ravel()) @ self.rows).tocsr()
-
-    def moved(self, restrained: Vector, excess: Vector) -> Vector:
-        """Return where pairs are (n_touched,) under loads and forces μ beside the springs.
-
-        With all points stuck the loads move them by ``restrained`` (n_touched,) [length]; μ is
-        (components n_local,) [force].
-        """
-        moved = restrained + self._between @ (self.rows.T @ excess)
-        return np.asarray(self.whole.moved[self.pairs] + moved)
-
-
-def _blocks(rows: SparseMatrix, points: Indices, n: int) -> SparseMatrix:
-    """Return the rows of some points, component by component."""
-    k = rows.shape[0] // n
-    return rows[(n * np.arange(k)[:, None] + points).ravel()]
-
-
-def _restricted(rows: SparseMatrix, points: Indices, n: int) -> tuple[Indices, SparseMatrix]:
-    """Return the pairs that some points touch, and their rows there."""
-    part = _blocks(rows, points, n)
-    pairs = np.unique(part.indices)
-    return pairs, sp.csr_array(part[:, pairs])

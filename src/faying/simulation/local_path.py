@@ -6,29 +6,31 @@ the forces μ that the points exert beside their springs B (F10), an increment i
     w = w₀ + T μ,   μ = λ(z₀ + w − s) − λ₀ + B w,                                           (F12)
 
 with the slip s since the joint was at rest. Newton's method has I + T Δ to solve with, Δ = K − B,
-in which only the points take part that slip or are open: those on their springs have no Δ.
+in which only the rows a of Δ take part that do not vanish, of points that slip or are open:
+
+    x = b − T_·a f,   (I + Δ_a T_·a) f = Δ_a b.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import NamedTuple, final
 
 import numpy as np
-import scipy.linalg as la
+import scipy.sparse as sp
 
-from faying._typing import Indices, Mask, Matrix, Vector
-from faying.contact.increment import Increment
+from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
+from faying.contact.held_pairs import change_from
+from faying.contact.pair_factors import LU
 from faying.contact.stuck_points import LocalContact
-from faying.simulation.path import PathStep, follow
 
 SOLVED = 1e-13
 """Residual over the largest displacement at which an increment is solved."""
 
-MOST_STEPS = 15
-"""Newton steps of (F12); 1 to 3 are usual. What takes more goes the way of other paths."""
+MOST_STEPS = 20
+"""Newton steps of (F12); 1 to 5 are usual. What takes more goes the way of other paths."""
 
-UNCHANGED = 1e-12
-"""Change of K at a point, over the stiffest spring, that is round-off."""
+FAST = 0.2
+"""What a step may leave of the residual, over itself, for its factors to serve once more."""
 
 
 @final
@@ -83,125 +85,142 @@ def follow_local(
     moved, forces = np.zeros((n, k * m)), np.zeros((n, k, m))
     slipped, slack = np.zeros((n, 2, m)), np.zeros((n, 2, m))
     dissipation = np.zeros(n)
-    w, slip, excess = np.zeros(k * m), np.zeros((2, m)), np.zeros(k * m)
-    previous = np.zeros(len(local.pairs))
+    w, slip = np.zeros(k * m), np.zeros((2, m))
+    off: OffSprings | None = None
     for number in range(n):
-        begun = w if guess is None else guess[number]
-        solution = _increment(local, linear[number], slip, begun)
+        starts = [w] if guess is None else [guess[number], w]
+        solution = _increment(local, linear[number], slip, starts, off)
         if solution is None:
-            step = _otherwise(local, previous, restrained[number], excess, slip)
-            slack[number] = step.slip - local.slip - slip
-            dissipation[number] = step.dissipation
-            forces[number] = step.increment.forces[:k]
-            w = local.rows @ (step.increment.moved - local.whole.moved[local.pairs])
-        else:
-            w, forces[number], slack[number] = solution
-            if k > 1:
-                dissipation[number] = -(forces[number][1:] * slack[number]).sum()
+            solution = *_otherwise(local, restrained[number], slip), off
+        w, forces[number], slack[number], off = solution
+        if k > 1:
+            dissipation[number] = -(forces[number][1:] * slack[number]).sum()
         slip = slip + slack[number]
         moved[number], slipped[number] = w, slip
-        excess = (forces[number] - local.forces).ravel() + local.springs.ravel() * w
-        previous = restrained[number]
     return LocalPath(
         moved=moved, forces=forces, slipped=slipped, slack=slack, dissipation=dissipation
     )
 
 
 def _increment(
-    local: LocalContact, linear: Vector, slip: Matrix, w: Vector
-) -> tuple[Vector, Matrix, Matrix] | None:
-    """Return w, λ and the slip of an increment by Newton's method; None where it goes astray."""
+    local: LocalContact,
+    linear: Vector,
+    slip: Matrix,
+    starts: Sequence[Vector],
+    off: "OffSprings | None",
+) -> tuple[Vector, Matrix, Matrix, "OffSprings | None"] | None:
+    """Return w, λ, slip and factors of an increment by Newton's method; None where it goes astray.
+
+    It begins with the start that leaves the smallest residual, and with the factors of the
+    increment before: what slipped slips on.
+    """
     springs, T, (k, m) = local.springs.ravel(), local.compliance, local.springs.shape
     anchor = local.at_rest.copy()
     anchor[1:] -= slip[: k - 1]
-    size = max(float(np.abs(linear).max(initial=0.0)), float(np.abs(w).max(initial=0.0)))
-    last = np.inf
-    for _ in range(MOST_STEPS):
+
+    def reached(w: Vector) -> _Reached:
         z = anchor + w.reshape(k, m)
         forces, K = local.laws.respond(z)
         excess = (forces - local.forces).ravel() + springs * w
         residual = linear - w + T @ excess
-        left = float(np.abs(residual).max(initial=0.0))
-        if not np.isfinite(left):
+        return _Reached(w, z, forces, K, residual, float(np.abs(residual).max(initial=0.0)))
+
+    state = min((reached(w) for w in starts), key=lambda state: state.left)
+    size = max(float(np.abs(linear).max(initial=0.0)), float(np.abs(state.w).max(initial=0.0)))
+    last = np.inf
+    for _ in range(MOST_STEPS):
+        if not np.isfinite(state.left):
             return None
-        if left <= SOLVED * size or (left <= 1e2 * SOLVED * size and left >= last / 2):
-            slack = (z + local.laws.yielded(forces))[1:]
-            return w, forces, slack if k > 1 else np.zeros((2, m))
-        last = left
-        w = w + _solved(local, K, residual)
-        size = max(size, float(np.abs(w).max(initial=0.0)))
+        if state.left <= SOLVED * size or last / 2 <= state.left <= 1e2 * SOLVED * size:
+            slack = (state.z + local.laws.yielded(state.forces))[1:]
+            return state.w, state.forces, slack if k > 1 else np.zeros((2, m)), off
+        anew = off is None or state.left > FAST * last
+        off = OffSprings.of(local, state.K) if anew or off is None else off
+        last = state.left
+        resisted = off.resisted(state.residual[off.rows])
+        trial = reached(state.w + state.residual - resisted @ T[off.acting])
+        if anew or trial.left < last:
+            state = trial
+        size = max(size, float(np.abs(state.w).max(initial=0.0)))
     return None
 
 
-def _changed(local: LocalContact, K: Matrix) -> tuple[Indices, Indices, Matrix, Mask]:
-    """Return points off their springs, their rows, Δ (n, components, components) and its rows.
+class _Reached(NamedTuple):
+    """Where Newton's method is: w, displacements from the slip, λ, K, residual, its size."""
 
-    Those are the rows in which Δ is not zero: slip leaves that of the normal force as it is.
+    w: Vector
+    z: Matrix
+    forces: Matrix
+    K: Matrix
+    residual: Vector
+    left: float
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OffSprings:
+    """Points off their springs, and the factors between their rows.
+
+    Attributes
+    ----------
+    points : (n_off,)
+    rows : (components n_off,)
+        Of these points, component by component.
+    acting : (n_acting,)
+        a: slip leaves the row of the normal force as it is.
+    change : (n_acting, components n_off)
+        Δ_a.
+    lu
+        Of I + Δ_a T_·a.
     """
-    k, m = local.springs.shape
-    change = K.copy()
-    diagonal = np.arange(k)
-    change[:, diagonal, diagonal] -= local.springs.T
-    round_off = UNCHANGED * float(local.springs.max(initial=0.0))
-    by_row = np.abs(change).max(axis=2)
-    points = np.flatnonzero(by_row.max(axis=1) > round_off)
-    rows = (m * np.arange(k)[:, None] + points).ravel()
-    return points, rows, change[points], (round_off < by_row[points].T).ravel()
+
+    points: Indices
+    rows: Indices
+    acting: Indices
+    change: SparseMatrix
+    lu: LU | None
+
+    @classmethod
+    def of(cls, local: LocalContact, K: Matrix) -> "OffSprings":
+        """Return them for K (n_point, components, components)."""
+        k, m = local.springs.shape
+        change = change_from(local.springs, K)
+        points = np.flatnonzero(change.any(axis=(1, 2)))
+        rows = (m * np.arange(k)[:, None] + points).ravel()
+        acts = change[points].any(axis=2).T.ravel()
+        acting, block = rows[acts], by_component(change[points], acts)
+        lu = None
+        if len(acting):
+            core = block @ local.compliance[np.ix_(rows, acting)]
+            core.flat[:: len(core) + 1] += 1.0
+            lu = LU.of(core)
+        return cls(points=points, rows=rows, acting=acting, change=block, lu=lu)
+
+    def resisted(self, right: Matrix) -> Matrix:
+        """Return f (n_acting, …) of b at the rows."""
+        felt = self.change @ right
+        return felt if self.lu is None else self.lu.solve(felt)
 
 
-def _blocks(change: Matrix, values: Matrix) -> Matrix:
-    """Return Δ times values (components n, x), component by component."""
-    n, k, _ = change.shape
-    shaped = values.reshape(k, n, values.shape[1])
-    return np.asarray(np.einsum("nij,jnx->inx", change, shaped).reshape(values.shape))
-
-
-def _resisted(T: Matrix, change: Matrix, acting: Mask, right: Matrix) -> Matrix:
-    """Return Δ x of (I + T Δ) x = right between the points that are off their springs.
-
-    Between its rows alone: (I + Δ T) Δ x = Δ right.
-    """
-    result = np.zeros_like(right)
-    if acting.any():
-        core = _blocks(change, T[:, acting])[acting]
-        core.flat[:: len(core) + 1] += 1.0
-        result[acting] = la.solve(
-            core, _blocks(change, right)[acting], overwrite_a=True, check_finite=False
-        )
-    return result
-
-
-def _solved(local: LocalContact, K: Matrix, right: Vector) -> Vector:
-    """Solve (I + T Δ) x = right (components n_point,)."""
-    _, rows, change, acting = _changed(local, K)
-    T = local.compliance[rows]
-    resisted = _resisted(T[:, rows], change, acting, right[rows, None])
-    return np.asarray(right - resisted[:, 0] @ T)
+def by_component(blocks: Matrix, chosen: Mask | slice = slice(None)) -> SparseMatrix:
+    """Return rows of the matrix with blocks (n, components, components) at points."""
+    n, k, _ = blocks.shape
+    columns = np.tile(n * np.arange(k) + np.arange(n)[:, None], (k, 1))[chosen]
+    values = blocks.transpose(1, 0, 2).reshape(k * n, k)[chosen]
+    starts = np.arange(0, k * len(values) + 1, k)
+    return sp.csr_array((values.ravel(), columns.ravel(), starts), shape=(len(values), k * n))
 
 
 def _otherwise(
-    local: LocalContact, previous: Vector, ahead: Vector, excess: Vector, slip: Matrix
-) -> PathStep:
-    """Return where an increment leads by the solver of all paths, between the pairs."""
-    solver, k = local.released.increments, local.components
-    S, whole = np.asarray(local.released.compliance), local.whole
-    forces = whole.forces[:, local.points].copy()
-    y = local.moved(previous, excess)
-    w = local.rows @ (y - whole.moved[local.pairs])
-    forces[:k] = local.forces + (excess - local.springs.ravel() * w).reshape(k, -1)
-    unloaded = whole.moved[local.pairs] - S @ (local.rows.T @ local.forces.ravel())
-
-    def target(restrained: Vector) -> Vector:
-        return np.asarray(unloaded + restrained + S @ (local.block @ restrained))
-
-    start = PathStep(
-        relative=target(previous),
-        increment=Increment(
-            forces=forces, slack=np.zeros_like(forces), moved=y, iterations=0, residual=0.0
-        ),
-        slip=local.slip + slip,
-    )
-    return next(follow(solver, target(ahead)[None], start))
+    local: LocalContact, restrained: Vector, slip: Matrix
+) -> tuple[Vector, Matrix, Matrix]:
+    """Return w, λ and the slip of an increment by the solver of all paths, between the pairs."""
+    at_rest, released = local.whole.moved[local.pairs], local.released
+    pressed = local.block @ restrained - local.rows.T @ local.forces.ravel()
+    free = at_rest + restrained + np.asarray(released.compliance) @ pressed
+    solved = released.increments.solve(free, local.contact.offset(local.slip + slip))
+    w = np.asarray(local.rows @ (solved.moved - at_rest))
+    return w, solved.forces[: local.components], solved.slack[1:]
 
 
 Excess = Sequence[tuple[Indices, Matrix]]
@@ -227,24 +246,26 @@ def local_derivatives(
         anchor = local.at_rest.copy()
         anchor[1:] -= slip[: k - 1]
         K = local.laws.respond(anchor + w.reshape(k, m))[1]
-        points, rows, change, acting = _changed(local, K)
+        off = OffSprings.of(local, K)
+        points, rows = off.points, off.rows
         # Where points slid before, or are off their springs, μ changes: by K s − Δ w.
         active = slid.copy()
         active[points] = True
         chosen = np.flatnonzero(active)
         every = (m * np.arange(k)[:, None] + chosen).ravel()
-        pulled = _blocks(K[chosen], s[:, chosen].reshape(k * len(chosen), count))
+        pulled = by_component(K[chosen]) @ s[:, chosen].reshape(len(every), count)
         along = shapes[rows] @ columns[number % N]
         along += single[np.ix_(rows, every)] @ pulled.astype(np.float32)
-        T = local.compliance[np.ix_(rows, rows)]
-        resisted = _resisted(T, change, acting, along)
-        pulled[np.isin(every, rows)] -= resisted
+        resisted = off.resisted(along)
+        pulled[np.searchsorted(every, off.acting)] -= resisted
         excess.append((every, pulled))
         if k > 1 and len(points):
-            inner = along - T[:, acting] @ resisted[acting]
-            yields = local.laws.closure(_whole(path.forces[number]))[1][1:, points, None]
+            inner = along - local.compliance[np.ix_(rows, off.acting)] @ resisted
+            forces = np.pad(path.forces[number], ((0, 3 - k), (0, 0)))
+            yields = local.laws.closure(forces)[1][1:, points, None]
             relative = inner.reshape(k, len(points), count)
-            answered = -_blocks(K[points], (relative - s[:, points]).reshape(len(rows), count))
+            stretched = (relative - s[:, points]).reshape(len(rows), count)
+            answered = -(by_component(K[points]) @ stretched)
             part = answered.reshape(k, len(points), count)[1:]
             s[1:, points] = relative[1:] + yields * part
             s[1:, ~rubs] = 0.0
@@ -262,8 +283,3 @@ def moved_by(local: LocalContact, linear: Matrix, excess: Excess, change: Vector
     for row, (rows, per_unknown) in zip(forces, excess, strict=True):
         row[rows] = per_unknown @ change
     return np.asarray(linear + forces @ local.compliance)
-
-
-def _whole(forces: Matrix) -> Matrix:
-    """Return forces with all three components."""
-    return np.concatenate([forces, np.zeros((3 - len(forces), forces.shape[1]))])

@@ -18,7 +18,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import ConvergenceError
 from faying.simulation.periodic import Derivatives, Motion, PeriodicProblem
 
-ROUND_OFF, SOLVED = 1e-11, 1e-6
+ROUND_OFF, SOLVED = 1e-9, 1e-6
 """Next step of Newton's method over the unknowns at which a motion is solved, and at which it is
 accepted where round-off allows no less."""
 
@@ -121,8 +121,7 @@ def _watched(problem: PeriodicProblem, motion: Motion) -> tuple[PeriodicProblem,
             return problem, motion
         problem = problem.watching(np.union1d(problem.local.points, leaving))
         begun = list((problem.local.rows @ displaced[problem.local.pairs]).T)
-        unknowns = problem.packed(motion.harmonics)
-        motion = problem.follow(unknowns, motion.circular, begun)
+        motion = problem.follow(problem.packed(motion.harmonics), motion.circular, begun)
     message = f"more points slip, open or close after {MOST_ROUNDS} rounds"
     raise ConvergenceError(message)
 
