@@ -123,8 +123,8 @@ def prepare_joint(study: Study, books: Books | None = None) -> PreparedJoint:
         )
         tightening, path = kept_tightening(checkpoint, "tightening", compute)
         locked = model.with_bolt_forces(tightening.initial_forces)
-        preload = rest = kept_state(checkpoint, first, locked, lambda: rest_state(locked, path))
-    model = locked
+        state = kept_state(checkpoint, first, locked, lambda: rest_state(locked, path))
+    model, preloaded = locked, state
     if study.sticking is not None:
         sticking = Sticking(threshold=study.sticking.threshold, stiffness=study.sticking.stiffness)
         tied = with_sticking(model, sticking)
@@ -134,15 +134,15 @@ def prepare_joint(study: Study, books: Books | None = None) -> PreparedJoint:
                 checkpoint, "tightening again", lambda: (tighten(tied, forces, losses=lost[1]), ())
             )
             model = final = tied.with_bolt_forces(again.initial_forces)
-            rest = kept_state(checkpoint, "rest", final, lambda: solve_static(final))
+            preloaded = kept_state(checkpoint, "rest", final, lambda: solve_static(final))
     return PreparedJoint(
         study=study,
         books=books,
         loaded=loaded,
         model=model,
         tightening=tightening,
-        preload=preload,
-        rest=rest,
+        preload=state,
+        rest=preloaded,
         preload_path=path,
     )
 
