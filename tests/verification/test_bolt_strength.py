@@ -104,6 +104,16 @@ def test_amplitudes_are_judged_from_rest_and_counted_where_repetitions_are_known
     damage = worn["fatigue, Miner's sum"]
     assert damage.value == pytest.approx(1e6 / (2e6 * (limit / 100) ** 3), rel=1e-12)
     assert (damage.outcome, damage.case) == ("not met", "pull")
+    hard = {"pull": state([45e3]), "lift": state([44e3]), "rest": state([25e3])}
+    end = PreloadEnd(name="P_p,min", rest=state([25e3]), cases=hard)
+    often = dict.fromkeys(hard, 1e5)
+    for solved, told in (({"pull"}, ", 1 of 2 cases by their nominal amplitudes"), (hard, "")):
+        ends = [replace(end, solved=frozenset(solved))]
+        (counted,) = (
+            one for one in strength_checks({"b": thread}, ends, "mm-t-s", often)
+            if one.quantity == damage.quantity
+        )  # fmt: skip
+        assert counted.scatter == f"P_p,min{told}"
 
 
 def test_pressure_under_the_head_and_stripping_by_hand():
