@@ -106,8 +106,12 @@ def _check_above(
     first = int(np.argmax(bad))
     others = f" (and {bad.sum() - 1} more elements)" if bad.sum() > 1 else ""
     inverted = smallest[first] < -threshold[first]
+    distorted = (
+        "it is inside out or too distorted: correct the order of its nodes, or remesh (curved ones "
+        "of gmsh with Mesh.HighOrderOptimize = 2)"
+    )
     what, remedy = (
-        ("negative", "it is inside out or too distorted: correct the order of its nodes, or remesh")
+        ("negative", distorted)
         if inverted
         else ("no", "it is flat or collapsed: use a wedge or tetrahedron, or merge its nodes away")
     )
