@@ -22,7 +22,13 @@ from scipy.linalg import LinAlgError
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.contact.between_pairs import BetweenPairs
-from faying.contact.held_pairs import HeldPairs, anchored_pairs, change_from, pressed_points
+from faying.contact.held_pairs import (
+    HeldPairs,
+    anchored_pairs,
+    change_from,
+    pressed_points,
+    symmetric_product,
+)
 from faying.contact.pair_factors import LU, Factors, PairSystem, WholeFactors
 from faying.contact.point_springs import PointSprings
 from faying.linalg.gmres import corrected
@@ -113,11 +119,11 @@ class GluedPairs:
         return cls(
             points=points,
             structure=structure,
-            glued=HeldPairs.on_springs(points, glued, structure),
+            glued=HeldPairs.on_springs(points, glued, structure, steps=not _whole(G)),
             open=OpenPairs(partial(_open_pairs, points, springs, between)),
         )
 
-    def glued_by(self, springs: Matrix) -> "GluedPairs":
+    def glued_by(self, springs: Matrix, *, steps: bool = False) -> "GluedPairs":
         """Return the same pairs on other springs (components, n_point) [force/length].
 
         Raises
@@ -125,7 +131,8 @@ class GluedPairs:
         LinAlgError
             If these and the structure do not hold them.
         """
-        return replace(self, glued=HeldPairs.on_springs(self.points, springs, self.structure))
+        held = HeldPairs.on_springs(self.points, springs, self.structure, steps=steps)
+        return replace(self, glued=held)
 
     @property
     def whole(self) -> bool:
@@ -144,7 +151,7 @@ class GluedPairs:
 
     def resisted(self, displacements: Vector) -> Vector:
         """Return Σ w of displacements w (n_relative,)."""
-        return np.asarray(self.structure @ displacements)
+        return symmetric_product(self.structure, displacements)
 
     def loosened(self, shapes: Matrix, yields: Matrix) -> "GluedPairs":
         """Return the pairs of the structure less springs across it (T1).
@@ -155,25 +162,24 @@ class GluedPairs:
         return replace(
             self,
             structure=self.structure - shapes.T @ np.linalg.solve(yields, shapes),
-            glued=self.glued.loosened(shapes, yields),
+            glued=self.glued.loosened(self.structure, shapes, yields),
             open=OpenPairs(partial(self._open_loosened, shapes, yields)),
         )
 
     def _open_loosened(self, shapes: Matrix, yields: Matrix) -> HeldPairs | None:
         opened = self.open.pairs
         try:
-            return None if opened is None else opened.loosened(shapes, yields)
+            return None if opened is None else opened.loosened(self.structure, shapes, yields)
         except LinAlgError:  # nothing but these springs holds a part
             return None
 
     def step(
-        self, K: Matrix, right: Vector, left: float, factors: Factors | WholeFactors | None = None
-    ) -> tuple[Vector, Vector, Factors | WholeFactors | None]:
-        """Return d, Σ d and the factors used, if they may serve again.
+        self, K: Matrix, right: Vector, enough: float, factors: Factors | WholeFactors | None = None
+    ) -> tuple[Vector, Factors | WholeFactors | None]:
+        """Return d and the factors used, if they may serve again.
 
-        Springs K are (n_point, components, components) [force/length]; what is left, the residual
-        of Newton's method over the largest force, says how exact is enough. Factors are those of
-        the step before.
+        Springs K are (n_point, components, components) [force/length]; enough is the residual over
+        b that serves Newton's method. Factors are those of the step before.
 
         Notes
         -----
@@ -184,12 +190,11 @@ class GluedPairs:
                 both = self.structure.copy()
                 self.points.add_to(both, K)
                 factors = WholeFactors(K, LU.of(both))
-            d = factors.lu.solve(right)
-            return d, self.structure @ d, factors
+            return factors.lu.solve(right), factors
         changed = self._changed(K, right)
         if not len(changed.rows):
-            return *changed.moved_by(changed.rows, np.empty(0)), factors
-        enough = float(np.clip(0.05 * left, ACCURATE, LOOSE)) * float(np.linalg.norm(right))
+            return changed.moved, factors
+        enough = float(np.clip(enough, ACCURATE, LOOSE)) * float(np.linalg.norm(right))
         # What overflows single precision is solved in double.
         with np.errstate(over="ignore", invalid="ignore"):
             if isinstance(factors, Factors) and factors.reference is changed.reference:
@@ -207,41 +212,20 @@ class GluedPairs:
         if answer is not None:
             return answer
         exact = system.factorized(np.float64).solve(changed.shared(system))
-        return *changed.moved_by(changed.rows, exact), None
+        return changed.moved_by(changed.rows, exact), None
 
-    def solved(self, springs: Matrix, right: Matrix) -> Matrix:
-        """Return the solutions (n_relative, k) of right-hand sides, to round-off.
-
-        Springs K (components, n_point) [force/length] are those of points that are closed and
-        stick.
-        """
-        k, n = springs.shape
-        K = np.zeros((n, k, k))
-        K[:, np.arange(k), np.arange(k)] = springs.T
-        if self.whole:
-            both = self.structure.copy()
-            self.points.add_to(both, K)
-            return np.asarray(np.linalg.solve(both, right))
-        # S has fewer digits beside weak springs.
-        changed = self._changed_from(self.glued, K, right)
-        system = changed.system(changed.rows)
-        exact = system.factorized(np.float64).solve(changed.shared(system))
-        return changed.moved_by(changed.rows, exact)[0]
-
-    def _changed(self, K: Matrix, right: Matrix) -> "_Changed":
+    def _changed(self, K: Matrix, right: Vector) -> "_Changed":
         """Return what K and b change of the pairs that it is nearest to."""
-        nearest, rows = self.glued, len(self.points.touched(change_from(self.glued.springs, K))[0])
-        if len(self.points.touched(K)[0]) < rows:
-            opened = self.open.pairs
-            if opened and len(self.points.touched(change_from(opened.springs, K))[0]) < rows:
-                nearest = opened
-        return self._changed_from(nearest, K, right)
-
-    def _changed_from(self, reference: HeldPairs, K: Matrix, right: Matrix) -> "_Changed":
-        change = change_from(reference.springs, K)
+        nearest, change = self.glued, change_from(self.glued.springs, K)
         rows, columns = self.points.touched(change)
+        if len(self.points.touched(K)[0]) < len(rows):
+            opened = self.open.pairs
+            other = change if opened is None else change_from(opened.springs, K)
+            if opened and len(self.points.touched(other)[0]) < len(rows):
+                nearest, change = opened, other
+                rows, columns = self.points.touched(change)
         block = self.points.between_pairs(change)[:, columns]
-        return _Changed(reference, rows, columns, block, right, reference.moved_by(right))
+        return _Changed(nearest, rows, columns, block, right, nearest.moved_by(right))
 
 
 @final
@@ -265,8 +249,8 @@ class _Changed:
     rows: Indices
     columns: Indices
     block: SparseMatrix
-    right: Matrix
-    moved: Matrix
+    right: Vector
+    moved: Vector
 
     def system(self, rows: Indices, previous: PairSystem | None = None) -> PairSystem:
         """Return the system of some rows, whose U_cr a previous one may hold."""
@@ -276,31 +260,24 @@ class _Changed:
         between = np.empty((len(self.columns), len(rows)))
         for first in range(0, len(between), IN_CACHE):
             strip = self.reference.compliance[self.columns[first : first + IN_CACHE]]
-            strip.take(rows, axis=1, out=between[first : first + IN_CACHE], mode="clip")
+            between[first : first + IN_CACHE] = strip.take(rows, axis=1)
         return PairSystem(rows, self.columns, self.block[rows], between)
 
-    def shared(self, system: PairSystem) -> Matrix:
+    def shared(self, system: PairSystem) -> Vector:
         """Return ΔB_rc (U b)_c."""
         return np.asarray(system.block @ self.moved[self.columns])
 
-    def moved_by(self, rows: Indices, taken: Matrix) -> tuple[Matrix, Matrix]:
-        """Return d and Σ d of m at some rows."""
+    def moved_by(self, rows: Indices, taken: Vector) -> Vector:
+        """Return d of m at some rows."""
         forces = self.right.copy()
         forces[rows] -= taken
-        d = self.reference.moved_by(forces)
-        return d, forces - self.reference.glue @ d
+        return self.reference.moved_by(forces)
 
-    def solved(self, factors: Factors, enough: float) -> tuple[Matrix, Matrix, Factors] | None:
-        """Return d, Σ d and the factors, up to a residual [force]; None where they do not serve."""
-        system = factors.system
-
-        def product(right: Vector) -> Vector:
-            return system.times(factors.solve(right))
-
-        reduced = corrected(product, self.shared(system), enough, MOST_CORRECTIONS)
-        if reduced is None:
-            return None
-        return *self.moved_by(system.rows, factors.solve(reduced)), factors
+    def solved(self, factors: Factors, enough: float) -> tuple[Vector, Factors] | None:
+        """Return d and the factors, up to a residual [force]; None where they do not serve."""
+        system, solve = factors.system, factors.solve
+        taken = corrected(system.times, solve, self.shared(system), enough, MOST_CORRECTIONS)
+        return None if taken is None else (self.moved_by(system.rows, taken), factors)
 
 
 def _open_pairs(points: PointSprings, springs: Matrix, between: BetweenPairs) -> HeldPairs | None:

@@ -1,6 +1,7 @@
 """The structure between pairs on springs at its points: the inverses that Newton steps begin from.
 
-Σ = S⁻¹ is the stiffness of the structure, and U = (Σ + Gᵀ K₀ G)⁻¹.
+Σ = S⁻¹ is the stiffness of the structure, and U = (Σ + Gᵀ K₀ G)⁻¹,
+in single precision where steps alone are begun with it.
 """
 
 from dataclasses import dataclass, replace
@@ -8,7 +9,7 @@ from typing import Any, final
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import blas, cho_factor, cho_solve, lapack, solve_triangular
+from scipy.linalg import LinAlgError, blas, cho_factor, cho_solve, lapack, solve_triangular
 
 from faying._typing import Matrix, SparseMatrix, Vector, frozen
 from faying.contact.point_springs import PointSprings
@@ -24,6 +25,13 @@ FREE, MOST_ANCHORS = 100.0, 100
 """Motion of a pair beside that of its springs, from which a point there is kept closed.
 
 Factors in single precision have seven digits. A body that weak springs alone hold has 1e5.
+"""
+
+SINGLE = 1e-4
+"""Smallest over largest squared pivot from which U in single precision serves steps.
+
+It leaves 6e-8 over this of a residual, which Newton's method takes down further (1e-6 on a roof and
+a flange, whose pivots have 1e-2 and 6e-2).
 """
 
 
@@ -44,31 +52,44 @@ class HeldPairs:
 
     springs: Matrix
     glue: SparseMatrix | Matrix
-    compliance: Matrix
+    compliance: npt.NDArray[Any]
 
     @classmethod
-    def on_springs(cls, points: PointSprings, springs: Matrix, structure: Matrix) -> "HeldPairs":
+    def on_springs(
+        cls, points: PointSprings, springs: Matrix, structure: Matrix, *, steps: bool = False
+    ) -> "HeldPairs":
         """Return a structure Σ on springs (components, n_point) at its points.
+
+        U is in single precision if it is for Newton steps alone, which correct what that leaves.
 
         Raises
         ------
         LinAlgError
             If these and the structure do not hold it.
         """
-        glue, both = points.of_diagonal(springs), structure.copy()
+        glue = points.of_diagonal(springs)
+        both = structure.astype(np.float32 if steps else np.float64)
         _add(both, glue)
-        return cls(frozen(springs), glue, inverse(both))
+        try:
+            compliance = inverse(both, SINGLE if steps else 0.0, overwrite=True)
+        except LinAlgError:
+            if not steps:
+                raise
+            return cls.on_springs(points, springs, structure)
+        return cls(frozen(springs), glue, compliance)
 
-    def moved_by(self, forces: Matrix) -> Matrix:
-        """Return U times forces (n_relative,) or (n_relative, k)."""
-        if forces.ndim > 1 or not forces.size:
-            return np.asarray(self.compliance @ forces)
-        # One triangle to read instead of all: 10 ms for 19 at 8160 pairs.
-        return np.asarray(blas.dsymv(1.0, self.compliance.T, forces, lower=1))
+    def moved_by(self, forces: Vector) -> Vector:
+        """Return U times forces (n_relative,)."""
+        return symmetric_product(self.compliance, forces)
 
-    def loosened(self, shapes: Matrix, yields: Matrix) -> "HeldPairs":
-        """Return them less springs across the structure; see :meth:`GluedPairs.loosened`."""
-        moved = self.compliance @ shapes.T
+    def loosened(self, structure: Matrix, shapes: Matrix, yields: Matrix) -> "HeldPairs":
+        """Return them, of a structure Σ, less springs (:meth:`GluedPairs.loosened`), in double.
+
+        These may hold all but a little of what a part resists.
+        """
+        moved = np.array([self.moved_by(shape) for shape in shapes]).T
+        left = shapes.T - structure @ moved - self.glue @ moved
+        moved += np.array([self.moved_by(column) for column in left.T]).T
         core = yields - shapes @ moved
         more = moved @ cho_solve(cho_factor((core + core.T) / 2), moved.T)
         return replace(self, compliance=self.compliance + more)
@@ -105,6 +126,14 @@ def anchored_pairs(points: PointSprings, springs: Matrix, S: Matrix) -> HeldPair
     return HeldPairs(anchors, points.of_diagonal(anchors), S - half.T @ half if chosen else S)
 
 
+def symmetric_product(matrix: npt.NDArray[Any], vector: Vector) -> Vector:
+    """Return the product of a symmetric matrix, of which one triangle is read: half the time."""
+    if not vector.size:
+        return vector
+    multiply = blas.ssymv if matrix.dtype == np.float32 else blas.dsymv
+    return np.asarray(multiply(1.0, matrix.T, vector, lower=1), dtype=float)
+
+
 def pressed_points(
     points: PointSprings, springs: Matrix, structure: Matrix, pulled: Vector
 ) -> Vector:
@@ -116,7 +145,7 @@ def pressed_points(
     gaps = points.G[: len(every)]
     felt = np.flatnonzero(abs(gaps).sum(axis=0))
     normal = PointSprings(G=gaps[:, felt], components=1)
-    stiffness, pull = structure[felt].take(felt, axis=1), structure[felt] @ pulled
+    stiffness, pull = structure[np.ix_(felt, felt)], (structure @ pulled)[felt]
     pressed = every
     for _ in range(ROUNDS):
         system = stiffness.copy()

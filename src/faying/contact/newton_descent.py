@@ -29,11 +29,11 @@ from faying.exceptions import ConvergenceError
 ROUND_OFF = 2e-15
 """Residual over the largest force at which a problem is solved."""
 
-FORMED = 1e-5
-"""Residual over the largest force from which on S forms what steps summed up."""
-
 SOLVED = 1e-9
 """Residual over the largest force that is accepted where round-off allows no less."""
+
+QUADRATIC = 0.05
+"""Residual of a step's system, over the residual that it begins with, per what this is itself."""
 
 COUNTS = 1e-4
 """Part of what would hold all points closed below which the largest force is no measure."""
@@ -113,23 +113,27 @@ def solve_yielding(
     factors: Factors | WholeFactors | None = None
     previous = np.inf
     while steps < MOST_STEPS and short < MOST_SHORT and np.isfinite(state.left):
-        if state.left <= FORMED and not formed:
+        if _ended(state.left, previous) and not formed:
             # What Newton's method summed up step by step is formed once more, by S or by Σ.
-            # Beside rigid motions on weak springs this alone balances forces to round-off.
+            # Beside rigid motions on weak springs this alone balances forces to round-off, and
+            # what a residual leaves there moves bodies far: at 3e-6 a roof's began anew.
             if moved_by is None:
                 state = replace(state, p=pairs.resisted(state.y - free) + pulled)
             else:
                 state = _formed(laws, pairs, free, law_offset, state, moved_by)
             formed, previous = True, np.inf
-        if state.left <= ROUND_OFF or (state.left <= SOLVED and state.left > 0.5 * previous):
+        if _ended(state.left, previous):
             break
         previous = state.left
         K = state.K
         if bounded:
             K = K.copy()
             K[:, 1:, 0] = 0.0
-        d, resisted, factors = pairs.step(K, -state.rest, state.left, factors)
-        trial, length, descends = _along(laws, state, d, resisted, (G @ d).reshape(shape))
+        # No step leaves less than it changes the laws, nor need the last one leave less than that.
+        enough = max(QUADRATIC * state.left, 0.5 * ROUND_OFF / state.left)
+        d, factors = pairs.step(K, -state.rest, enough, factors)
+        moved = (G @ d).reshape(shape)
+        trial, length, descends = _along(laws, state, d, pairs.resisted(d), moved)
         bounded = k > 1 and not bounded and (not descends or length < SHORT)
         short += k > 1 and length < SHORT
         state, steps = trial, steps + 1
@@ -152,6 +156,11 @@ def solve_yielding(
         residual=state.left,
         deepest=laws.closed_to(state.z[0]),
     )
+
+
+def _ended(left: float, previous: float) -> bool:
+    """Say of residuals over the largest force whether further steps leave no less."""
+    return left <= ROUND_OFF or (left <= SOLVED and left > ENOUGH * previous)
 
 
 def _formed(
@@ -184,7 +193,7 @@ def _begun(
         glued = pairs.glued
         pressed = pull + pairs.transposed @ (glued.springs * _at(G, free, offset)).ravel()
         moved = glued.moved_by(-pressed)
-        y, p = free + moved, -pressed - glued.glue @ moved + pull
+        y, p = free + moved, pairs.resisted(moved) + pull
     else:
         y = start.moved
         p = pairs.resisted(y - free) + pull

@@ -367,8 +367,8 @@ class Structure:
         moved = held @ seen
         core = la.cholesky(self.boundary_stiffness + symmetrized(seen.T @ moved), lower=True)
         given_way = la.solve_triangular(core, moved.T, lower=True)
-        free: Matrix = given_way.T @ given_way
-        np.subtract(held, free, out=free)
+        # BLAS works in column order: of a symmetric matrix the transpose is the same.
+        free: Matrix = la.blas.dgemm(-1.0, given_way, given_way, 1.0, held.T, trans_a=1).T
         free.setflags(write=False)
         return free
 

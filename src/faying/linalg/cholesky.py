@@ -1,9 +1,10 @@
 """Cholesky factorization of dense matrices by LAPACK."""
 
 from dataclasses import dataclass
-from typing import final
+from typing import Any, final
 
 import numpy as np
+import numpy.typing as npt
 import scipy.linalg as la
 from scipy.linalg import lapack
 
@@ -64,15 +65,21 @@ def factorize_condensed(A: Matrix, singly: Vector) -> DenseFactorization:
     return DenseFactorization(factor=np.asfortranarray(la.cholesky(A, lower=True)))
 
 
-def inverse(matrix: Matrix, smallest: float = 0.0) -> Matrix:
-    """Return the inverse of a positive definite matrix, by Cholesky; it is read-only."""
+def inverse(
+    matrix: npt.NDArray[Any], smallest: float = 0.0, *, overwrite: bool = False
+) -> npt.NDArray[Any]:
+    """Return the inverse of a positive definite matrix, by Cholesky, in its precision; read-only.
+
+    The matrix may be lost where it is to be overwritten.
+    """
     # LAPACK works in column order: of a symmetric matrix the transpose is the same.
-    lower, failed = lapack.dpotrf(matrix.T, lower=1, clean=0)
+    factorize, invert = la.get_lapack_funcs(("potrf", "potri"), (matrix,))
+    lower, failed = factorize(matrix.T, lower=1, clean=0, overwrite_a=overwrite)
     pivots = np.diag(lower)
-    if failed or pivots.min(initial=1) ** 2 < smallest * pivots.max(initial=1) ** 2:
+    if failed or pivots.min(initial=np.inf) ** 2 < smallest * pivots.max(initial=0.0) ** 2:
         message = "the matrix is not positive definite"
         raise la.LinAlgError(message)
-    whole: Matrix = lapack.dpotri(lower, lower=1, overwrite_c=1)[0].T
+    whole: npt.NDArray[Any] = invert(lower, lower=1, overwrite_c=1)[0].T
     for row in range(0, len(whole), ROWS):
         strip = slice(row, row + ROWS)
         whole[row + ROWS :, strip] = whole[strip, row + ROWS :].T

@@ -10,7 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix
-from faying.linalg.blocks import node_blocks, upper_blocks
+from faying.linalg.blocks import node_blocks, single_rows, upper_blocks
 from faying.linalg.cholesky import inverse
 from faying.linalg.memory import FactorMemory, NotEnoughMemoryError, require_memory
 from faying.linalg.mkl import INDEFINITE, PardisoHandle
@@ -139,10 +139,8 @@ def _bordered(A: SparseMatrix, ports: SparseMatrix) -> PardisoHandle | None:
     unknowns = with_relative_unknowns(ports)
     if unknowns is None:
         return None
-    upper = sp.triu(unknowns.T.tocsr() @ (A @ unknowns), format="csr")
-    upper.sort_indices()
-    places = upper.indices.astype(np.int32), upper.indptr.astype(np.int32)
-    return PardisoHandle(upper.data[:, None, None], *places, border=ports.shape[0])
+    upper = upper_blocks(single_rows(unknowns.T.tocsr() @ (A @ unknowns)))
+    return PardisoHandle(*upper, border=ports.shape[0])
 
 
 def count_negative_pardiso(A: SparseMatrix) -> int:

@@ -40,13 +40,11 @@ def test_steps_are_those_of_the_whole_matrix(seed, direct, monkeypatch):
         other[list(changed)] *= 0.3
         other[list(changed), 1, 0] = random.uniform(0.0, 1.0, len(changed))
         right = random.normal(size=3 * PAIRS)
-        d, forces, factors = pairs.step(other, right, 0.0, factors)
+        d, factors = pairs.step(other, right, 0.0, factors)
         exact = np.linalg.solve(stiffness + dense(G, other), right)
         # What factors in single precision leave.
         small = 10 * ACCURATE * np.abs(exact).max()
         np.testing.assert_allclose(d, exact, rtol=0, atol=small)
-        # Displacements and forces are the same to round-off, whatever is left of the system.
-        np.testing.assert_allclose(forces, stiffness @ d, rtol=0, atol=1e-11)
 
 
 def test_few_closed_points_are_solved_beside_open_ones(monkeypatch):
@@ -65,12 +63,10 @@ def test_few_closed_points_are_solved_beside_open_ones(monkeypatch):
     K, diagonal = np.zeros((N, 3, 3)), np.arange(3)
     K[:2, diagonal, diagonal] = springs[:, :2].T
     right = random.normal(size=3 * PAIRS)
-    d, forces, factors = pairs.step(K, right, 0.0)
+    d, factors = pairs.step(K, right, 0.0)
     assert factors.reference is opened
     exact = np.linalg.solve(stiffness + dense(rows.toarray(), K), right)
     np.testing.assert_allclose(d, exact, rtol=0, atol=10 * ACCURATE * np.abs(exact).max())
-    # S and its inverse agree to 1e-9, as 1e7 beside round-off leaves.
-    np.testing.assert_allclose(forces, stiffness @ d, rtol=0, atol=1e-7)
 
 
 def test_pairs_less_the_springs_of_bolts():
@@ -113,4 +109,3 @@ def test_points_that_feel_every_pair_are_solved_with_the_whole_matrix(monkeypatc
     # What factors in single precision leave.
     small = 10 * ACCURATE * np.abs(exact).max()
     np.testing.assert_allclose(pairs.step(K, right, 0.0)[0], exact, rtol=0, atol=small)
-    np.testing.assert_allclose(pairs.solved(0.5 * springs, right), exact, rtol=0, atol=small)
