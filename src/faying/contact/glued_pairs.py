@@ -47,25 +47,6 @@ IN_CACHE = 64
 
 
 @final
-@dataclass(frozen=True, eq=False)
-class OpenPairs:
-    """Pairs whose points are open, formed where a step first asks for them.
-
-    Attributes
-    ----------
-    form
-        Returns them; None where nothing holds what is free, or where Σ + B itself is factorized.
-    """
-
-    form: Callable[[], HeldPairs | None]
-
-    @cached_property
-    def pairs(self) -> HeldPairs | None:
-        """The pairs."""
-        return self.form()
-
-
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class GluedPairs:
     """Solves (Σ + Gᵀ K G) d = b.
@@ -78,14 +59,14 @@ class GluedPairs:
         Σ.
     glued
         Points closed and stuck.
-    open
-        Points open, but for some that hold what is else free.
+    form_open
+        Returns :attr:`opened`.
     """
 
     points: PointSprings
     structure: Matrix
     glued: HeldPairs
-    open: "OpenPairs"
+    form_open: Callable[[], HeldPairs | None]
 
     @classmethod
     def of(
@@ -120,7 +101,7 @@ class GluedPairs:
             points=points,
             structure=structure,
             glued=HeldPairs.on_springs(points, glued, structure, steps=not _whole(G)),
-            open=OpenPairs(partial(_open_pairs, points, springs, between)),
+            form_open=partial(_open_pairs, points, springs, between),
         )
 
     def glued_by(self, springs: Matrix, *, steps: bool = False) -> "GluedPairs":
@@ -132,7 +113,12 @@ class GluedPairs:
             If these and the structure do not hold them.
         """
         held = HeldPairs.on_springs(self.points, springs, self.structure, steps=steps)
-        return replace(self, glued=held)
+        return replace(self, glued=held, form_open=partial(getattr, self, "opened"))
+
+    @cached_property
+    def opened(self) -> HeldPairs | None:
+        """Points open, but for some that hold what is else free; None where nothing does."""
+        return self.form_open()
 
     @property
     def whole(self) -> bool:
@@ -163,11 +149,11 @@ class GluedPairs:
             self,
             structure=self.structure - shapes.T @ np.linalg.solve(yields, shapes),
             glued=self.glued.loosened(self.structure, shapes, yields),
-            open=OpenPairs(partial(self._open_loosened, shapes, yields)),
+            form_open=partial(self._open_loosened, shapes, yields),
         )
 
     def _open_loosened(self, shapes: Matrix, yields: Matrix) -> HeldPairs | None:
-        opened = self.open.pairs
+        opened = self.opened
         try:
             return None if opened is None else opened.loosened(self.structure, shapes, yields)
         except LinAlgError:  # nothing but these springs holds a part
@@ -219,7 +205,7 @@ class GluedPairs:
         nearest, change = self.glued, change_from(self.glued.springs, K)
         rows, columns = self.points.touched(change)
         if len(self.points.touched(K)[0]) < len(rows):
-            opened = self.open.pairs
+            opened = self.opened
             other = change if opened is None else change_from(opened.springs, K)
             if opened and len(self.points.touched(other)[0]) < len(rows):
                 nearest, change = opened, other

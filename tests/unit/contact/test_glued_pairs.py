@@ -56,7 +56,7 @@ def test_few_closed_points_are_solved_beside_open_ones(monkeypatch):
     motions = random.normal(size=(3 * PAIRS, 2))
     S = plain.S + 1e6 * motions @ motions.T
     pairs, stiffness = GluedPairs.of(rows, springs, ByCompliance(S)), np.linalg.inv(S)
-    opened = pairs.open.pairs
+    opened = pairs.opened
     assert 0 < np.count_nonzero(opened.springs[0]) < N
     # The largest of S is 1e7 times as much.
     assert np.abs(opened.compliance).max() < 10.0
