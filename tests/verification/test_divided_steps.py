@@ -9,7 +9,7 @@ import pytest
 
 import faying as fy
 from faying.exceptions import FormatError, ModelError
-from faying.simulation.divided_steps import FINEST, SAFETY, divided_steps
+from faying.simulation.divided_steps import MOST_HALVINGS, SAFETY, divided_steps
 from faying.simulation.restart import kept_restart, restart_from
 from faying.simulation.transient_windows import transient_windows
 
@@ -40,7 +40,7 @@ def apart(one, other):
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_the_tolerance_is_reached(rom, scheme):
     load, options = rising(0.1), {**TIMES, "integrator": scheme}
-    parts = 2 * 2**FINEST
+    parts = 2 * 2**MOST_HALVINGS
     exact = fy.solve_transient(rom, load, **{**options, "step": STEP / parts}).pressure[::parts]
     assert apart(fy.solve_transient(rom, load, **options).pressure, exact) > 0.01
     for changes in (0.1, 0.03):
@@ -58,7 +58,7 @@ def test_the_tolerance_is_reached(rom, scheme):
 def test_what_is_said_is_on_the_safe_side(rom, part):
     """Of implicit Euler 1.9 times the sum of the changes was reached; what is said is 5 times."""
     load, options = rising(part), {**TIMES, "integrator": fy.ImplicitEuler()}
-    parts = 2 * 2**FINEST
+    parts = 2 * 2**MOST_HALVINGS
     exact = fy.solve_transient(rom, load, **{**options, "step": STEP / parts}).pressure[::parts]
     for tolerance in (0.3, 0.03):
         found = fy.solve_transient(rom, load, **options, tolerance=tolerance)
@@ -79,7 +79,7 @@ def test_the_full_model_is_divided_alike(joint, rom):
 
 def test_what_no_division_reaches_is_said(rom):
     found = fy.solve_transient(rom, fy.Load(LOAD), **TIMES, tolerance=1e-6)
-    assert found.substeps.max() == 2**FINEST
+    assert found.substeps.max() == 2**MOST_HALVINGS
     assert found.step_error.sum() > 1e-6
 
 

@@ -87,10 +87,12 @@ def test_few_or_dense_columns_are_solved_for(plates, solved, monkeypatch):
     factor = factorize(K, backend="pardiso")
     monkeypatch.setattr(pardiso, "port_stiffness", None)
     solved.clear()
-    few = port_compliance(ports[: pardiso.FEW], factor)
-    some = port_compliance(ports[: pardiso.FEW + 5].toarray(), factor)
-    assert sum(solved) == 2 * pardiso.FEW + 5
-    np.testing.assert_allclose(few, some[: pardiso.FEW, : pardiso.FEW], rtol=0, atol=1e-12)
+    few = port_compliance(ports[: pardiso.FEW_PORTS], factor)
+    some = port_compliance(ports[: pardiso.FEW_PORTS + 5].toarray(), factor)
+    assert sum(solved) == 2 * pardiso.FEW_PORTS + 5
+    np.testing.assert_allclose(
+        few, some[: pardiso.FEW_PORTS, : pardiso.FEW_PORTS], rtol=0, atol=1e-12
+    )
 
 
 @pytest.mark.long

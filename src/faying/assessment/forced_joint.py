@@ -22,7 +22,7 @@ from faying.simulation.periodic import ModalLoads, PeriodicProblem
 from faying.simulation.periodic_curve import CurvePoint, Traced, solve_motion, trace
 from faying.simulation.solution import Solution
 
-SPAN = 1.5
+MODE_SPAN = 1.5
 """Modes take part up to this multiple of the highest harmonic."""
 
 FEWEST, MOST, MORE = 3, 15, 3
@@ -31,10 +31,10 @@ FEWEST, MOST, MORE = 3, 15, 3
 PER_HARMONIC, FEWEST_SAMPLES = 16, 64
 """Samples of a period: amplitudes at 64 and 128 differed by 0.3 %."""
 
-MEETS = 0.3
+MEETING_WIDTH = 0.3
 """How far (kω/ω_m)² is from one where harmonic k meets a mode."""
 
-BALANCED = 0.02
+LARGEST_IMBALANCE = 0.02
 """Work of the load that damping and friction may miss before it is said."""
 
 
@@ -89,11 +89,14 @@ class ForcedJoint:
         stuck = StuckPoints.of(solver, start.increment.forces, start.slip, start.increment.moved)
         highest = float(frequencies[-1])
         slipping = slipping_stiffness(system, state)
-        modes = cache(lambda harmonics: stuck_modes(system, state, SPAN * harmonics * highest))
+        modes = cache(lambda harmonics: stuck_modes(system, state, MODE_SPAN * harmonics * highest))
 
         @cache
         def loads(harmonics: int, released: Released) -> ModalLoads:
-            shapes, between = modes(harmonics).shapes, (frequencies[0], SPAN * harmonics * highest)
+            shapes, between = (
+                modes(harmonics).shapes,
+                (frequencies[0], MODE_SPAN * harmonics * highest),
+            )
             if released.slides:
                 shapes = with_released_modes(system, shapes, slipping, between)
             if released.opens:
@@ -159,7 +162,7 @@ class ForcedJoint:
         curve = drawn_curve(self.system, self.rest, level, traced)
         if curve.contact is not None and len(curve.frequency):
             imbalance = np.abs(curve.contact.imbalance)
-            if (imbalance > BALANCED).any():
+            if (imbalance > LARGEST_IMBALANCE).any():
                 worst = int(np.argmax(imbalance))
                 remarks.append(
                     f"damping and friction miss {imbalance[worst]:.1%} of the work of the load at "
@@ -237,7 +240,7 @@ class ForcedJoint:
         modes = self.modes(MOST).frequencies
         for k in range(2, MOST - 1):
             low, high = k * self.frequencies[0], k * self.frequencies[-1]
-            below, above = low / np.sqrt(1 + MEETS), high / np.sqrt(1 - MEETS)
+            below, above = low / np.sqrt(1 + MEETING_WIDTH), high / np.sqrt(1 - MEETING_WIDTH)
             if ((modes > below) & (modes < above)).any():
                 return max(FEWEST, k + 2)
         return FEWEST

@@ -23,7 +23,7 @@ Cycles repeat to 1e-3 of their energy, which is the noise of a damping ratio: a 
 by a few percent keeps that noise to a few percent of the derivative.
 """
 
-ENOUGH = 1e-3
+SMALLEST_CHANGE = 1e-3
 """Change of the sum of squares, over it, and of shares of ranges, at which a search ends: less than
 the noise of cycles tells apart."""
 
@@ -165,8 +165,8 @@ def identify(
         start,
         comparison.derivatives,
         bounds=(0.0, 1.0),
-        ftol=ENOUGH,
-        xtol=ENOUGH,
+        ftol=SMALLEST_CHANGE,
+        xtol=SMALLEST_CHANGE,
         max_nfev=MOST_STEPS,
     )
     return _judged(comparison, ended.x, ended.fun, ended.jac, free, ended.success)
@@ -282,7 +282,7 @@ def _judged(
         if not student.ppf((1 + CONFIDENCE) / 2, free) * spread < 0.5
     ]
     for name, share in zip(names, shares, strict=True):
-        if min(share, 1.0 - share) < ENOUGH:
+        if min(share, 1.0 - share) < SMALLEST_CHANGE:
             remarks.append(
                 f"'{name}' ends at the {'lower' if share < 0.5 else 'upper'} end of its "
                 "range; better values may lie outside"
@@ -324,14 +324,18 @@ def _judged(
     )
 
 
-SHOWN = 0.3
+SMALLEST_NAMED_SHARE = 0.3
 """Share of a direction from which on a parameter is named as part of it."""
 
 
 def _combination(names: Sequence[str], direction: Vector) -> str:
     """Say which parameters change along a direction, and which way."""
-    direction = direction * np.sign(direction[np.argmax(np.abs(direction) >= SHOWN)])
-    parts = [(name, x) for name, x in zip(names, direction, strict=True) if abs(x) >= SHOWN]
+    direction = direction * np.sign(direction[np.argmax(np.abs(direction) >= SMALLEST_NAMED_SHARE)])
+    parts = [
+        (name, x)
+        for name, x in zip(names, direction, strict=True)
+        if abs(x) >= SMALLEST_NAMED_SHARE
+    ]
     if len(parts) == 1:
         return f"'{parts[0][0]}'"
     ways = ", ".join(f"'{name}' {'up' if x > 0 else 'down'} by {abs(x):.1f}" for name, x in parts)

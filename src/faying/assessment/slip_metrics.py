@@ -16,7 +16,7 @@ from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.path import assembled, follow, moved_alone, path_start
 from faying.simulation.solution import Solution
 
-FAR = "largest distance slipped, tightening included"
+SLIP_DISTANCE = "largest distance slipped, tightening included"
 
 
 def friction_metrics(interfaces: Iterable[str]) -> list[Metric]:
@@ -29,7 +29,7 @@ def friction_metrics(interfaces: Iterable[str]) -> list[Metric]:
         for metric in (
             Metric(f"max_traction.{name}", traction, PRESSURE, "largest"),
             Metric(f"area_at_bound.{name}", bound, "length²", "largest"),
-            Metric(f"max_slip.{name}", FAR, "length", "largest"),
+            Metric(f"max_slip.{name}", SLIP_DISTANCE, "length", "largest"),
         )
     ]
 
@@ -64,7 +64,7 @@ def slip_metrics(interfaces: Iterable[str]) -> list[Metric]:
         for name in interfaces
         for metric in (
             Metric(f"slip_area.{name}", area, "length²", "largest"),
-            Metric(f"max_slip.{name}", FAR, "length", "largest"),
+            Metric(f"max_slip.{name}", SLIP_DISTANCE, "length", "largest"),
         )
     ]
 

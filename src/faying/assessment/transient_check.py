@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import final
 
-AGREES = 0.01
+LARGEST_DIFFERENCE = 0.01
 """Difference of amplitudes up to which both agree."""
 
 
@@ -50,12 +50,14 @@ class TransientCheck:
     @property
     def agrees(self) -> bool:
         """Whether amplitudes differ by one in a hundred at most."""
-        return abs(self.difference) <= AGREES
+        return abs(self.difference) <= LARGEST_DIFFERENCE
 
     @property
     def sentence(self) -> str:
         """What it says."""
-        left = f", {self.to_come:.1%} still to come" if self.to_come > AGREES / 2 else ""
+        left = (
+            f", {self.to_come:.1%} still to come" if self.to_come > LARGEST_DIFFERENCE / 2 else ""
+        )
         verb = "confirms" if self.agrees else "contradicts"
         return (
             f"level {self.level:g}: a transient of {self.periods} periods{left} {verb} the peak: "

@@ -26,7 +26,7 @@ def init(
 ) -> None:
     """Look at a deck or mesh and write a commented study that runs where the file allows it."""
     from faying.draft.first_study import first_study
-    from faying.draft.study_text import MARK
+    from faying.draft.study_text import DECIDE
     from faying.exceptions import StudyError
     from faying.files.atomic import write_text
 
@@ -42,7 +42,7 @@ def init(
         raise StudyError(message)
     study = first_study(deck, target, ignore or ())
     write_text(target, study.text)
-    typer.echo(f"Wrote {target}; {study.undecided} lines to decide, marked {MARK[:-1]}")
+    typer.echo(f"Wrote {target}; {study.undecided} lines to decide, marked {DECIDE[:-1]}")
     if study.problem:
         typer.echo(f"It does not run yet: {study.problem}")
     else:

@@ -26,10 +26,10 @@ from faying.exceptions import ConvergenceError
 from faying.linalg.compressed import CompressedCompliance
 from faying.linalg.threads import threads_for
 
-NOISE = 1e-11
+SIGN_NOISE = 1e-11
 """Sign violations below this fraction of the largest |g_free| do not count."""
 
-LOOSE = 1e-6
+SEARCH_TOLERANCE = 1e-6
 """The same while the points in contact are looked for."""
 
 CLOSED = 0.1
@@ -38,10 +38,10 @@ CLOSED = 0.1
 DIRECT = 1500
 """Pairs in contact up to which a dense system of theirs is faster than an iteration; 18 MB."""
 
-SHRUNK = 0.5
+LARGEST_SHRINKAGE = 0.5
 """Pairs in contact over those whose dense compliance is at hand, below which it is formed anew."""
 
-LIMIT = 2000
+MOST_STEPS = 2000
 """Conjugate gradient steps per active set; some thirty are usual."""
 
 RANK = 1e-12
@@ -69,7 +69,7 @@ class CompressedSpace:
     N: SparseMatrix
     S: CompressedCompliance
     D: Vector
-    noise: float = NOISE
+    noise: float = SIGN_NOISE
     direct: int = DIRECT
 
     @cached_property
@@ -203,13 +203,13 @@ class _Systems:
     """
 
     space: CompressedSpace
-    noise: float = NOISE
+    noise: float = SIGN_NOISE
     few: dict[str, tuple[Mask, SparseMatrix, Matrix]] = field(default_factory=dict)
     local: dict[int, tuple[bytes, Matrix]] = field(default_factory=dict)
 
     def loosened(self) -> "_Systems":
         """Return the systems of the same problem in which small gaps do not matter."""
-        return replace(self, noise=LOOSE)
+        return replace(self, noise=SEARCH_TOLERANCE)
 
     @property
     def diagonal(self) -> Vector:
@@ -240,7 +240,7 @@ class _Systems:
         if count == 0 or count > self.space.direct or not (self.space.D[active] > 0).all():
             return self._conjugate_gradients(right, active, allowed)
         last = self.few.get("pairs")
-        if last is None or (touched & ~last[0]).any() or count < SHRUNK * last[0].sum():
+        if last is None or (touched & ~last[0]).any() or count < LARGEST_SHRINKAGE * last[0].sum():
             pairs = np.flatnonzero(touched)
             few = self.space.N[:, pairs].tocsr(), self.space.S.principal(pairs)
             last = self.few["pairs"] = (touched, *few)
@@ -262,7 +262,7 @@ class _Systems:
         inverse = self._preconditioner(active)
         z = inverse(r)
         p, rz = z, float(r @ z)
-        for _ in range(LIMIT):
+        for _ in range(MOST_STEPS):
             answer = np.where(active, self.space.product(p), 0.0)
             alpha = rz / float(p @ answer)
             x = x + alpha * p
@@ -277,8 +277,8 @@ class _Systems:
             previous, rz = rz, float(r @ z)
             p = z + (rz / previous) * p
         message = (
-            f"the compressed contact problem left a gap of {np.abs(r).max():.1e} after {LIMIT} "
-            "steps; raise the dense budget of the model, or lower the penalty"
+            f"the compressed contact problem left a gap of {np.abs(r).max():.1e} after "
+            f"{MOST_STEPS} steps; raise the dense budget of the model, or lower the penalty"
         )
         raise ConvergenceError(message)
 

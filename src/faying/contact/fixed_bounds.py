@@ -39,7 +39,7 @@ MOST_TRIALS = 40
 FLAT = 0.1
 """Slope of the energy at the end of a step, over that at its beginning, that is taken for none."""
 
-ENOUGH = 1e-6
+SOLVED_RESIDUAL = 1e-6
 """Residual over the largest force at which it is solved; the step to it leaves far less."""
 
 
@@ -69,7 +69,7 @@ class FixedBounds:
         """Return forces (3, n_point), and in how many Newton steps they were found."""
         x, y, step = self.about, self.steps.moved(self.about), 0
         trial, wrong = self._judged(x, y)
-        while step < MOST_STEPS and np.abs(wrong).max() > ENOUGH * np.abs(x).max():
+        while step < MOST_STEPS and np.abs(wrong).max() > SOLVED_RESIDUAL * np.abs(x).max():
             step += 1
             slope = self.laws.derivative(trial, self.about[0])
             try:

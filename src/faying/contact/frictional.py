@@ -41,7 +41,7 @@ MOST_STEPS = 60
 MOST_HALVINGS = 12
 """Halvings of a Newton step."""
 
-WATCHED = 5
+STEPS_TO_FALL = 5
 """Steps among which the residual must fall where it cannot fall in every one.
 
 A residual that may rise between takes twice the steps in easy increments (42 for 17 at μ = 0.3 and
@@ -56,7 +56,7 @@ Steps of increments of a tenth of the load that make the default cantilever slip
 and 12 at most, with 1 9.5 and 15, with 100 more again.
 """
 
-BOLD = 1e3
+LARGEST_RISE = 1e3
 """How often its first residual the next ones may be where residuals may rise."""
 
 SOFTEST, MOST_PROXIMAL = 1.0, 40
@@ -212,7 +212,7 @@ class FrictionalContact:
         """
         z, step = self._slack(x, z_free, added), 0
         wrong = self._residual(x, z, pressing)
-        norms = [float(np.linalg.norm(wrong)) * (BOLD if watched > 1 else 1.0)]
+        norms = [float(np.linalg.norm(wrong)) * (LARGEST_RISE if watched > 1 else 1.0)]
         while step < MOST_STEPS:
             step += 1
             try:
@@ -258,7 +258,7 @@ class FrictionalContact:
         steps, added, left = 0, SOFTEST, np.inf
         for _ in range(MOST_PROXIMAL):
             shifted = z_free - added * self.steps.own * x
-            candidate, more, left = self._newton(shifted, x, None, WATCHED, added=added)
+            candidate, more, left = self._newton(shifted, x, None, STEPS_TO_FALL, added=added)
             steps += more
             x = candidate if left <= SOLVED else x
             added *= 0.1 if left <= SOLVED else 20.0
@@ -279,7 +279,7 @@ class FrictionalContact:
         """
         steps, x = 0, np.zeros_like(x)
         for added in SOFTEST * 10.0 ** -np.arange(MOST_STIFFENED):
-            x, more, left = self._newton(z_free, x, None, WATCHED, added=added)
+            x, more, left = self._newton(z_free, x, None, STEPS_TO_FALL, added=added)
             candidate, last, exact = self._newton(z_free, x, None)
             steps += more + last
             if exact <= SOLVED:

@@ -15,7 +15,7 @@ from faying._typing import Matrix, SparseMatrix, Vector, frozen
 from faying.contact.point_springs import PointSprings
 from faying.linalg.cholesky import inverse
 
-ROUNDS = 3
+MOST_ROUNDS = 3
 """Times that points which the bolts pull apart are opened; the rest is left to Newton's method."""
 
 UNCHANGED = 1e-12
@@ -27,7 +27,7 @@ FREE, MOST_ANCHORS = 100.0, 100
 Factors in single precision have seven digits. A body that weak springs alone hold has 1e5.
 """
 
-SINGLE = 1e-4
+SMALLEST_SINGLE_PIVOT = 1e-4
 """Smallest over largest squared pivot from which U in single precision serves steps.
 
 It leaves 6e-8 over this of a residual, which Newton's method takes down further (1e-6 on a roof and
@@ -71,7 +71,7 @@ class HeldPairs:
         both = structure.astype(np.float32 if steps else np.float64)
         _add(both, glue)
         try:
-            compliance = inverse(both, SINGLE if steps else 0.0, overwrite=True)
+            compliance = inverse(both, SMALLEST_SINGLE_PIVOT if steps else 0.0, overwrite=True)
         except LinAlgError:
             if not steps:
                 raise
@@ -147,7 +147,7 @@ def pressed_points(
     normal = PointSprings(G=gaps[:, felt], components=1)
     stiffness, pull = structure[np.ix_(felt, felt)], (structure @ pulled)[felt]
     pressed = every
-    for _ in range(ROUNDS):
+    for _ in range(MOST_ROUNDS):
         system = stiffness.copy()
         _add(system, normal.of_diagonal(springs[:1] * pressed))
         lifted = lapack.dposv(system.T, pull, lower=1, overwrite_a=1)[1]

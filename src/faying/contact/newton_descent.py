@@ -35,13 +35,13 @@ SOLVED = 1e-9
 QUADRATIC = 0.05
 """Residual of a step's system, over the residual that it begins with, per what this is itself."""
 
-COUNTS = 1e-4
+SMALLEST_FORCE_SHARE = 1e-4
 """Part of what would hold all points closed below which the largest force is no measure."""
 
 MOST_STEPS = 80
 """Newton steps; 5 to 15 are usual."""
 
-ENOUGH = 0.5
+LARGEST_REMAINDER = 0.5
 """Part of slope or residual that a whole step may leave."""
 
 FLAT = 0.1
@@ -50,13 +50,13 @@ FLAT = 0.1
 MOST_TRIALS = 8
 """Lengths of a step that are tried."""
 
-SHORT = 0.15
+SHORT_STEP = 0.15
 """Length of a step below which the next one fixes the friction bounds."""
 
 MOST_SHORT = 8
 """Short steps with friction after which Newton's method has gone astray."""
 
-ONWARD = 1.0 + 1e-9
+SLIP_ON_SCALE = 1.0 + 1e-9
 """What tangential displacements are scaled by, so that points at their bound slip on at first."""
 
 
@@ -134,8 +134,8 @@ def solve_yielding(
         d, factors = pairs.step(K, -state.rest, enough, factors)
         moved = (G @ d).reshape(shape)
         trial, length, descends = _along(laws, state, d, pairs.resisted(d), moved)
-        bounded = k > 1 and not bounded and (not descends or length < SHORT)
-        short += k > 1 and length < SHORT
+        bounded = k > 1 and not bounded and (not descends or length < SHORT_STEP)
+        short += k > 1 and length < SHORT_STEP
         state, steps = trial, steps + 1
     if not state.left <= SOLVED:
         message = (
@@ -160,7 +160,7 @@ def solve_yielding(
 
 def _ended(left: float, previous: float) -> bool:
     """Say of residuals over the largest force whether further steps leave no less."""
-    return left <= ROUND_OFF or (left <= SOLVED and left > ENOUGH * previous)
+    return left <= ROUND_OFF or (left <= SOLVED and left > LARGEST_REMAINDER * previous)
 
 
 def _formed(
@@ -201,9 +201,9 @@ def _begun(
     forces, K = laws.respond(z)
     if start is not None and shape[0] > 1:
         onward = z.copy()
-        onward[1:] *= ONWARD
+        onward[1:] *= SLIP_ON_SCALE
         K = laws.respond(onward)[1]
-    floor = max(COUNTS * float(np.abs(p).max(initial=0.0)), np.finfo(float).tiny)
+    floor = max(SMALLEST_FORCE_SHARE * float(np.abs(p).max(initial=0.0)), np.finfo(float).tiny)
     return _State(y, p, z, forces, K, pairs.transposed, floor)
 
 
@@ -232,8 +232,8 @@ def _along(
 
     length, trial = 1.0, reached(1.0)
     last, descends = slope(trial, 1.0), at_first < 0
-    fits = abs(last) <= ENOUGH * abs(at_first)
-    if fits or np.linalg.norm(trial.rest) <= ENOUGH * np.linalg.norm(state.rest):
+    fits = abs(last) <= LARGEST_REMAINDER * abs(at_first)
+    if fits or np.linalg.norm(trial.rest) <= LARGEST_REMAINDER * np.linalg.norm(state.rest):
         return trial, length, descends
     if not (descends and last > 0):
         return trial, length, descends

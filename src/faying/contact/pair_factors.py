@@ -12,7 +12,7 @@ from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.contact.held_pairs import HeldPairs
 from faying.contact.point_springs import PointSprings
 
-CHANGED = 0.1
+STIFFNESS_CHANGE = 0.1
 """Change of K at a point, over the largest K, that factors are updated by; GMRES does the rest."""
 
 MOST_UPDATED = 0.15
@@ -189,5 +189,5 @@ class Update:
 def _beyond(K: Matrix, previous: Matrix) -> Matrix:
     """Return K less a previous one where it is far from it, else zero."""
     change = K - previous
-    change[np.abs(change).max(axis=(1, 2)) <= CHANGED * np.abs(K).max()] = 0.0
+    change[np.abs(change).max(axis=(1, 2)) <= STIFFNESS_CHANGE * np.abs(K).max()] = 0.0
     return change

@@ -16,12 +16,12 @@ from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.contact.increment_solver import IncrementSolver
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_descent import (
-    COUNTS,
-    ENOUGH,
     FLAT,
+    LARGEST_REMAINDER,
     MOST_STEPS,
     MOST_TRIALS,
     ROUND_OFF,
+    SMALLEST_FORCE_SHARE,
     SOLVED,
 )
 from faying.contact.yielding import YieldingContact
@@ -61,7 +61,9 @@ def solve_similar(
         springs = laws.springs
         pairs = solver.pairs.glued_by(springs)
     p, pressed = solver.pairs.structure @ (moved.T - y_f), np.zeros_like(z)
-    floor = np.maximum(COUNTS * np.abs(p).max(axis=0, initial=0.0), np.finfo(float).tiny)
+    floor = np.maximum(
+        SMALLEST_FORCE_SHARE * np.abs(p).max(axis=0, initial=0.0), np.finfo(float).tiny
+    )
     steps, previous = np.zeros(len(free), dtype=np.int64), np.full(len(free), np.inf)
     formed, lost = np.zeros((2, len(free)), dtype=bool)
     changed = _Changed.of(G, pairs.glued.compliance, np.empty(0, dtype=np.int64))
@@ -74,7 +76,9 @@ def solve_similar(
         solved = left <= SOLVED
         # What steps summed up is formed once more, by S.
         forming = solved & ~formed[going]
-        ended = solved & ((left <= ROUND_OFF) | (left > ENOUGH * previous[going])) & ~forming
+        ended = (
+            solved & ((left <= ROUND_OFF) | (left > LARGEST_REMAINDER * previous[going])) & ~forming
+        )
         stuck = ~solved & ((steps[going] >= MOST_STEPS) | ~np.isfinite(left))
         previous[going] = np.where(forming, np.inf, left)
         again = going[forming]
@@ -168,7 +172,7 @@ def _lengths(
 
     lengths = np.ones(len(at_first))
     above = slope(np.arange(len(lengths)), lengths)
-    cases = np.flatnonzero(np.abs(above) > ENOUGH * np.abs(at_first))
+    cases = np.flatnonzero(np.abs(above) > LARGEST_REMAINDER * np.abs(at_first))
     low, high, below, above = np.zeros(len(cases)), lengths[cases], at_first[cases], above[cases]
     for _ in range(MOST_TRIALS):
         if not len(cases):

@@ -25,7 +25,7 @@ from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.yielding import YieldingContact
 from faying.exceptions import ModelError
 
-CLOSE = 0.9
+CLOSE_TO_BOUND = 0.9
 """Part of a bound from which a point that was stuck is watched."""
 
 
@@ -114,7 +114,7 @@ class StuckPoints:
             return np.arange(self.contact.n_points)
         limit = self.contact.coefficients * self.forces[0]
         sheared = np.hypot(self.forces[1], self.forces[2])
-        return np.flatnonzero((limit > 0) & (sheared > CLOSE * limit))
+        return np.flatnonzero((limit > 0) & (sheared > CLOSE_TO_BOUND * limit))
 
     def leaving(self, displaced: Matrix, watched: Indices) -> Indices:
         """Return points (n,) that do not stay as they are, and such as come close to it.
@@ -141,7 +141,7 @@ class StuckPoints:
 
         if not beyond(1.0).any():
             return np.empty(0, dtype=np.int64)
-        return np.flatnonzero(beyond(CLOSE))
+        return np.flatnonzero(beyond(CLOSE_TO_BOUND))
 
     def local(self, points: Indices) -> "LocalContact":
         """Return the contact problem of some points (n,), rising."""

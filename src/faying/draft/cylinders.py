@@ -13,7 +13,7 @@ from faying.model.surface import Facets, facet_area_vectors
 SMOOTH = np.cos(np.radians(40.0))
 """Cosine between neighbouring facets of one smooth face: circles of nine edges and more."""
 
-ALONG = 0.03
+AXIAL_SHARE = 0.03
 """Share of the normals along the axis, squared, in a cylinder: flat triangles tilt on it."""
 
 STEPS = 8
@@ -22,7 +22,7 @@ STEPS = 8
 ROUND = 0.02
 """Largest distance of a node from the circle, over its radius."""
 
-WHOLE = 0.05
+FULL_CIRCLE_SUM = 0.05
 """Largest sum of the normals over their number in a full circle; half a one has 0.6."""
 
 
@@ -79,7 +79,7 @@ def cylinders(mesh: Mesh) -> Cylinders:
     widths, frames = np.linalg.eigh(spread / np.maximum(area, np.finfo(float).tiny)[:, None, None])
     mean = np.linalg.norm(_sums(face, n_face, vectors), axis=1)
     # A full circle looks in all directions of a plane alike.
-    curved = (widths[:, 0] < ALONG) & (widths[:, 1] > 0.3) & (mean < WHOLE * area)
+    curved = (widths[:, 0] < AXIAL_SHARE) & (widths[:, 1] > 0.3) & (mean < FULL_CIRCLE_SUM * area)
     lead = np.abs(frames[:, :, 0]).argmax(axis=1)[:, None]
     axes = frames[:, :, 0] * np.sign(np.take_along_axis(frames[:, :, 0], lead, axis=1))
     return _fitted(mesh.nodes, facets, normals, face, axes, np.flatnonzero(curved))

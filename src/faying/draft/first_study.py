@@ -11,7 +11,7 @@ from faying.draft.bolts import Hole, bolt_diameter, clamping_lines, holes_in_lin
 from faying.draft.cylinders import cylinders
 from faying.draft.model_file import ModelFile, read_model_file
 from faying.draft.study_text import (
-    MARK,
+    DECIDE,
     STRAIN,
     BoltEntry,
     Findings,
@@ -35,10 +35,10 @@ from faying.model.supports import nodes_of_set, with_held_nodes
 from faying.study.inputs.load_model import build
 from faying.study.keys.schema import parse_study
 
-SHARE = 0.05
+LOAD_SHARE = 0.05
 """Load that stands where none is said, over the sum of the preloads."""
 
-SOFT = 1e-7
+UNBOLTED_LOAD_SHARE = 1e-7
 """The same over E times the extent squared, where there are no bolts."""
 
 
@@ -86,7 +86,7 @@ def first_study(path: Path, target: Path, ignore: Sequence[str] = ()) -> FirstSt
         if not remaining:
             findings, built, problem = supported, joints, ""
     text = study_text(findings, target, built, problem)
-    return FirstStudy(text=text, undecided=text.count(MARK), problem=problem)
+    return FirstStudy(text=text, undecided=text.count(DECIDE), problem=problem)
 
 
 def _tried(text: str, target: Path) -> tuple[Mapping[str, Interface], str]:
@@ -196,7 +196,7 @@ def _loaded(findings: Findings, contact: Indices, along: Direction) -> Findings:
         *(entry.preload or 0.0 for entry in findings.bolts),
     ]
     extent = float(np.ptp(mesh.nodes, axis=0).max())
-    force = SHARE * sum(preloads) or SOFT * _modulus(assembly) * extent**2
+    force = LOAD_SHARE * sum(preloads) or UNBOLTED_LOAD_SHARE * _modulus(assembly) * extent**2
     by_name = [
         entry
         for entry in named(mesh, LOADED)

@@ -20,7 +20,7 @@ from faying.study.keys.deck_study import quoted
 from faying.study.keys.schema import EDITOR_SCHEMA
 from faying.units import units_of
 
-MARK = "DECIDE:"
+DECIDE = "DECIDE:"
 """Stands in every line that an engineer must decide."""
 
 STRAIN = 1.5e-3
@@ -103,11 +103,11 @@ def study_text(
     lines = [f"#:schema {EDITOR_SCHEMA.as_uri()}"]
     lines += _comment(
         f"Begun by faying init from {findings.file.path.name}. What that does not say is marked "
-        f"with the word {MARK[:-1]}: search for it, decide, and take the mark away. faying check "
+        f"with the word {DECIDE[:-1]}: search for it, decide, and take the mark away. faying check "
         f"{target.name} tells what was understood, faying run {target.name} computes it."
     )
     if problem:
-        lines += _comment(f"{MARK} it does not run yet: {problem}")
+        lines += _comment(f"{DECIDE} it does not run yet: {problem}")
     sections: tuple[Iterable[str], ...] = (
         _head(findings, target, built),
         _materials(findings.file),
@@ -130,7 +130,7 @@ def _comment(text: str) -> list[str]:
 def _head(findings: Findings, target: Path, built: Mapping[str, Interface]) -> Iterator[str]:
     file, mesh = findings.file, findings.file.mesh
     yield f"title = {quoted(file.path.stem)}"
-    yield f'units = "{file.units}"  # {MARK} the file does not say; suits its materials or size'
+    yield f'units = "{file.units}"  # {DECIDE} the file does not say; suits its materials or size'
     yield ""
     yield "[model]"
     yield f'source = "{file.source}"'
@@ -139,11 +139,11 @@ def _head(findings: Findings, target: Path, built: Mapping[str, Interface]) -> I
         yield f"ignore = [{', '.join(map(quoted, file.ignore))}]"
     if file.separate:
         names = ", ".join(map(quoted, file.separate))
-        yield f"separate = [{names}]  # {MARK} parts that touch; they share nodes in the mesh"
+        yield f"separate = [{names}]  # {DECIDE} parts that touch; they share nodes in the mesh"
     if findings.weak_springs:
         holds = any(interface.law.friction for interface in built.values())
         why = "and friction hold some body" if holds else "alone holds some body; give it friction"
-        yield f'weak_springs = "auto"  # {MARK} contact {why}, or support it'
+        yield f'weak_springs = "auto"  # {DECIDE} contact {why}, or support it'
     parts = [quoted(name) for name in body_names(mesh)]
     extent = " × ".join(f"{size:.4g}" for size in np.ptp(mesh.nodes, axis=0).tolist())
     count = f"{len(parts)} bodies" if len(parts) != 1 else "one body"
@@ -160,7 +160,7 @@ def _relative(path: Path, target: Path) -> str:
 
 def _materials(file: ModelFile) -> Iterator[str]:
     if file.stand_in is not None:
-        yield f"[material.{file.stand_in.name}]  # {MARK} the mesh has none; this is steel"
+        yield f"[material.{file.stand_in.name}]  # {DECIDE} the mesh has none; this is steel"
         yield f"E = {_number(file.stand_in.youngs_modulus)}"
         yield f"nu = {_number(file.stand_in.poissons_ratio)}"
         yield f"rho = {_number(file.stand_in.density)}"
@@ -186,17 +186,17 @@ def _interfaces(findings: Findings, built: Mapping[str, Interface]) -> Iterator[
         return
     names = body_names(findings.file.mesh)
     if not findings.faces:
-        yield from _comment(f"{MARK} no faces of different bodies face each other: no interface")
+        yield from _comment(f"{DECIDE} no faces of different bodies face each other: no interface")
     if findings.file.described.has_joined_faces and findings.faces:
         yield from _comment(
-            f"{MARK} bodies are tied or cut at bolts, so that faces below may be joined already"
+            f"{DECIDE} bodies are tied or cut at bolts, so that faces below may be joined already"
         )
     for number, face in enumerate(findings.faces):
         name = "joint" if findings.active == 1 and number == 0 else f"joint-{number + 1}"
         gap = f"gap {face.gap[0]:.3g} to {face.gap[1]:.3g}"
         off = "" if number < findings.active else "# "
         if off:
-            yield from _comment(f"{MARK} also near each other, area {face.area:.5g}, {gap}:")
+            yield from _comment(f"{DECIDE} also near each other, area {face.area:.5g}, {gap}:")
         yield f"{off}[[interface]]"
         yield f"{off}name = {quoted(name)}" + ("" if off else _trailing(name, built))
         yield f"{off}minus = {quoted(_body(names, findings, face.minus))}"
@@ -204,7 +204,7 @@ def _interfaces(findings: Findings, built: Mapping[str, Interface]) -> Iterator[
         if not face.matching:
             yield f'{off}meshes = "non-matching"'
         if not face.touching:
-            yield f"{off}search_distance = {_number(1.01 * face.gap[1])}  # {MARK} {gap}"
+            yield f"{off}search_distance = {_number(1.01 * face.gap[1])}  # {DECIDE} {gap}"
         if not off:
             yield 'penalty = "auto"  # or "hard", or a number'
         yield ""
@@ -248,7 +248,7 @@ def _bolts(findings: Findings) -> Iterator[str]:
             else "clearance holes of ISO 273; heads are hexagons unless 'head' says otherwise"
         )
         yield from _comment(
-            f"{MARK} bolts are made for holes in line, of radius {findings.made[0].radius:.4g}: "
+            f"{DECIDE} bolts are made for holes in line, of radius {findings.made[0].radius:.4g}: "
             f"{measures}"
         )
     for bolt in findings.bolts:
@@ -258,7 +258,7 @@ def _bolts(findings: Findings) -> Iterator[str]:
             yield f"{key} = {value}"
         if bolt.preload is not None:
             text = f"a placeholder, {STRAIN:.2%} strain of the shank" if bolt.preload else "unknown"
-            yield f"preload = {_number(bolt.preload)}  # {MARK} {text}"
+            yield f"preload = {_number(bolt.preload)}  # {DECIDE} {text}"
         yield ""
     for hole in findings.holes:
         said = (
@@ -271,11 +271,11 @@ def _bolts(findings: Findings) -> Iterator[str]:
                 "a pretension section of an Abaqus deck does, or leave the shank out of the mesh "
                 "and take"
             )
-        yield from _comment(f"{MARK} {said}")
+        yield from _comment(f"{DECIDE} {said}")
         for key, value in hole_keys(hole, findings.file.units).items():
             yield f"#   {key} = {value}"
     if not (described.bolts or findings.bolts or findings.holes):
-        yield from _comment(f"{MARK} no bolt was found; [[bolt]] tightens beams, or makes one")
+        yield from _comment(f"{DECIDE} no bolt was found; [[bolt]] tightens beams, or makes one")
 
 
 def hole_keys(hole: Hole, units: str) -> dict[str, str]:
@@ -285,7 +285,7 @@ def hole_keys(hole: Hole, units: str) -> dict[str, str]:
     places = np.round(hole.ends, 4 - int(np.floor(np.log10(hole.radius)))) + 0.0
     ends = ", ".join(f"[{', '.join(map(_number, end))}]" for end in places.tolist())
     if size is not None:
-        grade = f"{quoted(GRADE)}  # {MARK} a placeholder, by which its strength is judged"
+        grade = f"{quoted(GRADE)}  # {DECIDE} a placeholder, by which its strength is judged"
         return {"axis": f"[{ends}]", "size": quoted(size), "grade": grade}
     return {
         "axis": f"[{ends}]",
@@ -307,12 +307,12 @@ def _held(findings: Findings) -> Iterator[str]:
         yield from _comment(f"The file holds {count} nodes; [[support]] holds more")
     for name in findings.held:
         yield "[[support]]"
-        yield f"set = {quoted(name)}  # {MARK} held only for its name"
+        yield f"set = {quoted(name)}  # {DECIDE} held only for its name"
         yield ""
     if findings.pins:
         sets = ", ".join(map(quoted, [*mesh.node_sets][:12])) or "none"
         yield from _comment(
-            f"{MARK} nothing says what is held. These three nodes keep the largest body in place "
+            f"{DECIDE} nothing says what is held. These three nodes keep the largest body in place "
             f"and nothing more; hold a set instead (there are: {sets})"
         )
     for pin in findings.pins:
@@ -336,16 +336,16 @@ def _loads(findings: Findings) -> Iterator[str]:
         yield ""
     if len(loads) > MOST_SHOWN:
         more = ", ".join(map(quoted, loads[MOST_SHOWN:][:20]))
-        yield from _comment(f"{MARK} loads of the file without a load case: {more}")
+        yield from _comment(f"{DECIDE} loads of the file without a load case: {more}")
     if loads or (findings.loaded_set is None and findings.loaded_node is None):
         return
     yield "[[boundary]]"
     yield 'name = "load"'
     if findings.loaded_set is not None:
-        yield f"set = {quoted(findings.loaded_set)}  # {MARK} where the load enters"
+        yield f"set = {quoted(findings.loaded_set)}  # {DECIDE} where the load enters"
         yield 'coupling = "rbe3"'
     else:
-        yield f"node = {findings.loaded_node}  # {MARK} where the load enters"
+        yield f"node = {findings.loaded_node}  # {DECIDE} where the load enters"
     yield ""
     yield "[[load_case]]"
     yield 'name = "load"'
@@ -353,7 +353,7 @@ def _loads(findings: Findings) -> Iterator[str]:
     force = (
         f'boundary = "load", component = "{findings.component}", value = {_number(findings.force)}'
     )
-    yield f"forces = [{{ {force} }}]  # {MARK} a placeholder"
+    yield f"forces = [{{ {force} }}]  # {DECIDE} a placeholder"
 
 
 def _rest(findings: Findings) -> Iterator[str]:
@@ -362,7 +362,7 @@ def _rest(findings: Findings) -> Iterator[str]:
     yield 'methods = ["compliance"]'
     yield ""
     yield from _comment(
-        f"{MARK} what the joint must hold in every load case; faying run then ends with status 3 "
+        f"{DECIDE} what the joint must hold in every load case; faying run then ends with status 3 "
         "where it does not"
     )
     units = units_of(findings.file.units)

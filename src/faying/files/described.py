@@ -35,7 +35,7 @@ Node = Any
 PARTS = "real and imaginary part"
 """Name of the last axis of complex numbers."""
 
-SMALL = 64
+SMALL_ARRAY = 64
 """Arrays of up to this many numbers are not worth a compressed chunk."""
 
 
@@ -197,7 +197,7 @@ def _write_data(group: h5py.Group, name: str, value: Any, meaning: Meaning, unit
             shape = f"{shape.rstrip(',)') or '('}{', ' if shape else ''}{PARTS})"
         packed: dict[str, Any] = (
             {"compression": "gzip", "shuffle": True, "fletcher32": True}
-            if array.size > SMALL
+            if array.size > SMALL_ARRAY
             else {}
         )
         data = group.create_dataset(member_name(name), data=array, **packed)

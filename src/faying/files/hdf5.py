@@ -21,13 +21,13 @@ from faying.files.child_python import python_command, python_environment
 from faying.files.contents import reason_of
 from faying.linalg.machine_memory import free_memory
 
-STALLED = 20.0
+STALLED_SECONDS = 20.0
 """Seconds of a processor after which a file counts as damaged, where the system counts them."""
 
-PATIENCE = 120.0
+LONGEST_WAIT = 120.0
 """Seconds by the clock, of which a busy machine may need some to begin."""
 
-SLOWEST = 1e7
+SLOWEST_READING = 1e7
 """Bytes a second below which looking counts as stalled; a healthy file takes a hundredth."""
 
 _LOCK = threading.Lock()
@@ -39,12 +39,12 @@ def look_through(path: Path, *, whole: bool = True) -> None:
 
     All its data are to be read if it is whole: then they must be there, and fit in memory.
     """
-    extra = path.stat().st_size / SLOWEST if path.is_file() else 0.0
-    seconds = STALLED + extra
+    extra = path.stat().st_size / SLOWEST_READING if path.is_file() else 0.0
+    seconds = STALLED_SECONDS + extra
     file = {"path": str(path.resolve()), "room": free_memory()}
     request = {**file, "whole": whole, "seconds": seconds}
     with _LOCK:
-        answer = _asked(json.dumps(request), PATIENCE + extra)
+        answer = _asked(json.dumps(request), LONGEST_WAIT + extra)
     if answer is None:
         message = "the HDF5 library crashes or stalls on it"
         raise OSError(message)

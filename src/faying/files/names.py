@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable
 
-LONGEST = 120
+LONGEST_STEM = 120
 """Bytes of a stem; names of files end at 255, and others stand before and behind it."""
 
 
@@ -18,7 +18,7 @@ def file_names(names: Iterable[str]) -> dict[str, str]:
     stems: dict[str, str] = {}
     used: set[str] = set()
     for name in names:
-        plain = re.sub(r"[^\w+-]+", "-", name).encode()[:LONGEST].decode(errors="ignore")
+        plain = re.sub(r"[^\w+-]+", "-", name).encode()[:LONGEST_STEM].decode(errors="ignore")
         plain = plain.strip("-") or "unnamed"
         stem, number = plain, 1
         # Some file systems do not tell cases apart.

@@ -20,7 +20,7 @@ from faying.interface.hidden_facets import Reach, facing_cells, hidden
 from faying.interface.mismatch import LARGEST_COSINE
 from faying.model.surface import Facets, facet_area_vectors, facet_centres, facet_frames
 
-WHOLE = 1 - 1e-5
+COVERED_SHARE = 1 - 1e-5
 """Share of a minus facet from which it counts as wholly covered: digits of coordinates."""
 
 _SLIVER = 1e-10
@@ -68,7 +68,7 @@ class Segments:
     @property
     def whole(self) -> Mask:
         """Whether each minus facet (n_minus,) is wholly covered."""
-        return self.covered >= WHOLE
+        return self.covered >= COVERED_SHARE
 
     @property
     def areas(self) -> Vector:

@@ -17,7 +17,7 @@ from faying.files.child_python import python_command, python_environment
 from faying.linalg.machine_memory import free_memory, physical_memory
 from faying.linalg.memory import gigabytes
 
-SLOWEST = 1e6
+SLOWEST_READING = 1e6
 """Bytes a second below which a read counts as stalled; a healthy one does a hundred times that."""
 
 STARTUP = 120.0
@@ -56,7 +56,7 @@ def read_isolated(
         raise FormatError(message)
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "arrays.npz"
-        limit = STARTUP + path.stat().st_size / SLOWEST
+        limit = STARTUP + path.stat().st_size / SLOWEST_READING
         room = ROOM + (free_memory() or physical_memory())
         limited = _LIMITED.format(room=room) + script
         command = python_command("-c", limited, str(path.resolve()), str(target))

@@ -12,7 +12,7 @@ from faying.io.named_matrices import DamageError
 REAL, COMPLEX = (1, 2), (3, 4)
 """Types of matrices, single and double."""
 
-SMALL = 1_000_000
+UNCHECKED_ROWS = 1_000_000
 """Rows or columns that any file may claim; more must be justified by its size."""
 
 BIG_ROWS = 65536
@@ -88,7 +88,7 @@ def checked_header(header: Header, n_bytes: int) -> Header:
             f"{matrix_label} has type {header.kind}; expected 1 (real single) or 2 (real double)"
         )
         raise DamageError(message)
-    limit = max(SMALL, n_bytes)
+    limit = max(UNCHECKED_ROWS, n_bytes)
     if not (0 < header.rows <= limit and 0 < header.columns <= limit):
         message = (
             f"{matrix_label} claims {header.rows} rows and {header.columns} columns, which a "

@@ -10,7 +10,7 @@ from faying.linalg.backends import chosen_backend
 from faying.linalg.budget import DENSE_COPIES
 from faying.linalg.estimate import estimate_memory
 from faying.linalg.memory import FactorMemory
-from faying.linalg.pardiso import FEW
+from faying.linalg.pardiso import FEW_PORTS
 from faying.model.assembly import Assembly
 from faying.model.elements import block_element
 from faying.model.elements.geometry import volume_factors
@@ -77,7 +77,7 @@ def _between_pairs(structure: Structure, factor: int) -> tuple[float, float]:
         return 0.0, 0.0
     n_relative = int(structure.relative_operator.shape[0])
     dense = 8.0 * DENSE_COPIES * n_relative**2
-    if n_relative <= FEW:
+    if n_relative <= FEW_PORTS:
         return 0.0, dense
     border = n_relative * (n_relative / 2 + _SEPARATORS * structure.n_dof ** (2 / 3))
     return float(_BORDERED * (factor + 8 * border)), dense

@@ -20,7 +20,7 @@ from faying.linalg.substitution import column_blocks, solved_gram
 
 _log = logging.getLogger("faying")
 
-FEW = 100
+FEW_PORTS = 100
 """Ports up to which a substitution for each takes less than a second factorization.
 
 As much at 110 to 250 ports on joints of 8000 to 49 000 degrees of freedom.
@@ -74,7 +74,7 @@ class PardisoFactorization:
         None of few ports, of such as have no degrees of freedom of their own, and where the
         elimination does not fit into the memory that is free, which is logged.
         """
-        if not sp.issparse(ports) or ports.shape[0] <= FEW:
+        if not sp.issparse(ports) or ports.shape[0] <= FEW_PORTS:
             return None
         try:
             return port_stiffness(self.matrix, ports)
@@ -180,7 +180,7 @@ def estimate_pardiso(A: SparseMatrix) -> FactorMemory:
 
 def estimate_stiffness_pardiso(A: SparseMatrix, ports: SparseMatrix) -> int:
     """Tell the most bytes that (Q A⁻¹ Qᵀ)⁻¹ takes beyond the factors of A, from patterns alone."""
-    handle = _bordered(_with_diagonal(A), ports) if ports.shape[0] > FEW else None
+    handle = _bordered(_with_diagonal(A), ports) if ports.shape[0] > FEW_PORTS else None
     if handle is None:
         return 0
     try:

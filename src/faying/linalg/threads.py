@@ -10,7 +10,7 @@ from threadpoolctl import ThreadpoolController
 
 from faying.linalg.mkl import load_mkl
 
-SMALL = 1500
+SMALL_ORDER = 1500
 """Order of dense matrices up to which one thread is fastest.
 
 Sharing a Cholesky factorization of a few hundred rows costs more than it saves; on a machine that
@@ -44,7 +44,7 @@ def one_thread() -> Iterator[None]:
 @contextmanager
 def threads_for(order: int) -> Iterator[None]:
     """Keep dense linear algebra on one thread where its matrices are small."""
-    limits = 1 if order <= SMALL else _FOUND.get()
+    limits = 1 if order <= SMALL_ORDER else _FOUND.get()
     if limits is None:
         yield
         return

@@ -7,8 +7,8 @@ import numpy as np
 
 from faying.assessment.transient_error import OBSERVED_ON, OBSERVED_RATIOS, TRACTIONS_OBSERVED
 from faying.display.quantities import number, percent
-from faying.report.methods import GOOD, grade
-from faying.report.style import NOTHING, label
+from faying.report.methods import GOOD_ERROR, grade
+from faying.report.style import SMALLEST_DRAWN, label
 from faying.report.table import Cell, Column, Table, described, graded
 from faying.study.judgement.comparison import backbone_errors
 from faying.study.judgement.remarks import hint
@@ -182,7 +182,7 @@ def estimate_note(results: Results) -> str:
     ratios = [
         estimate.max_relative_error / true.max_relative_error
         for full, _, estimate, true in estimates
-        if full and true.max_relative_error > NOTHING
+        if full and true.max_relative_error > SMALLEST_DRAWN
     ]
     if not ratios:
         return said
@@ -199,7 +199,7 @@ def doubtful_references(results: Results) -> list[str]:
         for name, case in results.cases.items()
         if not case.is_full
         and case.reference.estimate is not None
-        and (error := case.reference.estimate.max_relative_error) > GOOD
+        and (error := case.reference.estimate.max_relative_error) > GOOD_ERROR
     ]
 
 
@@ -210,7 +210,8 @@ def sharpness(results: Results) -> str:
         for case in results.cases.values()
         for sizes in case.methods.values()
         for result in sizes.values()
-        if result.certified_bound is not None and result.accuracy.max_relative_error > NOTHING
+        if result.certified_bound is not None
+        and result.accuracy.max_relative_error > SMALLEST_DRAWN
     ]
     if not ratios:
         return ""

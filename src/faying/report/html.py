@@ -32,8 +32,8 @@ from faying.report.errors import (
 from faying.report.figures import write_figures
 from faying.report.figures.entry import FigureEntry
 from faying.report.methods import (
-    FAIR,
-    GOOD,
+    FAIR_ERROR,
+    GOOD_ERROR,
     against,
     coarse_steps,
     headline,
@@ -52,11 +52,11 @@ from faying.study.judgement.verdict import run_verdict
 from faying.study.results.mode_choice import mode_sentences
 from faying.study.results.values import Results
 
-LONG = 22
+LONGEST_UNBROKEN = 22
 """Characters of a cell that may be broken into lines; a number stays with its unit."""
-NARROW = 3
+NARROW_COLUMNS = 3
 """Most columns that a phone shows side by side; wider tables become a card per row there."""
-MOST = 0.5
+SMALLEST_AREA_SHARE = 0.5
 """Share of a declared contact area below which most of it is missing, which decides."""
 GRADES = {"met": "good", "not met": "poor", "unknown": "fair"}
 
@@ -79,7 +79,7 @@ def write_report(results: Results, folder: Path) -> Path:
     return path
 
 
-SHOWN = 5
+VERDICT_ROWS = 5
 """Rows of the verdict above the view on the first screen; others are unfolded."""
 
 
@@ -94,7 +94,7 @@ def _folded(parts: Sequence[PartVerdict]) -> list[bool]:
     order = sorted(range(len(parts)), key=lambda number: used(parts[number]), reverse=True)
     first = {parts[number].kind: number for number in reversed(order)}
     others = [number for number in order if number not in first.values()]
-    shown = {*first.values(), *others[: SHOWN - len(first)]}
+    shown = {*first.values(), *others[: VERDICT_ROWS - len(first)]}
     return [number not in shown for number in range(len(parts))]
 
 
@@ -160,8 +160,8 @@ def render_methods(results: Results, figures: Sequence[FigureEntry], folder: Pat
             *remedies(results),
             *reservations(results),
         ],
-        good=f"{100 * GOOD:g} %",
-        fair=f"{100 * FAIR:g} %",
+        good=f"{100 * GOOD_ERROR:g} %",
+        fair=f"{100 * FAIR_ERROR:g} %",
         errors={name: error_table(case) for name, case in results.cases.items()},
         unseen=load_space_table(results),
         choices=choice_table(results),
@@ -188,7 +188,12 @@ def _page(template: str, results: Results, folder: Path, **values: Any) -> str:
     environment.filters["link"] = lambda path: quote(Path(path).relative_to(folder).as_posix())
     environment.filters["instant"] = _instant
     environment.filters["used"], environment.filters["shown"] = share_used, shown_quantity
-    environment.globals |= {"LONG": LONG, "NARROW": NARROW, "GRADES": GRADES, "MARKS": MARKS}
+    environment.globals |= {
+        "LONG": LONGEST_UNBROKEN,
+        "NARROW": NARROW_COLUMNS,
+        "GRADES": GRADES,
+        "MARKS": MARKS,
+    }
     return environment.get_template(template).render(results=results, own=own(), **values)
 
 
@@ -228,7 +233,8 @@ def _missing(results: Results, name: str) -> tuple[str, bool]:
     record = results.interfaces[name]
     area = float(record.weights.sum())
     share = kept_share(area, record.declared_area)
-    return missing_contact(name, area, record.declared_area), share is not None and share < MOST
+    decides = share is not None and share < SMALLEST_AREA_SHARE
+    return missing_contact(name, area, record.declared_area), decides
 
 
 def _of_method(warning: str) -> bool:

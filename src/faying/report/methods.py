@@ -43,9 +43,9 @@ def reference_note(results: Results) -> str:
     return said
 
 
-GOOD = 0.05
+GOOD_ERROR = 0.05
 """Largest relative pressure error that counts as trustworthy: the paper's method B, 20 modes."""
-FAIR = 0.10
+FAIR_ERROR = 0.10
 """Largest one that counts as usable with care; the paper rejects method A above it."""
 
 
@@ -80,9 +80,9 @@ class MethodVerdict:
 
 def grade(error: float) -> str:
     """Return the grade of a largest relative pressure error."""
-    if error <= GOOD:
+    if error <= GOOD_ERROR:
         return "good"
-    return "fair" if error <= FAIR else "poor"
+    return "fair" if error <= FAIR_ERROR else "poor"
 
 
 def verdicts(results: Results) -> list[MethodVerdict]:
@@ -106,7 +106,9 @@ def _judged(cases: Mapping[str, CaseResult], method: str) -> MethodVerdict | Non
     only = _only(method, asked, cases)
     worst = {count: _worst(asked, method, count) for count in counts}
     good = [
-        count for count in counts if all(worst[more][0] <= GOOD for more in counts if more >= count)
+        count
+        for count in counts
+        if all(worst[more][0] <= GOOD_ERROR for more in counts if more >= count)
     ]
     chosen = good[0] if good else min(counts, key=lambda count: worst[count][0])
     error, case = worst[chosen]
@@ -162,11 +164,11 @@ def _sentence(
     size = f"max relative pressure error against {reference} {percent(error)} ({case}), {span}"
     size += _recovery(_all(cases, method, count))
     these = only or "these load cases" if _is_transient(method) else "these static load cases"
-    if error <= GOOD:
+    if error <= GOOD_ERROR:
         modes = f" from {_modes(count)} on" if count and has_sizes else ""
         return f"can be trusted for pressure on {these}{modes}: {size}."
     best = f"at best, with {_modes(count)}, " if count and has_sizes else ""
-    if error <= FAIR:
+    if error <= FAIR_ERROR:
         return f"usable with care: {best}{size}."
     return f"not to be trusted for pressure on {these}: {best}{size}."
 
@@ -214,7 +216,7 @@ def _answer(judged: list[MethodVerdict]) -> str:
         if v.grade == "good"
     ]
     rejected = [v.method for v in judged if v.grade != "good"]
-    bound = f"max relative pressure error at most {100 * GOOD:g} % on every load case"
+    bound = f"max relative pressure error at most {100 * GOOD_ERROR:g} % on every load case"
     if not good:
         best = judged[0]
         return (
@@ -233,7 +235,7 @@ def coarse_steps(results: Results) -> list[str]:
         f"({percent(check.change.rms_relative_error)} root mean square), the peak itself by "
         f"{percent(check.peak_change)}"
         for name, case in results.cases.items()
-        if (check := step_check(case)) is not None and check.largest > GOOD
+        if (check := step_check(case)) is not None and check.largest > GOOD_ERROR
     ]
 
 
@@ -307,7 +309,7 @@ def _unseen(results: Results) -> list[str]:
     said = []
     for verdict in verdicts(results):
         elsewhere = _elsewhere(results, verdict)
-        if verdict.grade == "good" and elsewhere > GOOD:
+        if verdict.grade == "good" and elsewhere > GOOD_ERROR:
             said.append(
                 f"{label(verdict.method, verdict.joint_modes)}: good on the load cases, but "
                 f"{percent(elsewhere)} off at the worst static load found beyond them."

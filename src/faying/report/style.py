@@ -45,7 +45,7 @@ GAP_MAP = "Purples"
 SLIP_MAP = "magma_r"
 OPEN_COLOUR = "#E4E4E4"
 
-NOTHING = 1e-6
+SMALLEST_DRAWN = 1e-6
 """Share of the largest that no picture shows and no ratio is formed of: next to round-off."""
 
 DPI = 150

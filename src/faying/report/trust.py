@@ -6,7 +6,7 @@ import numpy as np
 
 from faying.display.quantities import number, percent, quantity
 from faying.interface.surface import curve_of
-from faying.report.methods import GOOD
+from faying.report.methods import GOOD_ERROR
 from faying.study.judgement.step_check import choice_sentence, step_check, step_choice
 from faying.study.results.values import CaseResult, InterfaceRecord, Results
 from faying.units import Units
@@ -43,7 +43,7 @@ def _resolution(results: Results, units: Units) -> Iterator[str]:
     )
     yield (
         "So much of the peak hangs on where the rule puts its points."
-        if excess > GOOD
+        if excess > GOOD_ERROR
         else "Where the rule puts its points hardly shows."
     )
 

@@ -26,7 +26,7 @@ from faying.simulation.stepping import TransientSolver, transient_solver
 from faying.simulation.times import check_times
 from faying.simulation.transient_windows import transient_windows
 
-FINEST = 6
+MOST_HALVINGS = 6
 """Halvings of an interval at most: 64 steps between two instants."""
 
 SAFETY = 5.0
@@ -38,7 +38,7 @@ hub pressed on a shaft, and 2.1 on two lap joints and a flange; on a tee and a b
 serve to find the factor 1.4 and 1.7. Schemes of second order, at most 0.7, take half the factor.
 """
 
-EASE = 4.0
+EASY_ERROR = 4.0
 """Error over what is allowed below which the next interval takes half as many steps.
 
 Half the steps make the error of a scheme of second order four times as large.
@@ -120,7 +120,7 @@ class DividedSteps:
 
     def begun(self, loads: Sequence[Load], starts: Sequence[Solution]) -> list[Restart]:
         """Return where responses stand that start from static solutions."""
-        finest = self.step / 2**FINEST
+        finest = self.step / 2**MOST_HALVINGS
         return [
             replace(restart, peak=float(start.pressure.max(initial=0.0)))
             for restart, start in zip(
@@ -177,12 +177,14 @@ class DividedSteps:
         allowed = self.tolerance / last
         level = max(restart.level, 1)
         tried = {n: self._offered(load, restart, n) for n in (level - 1, level)}
-        while (error := self._error(tried, level, restart.peak)) > allowed and level < FINEST:
+        while (
+            error := self._error(tried, level, restart.peak)
+        ) > allowed and level < MOST_HALVINGS:
             level += 1
             tried[level] = self._offered(load, restart, level)
         interval, end = tried[level] or self._tried(load, restart, level)
         _warn(load, restart, end)
-        eased = level > 1 and EASE * error <= allowed
+        eased = level > 1 and EASY_ERROR * error <= allowed
         level_after = level - 1 if eased else level
         ended = replace(end, level=level_after, peak=_peak(restart.peak, interval))
         return _ended(interval, level, error), ended
@@ -231,7 +233,7 @@ def divided_steps(
     scheme = ImplicitEuler() if integrator is None else integrator
     lengths = (
         StepLength(system=system, scheme=scheme, step=step / 2**level, compiled=bool(compiled))
-        for level in range(FINEST + 1)
+        for level in range(MOST_HALVINGS + 1)
     )
     return DividedSteps(
         system=system, scheme=scheme, step=step, tolerance=tolerance, lengths=tuple(lengths)

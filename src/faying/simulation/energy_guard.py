@@ -25,7 +25,7 @@ energy have 0.02 at most, from the way it is summed (``benchmarks/transient_ener
 AT_ONCE = 25
 """Instants whose energies are computed together; more gain nothing more and take more memory."""
 
-FELT = 1e-3
+FELT_ENERGY_SHARE = 1e-3
 """Motion with less than this share of the energy of the preload moves pressures by 3 % at most."""
 
 _log = logging.getLogger("faying")
@@ -103,7 +103,7 @@ def audited(
             kinetic, energy = _stored(system, states, velocities, forces, shear)
             moved = np.maximum(np.maximum.accumulate(np.abs(work) + kinetic), ledger.moved)
             gain = energy - ledger.stored - (work - spent)
-            shares = gain / (moved + FELT * ledger.stored + np.finfo(float).tiny)
+            shares = gain / (moved + FELT_ENERGY_SHARE * ledger.stored + np.finfo(float).tiny)
             ledger = EnergyLedger(
                 stored=ledger.stored,
                 work=float(work[-1]),

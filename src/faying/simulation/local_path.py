@@ -29,7 +29,7 @@ SOLVED = 1e-13
 MOST_STEPS = 20
 """Newton steps of (F12); 1 to 5 are usual. What takes more goes the way of other paths."""
 
-FAST = 0.2
+FAST_CONVERGENCE = 0.2
 """What a step may leave of the residual, over itself, for its factors to serve once more."""
 
 
@@ -134,7 +134,7 @@ def _increment(
         if state.left <= SOLVED * size or last / 2 <= state.left <= 1e2 * SOLVED * size:
             slack = (state.z + local.laws.yielded(state.forces))[1:]
             return state.w, state.forces, slack if k > 1 else np.zeros((2, m)), off
-        anew = off is None or state.left > FAST * last
+        anew = off is None or state.left > FAST_CONVERGENCE * last
         off = OffSprings.of(local, state.K) if anew or off is None else off
         last = state.left
         resisted = off.resisted(state.residual[off.rows])

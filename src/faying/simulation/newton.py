@@ -18,7 +18,7 @@ from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 from faying.simulation.static import AT_REST
 
-LIMIT = 100
+MOST_ITERATIONS = 100
 """Newton iterations; 5 to 20 are usual."""
 
 
@@ -73,7 +73,7 @@ def _penalty(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
 
     u = factorize(model.structure.supported_stiffness).solve(external)
     level = energy(u)
-    for iteration in range(1, LIMIT):
+    for iteration in range(1, MOST_ITERATIONS):
         active = contact.initial_gap + G @ u < 0
         target = _penalty_step(model, G, stiffness, active, external)
         settled = np.array_equal(contact.initial_gap + G @ target < 0, active)
@@ -84,7 +84,7 @@ def _penalty(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
         while (trial := energy(u + fraction * (target - u))) > level and fraction > 1e-6:
             fraction /= 2
         u, level = u + fraction * (target - u), trial
-    raise ConvergenceError(_unsettled(LIMIT))
+    raise ConvergenceError(_unsettled(MOST_ITERATIONS))
 
 
 def _penalty_step(
@@ -104,7 +104,7 @@ def _hard(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
     K, flexibility = model.structure.supported_stiffness, contact.flexibility
     scale = float(K.diagonal().mean())  # brings the gap rows to the size of K
     active = contact.initial_gap + G @ factorize(K).solve(external) < 0
-    for iteration in range(1, LIMIT):
+    for iteration in range(1, MOST_ITERATIONS):
         closed = scale * G[active]
         corner = sp.diags_array(-(scale**2) * flexibility[active])
         saddle = sp.block_array([[K, -closed.T], [-closed, corner]]).tocsc()
@@ -122,7 +122,7 @@ def _hard(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
         if np.array_equal(following, active):
             return u, forces, iteration
         active = following
-    raise ConvergenceError(_unsettled(LIMIT))
+    raise ConvergenceError(_unsettled(MOST_ITERATIONS))
 
 
 def _undetermined(closed: int) -> str:

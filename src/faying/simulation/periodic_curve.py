@@ -28,14 +28,14 @@ MOST_STEPS = 25
 LEAST_PART = 1 / 64
 """Part of a step of Newton's method below which it is given up."""
 
-FAST = 0.03
+FAST_CONVERGENCE = 0.03
 """What a step may leave of the next one, over itself, for derivatives to serve once more: they take
 as long as two or three paths."""
 
-FARTHEST = 0.5
+LARGEST_STEP = 0.5
 """Step of Newton's method over the unknowns that is taken whole."""
 
-BEND = 0.4
+LARGEST_BEND = 0.4
 """What a point may differ from the one before, over it."""
 
 SHORTEST = 1e-4
@@ -47,7 +47,7 @@ MOST_ROUNDS = 12
 RISE, LEAST_RISE = 0.25, 0.01
 """Steps of the level towards a first motion, over it: the first one and the least."""
 
-FAR = 0.5
+LARGEST_DETOUR = 0.5
 """How far a curve may go on its way to the next frequency and back, over that where it begins."""
 
 MOST_POINTS = 100
@@ -144,7 +144,7 @@ def _newton(problem: PeriodicProblem, motion: Motion, across: Vector | None) -> 
         point = CurvePoint(problem=problem, motion=motion, derivatives=derivatives, error=error)
         if error <= ROUND_OFF:
             return point
-        part, left = min(1.0, FARTHEST / error), np.inf
+        part, left = min(1.0, LARGEST_STEP / error), np.inf
         while part >= LEAST_PART:
             trial = x + part * change
             if trial[-1] > 0:
@@ -159,7 +159,7 @@ def _newton(problem: PeriodicProblem, motion: Motion, across: Vector | None) -> 
         if part < LEAST_PART:
             break
         x, motion = trial, moved
-        if left > FAST * far:
+        if left > FAST_CONVERGENCE * far:
             derivatives = problem.derivatives(motion)
             factors = _factors(derivatives, border)
     message = f"no periodic motion was found at {motion.circular / (2 * np.pi):.6g}"
@@ -245,7 +245,7 @@ def _onward(point: CurvePoint, target: float) -> list[CurvePoint]:
     """Return the points from one to a circular frequency, that included."""
     begin, points, reach = point.motion.circular, list[CurvePoint](), 1.0
     way, span = np.sign(target - begin), abs(target - begin)
-    far = min(max(FAR * begin, 2 * span), begin)
+    far = min(max(LARGEST_DETOUR * begin, 2 * span), begin)
     direction = way * point.tangent()
     if not np.isfinite(direction).all():
         message = "the curve is vertical"
@@ -255,7 +255,7 @@ def _onward(point: CurvePoint, target: float) -> list[CurvePoint]:
         size = float(np.linalg.norm(x[:-1]))
         scale = np.append(np.full(len(x) - 1, 1 / size), 1 / x[-1])
         bent = float(np.linalg.norm(direction[:-1])) / size
-        length = min(reach * BEND / max(bent, np.finfo(float).tiny), 2 * span)
+        length = min(reach * LARGEST_BEND / max(bent, np.finfo(float).tiny), 2 * span)
         ahead = (target - x[-1]) * direction[-1] > 0
         lands = ahead and length * abs(direction[-1]) >= abs(target - x[-1])
         if lands:
@@ -274,11 +274,11 @@ def _onward(point: CurvePoint, target: float) -> list[CurvePoint]:
                 point.problem.begun(point.motion, length * direction, point.derivatives),
             )
             off = np.linalg.norm(solved.unknowns - guess[:-1]) / size
-            if off > BEND:
+            if off > LARGEST_BEND:
                 message = "the curve bends too much"
                 raise ConvergenceError(message)
         except ConvergenceError:
-            reach = (length * bent / BEND) / 2
+            reach = (length * bent / LARGEST_BEND) / 2
             if reach < SHORTEST:
                 raise
             continue
@@ -287,7 +287,7 @@ def _onward(point: CurvePoint, target: float) -> list[CurvePoint]:
         points.append(solved)
         if lands:
             return points
-        reach = min(1.0, 2 * reach if off < BEND / 4 else reach)
+        reach = min(1.0, 2 * reach if off < LARGEST_BEND / 4 else reach)
         onward = solved.tangent()
         # The curve goes on the way it came: past a turning point the frequency turns back.
         same = float((scale**2 * direction) @ onward)

@@ -21,13 +21,13 @@ from faying.simulation.bolts_by_force import BoltsByForce
 from faying.simulation.preload import checked_bolts
 from faying.simulation.without_friction import smooth_joint
 
-MET = 1e-4
+TARGET_TOLERANCE = 1e-4
 """Deviation of a bolt force from its target, over it, at which a plan with friction is enough."""
 
 MOST_SEQUENCES = 12
 """Times that the sequence is followed; with friction 2 to 4 are usual."""
 
-NUDGE = 1e-3
+TARGET_CHANGE = 1e-3
 """Change of a target, over it, that tells how initial forces follow."""
 
 
@@ -186,12 +186,12 @@ class _Walk:
         reached, slope = self.followed(initial, shares), None
         for _ in range(MOST_SEQUENCES):
             miss = targets - reached[-1, self.bolts]
-            if (np.abs(miss) <= MET * targets).all():
+            if (np.abs(miss) <= TARGET_TOLERANCE * targets).all():
                 return initial, reached
             if slope is None:
                 columns = [
                     (self.solved(targets + nudge) - initial)[self.bolts] / nudge.sum()
-                    for nudge in np.diag(NUDGE * targets)
+                    for nudge in np.diag(TARGET_CHANGE * targets)
                 ]
                 slope = np.column_stack(columns)
             change = slope @ miss

@@ -22,7 +22,7 @@ from faying.simulation.solution import Solution
 from faying.simulation.static import SolvedCase
 from faying.study.inputs.load_set import LoadSet
 
-TRIED = 8
+TRIED_CASES = 8
 """Cases that are tried first beside the one that is followed, which costs eight times as much.
 
 Of 1000 random loads on a roof joint the first to open was the first or second by estimates; of 24
@@ -103,7 +103,7 @@ class Deciding:
                 first = np.argsort(left, kind="stable")
                 return rows[first[left[first] < 0]]
 
-            least_factor(column, exact, sooner, TRIED)
+            least_factor(column, exact, sooner, TRIED_CASES)
         return {
             case: Openings(opened=opened, followed=LARGEST_FACTOR) for case, opened in found.items()
         }

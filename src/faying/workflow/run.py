@@ -34,7 +34,7 @@ from faying.study.stages.worker_tasks import compute_pieces
 from faying.workflow.outcome import Outcome
 from faying.workflow.reduce import EXACT
 
-CONFIRMED = 3
+CONFIRMED_CASES = 3
 """Static cases that the full model confirms where it is not the reference of all."""
 
 Solved = dict[str, tuple[CaseResult, list[str]]]
@@ -140,7 +140,7 @@ def _confirmed(study: Study, runner: CaseRunner, solved: Solved) -> Solved:
         for case in study.load_cases
         if case.kind == "static"
     }
-    worst = sorted(bounds, key=lambda name: -bounds[name])[:CONFIRMED]
+    worst = sorted(bounds, key=lambda name: -bounds[name])[:CONFIRMED_CASES]
     return {
         case.name: runner.solve(case, confirmed=True)
         for case in study.load_cases

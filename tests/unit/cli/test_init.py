@@ -11,7 +11,7 @@ from faying.cli import app
 from faying.draft import first_study as first
 from faying.draft.cylinders import cylinders
 from faying.draft.first_study import first_study
-from faying.draft.study_text import MARK
+from faying.draft.study_text import DECIDE
 from faying.exceptions import FayingError, StudyError
 from faying.interface.facing import facing_bodies
 from faying.model.assembly import Assembly, Material
@@ -91,7 +91,7 @@ def test_two_rings_become_a_bolted_joint(tmp_path):
     assert bolt["preload"] == pytest.approx(strained, rel=1e-6)  # seven digits are written
     assert tables["load_case"][0]["forces"][0]["component"] == "Fz"
     assert len(tables["support"]) == 3
-    assert study.undecided == study.text.count(MARK) >= 5
+    assert study.undecided == study.text.count(DECIDE) >= 5
     assert study.text.startswith("#:schema file:")
 
 
@@ -159,7 +159,7 @@ def test_faces_across_a_gap_are_marked(tmp_path):
     study, tables = said(written(tmp_path, mesh))
     assert study.problem == ""
     assert tables["interface"][0]["search_distance"] > 0.05
-    assert f"{MARK} gap 0.05" in study.text
+    assert f"{DECIDE} gap 0.05" in study.text
 
 
 def test_cylinders_are_found_whatever_their_place():
@@ -264,7 +264,7 @@ def test_a_single_body_is_said_to_have_no_interface(tmp_path, monkeypatch):
     monkeypatch.setattr(first, "build", lambda study: builds.append(study) or build(study))
     study, tables = said(written(tmp_path, stacked(LOWER)))
     assert "interface" not in tables
-    assert f"{MARK} no faces of different bodies face each other" in study.text
+    assert f"{DECIDE} no faces of different bodies face each other" in study.text
     assert "contact interface" in study.problem
     assert len(builds) == 1  # no second one with weak springs, which no problem asked for
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import LinAlgError
 
 from faying.contact import fixed_bounds
-from faying.contact.fixed_bounds import ENOUGH, LEAST_YIELD, FixedBounds
+from faying.contact.fixed_bounds import LEAST_YIELD, SOLVED_RESIDUAL, FixedBounds
 from faying.contact.laws_at_points import LawsAtPoints
 from few_points import ELASTIC, ELASTIC_YIELD, FRICTION, LAWS, YIELD, N, apart, free, joint
 
@@ -41,7 +41,7 @@ def test_forces_obey_their_definition(seed, laws, size):
     y = problem.steps.moved(x)
     trial = problem.about - (y + closed + problem.z_free) / yielding
     wrong = x - admissible(trial, problem.about)
-    assert np.abs(wrong).max() <= ENOUGH * np.abs(x).max()
+    assert np.abs(wrong).max() <= SOLVED_RESIDUAL * np.abs(x).max()
     assert 1 <= steps <= 15
 
 

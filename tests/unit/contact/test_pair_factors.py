@@ -14,7 +14,7 @@ from few_points import ELASTIC, PAIRS, N, joint
 def test_factors_are_updated_to_other_points_and_more_pairs(seed, monkeypatch):
     """Those that the first ones know, others, and both."""
     monkeypatch.setattr("faying.contact.pair_factors.MOST_UPDATED", 9.0)
-    monkeypatch.setattr("faying.contact.pair_factors.CHANGED", 0.0)
+    monkeypatch.setattr("faying.contact.pair_factors.STIFFNESS_CHANGE", 0.0)
     plain, _ = joint(seed, ELASTIC)
     pairs = GluedPairs.of(plain.contact.rows, plain.laws.springs, ByCompliance(plain.S))
     random, glued = np.random.default_rng(seed), pairs.glued

@@ -4,7 +4,7 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from faying.linalg.mkl import load_mkl
-from faying.linalg.threads import SMALL, one_thread, threads_for
+from faying.linalg.threads import SMALL_ORDER, one_thread, threads_for
 from faying.study.inputs.load_set import read_loads
 from faying.study.keys.schema import read_study
 from faying.workflow.reduce import reduce_study
@@ -26,13 +26,13 @@ def counted():
 
 def test_large_matrices_have_all_threads_and_small_ones_one():
     assert counted() == {2}
-    with threads_for(SMALL + 1):
+    with threads_for(SMALL_ORDER + 1):
         assert counted() == {2}
-    with threads_for(SMALL):
+    with threads_for(SMALL_ORDER):
         assert counted() == {1}
     with one_thread():
         assert counted() == {1}
-        with threads_for(SMALL + 1):
+        with threads_for(SMALL_ORDER + 1):
             assert counted() == {2}
         assert counted() == {1}
     assert counted() == {2}

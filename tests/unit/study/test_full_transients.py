@@ -12,7 +12,7 @@ from faying.linalg.memory import NotEnoughMemoryError
 from faying.study.inputs.loads import case_load
 from faying.study.keys.schema import parse_study
 from faying.study.results.responses import respond
-from faying.study.stages.full_transients import PIECE, FullTransient, full_transients
+from faying.study.stages.full_transients import INSTANTS_AT_ONCE, FullTransient, full_transients
 from faying.study.stages.offline import prepare_joint
 from small_study import SMALL_JOINT
 
@@ -41,7 +41,7 @@ def prepared(tmp_path, *, count, joint=SMALL_JOINT):
 @pytest.mark.long
 @pytest.mark.parametrize("joint", [SMALL_JOINT, SMALL_JOINT + RUBS], ids=["smooth", "rough"])
 def test_pieces_make_the_response_of_the_whole(tmp_path, joint):
-    prepared_joint, cases = prepared(tmp_path, count=2 * PIECE + 8, joint=joint)
+    prepared_joint, cases = prepared(tmp_path, count=2 * INSTANTS_AT_ONCE + 8, joint=joint)
     found = full_transients(prepared_joint, [FullTransient(case=case) for case in cases])
     for case, one in zip(cases, found, strict=True):
         whole = fy.solve_transient(
@@ -77,16 +77,16 @@ def test_displacements_of_all_instants_are_not_held(tmp_path):
         tracemalloc.stop()
         return highest, joint.model
 
-    most(PIECE)  # imports and caches
-    (few, model), (many, _) = most(2 * PIECE), most(8 * PIECE)
-    history = 8 * 6 * PIECE * 3 * model.structure.n_dof
+    most(INSTANTS_AT_ONCE)  # imports and caches
+    (few, model), (many, _) = most(2 * INSTANTS_AT_ONCE), most(8 * INSTANTS_AT_ONCE)
+    history = 8 * 6 * INSTANTS_AT_ONCE * 3 * model.structure.n_dof
     # What 6 pieces more leave: contact forces and gaps, an eighth of the displacements and their
     # derivatives here, twice while they are joined, and instants to draw.
     assert many - few < 0.6 * history
 
 
 def test_instants_that_do_not_fit_are_refused(tmp_path, monkeypatch):
-    joint, cases = prepared(tmp_path, count=100 * PIECE)
+    joint, cases = prepared(tmp_path, count=100 * INSTANTS_AT_ONCE)
     assert joint.period > 0  # factorizes
     monkeypatch.setenv(VARIABLE, "1e6")
     with pytest.raises(NotEnoughMemoryError, match="contact forces and gaps of 1 transients"):

@@ -35,7 +35,7 @@ def test_an_interrupted_path_goes_on_after_its_last_piece(tmp_path, monkeypatch,
         return original(solver, relative, here, part=part)
 
     monkeypatch.setattr(long_paths, "follow", interrupted)
-    monkeypatch.setattr(long_paths, "PIECE", 4)
+    monkeypatch.setattr(long_paths, "INCREMENTS_AT_ONCE", 4)
     pieces = CheckpointedSteps(Checkpoint(tmp_path), "way full 1")
     with pytest.raises(KeyboardInterrupt):
         follow_path(system, LOADS, rest, "way", pieces, reached.append)

@@ -72,7 +72,7 @@ def with_an_endless_heap(data):
 
 @pytest.mark.long
 def test_byte_on_which_hdf5_stalls(path, monkeypatch):
-    monkeypatch.setattr(hdf5, "STALLED", 1.0)
+    monkeypatch.setattr(hdf5, "STALLED_SECONDS", 1.0)
     whole = path.read_bytes()
     path.write_bytes(with_an_endless_heap(whole))
     with pytest.raises(FormatError, match="the HDF5 library crashes or stalls on it"):

@@ -10,7 +10,7 @@ from faying._typing import Matrix, Vector
 from faying.contact.laws.unilateral import Unilateral
 from faying.exceptions import ModelError
 
-FIRST = 1e-3
+FIRST_PRESSURE = 1e-3
 """Pressure over the named one at which a curve that begins with no slope is taken to begin."""
 
 _PLACES, _SHARES = np.polynomial.legendre.leggauss(24)
@@ -61,7 +61,9 @@ class Curve(Unilateral):
         """
         pressure = np.maximum(forces[0], 0.0) / weights
         closed = self.closure_of(pressure)[0]
-        slope = self.closure_of(np.where(pressure > 0, pressure, FIRST * self.named_pressure))[1]
+        slope = self.closure_of(
+            np.where(pressure > 0, pressure, FIRST_PRESSURE * self.named_pressure)
+        )[1]
         return closed[None], (slope / weights)[None]
 
     def energy(self, forces: Matrix, weights: Vector) -> Vector:

@@ -8,7 +8,7 @@ import numpy as np
 from faying._typing import Vector
 from faying.contact.laws.curve import Curve, check_positive
 
-LAST = 7.0
+LAST_EXPONENT = 7.0
 """1 + c/c₀ beyond which the tangent goes on: 4466 times the named pressure, and e^s no overflow."""
 
 MOST_STEPS = 60
@@ -56,22 +56,22 @@ class ExponentialClosure(Curve):
     def pressure_of(self, closure: Vector) -> tuple[Vector, Vector]:
         """Return p and dp/dc."""
         s = np.maximum(1.0 + closure / self.clearance, 0.0)
-        value, slope = _shape(np.minimum(s, LAST))
+        value, slope = _shape(np.minimum(s, LAST_EXPONENT))
         scale = self.pressure / np.expm1(1.0)
-        pressure = scale * (value + slope * np.maximum(s - LAST, 0.0))
+        pressure = scale * (value + slope * np.maximum(s - LAST_EXPONENT, 0.0))
         return pressure, scale / self.clearance * np.where(s > 0, slope, 0.0)
 
     def closure_of(self, pressure: Vector) -> tuple[Vector, Vector]:
         """Return c and dc/dp; c₀ of clearance where nothing presses."""
         scale = self.pressure / np.expm1(1.0)
         value = pressure / scale
-        last, steepest = _shape(np.array(LAST))
+        last, steepest = _shape(np.array(LAST_EXPONENT))
         # s² and, from 1 on, e^s − 1 are below s (e^s − 1): Newton's method begins above the root.
-        s = np.minimum(np.minimum(np.sqrt(value), np.maximum(np.log1p(value), 1.0)), LAST)
+        s = np.minimum(np.minimum(np.sqrt(value), np.maximum(np.log1p(value), 1.0)), LAST_EXPONENT)
         for _ in range(MOST_STEPS):
             at, slope = _shape(s)
             step = np.divide(at - value, slope, out=np.zeros_like(s), where=slope > 0)
-            previous, s = s, np.clip(s - step, 0.0, LAST)
+            previous, s = s, np.clip(s - step, 0.0, LAST_EXPONENT)
             if (np.abs(s - previous) <= 1e-15 * s).all():
                 break
         beyond = np.maximum(value - last, 0.0) / steepest

@@ -94,7 +94,7 @@ def _factor(units: Units, quantity: str, exponents: tuple[int, int, int, int]) -
 
 
 INDEX_BITS = 20
-WHOLE = 2**INDEX_BITS - 1
+WHOLE_ARRAY = 2**INDEX_BITS - 1
 """Index that means all of an array."""
 
 

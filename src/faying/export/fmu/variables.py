@@ -21,7 +21,7 @@ from faying.export.fmu.variable import (
     STIFFNESS,
     TIME,
     VELOCITY,
-    WHOLE,
+    WHOLE_ARRAY,
     Kind,
     Variable,
 )
@@ -228,7 +228,7 @@ def _motion(rom: ReducedModel, *, arrays: bool) -> Iterator[Variable]:
         (Kind.Q_ACCELERATION, "a", "their accelerations, per second squared"),
     )
     for kind, label, text in families:
-        for index in [WHOLE] if arrays else range(count):
+        for index in [WHOLE_ARRAY] if arrays else range(count):
             yield Variable(
                 name=f"modal.{label}" if arrays else f"modal.{label}[{index + 1}]",
                 kind=kind,

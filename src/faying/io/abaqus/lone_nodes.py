@@ -24,7 +24,7 @@ from faying.model.surface import facet_area_vectors, facet_frames, rows_by_kind
 _SHARES = {"tri6": (1 / 999, 332 / 999), "quad8": (0.01, 0.24)}
 """Of the area of a facet with mid-side nodes, as in CalculiX: corners, mid-side nodes."""
 
-_BELOW = 1e-3
+_LARGEST_DISTANCE = 1e-3
 """How far beside its facet a node may lie, over the size of the facet, as in CalculiX."""
 
 
@@ -62,7 +62,9 @@ def _points(assembly: Assembly, pair: Pair) -> tuple[Assembly, list[Pair]]:
     facets = select_facets(assembly, pair.master.name)
     apart = nodes[slaves][:, None] - nodes[np.unique(facets.corners)][None]
     areas = np.linalg.norm(facet_area_vectors(nodes, facets), axis=1)
-    reach = np.linalg.norm(apart, axis=2).min(axis=1).max() + _BELOW * np.sqrt(areas.max())
+    reach = np.linalg.norm(apart, axis=2).min(axis=1).max() + _LARGEST_DISTANCE * np.sqrt(
+        areas.max()
+    )
     places = nearest_places(nodes, slaves, facets, float(reach))
     frames = facet_frames(nodes, facets)
     shares = _shares(assembly)
@@ -72,7 +74,7 @@ def _points(assembly: Assembly, pair: Pair) -> tuple[Assembly, list[Pair]]:
     ):
         node, below = int(slaves[row]), shape @ nodes[columns]
         sideways = np.linalg.norm(frames[facet, :2] @ (nodes[node] - below))
-        if sideways > _BELOW * np.sqrt(areas[facet]):
+        if sideways > _LARGEST_DISTANCE * np.sqrt(areas[facet]):
             continue
         triangle = _triangle(frames[facet], float(shares[node] or areas[facet]))
         of_place = sp.csr_array((shape, (np.zeros(len(shape), dtype=int), columns)))

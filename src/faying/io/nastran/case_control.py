@@ -24,7 +24,7 @@ _TEMPERATURES = {
     **{"INIT": ("initial",), "MATE": ("material",)},
 }
 """What a set of temperatures is selected for, by the first letters of the option."""
-_ENOUGH = 4
+_SHORTEST_COMMAND = 4
 """Letters that are enough for a command."""
 _BCONTACT = frozenset(("ALLBODY", "NONE", "AUTO"))
 _COMBINATIONS = frozenset(("SUBCOM", "SYM", "SYMCOM", "REPCASE"))
@@ -180,7 +180,7 @@ def _statements(lines: Lines, first: int) -> Iterator[tuple[int, str, str, str]]
         if not match or match.group(1) == "PARAM":
             continue
         name = match.group(1)
-        if len(name) >= _ENOUGH:
+        if len(name) >= _SHORTEST_COMMAND:
             name = next((whole for whole in _ABBREVIATED if whole.startswith(name)), name)
         option = (match.group(2) or "").partition(",")[0].strip()
         yield i, name, option, (match.group(3) or match.group(4) or "").strip()

@@ -8,7 +8,7 @@ import numpy as np
 from faying.exceptions import FormatError
 from faying.model.assembly import Assembly, BeamSection, Material
 
-LARGEST = 99_999_999
+LARGEST_ID = 99_999_999
 """Largest id that fits the eight columns of a small field."""
 
 SectionKey = tuple[BeamSection, Material]
@@ -61,8 +61,10 @@ def number_assembly(assembly: Assembly) -> Numbering:
 
 
 def _fits(number: int, what: str) -> int:
-    if number > LARGEST:
-        message = f"{what} {number} does not fit a Nastran field; renumber it below {LARGEST + 1}"
+    if number > LARGEST_ID:
+        message = (
+            f"{what} {number} does not fit a Nastran field; renumber it below {LARGEST_ID + 1}"
+        )
         raise FormatError(message)
     return number
 
@@ -83,7 +85,7 @@ def _named(names: list[str]) -> dict[str, int]:
     numbers: dict[str, int] = {}
     for name in names:
         is_number = name.isascii() and name.isdigit() and name == str(int(name)) and int(name) > 0
-        if is_number and int(name) <= LARGEST:
+        if is_number and int(name) <= LARGEST_ID:
             numbers[name] = int(name)
     free = max(numbers.values(), default=0)
     for name in names:

@@ -24,7 +24,7 @@ Mean = dict[int, float]
 """Nodes to the parts of a motion they make up."""
 
 _SIDES = ((0, 1), (1, 2), (2, 3), (3, 0))
-_NEAR = 1e-3
+_LARGEST_DISTANCE = 1e-3
 """Distance from a face, in its size, that an edge of a shell may have."""
 
 
@@ -122,9 +122,9 @@ def _on_face(nodes: Matrix, edge: list[int], face: Indices) -> list[tuple[int, M
             point = (1 - t) * ((1 - s) * nodes[a] + s * nodes[b]) + t * (
                 (1 - s) * nodes[d] + s * nodes[c]
             )
-            if np.abs(point - nodes[node]).max() > _NEAR * size:
+            if np.abs(point - nodes[node]).max() > _LARGEST_DISTANCE * size:
                 return []
-            if min(s, t) < -_NEAR or max(s, t) > 1 + _NEAR:
+            if min(s, t) < -_LARGEST_DISTANCE or max(s, t) > 1 + _LARGEST_DISTANCE:
                 return []
             between = face[4:].tolist()
             low = between[first] if between else None
@@ -151,7 +151,7 @@ def _along(start: int, end: int, between: int | None, s: float) -> Mean:
         parts = {start: 1 - s, end: s}
     else:
         parts = {start: (1 - s) * (1 - 2 * s), end: s * (2 * s - 1), between: 4 * s * (1 - s)}
-    return {node: value for node, value in parts.items() if abs(value) > _NEAR**3}
+    return {node: value for node, value in parts.items() if abs(value) > _LARGEST_DISTANCE**3}
 
 
 def _middle(nodes: Matrix, mean: Mean) -> Vector:

@@ -20,7 +20,7 @@ from faying.model.elements import FACES
 from faying.model.shell_matrices import PANEL
 from faying.model.shells import ShellBlock, ShellSection
 
-_NONE = 1000
+_NO_FIELD = 1000
 """A field no card reaches."""
 
 
@@ -30,10 +30,10 @@ class _Layout:
 
     kind: str
     n_nodes: int
-    theta: int = _NONE
-    offset: int = _NONE
-    flag: int = _NONE
-    thickness: int = _NONE
+    theta: int = _NO_FIELD
+    offset: int = _NO_FIELD
+    flag: int = _NO_FIELD
+    thickness: int = _NO_FIELD
 
 
 _LAYOUTS = {

@@ -12,7 +12,7 @@ from faying.files.atomic import replacing
 from faying.io.nastran.components import digits_of, frame_independent
 from faying.io.nastran.fields import format_real
 from faying.io.nastran.layout import Value, large, small
-from faying.io.nastran.numbering import LARGEST, Numbering, number_assembly
+from faying.io.nastran.numbering import LARGEST_ID, Numbering, number_assembly
 from faying.io.unwritten import refuse_unwritten
 from faying.model.assembly import Assembly, Support
 from faying.model.cells import CellBlock
@@ -118,8 +118,8 @@ def _turned(support: Support) -> bool:
 
 def _grids(assembly: Assembly) -> Iterator[str]:
     ids = assembly.mesh.node_ids
-    if len(ids) and not 0 < ids.min() <= ids.max() <= LARGEST:
-        message = f"node ids must lie between 1 and {LARGEST}; found {ids.min()} to {ids.max()}"
+    if len(ids) and not 0 < ids.min() <= ids.max() <= LARGEST_ID:
+        message = f"node ids must lie between 1 and {LARGEST_ID}; found {ids.min()} to {ids.max()}"
         raise FormatError(message)
     system = np.zeros(len(ids), dtype=np.int64)
     number = 0

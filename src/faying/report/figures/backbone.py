@@ -16,7 +16,7 @@ from faying.display.quantities import quantity
 from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
 from faying.report.figures.surface_map import draw_map, map_panels
-from faying.report.style import NOTHING, SLIP_MAP, new_figure
+from faying.report.style import SLIP_MAP, SMALLEST_DRAWN, new_figure
 from faying.study.keys.measurements import sentence
 from faying.study.results.values import CaseResult, Results
 from faying.units import Units, units_of
@@ -44,7 +44,7 @@ def plot_damping(
     curves = case.reference.backbones
     largest = max(float(backbone.damping_ratio.max()) for backbone in curves.values())
     for i, (mode, backbone) in enumerate(curves.items()):
-        seen = backbone.damping_ratio > NOTHING * largest
+        seen = backbone.damping_ratio > SMALLEST_DRAWN * largest
         label = f"mode {mode}, {quantity(backbone.small_frequency, units.of('1/time'))}"
         along = abscissa(backbone)
         axes.plot(along[seen], backbone.damping_ratio[seen], "o-", color=f"C{i}", label=label)
@@ -52,7 +52,7 @@ def plot_damping(
             axes.plot(along, backbone.linear_damping, ":", color=f"C{i}")
         if backbone.masing_damping is not None:
             masing = backbone.masing_damping + backbone.linear_damping
-            seen = masing > NOTHING * largest
+            seen = masing > SMALLEST_DRAWN * largest
             axes.plot(along[seen], masing[seen], "x--", color=f"C{i}", linewidth=0.8)
     for test in measured:
         if test.damping_ratio is not None:
@@ -178,7 +178,7 @@ def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
             largest = float(distance[index].max(initial=0.0))
             draw_map(
                 record,
-                np.where(distance[index] > NOTHING * largest, distance[index], np.nan),
+                np.where(distance[index] > SMALLEST_DRAWN * largest, distance[index], np.nan),
                 axes,
                 units,
                 colours=SLIP_MAP,

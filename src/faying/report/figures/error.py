@@ -10,14 +10,14 @@ from faying._typing import Vector
 from faying.display.quantities import ROUND_OFF, percent, place
 from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
-from faying.report.figures.response import COUNTS
+from faying.report.figures.response import MODE_COUNTS
 from faying.report.figures.surface_map import draw_map, map_panels
 from faying.report.methods import against
-from faying.report.style import ERROR_MAP, NOTHING, colour, label, marker, new_figure
+from faying.report.style import ERROR_MAP, SMALLEST_DRAWN, colour, label, marker, new_figure
 from faying.study.results.values import CaseResult, InterfaceRecord, MethodResult, Results
 from faying.units import Units
 
-SHOWN = ("jim-a", "jim-b", "compliance")
+METHODS_SHOWN = ("jim-a", "jim-b", "compliance")
 
 
 def plot_error(
@@ -43,9 +43,9 @@ def available(sizes: Mapping[int, MethodResult], count: int) -> int | None:
 
 def shown_methods(case: CaseResult) -> Iterator[tuple[str, MethodResult]]:
     """Yield the methods whose maps are drawn, each with its joint mode count of Fig. 15.6."""
-    chosen = [name for name in SHOWN if name in case.methods] or list(case.methods)[:3]
+    chosen = [name for name in METHODS_SHOWN if name in case.methods] or list(case.methods)[:3]
     for name in chosen:
-        count = available(case.methods[name], COUNTS[1])
+        count = available(case.methods[name], MODE_COUNTS[1])
         if count is not None:
             yield name, case.methods[name][count]
 
@@ -111,7 +111,7 @@ def _described(record: InterfaceRecord, error: Vector, units: Units) -> str:
     return f"max |error| {percent(abs(error[worst]))} at {where}"
 
 
-MARK = 0.05
+PAPER_ERROR = 0.05
 """The paper's verdict on method B at 20 modes: less than 5 %."""
 
 
@@ -124,7 +124,7 @@ def plot_convergence(case: CaseResult, axes: Axes) -> Axes:
     counts = sorted({n for sizes in case.methods.values() for n in sizes if n > 0}) or [1]
     for rank, (name, sizes) in enumerate(case.methods.items()):
         sizes_tried = sorted(sizes)
-        errors = [max(sizes[n].accuracy.max_relative_error, NOTHING) for n in sizes_tried]
+        errors = [max(sizes[n].accuracy.max_relative_error, SMALLEST_DRAWN) for n in sizes_tried]
         percents = [100 * error for error in errors]
         if sizes_tried == [0]:
             axes.axhline(percents[0], color=colour(name), ls="--", label=plain(name))
@@ -132,18 +132,23 @@ def plot_convergence(case: CaseResult, axes: Axes) -> Axes:
             axes.plot(
                 sizes_tried, percents, color=colour(name), marker=marker(name), label=plain(name)
             )
-        exact = [n for n in sizes_tried if sizes[n].accuracy.max_relative_error <= NOTHING]
-        below = [(n, 100 * NOTHING) for n in exact]
+        exact = [n for n in sizes_tried if sizes[n].accuracy.max_relative_error <= SMALLEST_DRAWN]
+        below = [(n, 100 * SMALLEST_DRAWN) for n in exact]
         for n, level in below:
             # Nested, so that none hides the others.
             size = 4 + 3 * (len(case.methods) - 1 - rank)
             axes.plot(n or counts[0], level, "v", color=colour(name), ms=size, clip_on=False)
-    axes.axhline(100 * MARK, color="0.6", lw=0.9, ls=":")
+    axes.axhline(100 * PAPER_ERROR, color="0.6", lw=0.9, ls=":")
     axes.text(
-        0.01, 120 * MARK, "5 %", color="0.45", fontsize=8, transform=axes.get_yaxis_transform()
+        0.01,
+        120 * PAPER_ERROR,
+        "5 %",
+        color="0.45",
+        fontsize=8,
+        transform=axes.get_yaxis_transform(),
     )
     axes.set_yscale("log")
-    axes.set_ylim(bottom=100 * NOTHING)
+    axes.set_ylim(bottom=100 * SMALLEST_DRAWN)
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.set_xticks(counts)
     axes.set_xlabel("joint modes")

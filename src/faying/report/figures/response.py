@@ -11,12 +11,12 @@ from faying._typing import Matrix, Vector
 from faying.display.quantities import percent, quantity
 from faying.display.style import heading, plain
 from faying.report.figures.entry import Drawn
-from faying.report.style import NOTHING, REFERENCE, colour, label, new_figure
+from faying.report.style import REFERENCE, SMALLEST_DRAWN, colour, label, new_figure
 from faying.study.results.path_record import SlipRecord
 from faying.study.results.values import CaseResult, MethodResult, Response, Results
 from faying.units import Units
 
-COUNTS = (5, 20)
+MODE_COUNTS = (5, 20)
 """Joint modes of the paper's Fig. 15.7 (five) and Fig. 15.6 (twenty)."""
 HEADROOM = 1.6
 """Pressures beyond this multiple of the reference's leave the picture."""
@@ -29,8 +29,8 @@ def shown_results(case: CaseResult) -> Iterator[tuple[str, MethodResult]]:
         if not counts:
             continue
         shown = (
-            COUNTS[0] if COUNTS[0] in sizes else counts[0],
-            COUNTS[1] if COUNTS[1] in sizes else counts[-1],
+            MODE_COUNTS[0] if MODE_COUNTS[0] in sizes else counts[0],
+            MODE_COUNTS[1] if MODE_COUNTS[1] in sizes else counts[-1],
         )
         for count in sorted(set(shown)):
             yield name, sizes[count]
@@ -47,7 +47,7 @@ def largest_motion(case: CaseResult, boundary: str) -> int | None:
 
 
 def _line(name: str, result: MethodResult) -> dict[str, Any]:
-    is_small = 0 < result.joint_modes <= COUNTS[0]
+    is_small = 0 < result.joint_modes <= MODE_COUNTS[0]
     return {
         "color": colour(name),
         "ls": (0, (4, 2)) if is_small else "-",
@@ -104,9 +104,9 @@ def plot_error_over_time(case: CaseResult, axes: Axes) -> Axes:
         return axes
     for name, result in shown_results(case):
         error = np.abs(result.response.pressure - case.reference.pressure).max(axis=-1) / top
-        axes.plot(case.times, 100 * np.maximum(error, NOTHING), **_line(name, result))
+        axes.plot(case.times, 100 * np.maximum(error, SMALLEST_DRAWN), **_line(name, result))
     axes.set_yscale("log")
-    axes.set_ylim(bottom=100 * NOTHING)
+    axes.set_ylim(bottom=100 * SMALLEST_DRAWN)
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.set_ylabel("max relative\npressure error [%]")
     return axes
@@ -160,7 +160,7 @@ def _caption(case: CaseResult, units: Units) -> str:
         f"all at the same time step. {case.reference_model.capitalize()}: "
         f"max {quantity(top, units.pressure)} at "
         f"{quantity(float(times[instant]), units.time)}.{left}{half} Dashed: few joint modes; "
-        f"errors below {percent(NOTHING)} lie on the lower edge."
+        f"errors below {percent(SMALLEST_DRAWN)} lie on the lower edge."
     )
 
 

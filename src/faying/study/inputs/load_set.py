@@ -31,7 +31,7 @@ TABLES = (".csv", ".parquet")
 """Endings of files that are tables of loads."""
 
 
-EVEN = 1e-3
+INTERVAL_TOLERANCE = 1e-3
 """Differences of intervals, over their mean, that come from the digits of a table."""
 
 
@@ -220,9 +220,9 @@ def _table_step(times: Vector) -> float:
     """Return the length of equal steps to the end of a table, as long as its intervals."""
     intervals, end = np.diff(times), float(times[-1])
     shortest, mean = float(intervals.min()), float(intervals.mean())
-    if np.ptp(intervals) <= EVEN * mean:
+    if np.ptp(intervals) <= INTERVAL_TOLERANCE * mean:
         return end / max(round(end / mean), 1)
-    return end / float(np.ceil(end / shortest * (1 - EVEN)))
+    return end / float(np.ceil(end / shortest * (1 - INTERVAL_TOLERANCE)))
 
 
 def _checked(rom: ReducedModel, loads: Iterable[TimedLoad]) -> tuple[TimedLoad, ...]:

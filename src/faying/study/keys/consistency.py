@@ -25,7 +25,7 @@ from faying.study.keys.loadings import loadings, repeated_loads
 from faying.study.keys.measurements import measurement_problems
 from faying.study.keys.parameter_rules import parameter_problems
 from faying.study.keys.positions import Location
-from faying.study.keys.ranges import MOST, MOST_STEPS
+from faying.study.keys.ranges import LARGEST_COUNT, MOST_STEPS
 from faying.study.keys.tables import LoadCaseSection, Study, Timed
 from faying.study.keys.temperatures import temperature_problems
 
@@ -225,9 +225,9 @@ def _number_of_loads(study: Study) -> Iterator[Problem]:
     combined = training.levels**sides * len(training.preload_factors)
     steps = 3**sides - 1 if training.dynamics else 0
     for count, what in ((combined, "levels"), (steps, "dynamics")):
-        if count > MOST:
+        if count > LARGEST_COUNT:
             text = (
-                f"the combinations of {sides} sides are {count:.4g} loads, and {MOST} are "
+                f"the combinations of {sides} sides are {count:.4g} loads, and {LARGEST_COUNT} are "
                 "the most that are kept; lower 'levels', shorten the box, or set dynamics = false"
             )
             yield study.problem(("reduction", "training", what), text)

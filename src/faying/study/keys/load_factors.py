@@ -6,7 +6,7 @@ from pathlib import Path
 from faying.exceptions import FormatError
 from faying.files.number_table import NumberTable, read_numbers
 from faying.study.keys.errors import quoted
-from faying.study.keys.ranges import LARGEST, MOST
+from faying.study.keys.ranges import LARGEST, LARGEST_COUNT
 
 ALL = "factor"
 """Name of the column that multiplies all loads of a case."""
@@ -41,5 +41,5 @@ def _problems(table: NumberTable, loads: Sequence[str]) -> Iterator[str]:
             f"no column for {quoted(missing)}; add it, or call the only column '{ALL}' to multiply "
             "all loads"
         )
-    if not 1 <= len(table.values) <= MOST:
-        yield f"found {len(table.values)} increments, expected 1 to {MOST}"
+    if not 1 <= len(table.values) <= LARGEST_COUNT:
+        yield f"found {len(table.values)} increments, expected 1 to {LARGEST_COUNT}"

@@ -12,7 +12,7 @@ SMALLEST, LARGEST = 1e-30, 1e30
 """Magnitudes of measures: products of several, as a stiffness times an area times a length, must
 stay between 1e-308 and 1e308, where double precision ends."""
 
-MOST = 1_000_000
+LARGEST_COUNT = 1_000_000
 """Modes, levels, steps per period or loads: no memory holds a vector of a structure for each."""
 
 MOST_SOLVED = 10_000
@@ -48,10 +48,10 @@ def in_range(value: float) -> float:
 
 def countable(value: int) -> int:
     """Return a number of things that can be kept in memory."""
-    if value > MOST:
+    if value > LARGEST_COUNT:
         message = (
-            f"found {shown(value)}, expected at most {MOST}, for no memory holds a vector of a "
-            "structure for each; lower it"
+            f"found {shown(value)}, expected at most {LARGEST_COUNT}, for no memory holds a vector "
+            "of a structure for each; lower it"
         )
         raise refusal(message)
     return value

@@ -17,7 +17,7 @@ MOST_STATES = 41
 MOST_SHAPES = 12
 """Shapes at most: a page has room for as many of a surface of 60 000 nodes."""
 
-MISSED = 2e-3
+LARGEST_MISS = 2e-3
 """Part of the largest displacement that may be missed: the largest is drawn a twentieth of the size
 of the model, of which this is a ten-thousandth, less than a pixel."""
 
@@ -95,7 +95,7 @@ def few_shapes(states: Matrix) -> tuple[Matrix, Matrix, float]:
     amplitudes = la.eigh(states.T @ states)[1][:, ::-1][:, :MOST_SHAPES]
     shapes = states @ amplitudes
     remainder, count, missed = states.copy(), 0, 1.0 if largest > 0 else 0.0
-    while missed > MISSED and count < amplitudes.shape[1]:
+    while missed > LARGEST_MISS and count < amplitudes.shape[1]:
         remainder -= np.outer(shapes[:, count], amplitudes[:, count])
         count, missed = count + 1, float(np.abs(remainder).max()) / largest
     return amplitudes[:, :count], shapes[:, :count], missed

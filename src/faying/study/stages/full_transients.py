@@ -26,7 +26,7 @@ from faying.study.results.responses import Seen, respond, seen_of
 from faying.study.results.values import Response
 from faying.study.stages.offline import PreparedJoint
 
-PIECE = AT_ONCE
+INSTANTS_AT_ONCE = AT_ONCE
 """Instants computed at a time: as many as the energy guard looks at together."""
 
 
@@ -81,7 +81,7 @@ def full_transients(
     n_time = round(duration / step) + 1
     _require_room(joint.model, len(runs), n_time)
     steps = _steps(joint.model, first.case, step)
-    together = even_parts(runs, runs_at_once(joint.model, n_time, PIECE + 1))
+    together = even_parts(runs, runs_at_once(joint.model, n_time, INSTANTS_AT_ONCE + 1))
     responses = [
         response
         for part in together
@@ -125,7 +125,7 @@ def _side_by_side(
         steps,
         [case_load(run.case) for run in runs],
         duration=duration,
-        length=PIECE,
+        length=INSTANTS_AT_ONCE,
         initial=[joint.rest] * len(runs),
         progress=progress,
     )

@@ -21,7 +21,7 @@ from faying.simulation.path import (
 from faying.simulation.solution import Solution
 from faying.study.stages.checkpointed_steps import CheckpointedSteps
 
-PIECE = 50
+INCREMENTS_AT_ONCE = 50
 """Increments that are kept together: to write them takes 12 ms with 600 contact points, 18 ms with
 3000, some hundredths of what it takes to compute them, or less."""
 
@@ -48,7 +48,7 @@ def follow_path(
     ``progress`` is called with the number of increments that there are more of.
     """
     start = time.perf_counter()
-    if system.contact.increments(len(loads)) <= PIECE:
+    if system.contact.increments(len(loads)) <= INCREMENTS_AT_ONCE:
         path = solve_path(system, loads, initial=initial, name=name)
         progress(len(loads))
         return path, time.perf_counter() - start
@@ -56,8 +56,8 @@ def follow_path(
     state, relative = path_start(system, initial), moved_alone(system, inputs)
     solver = system.static_contact.increments
     seconds, steps = time.perf_counter() - start, list[PathStep]()
-    for first in range(0, len(inputs), PIECE):
-        part = range(first, min(first + PIECE, len(inputs)))
+    for first in range(0, len(inputs), INCREMENTS_AT_ONCE):
+        part = range(first, min(first + INCREMENTS_AT_ONCE, len(inputs)))
         compute = partial(_followed, solver, relative, state, part)
         followed, took = kept_parts.value(_Piece, f"increments {first + 1} to {part.stop}", compute)
         for step in followed.steps:
