@@ -150,15 +150,15 @@ def test_a_load_over_time_may_be_called_like_the_cases(rom, loads, alone, tmp_pa
 
 
 def test_a_case_without_solution_costs_no_other_of_a_worker(rom, loads, tmp_path, monkeypatch):
-    solve, bad = solve_cases.solve_static_inputs, loads.inputs[4]
+    solve, bad = solve_cases.solve_ramps, loads.inputs[4]
 
-    def failing(system, inputs):
+    def failing(system, inputs, rest, **increments):
         if (inputs == bad).all(axis=1).any():
             message = "did not settle"
             raise ConvergenceError(message)
-        return solve(system, inputs)
+        return solve(system, inputs, rest, **increments)
 
-    monkeypatch.setattr(solve_cases, "solve_static_inputs", failing)
+    monkeypatch.setattr(solve_cases, "solve_ramps", failing)
     static = replace(loads, transients=())
     done = solve_loads(rom, static, tmp_path, executor=SerialExecutor())
     assert done.summary["not_converged"] == ["n4: did not settle"]

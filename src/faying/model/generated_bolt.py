@@ -171,13 +171,12 @@ def _seat(mesh: Mesh, spec: BoltSpec, cosines: Vector, end: Vector, outward: Vec
     under = in_plane & (radial <= radius * (1 + 1e-9))
     if not under.any():
         position = "({:g}, {:g}, {:g})".format(*end)
-        around = mesh.nodes[facets[facets >= 0]]
         if in_plane.any():
             hint = (
                 f"the nearest node of that surface is {radial[in_plane].min():.4g} from the axis; "
                 "enlarge the washer or refine the mesh"
             )
-        elif (np.linalg.norm(around - end, axis=1) <= radius).any():
+        elif _lean(cosines[_touched(mesh, end, radius)]):
             hint = "the surfaces there lie askew of the axis; turn it onto the normal of its seat"
         else:
             hint = "no surface lies there; move the end of the axis to the centre of the surface"
@@ -191,3 +190,15 @@ def _seat(mesh: Mesh, spec: BoltSpec, cosines: Vector, end: Vector, outward: Vec
     np.minimum.at(closest, labels[nodes], offset)
     closest_plane: Mask = closest <= closest.min() + _SAME_PLANE * radius
     return nodes[closest_plane[labels[nodes]]]
+
+
+def _touched(mesh: Mesh, centre: Vector, radius: float) -> Mask:
+    """Say which exterior facets (n_facet,) have a node within a radius [length] of a place."""
+    facets = mesh.exterior.nodes
+    distances = np.linalg.norm(mesh.nodes - centre, axis=1)
+    return ((facets >= 0) & (distances[facets] <= radius)).any(axis=1)
+
+
+def _lean(cosines: Vector) -> bool:
+    """Say whether facets lean: none faces along the axis, and some not across it as in a hole."""
+    return bool(len(cosines)) and 1 - _SMALLEST_COSINE < cosines.max() < _SMALLEST_COSINE

@@ -252,6 +252,12 @@ def test_washer_off_the_surface_is_refused():
         add_bolt(bare, bolt(axis=((0, 0, -10), (0, 0, 14))))
 
 
+def test_axis_that_leans_is_refused():
+    bare = lap_joint_assembly(bolt_positions=()).assembly
+    with pytest.raises(ModelError, match="the surfaces there lie askew of the axis"):
+        add_bolt(bare, bolt(axis=((-10, 0, -10), (10, 0, 10))))
+
+
 @pytest.mark.parametrize("axis", [None, ((0, 0, 0), (0, 0, 0)), ((0, 0), (0, 1))])
 def test_bolt_without_axis_is_refused(axis):
     with pytest.raises(ModelError, match="give two different points"):
