@@ -196,7 +196,8 @@ def _touched(mesh: Mesh, centre: Vector, radius: float) -> Mask:
     """Say which exterior facets (n_facet,) have a node within a radius [length] of a place."""
     facets = mesh.exterior.nodes
     distances = np.linalg.norm(mesh.nodes - centre, axis=1)
-    return ((facets >= 0) & (distances[facets] <= radius)).any(axis=1)
+    within = (facets >= 0) & (distances[facets] <= radius)
+    return np.asarray(within.any(axis=1))
 
 
 def _lean(cosines: Vector) -> bool:
