@@ -159,7 +159,8 @@ def _newton(problem: PeriodicProblem, motion: Motion, across: Vector | None) -> 
         if part < LEAST_PART:
             break
         x, motion = trial, moved
-        if left > FAST_CONVERGENCE * far:
+        # Where round-off allows no less, other derivatives change nothing.
+        if left > FAST_CONVERGENCE * far and left > SOLVED * size:
             derivatives = problem.derivatives(motion)
             factors = _factors(derivatives, border)
     message = f"no periodic motion was found at {motion.circular / (2 * np.pi):.6g}"

@@ -31,6 +31,7 @@ from faying.study.keys.requirement_tables import MarginsSection
 from faying.study.results.metric_table import TableFormat, check_table_format, write_metrics
 from faying.study.results.solved_fields import SolvedFields, write_solved
 from faying.study.stages.books import Books, ProgressBar
+from faying.study.stages.path_cases import rest_state
 from faying.units import Units
 from faying.workflow.outcome import Outcome
 from faying.workflow.solve_cases import CaseSolver
@@ -132,6 +133,7 @@ def solve_loads(
     with results_in(out, _mark(rom, loads, chosen, path), resume=resume) as checkpoint:
         books = Books(progress)
         named = [loads.names.index(name) for name in chosen.named]
+        rest = rest_state(rom, path or ())
         solver = CaseSolver(
             rom=rom,
             loads=loads,
@@ -140,8 +142,8 @@ def solve_loads(
             worst=chosen.worst,
             chosen=named,
             certificates=chosen.certificates,
-            demanded=demanded_of(chosen.requirements, chosen.strengths, chosen.margins, rom, path),
-            tightening=path,
+            demanded=demanded_of(chosen.requirements, chosen.strengths, chosen.margins, rom, rest),
+            rest=rest,
         )
         if executor is not None:
             solver.share(executor)

@@ -18,7 +18,7 @@ from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.execution.executor import Executor
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
-from faying.simulation.load import InputRow, Load
+from faying.simulation.load import InputRow
 from faying.simulation.path import solve_path
 from faying.simulation.ramps import solve_ramps
 from faying.simulation.restart import kept_restart, restart_from
@@ -29,7 +29,6 @@ from faying.simulation.transient_windows import transient_windows
 from faying.study.inputs.load_set import LoadSet, TimedLoad
 from faying.study.keys.tables import DEFAULT_INCREMENTS
 from faying.study.stages.books import FAILED, Books
-from faying.study.stages.path_cases import rest_state
 from faying.workflow.solved_cases import SolvedCases
 from faying.workflow.solved_pieces import Demanded, arrays_of, factors_of
 
@@ -65,8 +64,8 @@ class CaseSolver:
         Whether static cases are certified, where the model knows the full one's compliance.
     demanded
         What requirements judge.
-    tightening
-        How a joint with friction was tightened; None without.
+    rest
+        The preloaded joint, where all loads begin.
     """
 
     rom: ReducedModel
@@ -77,17 +76,12 @@ class CaseSolver:
     chosen: Collection[int]
     certificates: bool
     demanded: Demanded
-    tightening: tuple[Load, ...] | None = None
-
-    @cached_property
-    def rest(self) -> Solution:
-        """The preloaded joint, where all loads begin."""
-        return rest_state(self.rom, self.tightening or ())
+    rest: Solution
 
     @cached_property
     def judge(self) -> Certifier | None:
         """What certifies static cases without friction; None where they are not certified."""
-        if not self.certificates or self.tightening is not None:
+        if not self.certificates or self.rom.contact.rubbing_interfaces:
             return None
         with self.books.timed("certificates"), self.books.attempt("certified bounds"):
             return certifier(self.rom.joint)

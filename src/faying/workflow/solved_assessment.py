@@ -23,11 +23,11 @@ from faying.exceptions import ModelError
 from faying.joint.bolt_surroundings import pressed_near
 from faying.joint.tangential import TangentialRows
 from faying.reduction.reduced_model import ReducedModel
-from faying.simulation.load import InputRow, Load
+from faying.simulation.load import InputRow
+from faying.simulation.solution import Solution
 from faying.study.inputs.load_set import LoadSet
 from faying.study.judgement.margins import NASA, with_margins
 from faying.study.keys.requirement_tables import MarginsSection
-from faying.study.stages.path_cases import rest_state
 from faying.workflow.deciding_cases import Deciding
 from faying.workflow.solve_cases import CaseSolver
 from faying.workflow.solved_cases import BENDING, OPENS, SLIDES, SolvedCases
@@ -45,16 +45,16 @@ def demanded_of(
     strengths: BoltStrengths,
     margins: MarginsSection | None,
     rom: ReducedModel,
-    tightening: tuple[Load, ...] | None,
+    rest: Solution,
 ) -> Demanded:
     """Return what is asked of every case because a requirement judges it."""
     # With friction openings are followed where they are demanded.
-    follows = tightening is None or requirements.min_opening_factor is not None
+    follows = not rom.contact.rubbing_interfaces or requirements.min_opening_factor is not None
     opens = areas_that_open(rom.interfaces, rom.contact.slices, rom.bolts) if follows else {}
     radius = requirements.no_opening_within
     near = {}
     if radius is not None:
-        preload = rest_of(rest_state(rom, tightening or ())).pressure[0]
+        preload = rest_of(rest).pressure[0]
         near = {
             name: pressed_near(rom.interfaces, bolt, radius, preload)
             for name, bolt in rom.bolts.items()
@@ -106,7 +106,7 @@ def solved_checks(
     transients: Mapping[str, SolvedCases],
 ) -> tuple[tuple[Verdict, ...], tuple[Check, ...]]:
     """Judge a joint over the cases and instants that decide, and its bolts over all."""
-    rom, loads, rubs = solver.rom, solver.loads, solver.tightening is not None
+    rom, loads, rubs = solver.rom, solver.loads, bool(solver.rom.contact.rubbing_interfaces)
     sets = {**({} if static is None else {STATIC: static}), **transients}
     decided: dict[int, CaseState] = {}
     if static is not None:
