@@ -11,7 +11,7 @@ SCRIPT = """
 import numpy as np
 import scipy.sparse as sp
 from faying.linalg.factorization import factorize
-from faying.linalg.threads import SMALL, one_thread, threads_for
+from faying.linalg.threads import SMALL_ORDER, one_thread, threads_for
 
 line = sp.diags_array([2.1, -1.0, -1.0], offsets=[0, 1, -1], shape=(16, 16))
 A = sp.csr_array(sp.kron(sp.kron(line, line), sp.kron(line, np.eye(3) + 0.1)))
@@ -20,14 +20,14 @@ b = np.random.default_rng(0).standard_normal(A.shape[0])
 def digits():
     return factorize(A).solve(b).tobytes()
 
-with threads_for(SMALL):
+with threads_for(SMALL_ORDER):
     pass  # before anything was factorized
-with threads_for(SMALL):
+with threads_for(SMALL_ORDER):
     begun = digits()
 free = digits()
 with one_thread():
     alone = digits()
-with threads_for(SMALL):
+with threads_for(SMALL_ORDER):
     assert digits() == begun, "limited after one_thread"
 assert digits() == free, "after limits"
 assert begun == alone, "one thread or another"
