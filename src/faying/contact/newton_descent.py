@@ -19,7 +19,7 @@ from functools import cached_property
 
 import numpy as np
 
-from faying._typing import Matrix, SparseMatrix, Vector
+from faying._typing import Mask, Matrix, SparseMatrix, Vector
 from faying.contact.glued_pairs import GluedPairs
 from faying.contact.increment import Increment
 from faying.contact.laws_at_points import LawsAtPoints
@@ -113,7 +113,7 @@ def solve_yielding(
     factors: Factors | WholeFactors | None = None
     previous = np.inf
     while steps < MOST_STEPS and short < MOST_SHORT and np.isfinite(state.left):
-        if _ended(state.left, previous) and not formed:
+        if steps_ended(state.left, previous) and not formed:
             # What Newton's method summed up step by step is formed once more, by S or by Σ.
             # Beside rigid motions on weak springs this alone balances forces to round-off, and
             # what a residual leaves there moves bodies far: at 3e-6 a roof's began anew.
@@ -122,7 +122,7 @@ def solve_yielding(
             else:
                 state = _formed(laws, pairs, free, law_offset, state, moved_by)
             formed, previous = True, np.inf
-        if _ended(state.left, previous):
+        if steps_ended(state.left, previous):
             break
         previous = state.left
         K = state.K
@@ -158,9 +158,9 @@ def solve_yielding(
     )
 
 
-def _ended(left: float, previous: float) -> bool:
-    """Say of residuals over the largest force whether further steps leave no less."""
-    return left <= ROUND_OFF or (left <= SOLVED and left > LARGEST_REMAINDER * previous)
+def steps_ended(left: float | Vector, previous: float | Vector) -> bool | Mask:
+    """Say of residuals over the largest force, each, whether further steps leave no less."""
+    return (left <= ROUND_OFF) | ((left <= SOLVED) & (left > LARGEST_REMAINDER * previous))
 
 
 def _formed(

@@ -20,9 +20,9 @@ from faying.contact.newton_descent import (
     LARGEST_REMAINDER,
     MOST_STEPS,
     MOST_TRIALS,
-    ROUND_OFF,
     SMALLEST_FORCE_SHARE,
     SOLVED,
+    steps_ended,
 )
 from faying.contact.yielding import YieldingContact
 
@@ -76,9 +76,7 @@ def solve_similar(
         solved = left <= SOLVED
         # What steps summed up is formed once more, by S.
         forming = solved & ~formed[going]
-        ended = (
-            solved & ((left <= ROUND_OFF) | (left > LARGEST_REMAINDER * previous[going])) & ~forming
-        )
+        ended = steps_ended(left, previous[going]) & ~forming
         stuck = ~solved & ((steps[going] >= MOST_STEPS) | ~np.isfinite(left))
         previous[going] = np.where(forming, np.inf, left)
         again = going[forming]
