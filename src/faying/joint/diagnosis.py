@@ -86,11 +86,10 @@ def free_parts(model: Model) -> FreeParts:
     -----
     As :func:`check_held`, which refuses such a model.
     """
-    free = model_motions(model)
+    free, whole = _motions(model)
     count = free.motions.shape[1] if free.searched else None
-    whole = motions_as_a_whole(model).shape[1]
     if not count:
-        return FreeParts(count=count, parts={}, whole=whole)
+        return FreeParts(count=count, parts={}, whole=whole.shape[1])
     nodal = np.moveaxis(model.dofs.nodal(free.motions.T), 0, -1)
     size = np.linalg.norm(nodal, axis=2)
     # Rotations of the nodes of a body that moves are part of its motion.
@@ -105,7 +104,7 @@ def free_parts(model: Model) -> FreeParts:
         shown = ", ".join(map(str, loose[:MOST_NODES]))
         more = f" and {len(loose) - MOST_NODES} more" if len(loose) > MOST_NODES else ""
         parts[f"node {shown}{more}"] = "of beams, springs or couplings, can move"
-    return FreeParts(count=count, parts=parts, whole=whole)
+    return FreeParts(count=count, parts=parts, whole=whole.shape[1])
 
 
 def model_motions(model: Model) -> FreeMotions:
@@ -115,22 +114,29 @@ def model_motions(model: Model) -> FreeMotions:
     -----
     Of a model without pairs that stick before its stiffness is formed.
     """
-    K = model.K if model.stuck else rigid_stiffness(model.assembly, model.dofs)
-    free = free_motions(model.assembly, model.dofs, K)
-    whole = motions_as_a_whole(model)
+    return _motions(model)[0]
+
+
+def _motions(model: Model) -> tuple[FreeMotions, Matrix]:
+    """Return what moves freely within the structure, and its motions as a whole."""
+    K = _stiffness_of_motions(model)
+    free, whole = free_motions(model.assembly, model.dofs, K), _as_a_whole(model, K)
     if not whole.shape[1]:
-        return free
+        return free, whole
     within = free.motions - whole @ (whole.T @ free.motions)
     left, size, _ = np.linalg.svd(within, full_matrices=False)
-    return replace(free, motions=left[:, size > 0.5])
+    return replace(free, motions=left[:, size > 0.5]), whole
 
 
-def motions_as_a_whole(model: Model) -> Matrix:
+def _stiffness_of_motions(model: Model) -> SparseMatrix:
+    return model.K if model.stuck else rigid_stiffness(model.assembly, model.dofs)
+
+
+def _as_a_whole(model: Model, K: SparseMatrix) -> Matrix:
     """Return the motions (n_dof, n) as one rigid body that nothing resists, orthonormal.
 
     None of a structure without mass: nothing balances forces that are not in equilibrium.
     """
-    K = model.K if model.stuck else rigid_stiffness(model.assembly, model.dofs)
     motions = whole_motions(model.assembly.mesh.nodes, model.dofs.free, K)
     if motions.shape[1] and not model.structure.has_mass:
         return motions[:, :0]
@@ -152,7 +158,10 @@ def suspension(model: Model) -> str:
     loose = replace(assembly, springs=springs, bushes=bushes)
     K = rigid_stiffness(loose, model.dofs)
     motions = whole_motions(assembly.mesh.nodes, model.dofs.free, K)
-    if motions.shape[1] <= motions_as_a_whole(model).shape[1] or not model.structure.has_mass:
+    if (
+        motions.shape[1] <= _as_a_whole(model, _stiffness_of_motions(model)).shape[1]
+        or not model.structure.has_mass
+    ):
         return ""
     pulled, moved = (motions.T @ (matrix @ motions) for matrix in (model.K, model.M))
     squares = la.eigh(pulled, moved, eigvals_only=True)

@@ -51,7 +51,11 @@ def are_carried(moments: SparseMatrix, K: SparseMatrix) -> bool:
     """
     columns = np.unique(moments.indices)
     rows = K[columns]
-    alone = columns[[np.isin(rows[[k]].indices, columns).all() for k in range(len(columns))]]
+    outside = np.ones(K.shape[1], dtype=bool)
+    outside[columns] = False
+    row = np.repeat(np.arange(len(columns)), np.diff(rows.indptr))
+    touched = np.bincount(row[outside[rows.indices]], minlength=len(columns))
+    alone = columns[touched == 0]
     loads = moments[:, columns].toarray().T
     balance = K[alone][:, columns].toarray().T
     left = loads - balance @ np.linalg.lstsq(balance, loads)[0] if len(alone) else loads

@@ -86,7 +86,7 @@ class ModelData:
 
     def __post_init__(self) -> None:
         names = ("M", "C", "K", "recovery_inertia", "recovery_damping", "recovery_frame")
-        for name in (*names, "invariants"):
+        for name in (*names, "invariants", "rigid_motions"):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, frozen(getattr(self, name)))
 
