@@ -15,7 +15,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import FormatError, StudyError
 from faying.export.linearized import LinearModel, linearize
 from faying.io.dmig import dmig_text
-from faying.io.nastran.layout import Value, large, small
+from faying.io.nastran.fields import Value, large, small
 from faying.io.op4 import write_op4
 from faying.joint.system import elongations, initial_bolt_forces
 from faying.reduction.reduced_model import ReducedModel

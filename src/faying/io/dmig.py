@@ -21,7 +21,7 @@ from faying.io.matrix_labels import LabelledMatrix
 from faying.io.named_matrices import REAL_DOUBLE, SQUARE, SYMMETRIC, DamageError, chosen_name
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Cards
-from faying.io.nastran.layout import large, small
+from faying.io.nastran.fields import large, small
 from faying.io.nastran.tokenizer import read_cards
 
 REAL = (1, 2)

@@ -1,22 +1,133 @@
-"""CBAR, CBEAM: beam elements; BAROR, BEAMOR: what their blank fields mean."""
+"""CBAR, CBEAM, CROD, CTUBE, CONROD: beams and rods; BAROR, BEAMOR: what blank fields mean.
 
+MSC Nastran Quick Reference Guide, CBAR: offset vectors lead from the grids to the ends, along the
+displacement components of the grids, or (O of OFFT) along the axes of an element between the grids;
+pin flags name the components of the element (x along it, y towards the orientation vector) in which
+an end is not joined to its grid.
+"""
+
+import math
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from faying._typing import Matrix, Vector
+from faying._typing import Indices, Matrix, Vector
+from faying.exceptions import FormatError
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.beam_ends import BeamEnds
-from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.bushes import orientation
-from faying.io.nastran.cards import Card, Cards, property_of
-from faying.io.nastran.general_elements import springs_between
-from faying.io.nastran.grids import Grids
-from faying.io.nastran.principal_axes import turned_about
-from faying.io.nastran.sections import Property
-from faying.model.assembly import Beam, Spring
-from faying.model.axes import axes_along
+from faying.io.nastran.cards import Card, Cards, by_id, property_of
+from faying.io.nastran.fields import components
+from faying.io.nastran.grids import BulkData, Grids
+from faying.io.nastran.sections import Property, turned_about, with_shear
+from faying.io.nastran.solids import material_of
+from faying.io.nastran.springs import springs_between
+from faying.model.assembly import Beam, BeamSection, Equation, Material, RigidCoupling, Spring
+from faying.model.axes import any_across, axes_along
+
+PINS = (8, 9)
+OFFSETS = (10, 13)
+
+
+@dataclass(kw_only=True)
+class BeamEnds:
+    """Nodes at the ends of beams that are not those of the deck, and what joins them to those.
+
+    Attributes
+    ----------
+    first
+        Index of the first one.
+    grids
+        Node of the deck that each of them belongs to.
+    """
+
+    first: int
+    places: list[Vector] = field(default_factory=list)
+    couplings: list[RigidCoupling] = field(default_factory=list)
+    equations: list[Equation] = field(default_factory=list)
+    grids: list[int] = field(default_factory=list)
+
+    @property
+    def nodes(self) -> Matrix:
+        """Places (n, 3) of the new nodes."""
+        return np.array(self.places, dtype=float).reshape(-1, 3)
+
+    def offset(
+        self, card: Card, grids: Grids, end: int, node: int, along: Matrix
+    ) -> tuple[int, Vector]:
+        """Return the node of an end (0 or 1) and its place, a new one where there is an offset.
+
+        ``along`` (3, 3) are the axes of the element between its grids, for offsets given along
+        them.
+        """
+        vector = np.array([card.real(OFFSETS[end] + j, 0.0) for j in range(3)])
+        position = grids.nodes[node]
+        if not vector.any():
+            return node, position
+        of_element = card.text(7)[1 + end : 2 + end] == "O"
+        axes = along if of_element else grids.systems.axes(node)
+        position = position + (vector if axes is None else vector @ axes)
+        if not np.isfinite(position).all():
+            card.refuse("the offset is too large for a number", OFFSETS[end])
+        new = self._added(position, node)
+        coupling = RigidCoupling(
+            id=card.integer(0), reference=node, nodes=np.array([new]), components=tuple(range(6))
+        )
+        self.couplings.append(coupling)
+        return new, position
+
+    def pinned(
+        self, card: Card, nodes: tuple[int, int], places: tuple[Vector, Vector], axes: Matrix
+    ) -> tuple[int, int]:
+        """Return the nodes of a beam, new ones where an end has pins.
+
+        What is free to move along or turn about the element at both ends carries nothing: the
+        second end keeps it, so that the element does not move by itself.
+        """
+        first, second = (_released(card, field) for field in PINS)
+        released = [c for c in second if not (c in first and c in (0, 3))]
+        a = self._hinge(card, nodes[0], places[0], first, axes)
+        return a, self._hinge(card, nodes[1], places[1], released, axes)
+
+    def _hinge(
+        self, card: Card, node: int, position: Vector, released: list[int], axes: Matrix
+    ) -> int:
+        if not released:
+            return node
+        new = self._added(position, node)
+        for first in (0, 3):
+            rows = np.eye(3)
+            if any(first <= c < first + 3 for c in released):
+                rows = axes[[c for c in range(3) if first + c not in released]]
+            for row in rows:
+                terms = []
+                for c in np.argsort(-np.abs(row), kind="stable").tolist():
+                    if row[c] != 0.0:
+                        factor = float(row[c])
+                        terms += [(new, first + c, factor), (node, first + c, -factor)]
+                self.equations.append(Equation(id=card.integer(0), terms=tuple(terms)))
+        return new
+
+    def _added(self, position: Vector, node: int) -> int:
+        self.places.append(position)
+        self.grids.append(node if node < self.first else self.grids[node - self.first])
+        return self.first + len(self.places) - 1
+
+    def ids_behind(self, ids: Indices) -> Indices:
+        """Return ids (n,) of the new nodes, behind all others."""
+        return int(ids.max(initial=0)) + 1 + np.arange(len(self.places))
+
+
+def _released(card: Card, field: int) -> list[int]:
+    """Return the components 0..5 of a pin flag, none where it is blank or 0."""
+    text = card.text(field)
+    if text in ("", "0"):
+        return []
+
+    def wrong(said: str) -> FormatError:
+        return card.error(f"pin flag: {said}", field)
+
+    return list(components(text, wrong))
 
 
 def read_beams(
@@ -55,8 +166,8 @@ def _filled(card: Card, default: Card | None) -> Card:
     is_grid = len(orientation) == 1 and bool(texts[4]) and numbers.integer(texts[4]) is not None
     if orientation and not is_grid and len(orientation) < 3 and any(default.texts[4:7]):
         card.refuse(f"give all of X1, X2, X3: {default.where()} fills the blank ones", 4)
-    for field in (1, *(() if orientation else (4, 5, 6)), 7):
-        texts[field] = texts[field] or default.text(field)
+    for j in (1, *(() if orientation else (4, 5, 6)), 7):
+        texts[j] = texts[j] or default.text(j)
     return replace(card, texts=texts)
 
 
@@ -169,3 +280,80 @@ def _point(card: Card, grids: Grids, field: int) -> int:
             "a warping point with a displacement system is not supported; use an SPOINT", field
         )
     return node
+
+
+Member = tuple[BeamSection, Material]
+
+
+def read_rods(
+    bulk: BulkData, materials: Mapping[int, Material], factors: Mapping[int, float]
+) -> list[Beam]:
+    """Read rods as beams without bending stiffness, whose mass lies along a straight line.
+
+    Non-structural mass is added to the density.
+    """
+    rods: list[Beam] = []
+    for name, family, read in (("CROD", "PROD", _bar), ("CTUBE", "PTUBE", _tube)):
+        members: dict[int, Member] = {}
+        for number, card in by_id(bulk.cards, family, what="property").items():
+            section, heavy = read(card, material_of(card, 1, materials), bulk.mass_factor)
+            members[number] = with_shear(section, factors.get(card.integer(1), 1.0)), heavy
+        for card in bulk.cards.get(name, ()):
+            member = property_of(card, members, family)
+            rods.append(_rod(card, bulk.grids, (2, 3), member, card.integer(1, card.integer(0))))
+    for card in bulk.cards.get("CONROD", ()):
+        material = material_of(card, 3, materials)
+        section, heavy = _member(card, 4, material, bulk.mass_factor)
+        member = (with_shear(section, factors.get(card.integer(3), 1.0)), heavy)
+        rods.append(_rod(card, bulk.grids, (1, 2), member, 0))
+    return rods
+
+
+def _bar(card: Card, material: Material, mass_factor: float) -> Member:
+    return _member(card, 2, material, mass_factor)
+
+
+def _member(card: Card, first: int, material: Material, mass_factor: float) -> Member:
+    """Section from A, J, C, NSM; C serves stresses only."""
+    line_mass = card.real(first + 3, 0.0) * mass_factor
+    return _heavy(card.real(first), card.real(first + 1, 0.0), line_mass, material)
+
+
+def _tube(card: Card, material: Material, mass_factor: float) -> Member:
+    """Section from outer diameter, wall (none is a solid rod), NSM, diameter at the other end."""
+    outer = card.real(2)
+    wall = card.real(3, 0.0) or outer / 2
+    end = card.real(5, outer)
+    if wall > outer / 2:
+        card.refuse(f"OD = {outer:g} with T = {wall:g} is no tube; T is at most half of OD", 3)
+    if not math.isclose(end, outer, rel_tol=1e-3):
+        card.refuse(
+            f"OD2 = {end:g} differs from OD = {outer:g}; divide the tube into constant pieces", 5
+        )
+    inner = outer - 2 * wall
+    area = math.pi / 4 * (outer**2 - inner**2)
+    polar = math.pi / 32 * (outer**4 - inner**4)
+    return _heavy(area, polar, card.real(4, 0.0) * mass_factor, material)
+
+
+def _heavy(area: float, torsion: float, line_mass: float, material: Material) -> Member:
+    heavy = replace(material, density=material.density + line_mass / area)
+    section = BeamSection(area=area, inertia_y=0.0, inertia_z=0.0, torsion=torsion)
+    return section, heavy
+
+
+def _rod(card: Card, grids: Grids, ends: tuple[int, int], member: Member, number: int) -> Beam:
+    start, end = (grids.one(card, field) for field in ends)
+    with np.errstate(over="ignore"):
+        axis = np.abs(grids.nodes[end] - grids.nodes[start])
+        length = float(np.linalg.norm(axis))
+    if not 0 < length < math.inf:
+        card.refuse("the rod has no length; its two nodes coincide")
+    return Beam(
+        id=card.integer(0),
+        nodes=(start, end),
+        section=member[0],
+        material=member[1],
+        orientation=any_across(axis),
+        property=number,
+    )

@@ -1,16 +1,31 @@
-"""CBUSH, CBUSH1D with PBUSH, PBUSH1D: springs along and about axes of their own."""
+"""CBUSH, CBUSH1D, CBEND: springs along and about axes of their own.
 
+The arc of a CBEND is symmetric about the plane between its ends. Forces in its plane therefore decouple from
+those across it, and either has a place on that line of symmetry to which three springs without
+coupling can be moved by rigid arms: the elastic centres. Their flexibilities are integrals over
+the arc of the strain energy of a thick curved bar,
+
+    (M² / I1 + N² / A - 2 ΔN M N / I1) / 2E + V² / 2 K1 G A    in the plane of the arc,
+    (B² / I2) / 2E + (T² / J + V² / K2 A) / 2G                 across it,
+
+with N positive in tension, M where it straightens, and ΔN (DELTAN) from the centroid to the neutral
+axis towards the centre of curvature. MSC Nastran Quick Reference Guide, CBEND and PBEND.
+"""
+
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.digits import DECK_DIGITS
+from faying.digits import DECK_DIGITS, SOLVED
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.cards import Card, by_id, property_of
-from faying.io.nastran.grids import Grids
-from faying.model.assembly import Bush
+from faying.io.nastran.fields import SHORT_DIGITS
+from faying.io.nastran.grids import BulkData, Grids
+from faying.io.nastran.solids import material_of
+from faying.model.assembly import Bush, Material
 from faying.model.axes import any_across, axes_along
 
 _ROWS = ("K", "B", "GE", "RCV", "M", "T", "D", "")
@@ -153,3 +168,185 @@ def _place(card: Card, grids: Grids, start: int, line: Vector) -> Vector:
         location = np.array([[card.real(field, 0.0) for field in (10, 11, 12)]])
         return np.asarray(grids.systems.frame_of(card, 9).to_basic(location)[0])
     return np.asarray(grids.nodes[start] + card.real(8, 0.5) * line)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Section:
+    """Stiffness of a cross-section; flexibilities in shear are zero where it is rigid."""
+
+    axial: float
+    bending: float
+    bending_across: float
+    torsion: float
+    shear: float
+    shear_across: float
+    neutral: float | None
+    line_mass: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Arc:
+    """An arc: the chord from A to B, the direction away from the centre, the angle it spans."""
+
+    centre: Vector
+    chord: Vector
+    outward: Vector
+    radius: float
+    angle: float
+
+
+def read_bends(
+    bulk: BulkData, materials: Mapping[int, Material], factors: Mapping[int, float]
+) -> list[Bush]:
+    """Read curved bars; half of the mass of each is at either end.
+
+    Factors are as of :func:`faying.io.nastran.materials.read_materials`.
+    """
+    bushes: list[Bush] = []
+    properties = by_id(bulk.cards, "PBEND", what="property")
+    heavy = 0
+    for card in bulk.cards.get("CBEND", ()):
+        bend = property_of(card, properties, "PBEND")
+        section = _section(bend, materials, factors, bulk.mass_factor)
+        arc = _arc(card, bend, bulk.grids)
+        heavy += section.line_mass > 0
+        ends = bulk.grids.one(card, 2), bulk.grids.one(card, 3)
+        bushes += _bushes(card, ends, arc, section)
+    if heavy:
+        bulk.ignored.append(f"mass of {heavy} CBEND: half of it at either end, without inertia")
+    return bushes
+
+
+def _section(
+    card: Card, materials: Mapping[int, Material], factors: Mapping[int, float], mass_factor: float
+) -> _Section:
+    if numbers.integer(card.text(2)) is not None:
+        card.refuse(
+            f"FSI = {card.text(2)}, a pipe whose flexibility depends on codes of piping, is not "
+            "supported; give A, I1, I2 and J",
+            2,
+        )
+    card.refuse_non_zero([19, 20], "an offset", "move the grid points to the centroid")
+    material = material_of(card, 1, materials)
+    shear_modulus = material.youngs_modulus / (2 * (1 + material.poissons_ratio))
+    shear_modulus *= factors.get(card.integer(1), 1.0)
+    area, inertia, inertia_across, torsion = (card.real(field, 0.0) for field in (2, 3, 4, 5))
+    if not shear_modulus > 0:
+        card.refuse(f"its material has G = {shear_modulus:g}, which must be positive", 1)
+    extra, shares = card.real(18, 0.0), [card.real(field, 0.0) for field in (16, 17)]
+    rigid = [0.0 if share == 0.0 else 1 / (share * shear_modulus * area) for share in shares]
+    return _Section(
+        axial=material.youngs_modulus * area,
+        bending=material.youngs_modulus * inertia,
+        bending_across=material.youngs_modulus * inertia_across,
+        torsion=shear_modulus * torsion,
+        shear=rigid[0],
+        shear_across=rigid[1],
+        neutral=card.real(21) if card.text(21) else None,
+        line_mass=material.density * area + extra * mass_factor,
+    )
+
+
+def _arc(card: Card, section: Card, grids: Grids) -> _Arc:
+    start, end = (grids.nodes[grids.one(card, field)] for field in (2, 3))
+    line = end - start
+    with np.errstate(over="ignore"):
+        length = float(np.linalg.norm(line))
+    vector = orientation(card, grids, grids.one(card, 2))
+    size = 0.0 if vector is None else float(np.linalg.norm(vector))
+    if vector is None or not (0 < length < np.inf and 0 < size < np.inf):
+        card.refuse("its nodes coincide, or G0 or X1 to X3 give no direction", 4)
+    chord, vector = line / length, vector / size
+    along = float(vector @ chord)
+    side = vector - along * chord
+    width = float(np.linalg.norm(side))
+    if not width > SOLVED:
+        card.refuse(
+            "G0 or X1 to X3 lie on the line of the nodes; they must span the plane of the arc", 4
+        )
+    side = side / width
+    half, outward = _half_angle(card, section, along, width, length)
+    radius = length / (2 * math.sin(half))
+    return _Arc(
+        centre=start + length / 2 * chord - outward * radius * math.cos(half) * side,
+        chord=chord,
+        outward=outward * side,
+        radius=radius,
+        angle=2 * half,
+    )
+
+
+def _half_angle(
+    card: Card, section: Card, along: float, width: float, length: float
+) -> tuple[float, float]:
+    """Half the angle of the arc, and on which side of the chord it lies: that of O is 1."""
+    geometry, radius, angle = card.integer(7), section.real(6, 0.0), section.real(7, 0.0)
+    if geometry == 1 and not (radius or angle):
+        if abs(along) > SOLVED:
+            return math.atan2(abs(along), width), -math.copysign(1.0, along)
+        text = "the line to the centre of curvature is square to the chord: no arc ends there"
+    elif geometry == 2 and not (radius or angle):
+        if along > -SOLVED:
+            return min(math.atan2(width, along), math.pi / 2), 1.0
+        text = "the tangent at GA leads away from GB: more than a half circle is not supported"
+    elif geometry == 3 and radius > 0 and not angle:
+        if length <= 2 * radius * (1 + SHORT_DIGITS):
+            return math.asin(min(length / (2 * radius), 1.0)), 1.0
+        text = f"RB = {radius:g} is smaller than half the distance {length:g} of the nodes"
+    elif geometry == 4 and 0 < angle <= 180 and not radius:
+        return math.radians(angle) / 2, 1.0
+    else:
+        text = (
+            f"GEOM = {geometry} with RB = {radius:g}, THETAB = {angle:g}; 1 and 2 have neither, 3 "
+            "has RB, 4 has THETAB up to 180"
+        )
+    raise card.error(text, 7)
+
+
+def _bushes(card: Card, ends: tuple[int, int], arc: _Arc, section: _Section) -> list[Bush]:
+    """Return the bush in the plane of the arc and that across it."""
+    radius, angle = arc.radius, arc.angle
+    blank = section.bending / (section.axial * radius)
+    neutral = blank if section.neutral is None else section.neutral
+    # Integrals over the arc of 1, cos, cos² and sin² of the angle from its middle.
+    whole, cosine = radius * angle, 2 * radius * math.sin(angle / 2)
+    squares = radius / 2 * (angle + math.sin(angle)), radius / 2 * (angle - math.sin(angle))
+    cos2, sin2 = squares
+
+    stretch = 1 / section.axial + radius * (radius - 2 * neutral) / section.bending
+    chordwise = stretch * cos2 + section.shear * sin2
+    outward = stretch * sin2 + section.shear * cos2
+    turn = whole / section.bending
+    coupled = (radius - neutral) * cosine / section.bending
+    plane = (chordwise - coupled**2 / turn, outward, turn)
+
+    sideways = whole * (radius**2 / section.torsion + section.shear_across)
+    twist = cos2 / section.torsion + sin2 / section.bending_across
+    nod = sin2 / section.torsion + cos2 / section.bending_across
+    twisted = -radius * cosine / section.torsion
+    across = (sideways - twisted**2 / twist, twist, nod)
+
+    if not min(*plane, *across) > 0:
+        card.refuse(
+            f"the neutral axis at DELTAN = {neutral:g} of radius {radius:g} is no curved bar's"
+        )
+    axes = np.array([arc.chord, arc.outward, np.cross(arc.chord, arc.outward)])
+    stiff = [1 / flexibility for flexibility in (*plane, *across)]
+    return [
+        Bush(
+            id=card.integer(0),
+            nodes=ends,
+            stiffness=stiffness,
+            axes=tuple((x, y, z) for x, y, z in axes.tolist()),
+            place=tuple((arc.centre + shift * arc.outward).tolist()),
+            mass=mass,
+        )
+        for stiffness, shift, mass in (
+            (
+                (stiff[0], stiff[1], 0.0, 0.0, 0.0, stiff[2]),
+                coupled / turn,
+                section.line_mass * whole,
+            ),
+            ((0.0, 0.0, stiff[3], stiff[4], stiff[5], 0.0), -twisted / twist, 0.0),
+        )
+    ]

@@ -11,8 +11,7 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.exceptions import FormatError
-from faying.io.nastran.bulk_data import BulkData
-from faying.io.nastran.cards import Card, Cards, by_id
+from faying.io.nastran.cards import Card, Cards, by_id, id_list
 from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.contact_pairs import Pair, region_of, rows
 from faying.io.nastran.contact_parameters import (
@@ -24,9 +23,9 @@ from faying.io.nastran.contact_parameters import (
     read_parameters,
     refuse_letting_go,
 )
-from faying.io.nastran.id_lists import id_list
+from faying.io.nastran.grids import BulkData
 from faying.io.nastran.regions import Region
-from faying.io.nastran.selection import chosen_sets
+from faying.io.nastran.sets import chosen_sets
 
 _SECONDARY = frozenset(("SECNDRY", "SLAVE", "SLAVES"))
 _PRIMARY = frozenset(("PRIMARY", "MASTERS", "MASTER"))

@@ -9,17 +9,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from faying.io.nastran.bulk_data import BulkData
-from faying.io.nastran.cards import Card, Cards, by_id
+from faying.io.nastran.cards import Card, Cards, by_id, id_list
 from faying.io.nastran.contact_pairs import Pair, region_of, rows
 from faying.io.nastran.contact_parameters import (
     Parameters,
     friction_coefficient,
     read_parameters,
 )
-from faying.io.nastran.id_lists import id_list
+from faying.io.nastran.grids import BulkData
 from faying.io.nastran.regions import Region
-from faying.io.nastran.selection import chosen_sets
+from faying.io.nastran.sets import chosen_sets
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,12 +4,10 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.bulk_data import BulkData
-from faying.io.nastran.cards import Card
-from faying.io.nastran.components import components, frame_independent
-from faying.io.nastran.grids import Grids
-from faying.io.nastran.id_lists import id_list
-from faying.io.nastran.selection import selected_sets
+from faying.io.nastran.cards import Card, id_list
+from faying.io.nastran.fields import components, frame_independent
+from faying.io.nastran.grids import BulkData, Grids
+from faying.io.nastran.sets import selected_sets
 from faying.model.assembly import AverageCoupling, Equation
 
 

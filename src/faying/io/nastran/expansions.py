@@ -7,10 +7,9 @@ import numpy as np
 
 from faying._typing import Vector
 from faying.digits import SOLVED
-from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.cards import Card, Cards
-from faying.io.nastran.layers import layers
-from faying.io.nastran.plane_materials import PlaneMaterial
+from faying.io.nastran.grids import BulkData
+from faying.io.nastran.materials import PlaneMaterial, layers
 from faying.model.shells import strain_rotation
 
 _COEFFICIENTS = {

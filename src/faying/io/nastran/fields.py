@@ -1,4 +1,4 @@
-"""Nastran numbers: text to value and value to text, one at a time and by the million.
+"""Fields of cards: numbers and component digits, read and written.
 
 A real may be written ``1.5``, ``1.5E-3``, ``1.5D-3`` or ``1.5-3`` (the exponent's letter left out).
 Fields are byte strings of one width, padded with blanks or NUL.
@@ -6,13 +6,14 @@ Fields are byte strings of one width, padded with blanks or NUL.
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import reduce
 
 import numpy as np
 import numpy.typing as npt
 
 from faying._typing import Indices, Mask, Vector
+from faying.exceptions import FormatError
 
 Fields = npt.NDArray[np.bytes_]
 
@@ -165,3 +166,58 @@ def _exponential(value: float, digits: int) -> str:
     mantissa, exponent = f"{value:.{digits - 1}E}".split("E")
     mantissa = mantissa.rstrip("0") if "." in mantissa else mantissa + "."
     return f"{mantissa}{int(exponent):+d}"
+
+
+def components(digits: str, error: Callable[[str], FormatError]) -> tuple[int, ...]:
+    """Return components 0..5, ascending, of digits 1..6."""
+    if not digits or set(digits) - set("123456") or len(set(digits)) != len(digits):
+        shown = f"'{digits}'" if digits else "nothing"
+        message = f"components are {shown}; expected distinct digits 1 to 6, such as 123"
+        raise error(message)
+    return tuple(sorted(int(digit) - 1 for digit in digits))
+
+
+def digits_of(numbers: tuple[int, ...]) -> str:
+    """Return digits 1..6 of components 0..5."""
+    return "".join(str(number + 1) for number in sorted(numbers))
+
+
+def frame_independent(numbers: tuple[int, ...]) -> bool:
+    """Whether translations and rotations each enter all or not at all.
+
+    Then the components span the same space in any node's coordinate system.
+    """
+    return all(len(set(numbers) & group) in (0, 3) for group in ({0, 1, 2}, {3, 4, 5}))
+
+
+Value = int | float | str | None
+
+
+def small(name: str, values: Sequence[Value]) -> str:
+    """Return the lines of a card with eight data fields of eight columns each."""
+    texts = [_text(value, 8).ljust(8) for value in values]
+    lines = [
+        f"{name if i == 0 else '+':8}{''.join(texts[i : i + 8])}".rstrip()
+        for i in range(0, max(len(texts), 1), 8)
+    ]
+    return "\n".join(lines)
+
+
+def large(name: str, values: Sequence[Value]) -> str:
+    """Return the lines of a card with four data fields of sixteen columns each.
+
+    Lines come in pairs, as Nastran demands.
+    """
+    texts = [_text(value, 16).ljust(16) for value in values]
+    texts += [" " * 16] * (-len(texts) % 8)
+    lines = [
+        f"{name + '*' if i == 0 else '*':8}{''.join(texts[i : i + 4])}".rstrip()
+        for i in range(0, len(texts), 4)
+    ]
+    return "\n".join(lines)
+
+
+def _text(value: Value, width: int) -> str:
+    if value is None:
+        return ""
+    return format_real(value, width) if isinstance(value, float) else str(value)

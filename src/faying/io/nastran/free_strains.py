@@ -12,8 +12,7 @@ import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.io.left_out import IGNORABLE
-from faying.io.nastran.bulk_data import BulkData
-from faying.io.nastran.cards import Card, Cards, by_id
+from faying.io.nastran.cards import Card, Cards, by_id, id_list
 from faying.io.nastran.expansions import (
     NOTHING,
     Expansion,
@@ -22,10 +21,10 @@ from faying.io.nastran.expansions import (
     expansion_of_plate,
     read_expansions,
 )
-from faying.io.nastran.id_lists import id_list
-from faying.io.nastran.moved_supports import ALWAYS
-from faying.io.nastran.plane_materials import PlaneMaterial
+from faying.io.nastran.grids import BulkData
+from faying.io.nastran.materials import PlaneMaterial
 from faying.io.nastran.reader import TEMPERATURES, UNREAD_TEMPERATURES, Deck
+from faying.io.nastran.supports import ALWAYS
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.deck_bolt import bolt_axis_element
 from faying.model.elastic_law import turned_strain

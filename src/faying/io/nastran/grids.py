@@ -1,4 +1,4 @@
-"""GRID, GRDSET, SPOINT: nodes, their coordinate systems and permanent supports."""
+"""GRID, GRDSET, SPOINT: nodes with their systems and supports, and what readers share."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -7,10 +7,10 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError
-from faying.io.nastran.cards import Card, Cards
-from faying.io.nastran.components import components
+from faying.io.nastran.cards import Card, Cards, id_list
+from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.coordinates import Systems, missing_system, read_frames
-from faying.io.nastran.id_lists import id_list
+from faying.io.nastran.fields import components
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -177,3 +177,24 @@ def _permanent(grid: Cards, default: str) -> dict[str, Indices]:
         nodes = np.flatnonzero(blank)
         result[default] = np.union1d(result.get(default, nodes), nodes)
     return {digits: nodes for digits, nodes in result.items() if digits != "0" and len(nodes)}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BulkData:
+    """Cards of a deck by name, with the grid points they refer to.
+
+    Attributes
+    ----------
+    control
+        What case control selects.
+    mass_factor
+        By which densities and masses are multiplied (PARAM,WTMASS).
+    ignored
+        Notes so far; readers append theirs.
+    """
+
+    cards: Mapping[str, Cards]
+    control: CaseControl
+    grids: Grids
+    mass_factor: float
+    ignored: list[str]

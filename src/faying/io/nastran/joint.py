@@ -12,12 +12,18 @@ from faying.io.deck_lines import naming
 from faying.io.left_out import IGNORABLE, checked_ignore
 from faying.io.nastran.bolts import cut_bolts, read_bolts
 from faying.io.nastran.contact_msc import friction_of_all_bodies, read_msc_pairs
-from faying.io.nastran.contact_pairs import Pair, check_distinct, gap_rule, glue_distance, spec_of
+from faying.io.nastran.contact_pairs import (
+    Pair,
+    check_distinct,
+    gap_rule,
+    glue_distance,
+    spec_of,
+    with_shell_sides,
+)
 from faying.io.nastran.contact_simcenter import read_simcenter_pairs
 from faying.io.nastran.free_strains import with_free_strains
 from faying.io.nastran.reader import Deck, read_parts
 from faying.io.nastran.regions import Region, read_regions
-from faying.io.nastran.shell_sides import with_shell_sides
 from faying.io.solid_cuts import close_cuts, origins
 from faying.io.tied_surfaces import moving_together
 from faying.model.assembly import Assembly

@@ -1,14 +1,110 @@
-"""MAT1: isotropic material."""
+"""Materials: MAT1, MAT2, MAT8, MAT9, MAT11, and the properties and layers that name them."""
 
 import math
-from collections.abc import Mapping
+from collections import ChainMap
+from collections.abc import Container, Iterator, Mapping
+from dataclasses import dataclass, replace
 
+import numpy as np
+
+from faying._typing import Matrix
 from faying.exceptions import ModelError
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.cards import Card, Cards
-from faying.io.nastran.layers import materials_of_layered_solids, materials_of_shells
+from faying.io.nastran.coordinates import Systems
+from faying.io.nastran.grids import BulkData
 from faying.model.assembly import Material
+from faying.model.elastic_law import orthotropic_law, turned
+from faying.model.shells import plane_stress
+
+SHELL_PROPERTIES = ("PSHELL", "PCOMP", "PCOMPG", "PSHEAR")
+
+_NUMBERED = ("PCOMPG", "PCOMPS")
+"""Laminates whose layers have ids, each in a line of its own."""
+
+_PLATE_MATERIALS = (1, 3, 5, 10)
+"""MID1 to MID4 of PSHELL."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layer:
+    """A layer of a laminate: material id, thickness, angle in degrees."""
+
+    material: int
+    thickness: float
+    angle: float
+
+
+def layers(card: Card) -> list[Layer]:
+    """Return the layers of a laminate from the bottom, mirrored where LAM = SYM."""
+    stack: list[Layer] = []
+    for first in _places(card):
+        if not any(card.text(first + j) for j in range(4)):
+            continue
+        if card.cards.name in _NUMBERED:
+            card.integer(first - 1)  # the layer's own id, which names results
+        below = stack[-1] if stack else None
+        layer = Layer(
+            material=card.integer(first, below.material if below else None),
+            thickness=card.real(first + 1, below.thickness if below else None),
+            angle=card.real(first + 2, 0.0),
+        )
+        if not layer.thickness > 0:
+            card.refuse(
+                f"a layer has thickness {layer.thickness:g}; it must be positive", first + 1
+            )
+        stack.append(layer)
+    if not stack:
+        card.refuse("it has no layers")
+    return stack + stack[::-1] if card.text(7) == "SYM" else stack
+
+
+def _places(card: Card) -> list[int]:
+    """First field, the material, of each layer."""
+    if card.cards.name in _NUMBERED:
+        return [row + 1 for row in range(8, len(card), 8)]
+    return list(range(8, len(card), 4))
+
+
+def materials_of_layered_solids(cards: Mapping[str, Cards]) -> frozenset[int]:
+    """Return the ids of the materials that PCOMPS name."""
+    numbers_of = (
+        numbers.integer(card.text(first))
+        for card in cards.get("PCOMPS", ())
+        for first in _places(card)
+    )
+    return frozenset(number for number in numbers_of if number is not None)
+
+
+def materials_of_shells(cards: Mapping[str, Cards]) -> frozenset[int]:
+    """Return the ids of the materials that properties of shells name."""
+    texts = [card.text(field) for card in cards.get("PSHELL", ()) for field in _PLATE_MATERIALS]
+    texts += [card.text(1) for card in cards.get("PSHEAR", ())]
+    for name in ("PCOMP", "PCOMPG"):
+        texts += [card.text(first) for card in cards.get(name, ()) for first in _places(card)]
+    ids = (numbers.integer(text) for text in texts)
+    return frozenset(number for number in ids if number is not None)
+
+
+def named_materials(
+    bulk: BulkData, name: str, named: Container[int], defined: Container[int]
+) -> Iterator[tuple[int, Card]]:
+    """Yield the materials that properties name by id, and note the others.
+
+    ``defined`` are those that exist already; what is read of this name is to be added to it.
+    """
+    unnamed = 0
+    for card in bulk.cards.get(name, ()):
+        number = card.integer(0)
+        if number not in named:
+            unnamed += 1
+            continue
+        if number in defined:
+            card.refuse(f"material {number} is defined twice; renumber one")
+        yield number, card
+    if unnamed:
+        bulk.ignored.append(f"{unnamed} {name} that no property names")
+
 
 # Nastran itself warns when E, G and ν disagree by more than one per cent.
 _CONTRADICTION = 0.01
@@ -157,3 +253,120 @@ def _constants(card: Card, number: int, shells: frozenset[int]) -> tuple[float, 
             card.refuse(f"material {number} has G = {shear:g}; it must be positive")
         return youngs, youngs / (2 * shear) - 1
     return youngs, poisson
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PlaneMaterial:
+    """A layer in its own axes.
+
+    Attributes
+    ----------
+    law : (3, 3) [force/length²]
+        Plane stresses per strains (εxx, εyy, γxy).
+    shear : (2, 2) [force/length²]
+        Transverse shear stresses per strains; None is rigid.
+    density : [mass/length³]
+    """
+
+    law: Matrix
+    shear: Matrix | None
+    density: float
+
+
+def read_plane_materials(
+    bulk: BulkData, materials: Mapping[int, Material], factors: Mapping[int, float]
+) -> dict[int, PlaneMaterial]:
+    """Return the materials of shells by id.
+
+    Factors are those of the transverse shear, as
+    :func:`faying.io.nastran.materials.read_materials`.
+    """
+    by_number = {
+        number: PlaneMaterial(
+            law=plane_stress(material.youngs_modulus, material.poissons_ratio),
+            shear=factors.get(number, 1.0) * material.shear_modulus * np.eye(2),
+            density=material.density,
+        )
+        for number, material in materials.items()
+    }
+    named = materials_of_shells(bulk.cards)
+    for name, read in (("MAT2", _anisotropic), ("MAT8", _orthotropic)):
+        for number, card in named_materials(bulk, name, named, by_number):
+            by_number[number] = read(card, bulk.mass_factor)
+    return by_number
+
+
+def _anisotropic(card: Card, mass_factor: float) -> PlaneMaterial:
+    g11, g12, g13, g22, g23, g33 = (card.real(j, 0.0) for j in range(1, 7))
+    law = np.array([[g11, g12, g13], [g12, g22, g23], [g13, g23, g33]])
+    # Where it stands for transverse shear, G33 is blank and the rest is a matrix of two rows.
+    return PlaneMaterial(law=law, shear=law[:2, :2], density=card.real(7, 0.0) * mass_factor)
+
+
+def _orthotropic(card: Card, mass_factor: float) -> PlaneMaterial:
+    first, second, ratio = card.real(1), card.real(2), card.real(3)
+    in_plane = card.real(4, 0.0)
+    sideways = [card.real(5, 0.0), card.real(6, 0.0)]
+    minor_ratio = ratio * second / first
+    if not abs(ratio * minor_ratio) < 1:
+        card.refuse(
+            f"E1 = {first:g}, E2 = {second:g}, NU12 = {ratio:g} is no stable material; correct it"
+        )
+    scale = 1 / (1 - ratio * minor_ratio)
+    law = np.diag([scale * first, scale * second, in_plane])
+    law[0, 1] = law[1, 0] = scale * ratio * second
+    return PlaneMaterial(
+        law=law,
+        shear=np.diag(sideways) if min(sideways) > 0 else None,
+        density=card.real(7, 0.0) * mass_factor,
+    )
+
+
+def read_anisotropic(
+    bulk: BulkData, named: frozenset[int], materials: Mapping[int, Material]
+) -> dict[int, Material]:
+    """Return the materials along their own axes by id.
+
+    Those that no PSOLID names are left out with a note.
+    """
+    anisotropic: dict[int, Material] = {}
+    for name, law, density in (("MAT9", _general_law, 22), ("MAT11", _orthotropic_law, 10)):
+        defined = ChainMap(anisotropic, dict(materials))
+        for number, card in named_materials(bulk, name, named, defined):
+            try:
+                anisotropic[number] = Material.anisotropic(
+                    law(card), density=card.real(density, 0.0) * bulk.mass_factor, name=str(number)
+                )
+            except (ModelError, ValueError) as error:
+                text = f"material {number}: {error}"
+                raise card.error(text) from error
+    return anisotropic
+
+
+def along(card: Card, material: Material, systems: Systems) -> Material:
+    """Turn a material to the coordinate system CORDM of its PSOLID."""
+    number = card.integer(2, 0)
+    if material.law is None or number == 0:
+        return material
+    if number < 0:
+        card.refuse(
+            "CORDM = -1, axes of each element, is not supported; give a rectangular system", 2
+        )
+    frame = systems.frame_of(card, 2)
+    if frame.kind != "R":
+        card.refuse(
+            f"CORDM = {number} is not rectangular; only directions that stay are supported", 2
+        )
+    return replace(material, law=turned(material.law, np.asarray(frame.axes)))
+
+
+def _general_law(card: Card) -> Matrix:
+    law = np.zeros((6, 6))
+    law[np.triu_indices(6)] = [card.real(j, 0.0) for j in range(1, 22)]
+    return law + np.triu(law, 1).T
+
+
+def _orthotropic_law(card: Card) -> Matrix:
+    shear = np.array([card.real(7), card.real(9), card.real(8)])
+    moduli, ratios = ([card.real(j) for j in places] for places in ((1, 2, 3), (4, 5, 6)))
+    return orthotropic_law(moduli, ratios, shear)

@@ -10,11 +10,8 @@ import numpy as np
 from faying._typing import Indices
 from faying.exceptions import FormatError
 from faying.io.left_out import Occurrence
-from faying.io.nastran.beam_ends import BeamEnds
-from faying.io.nastran.beams import read_beams, read_warping
-from faying.io.nastran.bends import read_bends
-from faying.io.nastran.bulk_data import BulkData
-from faying.io.nastran.bushes import read_bushes
+from faying.io.nastran.beams import BeamEnds, read_beams, read_rods, read_warping
+from faying.io.nastran.bushes import read_bends, read_bushes
 from faying.io.nastran.card_table import FIELDS
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.case_control import (
@@ -28,27 +25,24 @@ from faying.io.nastran.case_control import (
 )
 from faying.io.nastran.coordinates import ON_AXIS
 from faying.io.nastran.couplings import read_average_coupling, read_equations
-from faying.io.nastran.general_elements import read_general_elements
-from faying.io.nastran.grids import Grids, read_grids
+from faying.io.nastran.grids import BulkData, Grids, read_grids
 from faying.io.nastran.left_out import ADDED_MASS, CARDS, USERS
 from faying.io.nastran.loads import UNSUPPORTED, read_loads
 from faying.io.nastran.materials import (
     MATERIALS,
+    PlaneMaterial,
     materials_named,
     materials_of_solids,
+    read_anisotropic,
     read_materials,
+    read_plane_materials,
 )
-from faying.io.nastran.moved_supports import Moved, with_moving
-from faying.io.nastran.plane_materials import PlaneMaterial, read_plane_materials
-from faying.io.nastran.rigid_elements import read_rigid_elements
-from faying.io.nastran.rods import read_rods
+from faying.io.nastran.rigid_elements import read_rigid_elements, read_shell_to_solid
 from faying.io.nastran.sections import read_sections
 from faying.io.nastran.sets import read_sets
 from faying.io.nastran.shell_sections import read_shell_properties
-from faying.io.nastran.shell_to_solid import read_shell_to_solid
 from faying.io.nastran.shells import SHELL_CARDS, read_panel_sides, read_shells
 from faying.io.nastran.solid_bolts import control_grids
-from faying.io.nastran.solid_materials import read_anisotropic
 from faying.io.nastran.solids import (
     SOLID_CARDS,
     Solids,
@@ -56,15 +50,15 @@ from faying.io.nastran.solids import (
     element_sets,
     read_solids,
 )
-from faying.io.nastran.source import read_source
 from faying.io.nastran.springs import (
+    read_general_elements,
     read_masses,
     read_scalar_masses,
     read_springs,
     without_rotation,
 )
-from faying.io.nastran.supports import read_supports
-from faying.io.nastran.tokenizer import read_cards
+from faying.io.nastran.supports import Moved, read_supports, with_moving
+from faying.io.nastran.tokenizer import read_cards, read_source
 from faying.io.straight_sides import StraightSides
 from faying.model.assembly import Assembly
 from faying.model.mesh import Mesh

@@ -12,10 +12,8 @@ import numpy as np
 from faying._typing import Indices, Mask
 from faying.io.element_faces import find_faces, numbered_faces
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.bulk_data import BulkData
-from faying.io.nastran.cards import Card
-from faying.io.nastran.grids import Grids
-from faying.io.nastran.id_lists import id_list
+from faying.io.nastran.cards import Card, id_list
+from faying.io.nastran.grids import BulkData, Grids
 from faying.io.nastran.solids import SOLID_CARDS, Solids
 from faying.io.solid_cuts import Cut, on_their_sides
 from faying.model.assembly import FaceSet

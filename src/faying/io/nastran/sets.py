@@ -1,13 +1,14 @@
-"""SET1: named sets of nodes and elements."""
+"""SET1, SPCADD, MPCADD: named sets, and sets of constraints that apply."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
 from faying._typing import Indices
-from faying.io.nastran.bulk_data import BulkData
-from faying.io.nastran.cards import Card
-from faying.io.nastran.id_lists import id_list
+from faying.exceptions import FormatError
+from faying.io.nastran.cards import Card, id_list
+from faying.io.nastran.case_control import CaseControl
+from faying.io.nastran.grids import BulkData
 
 
 def read_sets(
@@ -48,3 +49,58 @@ def _set1(
         _extend(node_sets, name, index)
     if len(ids) and np.isin(ids, element_ids).all():
         _extend(element_sets, name, ids)
+
+
+def selected_sets(bulk: BulkData, kind: str, members: set[int]) -> set[int]:
+    """Return the ids of the constraint sets that apply: in a deck without case control all.
+
+    The kind is ``"SPC"`` or ``"MPC"``; members are ids of the sets that hold constraints.
+    """
+    combined: dict[int, list[int]] = {}
+    for card in bulk.cards.get(f"{kind}ADD", ()):
+        number = card.integer(0)
+        parts = id_list(card, card.texts[1:])
+        unknown = [str(part) for part in parts if part not in members]
+        if unknown:
+            # As in Nastran, whose own examples name such sets.
+            bulk.ignored.append(
+                f"{card.where()}: sets that are not in the deck: {', '.join(unknown)}"
+            )
+        combined.setdefault(number, []).extend(parts)
+    chosen = bulk.control.spc if kind == "SPC" else bulk.control.mpc
+    if chosen is None:
+        if members:
+            shown = ", ".join(map(str, sorted(members)))
+            said = (
+                f"case control selects none by {kind}, so that they constrain nothing"
+                if bulk.control.present
+                else "the deck has no case control that would select, so that all apply"
+            )
+            bulk.ignored.append(f"{kind} sets {shown}: {said}")
+        return set() if bulk.control.present else set(members)
+    if kind == "MPC" and not members and not combined:
+        bulk.ignored.append(f"case control selects MPC = {chosen}, of which the deck has none")
+        return set()
+    if chosen not in members and chosen not in combined:
+        message = (
+            f"case control selects {kind} = {chosen}, but the bulk data have no such set; "
+            f"sets are {', '.join(map(str, sorted(members | set(combined)))) or 'none'}"
+        )
+        raise FormatError(message)
+    return ({chosen} | set(combined.get(chosen, []))) & members
+
+
+def chosen_sets(
+    control: CaseControl, chosen: int | None, sets: Collection[int], what: str, word: str
+) -> tuple[list[int], str]:
+    """Return the sets that case control selects by a word, without a section of it all.
+
+    Also returned is what is said of sets that nothing selects.
+    """
+    shown = ", ".join(map(str, sets)) or "none"
+    if chosen is not None and chosen not in sets:
+        message = f"case control selects {word} = {chosen}, but the {what} are {shown}"
+        raise FormatError(message)
+    if chosen is not None or not control.present:
+        return [*sets] if chosen is None else [chosen], ""
+    return [], f"{what} {shown} (case control selects none by {word})" if sets else ""

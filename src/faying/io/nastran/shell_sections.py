@@ -7,10 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Matrix
-from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.cards import Card, by_id
-from faying.io.nastran.layers import SHELL_PROPERTIES, Layer, layers
-from faying.io.nastran.plane_materials import PlaneMaterial
+from faying.io.nastran.grids import BulkData
+from faying.io.nastran.materials import SHELL_PROPERTIES, Layer, PlaneMaterial, layers
 from faying.model.shells import ShellSection, turned_law
 
 LAMINATE = (

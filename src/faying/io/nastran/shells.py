@@ -8,9 +8,8 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector
 from faying.digits import DECK_DIGITS
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.cards import Card, Cards, by_id
-from faying.io.nastran.grids import Grids
+from faying.io.nastran.grids import BulkData, Grids
 from faying.io.nastran.shell_sections import ShellProperty
 from faying.io.nastran.solids import check_distinct, material_of, property_ids
 from faying.io.straight_sides import StraightSides

@@ -10,10 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.io.nastran.bulk_data import BulkData
-from faying.io.nastran.cards import Card, by_id
-from faying.io.nastran.grids import Grids
-from faying.io.nastran.id_lists import id_list
+from faying.io.nastran.cards import Card, by_id, id_list
+from faying.io.nastran.grids import BulkData, Grids
 from faying.io.solid_cuts import Section
 from faying.model.elements import FACES, SOLIDS
 from faying.model.mesh import Mesh

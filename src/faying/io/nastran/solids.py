@@ -7,11 +7,9 @@ import numpy as np
 
 from faying._typing import Indices, Mask
 from faying.exceptions import FormatError
-from faying.io.nastran.bulk_data import BulkData
 from faying.io.nastran.cards import Card, Cards, by_id
-from faying.io.nastran.grids import Grids
-from faying.io.nastran.layers import layers
-from faying.io.nastran.solid_materials import along
+from faying.io.nastran.grids import BulkData, Grids
+from faying.io.nastran.materials import along, layers
 from faying.io.straight_sides import StraightSides
 from faying.model.assembly import Material
 from faying.model.cells import CellBlock

@@ -9,9 +9,7 @@ import numpy as np
 from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError
 from faying.files.atomic import replacing
-from faying.io.nastran.components import digits_of, frame_independent
-from faying.io.nastran.fields import format_real
-from faying.io.nastran.layout import Value, large, small
+from faying.io.nastran.fields import Value, digits_of, format_real, frame_independent, large, small
 from faying.io.nastran.numbering import LARGEST_ID, Numbering, number_assembly
 from faying.io.unwritten import refuse_unwritten
 from faying.model.assembly import Assembly, Support
