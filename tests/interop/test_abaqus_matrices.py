@@ -11,7 +11,7 @@ import faying as fy
 from faying.exceptions import FormatError, ModelError
 from faying.io.abaqus import read_joint
 from faying.io.matrices import read_matrices
-from faying.io.matrix_files import read_matrix
+from faying.io.matrix_tables import read_matrix
 
 SPEC = fy.InterfaceSpec(name="joint", minus="SLAVE", plus="MASTER", penalty=1e5)
 

@@ -8,7 +8,7 @@ from witness import pyyeti_nastran
 
 from faying.exceptions import FormatError
 from faying.io.dmig import dmig_text, read_dmig
-from faying.io.matrix_files import read_matrix
+from faying.io.matrix_tables import read_matrix
 
 bulk = pyyeti_nastran().bulk
 

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from witness import pyyeti_nastran
 
 from faying.exceptions import FormatError, ModelError
-from faying.io.matrix_files import read_matrix
+from faying.io.matrix_tables import read_matrix
 from faying.io.op4 import read_op4, read_op4_matrices, write_op4
 
 op4 = pyyeti_nastran().op4

@@ -7,7 +7,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from faying.exceptions import FormatError
-from faying.io.matrix_files import read_matrix
+from faying.io.matrix_tables import read_matrix
 
 QUICK = settings(
     max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]

@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from faying.exceptions import FormatError
-from faying.io.matrix_files import read_matrix
+from faying.io.matrix_tables import read_matrix
 
 SIZE = 12
 K = sp.csr_array(

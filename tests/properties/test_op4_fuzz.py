@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from faying.exceptions import FormatError
 from faying.io.dmig import dmig_text
-from faying.io.matrix_files import read_matrix
+from faying.io.matrix_tables import read_matrix
 from faying.io.op4 import write_op4
 
 MATRIX = np.array([[4.25, -1.5, 0.0, 2.0], [-1.5, 3.125, 0.0, 0.0], [0.0] * 4, [2.0, 0, 0, 1e-7]])

@@ -18,9 +18,8 @@ from faying.io.matrix_checks import (
     symmetric_matrix,
     turning_nodes,
 )
-from faying.io.matrix_files import read_matrix
 from faying.io.matrix_labels import aligned
-from faying.io.matrix_tables import read_dof_table, read_id_sets, read_node_table
+from faying.io.matrix_tables import read_dof_table, read_id_sets, read_matrix, read_node_table
 from faying.model.assembly import (
     Assembly,
     AverageCoupling,
@@ -135,7 +134,7 @@ def read_matrices(
     Parameters
     ----------
     M, C, K
-        Files of the kinds in :data:`faying.io.matrix_files.READERS`.
+        Files of the kinds in :data:`faying.io.matrix_tables.READERS`.
     nodes
         Rows of id, x, y, z (``.csv``, ``.txt``, ``.npz``), or the deck (``.inp``, ``.bdf``,
         ``.nas``, ``.fem``), whose surfaces and node sets then are there too.

@@ -8,7 +8,7 @@ import pytest
 import faying as fy
 from faying.exceptions import FormatError, ModelError
 from faying.io.abaqus import read_deck, read_joint
-from faying.io.abaqus.written_contact import contact_lines
+from faying.io.abaqus.written_steps import contact_lines
 from faying.model.description import JointDescription
 from faying.model.elements import SOLIDS, block_element
 from faying.model.elements.stiffness import stiffness_blocks

@@ -16,8 +16,7 @@ from faying.exceptions import FormatError, StudyError
 from faying.files.numpy_archive import read_matrices
 from faying.io.abaqus.deck import read_spans
 from faying.io.isolated import read_isolated
-from faying.io.matrix_files import read_matrix
-from faying.io.matrix_tables import read_node_table
+from faying.io.matrix_tables import read_matrix, read_node_table
 from faying.io.mesh_files import read_mesh_file
 from faying.io.nastran.tokenizer import read_source
 from faying.study.keys.schema import read_study

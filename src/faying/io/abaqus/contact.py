@@ -1,51 +1,35 @@
-"""``*SURFACE INTERACTION`` and ``*CONTACT PAIR``: interfaces."""
+"""``*CONTACT PAIR``: interfaces, and slave surfaces of single nodes.
+
+CalculiX (node-to-face penalty contact): the force of a node is its pressure times its share of the
+exterior faces of solids that it belongs to, or, without any, the area of the master face that it
+projects onto. Here that node and the place below it each carry a triangle of this area, which moves
+with them without turning.
+"""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
-from faying._typing import Matrix
-from faying.contact.laws import Curve
+from faying._typing import Indices, Matrix, Vector
 from faying.interface.gap_pairing import declared
+from faying.interface.projection import nearest_places
+from faying.interface.selection import select_facets
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import parameter
-from faying.io.abaqus.friction import FRICTIONLESS, DeckFriction, read_friction, tied_slopes
+from faying.io.abaqus.interactions import Interaction
 from faying.io.abaqus.keyword import Keyword, named
-from faying.io.abaqus.overclosure import Normal, read_behaviour
 from faying.io.abaqus.sets import NamedSets
-from faying.io.abaqus.solid_sections import is_of_abaqus
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, removed_sides, slave_and_master
-from faying.io.left_out import IGNORABLE
-from faying.model.assembly import Assembly
+from faying.io.tied_surfaces import equal_motions
+from faying.model.assembly import Assembly, FaceSet
+from faying.model.elements import FACES
 from faying.model.gap_rule import GapRule
 from faying.model.mesh import Mesh
 from faying.model.specs import InterfaceSpec
-
-MEMBERS = ("SURFACE BEHAVIOR", "FRICTION", "CONTACT DAMPING", "GAP CONDUCTANCE")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Interaction:
-    """A ``*SURFACE INTERACTION``; what is ``tied`` neither opens nor slides."""
-
-    name: str
-    penalty: Normal = "hard"
-    friction: DeckFriction = FRICTIONLESS
-    tied: bool = False
-
-    def spec(self, name: str, minus: str, plus: str) -> InterfaceSpec:
-        """Return an interface of two sides that has this interaction."""
-        return InterfaceSpec(
-            name=name,
-            minus=minus,
-            plus=plus,
-            penalty="auto" if isinstance(self.penalty, Curve) else self.penalty,
-            closure=self.penalty if isinstance(self.penalty, Curve) else None,
-            friction=self.friction.coefficient,
-            tangential_penalty=self.friction.tangential_penalty,
-        )
+from faying.model.surface import facet_area_vectors, facet_frames, rows_by_kind
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,28 +48,6 @@ class Pair:
     lone: bool = False
 
 
-def read_interactions(deck: Deck) -> dict[str, Interaction]:
-    """Read all *SURFACE INTERACTION, by upper-case name."""
-    interactions = {}
-    for head, members in deck.groups("SURFACE INTERACTION", *MEMBERS):
-        head.check()
-        name = head.required("NAME")
-        if tied := [member for member in members if _is_tied(member)]:
-            stick = [member for member in members if member.name == "FRICTION"]
-            slopes = tied_slopes(deck, name, tied[0], stick)
-            stiffness = DeckFriction(tangential_penalty=slopes[1])
-            interactions[name.upper()] = Interaction(
-                name=name, tied=True, penalty=slopes[0], friction=stiffness
-            )
-            continue
-        if "friction" in deck.ignore:
-            members = _frictionless(members, deck.ignored)
-        penalty = read_behaviour(head, members, is_of_abaqus(deck), deck.ignored)
-        friction = read_friction(members, deck.ignored)
-        interactions[name.upper()] = Interaction(name=name, penalty=penalty, friction=friction)
-    return interactions
-
-
 def read_pairs(
     deck: Deck, interactions: Mapping[str, Interaction], surfaces: Surfaces, sets: NamedSets
 ) -> list[Pair]:
@@ -95,19 +57,6 @@ def read_pairs(
         for keyword in deck.of("CONTACT PAIR")
         for pair in _pairs(keyword, surfaces, _adjust(keyword, sets), interactions, deck.ignored)
     ]
-
-
-def _is_tied(keyword: Keyword) -> bool:
-    behaviour = keyword.name == "SURFACE BEHAVIOR"
-    return behaviour and keyword.choice("PRESSURE-OVERCLOSURE") == "TIED"
-
-
-def _frictionless(members: list[Keyword], ignored: list[str]) -> list[Keyword]:
-    """Leave out friction as asked."""
-    frictionless = [member for member in members if member.name != "FRICTION"]
-    if len(frictionless) < len(members):
-        ignored.append(f"*FRICTION: {IGNORABLE['friction']} (ignore = friction)")
-    return frictionless
 
 
 def _pairs(
@@ -281,3 +230,124 @@ def _coincide(nodes: Matrix, pair: Pair) -> bool:
     edge = float(np.linalg.norm(nodes[facets[:, 1]] - nodes[facets[:, 0]], axis=1).min())
     paired = distance[distance < 0.1 * edge]
     return bool(paired.max(initial=0.0) <= 1e-6 * size)
+
+
+_SHARES = {"tri6": (1 / 999, 332 / 999), "quad8": (0.01, 0.24)}
+"""Of the area of a facet with mid-side nodes, as in CalculiX: corners, mid-side nodes."""
+
+_LARGEST_DISTANCE = 1e-3
+"""How far beside its facet a node may lie, over the size of the facet, as in CalculiX."""
+
+
+def with_lone_nodes(
+    assembly: Assembly, pairs: list[Pair], ignored: list[str]
+) -> tuple[Assembly, list[Pair]]:
+    """Put a contact pair for each node in place of pairs whose slave has no whole facet."""
+    replaced: list[Pair] = []
+    for pair in pairs:
+        if pair.slave.facets or _whole(assembly, pair.slave):
+            replaced.append(pair)
+            continue
+        assembly, points = _points(assembly, pair)
+        if not points:
+            pair.keyword.refuse(
+                f"no node of surface '{pair.slave.name}' lies above '{pair.master.name}'", pair.row
+            )
+        replaced += points
+        ignored.append(
+            f"slave surface {pair.slave.name} has no whole facet: {len(points)} of its "
+            f"{len(pair.slave.nodes)} nodes are contact points, each an interface, with its share "
+            "of all exterior facets around it, as in CalculiX (Abaqus takes an area of 1)"
+        )
+    return assembly, replaced
+
+
+def _whole(assembly: Assembly, surface: DeckSurface) -> bool:
+    inside = np.zeros(len(assembly.mesh.nodes) + 1, dtype=bool)
+    inside[surface.nodes] = inside[-1] = True
+    return bool(inside[assembly.mesh.exterior.nodes].all(axis=1).any())
+
+
+def _points(assembly: Assembly, pair: Pair) -> tuple[Assembly, list[Pair]]:
+    nodes, slaves = assembly.mesh.nodes, pair.slave.nodes
+    facets = select_facets(assembly, pair.master.name)
+    apart = nodes[slaves][:, None] - nodes[np.unique(facets.corners)][None]
+    areas = np.linalg.norm(facet_area_vectors(nodes, facets), axis=1)
+    reach = np.linalg.norm(apart, axis=2).min(axis=1).max() + _LARGEST_DISTANCE * np.sqrt(
+        areas.max()
+    )
+    places = nearest_places(nodes, slaves, facets, float(reach))
+    frames = facet_frames(nodes, facets)
+    shares = _shares(assembly)
+    points = []
+    for row, facet, columns, shape in zip(
+        places.rows, places.facets, places.columns, places.shape, strict=True
+    ):
+        node, below = int(slaves[row]), shape @ nodes[columns]
+        sideways = np.linalg.norm(frames[facet, :2] @ (nodes[node] - below))
+        if sideways > _LARGEST_DISTANCE * np.sqrt(areas[facet]):
+            continue
+        triangle = _triangle(frames[facet], float(shares[node] or areas[facet]))
+        of_place = sp.csr_array((shape, (np.zeros(len(shape), dtype=int), columns)))
+        of_node = sp.csr_array(([1.0], ([0], [node])))
+        assembly, minus = _carried(assembly, nodes[node] + triangle[::-1], of_node)
+        assembly, plus = _carried(assembly, below + triangle, of_place)
+        number = int(assembly.mesh.node_ids[node])
+        sides = _sides(pair, number, minus, plus)
+        named = {side.name: FaceSet(kind="tri3", nodes=side.facets["tri3"]) for side in sides}
+        assembly = replace(assembly, face_sets={**assembly.face_sets, **named})
+        interaction = replace(pair.interaction, name=f"{pair.interaction.name} node {number}")
+        points.append(
+            replace(pair, slave=sides[0], master=sides[1], interaction=interaction, lone=True)
+        )
+    return assembly, points
+
+
+def _shares(assembly: Assembly) -> Vector:
+    """Areas of nodes (n_node,), zero inside and off solids."""
+    mesh = assembly.mesh
+    exterior = mesh.exterior
+    areas = np.linalg.norm(facet_area_vectors(mesh.nodes, exterior), axis=1)
+    shares = np.zeros(len(mesh.nodes))
+    for kind, rows in rows_by_kind(exterior.nodes).items():
+        face = FACES[kind]
+        corner, middle = _SHARES.get(kind, (1 / face.n_corners, 0.0))
+        share = np.where(np.arange(face.n_nodes) < face.n_corners, corner, middle)
+        np.add.at(shares, exterior.nodes[rows, : face.n_nodes], np.outer(areas[rows], share))
+    return shares
+
+
+def _triangle(frame: Vector, area: float) -> Vector:
+    """Corners (3, 3) of an equilateral triangle about the origin, seen from outside."""
+    angles = 2 * np.pi / 3 * np.arange(3)
+    radius = np.sqrt(area / (0.75 * np.sqrt(3)))
+    corners = radius * np.column_stack([np.cos(angles), np.sin(angles)]) @ frame[:2]
+    return np.asarray(corners)
+
+
+def _carried(assembly: Assembly, corners: Vector, motion: sp.csr_array) -> tuple[Assembly, Indices]:
+    """Add nodes (3,) that all move as one place does, by shape functions (1, n_node)."""
+    mesh = assembly.mesh
+    added = len(mesh.nodes) + np.arange(3)
+    first = max((equation.id for equation in assembly.equations), default=0) + 1
+    follow = sp.csr_array((np.ones(3), (np.arange(3), np.zeros(3, dtype=int)))) @ motion
+    follow.resize((3, len(mesh.nodes) + 3))
+    minus = sp.csr_array((np.full(3, -1.0), (np.arange(3), added)), shape=follow.shape)
+    ids = mesh.node_ids.max() + 1 + np.arange(3)
+    return replace(
+        assembly,
+        mesh=replace(
+            mesh,
+            nodes=np.vstack([mesh.nodes, corners]),
+            node_ids=np.append(mesh.node_ids, ids),
+        ),
+        equations=(*assembly.equations, *equal_motions(added, follow + minus, first)),
+    ), added
+
+
+def _sides(pair: Pair, number: int, *ends: Indices) -> list[DeckSurface]:
+    surfaces = (pair.slave, pair.master)
+    return [
+        replace(side, name=f"{side.name} at {number}", facets={"tri3": nodes[None]}, nodes=nodes)
+        for side, nodes in zip(surfaces, ends, strict=True)
+    ]

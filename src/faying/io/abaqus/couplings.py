@@ -8,17 +8,14 @@ import numpy as np
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.digits import ROUND_OFF
 from faying.interface.facets import gauss_rule, shape_functions, surface
-from faying.io.abaqus.beams import TYPES
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs, component_range
-from faying.io.abaqus.element_types import SHELL_TYPES
-from faying.io.abaqus.elements import Elements
 from faying.io.abaqus.fields import check_count, positive
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.nodes import Nodes
-from faying.io.abaqus.orientations import orientation_at
+from faying.io.abaqus.line_elements import TYPES
+from faying.io.abaqus.mesh import SHELL_TYPES, Elements, Nodes
 from faying.io.abaqus.sets import NamedSets
-from faying.io.abaqus.solid_sections import is_of_abaqus
+from faying.io.abaqus.solid_sections import is_of_abaqus, orientation_at
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, find_surface
 from faying.model.assembly import AverageCoupling, Equation, RigidCoupling
 

@@ -9,7 +9,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import integer, only_line, padded
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.nodes import Nodes
+from faying.io.abaqus.mesh import Nodes
 from faying.io.abaqus.sets import NamedSets
 from faying.model.axes import axes_along
 

@@ -10,8 +10,9 @@ from faying._typing import Indices
 from faying.exceptions import ModelError
 from faying.interface.facing import facing_bodies
 from faying.interface.mortar import find_couplings
-from faying.io.abaqus.contact import Interaction, Pair
+from faying.io.abaqus.contact import Pair
 from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.interactions import Interaction
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.surfaces import Surfaces, find_surface, slave_and_master
 from faying.io.solid_cuts import Cut

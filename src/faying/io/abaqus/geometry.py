@@ -8,10 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from faying.io.abaqus.deck import read_keyword_deck
-from faying.io.abaqus.element_types import LINE_TYPES, SOLID_TYPES
-from faying.io.abaqus.elements import read_elements
 from faying.io.abaqus.instances import with_distinct_ids
-from faying.io.abaqus.nodes import read_nodes
+from faying.io.abaqus.mesh import LINE_TYPES, SOLID_TYPES, read_elements, read_nodes
 from faying.io.abaqus.sets import read_element_sets, read_node_sets
 from faying.io.abaqus.solid_sections import cells
 from faying.io.abaqus.surfaces import face_sets, read_surfaces

@@ -1,17 +1,126 @@
-"""``*CLOAD``: forces on nodes, step by step."""
+"""Loads: amplitudes, ``*CLOAD``, ``*DLOAD`` and ``*DSLOAD``, step by step."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
-from faying._typing import Matrix
-from faying.io.abaqus.amplitudes import Amplitudes
+from faying._typing import Indices, Matrix, Vector
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs, component
-from faying.io.abaqus.fields import check_count, real
-from faying.io.abaqus.in_force import in_force
-from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.fields import check_count, integer, numbers, parameter, real
+from faying.io.abaqus.keyword import Keyword, add, named
+from faying.io.abaqus.sets import NamedSets
+from faying.io.abaqus.surfaces import Surfaces, facets_of_faces, find_surface
+from faying.io.element_faces import face_areas, nodal_forces
+from faying.model.assembly import Assembly
+from faying.model.body_forces import body_forces, centrifugal
+
+_TIMED = ("STATIC", "DYNAMIC", "VISCO", "MODAL DYNAMIC")
+"""Procedures whose data line holds the length of the step, behind its first increment."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Amplitudes:
+    """All amplitudes of a deck, and how long its steps last.
+
+    Attributes
+    ----------
+    keywords
+        Upper-case name to the keyword.
+    lengths
+        Of the steps, from 0 for what stands before the first.
+    """
+
+    keywords: Mapping[str, Keyword]
+    lengths: Sequence[float]
+
+    def factor(self, load: Keyword, step: int) -> float:
+        """Return what the loads of a keyword are multiplied by at the end of a step.
+
+        A course over the time of the step stays at its last value in the steps that follow; one
+        over the total time goes on.
+        """
+        if not load.has("AMPLITUDE"):
+            return 1.0
+        keyword = named(load, load.value("AMPLITUDE"), self.keywords, "*AMPLITUDE")
+        total = keyword.choice("TIME") == "TOTAL TIME"
+        time = sum(self.lengths[: step + 1]) if total else self.lengths[load.step]
+        times, values = _table(keyword)
+        time -= parameter(load, "TIME DELAY", 0.0)
+        return float(np.interp(time, times, values))
+
+    def note(self, load: Keyword, ignored: list[str]) -> None:
+        """Say what of the course over time is taken."""
+        if load.has("AMPLITUDE"):
+            factor = self.factor(load, load.step)
+            name = load.value("AMPLITUDE")
+            note = f"AMPLITUDE={name} of *{load.name}: times {factor:g}, its end in the step"
+            if note not in ignored:
+                ignored.append(note)
+
+
+def read_amplitudes(deck: Deck) -> Amplitudes:
+    """Read all *AMPLITUDE and the lengths of the steps."""
+    amplitudes: dict[str, Keyword] = {}
+    for keyword in deck.of("AMPLITUDE"):
+        add(amplitudes, keyword, keyword.required("NAME"), keyword, "amplitudes")
+    lengths = [0.0] + [1.0] * deck.n_step
+    for keyword in deck.of(*_TIMED):
+        rows = keyword.rows()
+        if keyword.step and rows and len(rows[0]) > 1 and rows[0][1]:
+            lengths[keyword.step] = real(keyword, 0, rows[0][1], "the length of the step")
+    return Amplitudes(keywords=amplitudes, lengths=lengths)
+
+
+def _table(keyword: Keyword) -> tuple[Vector, Vector]:
+    """Return times and values of an amplitude, shifted as CalculiX does by SHIFTX and SHIFTY."""
+    keyword.check()
+    numbers = [
+        real(keyword, row, text, "a time or a value")
+        for row, fields in enumerate(keyword.rows())
+        for text in fields
+        if text
+    ]
+    if len(numbers) < 2 or len(numbers) % 2:
+        keyword.refuse(f"found {len(numbers)} numbers, expected pairs of a time and a value")
+    table = np.array(numbers).reshape(-1, 2)
+    if (np.diff(table[:, 0]) < 0).any():
+        keyword.refuse("the times do not increase; sort them")
+    shift = parameter(keyword, "SHIFTX", 0.0), parameter(keyword, "SHIFTY", 0.0)
+    return table[:, 0] + shift[0], table[:, 1] + shift[1]
+
+
+Key = TypeVar("Key")
+Value = TypeVar("Value")
+
+
+def in_force(
+    deck: Deck,
+    names: Sequence[str],
+    read: Callable[[Keyword], Iterable[tuple[Key, Value]]],
+) -> Iterator[dict[Key, list[tuple[Value, Keyword]]]]:
+    """Yield the loads of keywords that are in force, step by step from 0, and what each is of.
+
+    A later step replaces what it names again; within a step values add up. OP=NEW removes what
+    earlier steps left by keywords of that name, and none of it acts in a linear perturbation.
+    ``read`` yields what a keyword loads, and how.
+    """
+    loads: dict[Key, list[tuple[Value, Keyword]]] = {}
+    for step in range(deck.n_step + 1):
+        loads = {} if step in deck.perturbations else loads
+        new: dict[Key, list[tuple[Value, Keyword]]] = {}
+        for keyword in (k for k in deck.of(*names) if k.step == step):
+            keyword.check()
+            if keyword.choice("OP") == "NEW":
+                loads = {k: v for k, v in loads.items() if v[0][1].name != keyword.name}
+            for key, value in read(keyword):
+                new.setdefault(key, []).append((value, keyword))
+        loads = {**loads, **new}
+        yield loads
+
 
 Forces = dict[tuple[int, int], float]
 
@@ -32,7 +141,7 @@ def read_concentrated(deck: Deck, dofs: Dofs, amplitudes: Amplitudes) -> Iterato
             deck.ignored.append(
                 f"{load.where()}: OMEGA0 of *CLOAD: loads of statics have no frequency"
             )
-    for step, forces in enumerate(in_force(deck, ("CLOAD",), partial(_values, dofs=dofs))):
+    for step, forces in enumerate(in_force(deck, ("CLOAD",), partial(_concentrated, dofs=dofs))):
         yield {
             dof: sum(value * amplitudes.factor(keyword, step) for value, keyword in values)
             for dof, values in forces.items()
@@ -44,7 +153,7 @@ def _is_imaginary(keyword: Keyword) -> bool:
     return keyword.choice("LOAD CASE", "1") == "2"
 
 
-def _values(keyword: Keyword, dofs: Dofs) -> Iterator[tuple[tuple[int, int], float]]:
+def _concentrated(keyword: Keyword, dofs: Dofs) -> Iterator[tuple[tuple[int, int], float]]:
     if _is_imaginary(keyword):
         return
     for row, fields in enumerate(keyword.rows()):
@@ -55,7 +164,7 @@ def _values(keyword: Keyword, dofs: Dofs) -> Iterator[tuple[tuple[int, int], flo
             yield (node, c), value
 
 
-def nodal_forces(forces: Forces, dofs: Dofs) -> Matrix:
+def concentrated_forces(forces: Forces, dofs: Dofs) -> Matrix:
     """Return forces and moments (n_node, 6) in the basic frame."""
     result = np.zeros((len(dofs.nodes.ids), 6))
     for (node, c), value in forces.items():
@@ -66,3 +175,135 @@ def nodal_forces(forces: Forces, dofs: Dofs) -> Matrix:
             first = 3 * (c // 3)
             result[node, first : first + 3] += value * axes[c % 3]
     return result
+
+
+LoadKey = tuple[str, str]
+
+
+def read_distributed(
+    deck: Deck, assembly: Assembly, sets: NamedSets, surfaces: Surfaces, amplitudes: Amplitudes
+) -> Iterator[Matrix]:
+    """Yield the forces (n_node, 6) of all distributed loads in force, step by step from 0.
+
+    As of :func:`~.in_force.in_force`, of the same kind on the same set or surface. The assembly has
+    all elements, whose mass gravity acts on.
+    """
+    for keyword in deck.of("DLOAD", "DSLOAD"):
+        amplitudes.note(keyword, deck.ignored)
+    read = partial(_lines, assembly=assembly, sets=sets, surfaces=surfaces)
+    for step, loads in enumerate(in_force(deck, ("DLOAD", "DSLOAD"), read)):
+        total = np.zeros((len(assembly.mesh.nodes), 6))
+        for forces, keyword in (load for loads_of_key in loads.values() for load in loads_of_key):
+            total += amplitudes.factor(keyword, step) * forces
+        yield total
+
+
+def _lines(
+    keyword: Keyword, assembly: Assembly, sets: NamedSets, surfaces: Surfaces
+) -> Iterator[tuple[LoadKey, Matrix]]:
+    for row, fields in enumerate(keyword.rows()):
+        if len(fields) < 3:
+            keyword.refuse(
+                f"found {len(fields)} fields, expected a set, a kind of load and its value", row
+            )
+        kind = fields[1].upper()
+        key = (f"{keyword.name} {fields[0].upper()}", kind)
+        if keyword.name == "DSLOAD":
+            if kind != "P" or len(fields) != 3:
+                keyword.refuse(f"load {kind} is not supported; P (pressure) is", row)
+            surface = find_surface(surfaces, keyword, fields[0], row)
+            if not surface.facets:
+                keyword.refuse(f"surface '{fields[0]}' has no facets for a pressure", row)
+            value = real(keyword, row, fields[2], "a pressure")
+            yield key, _pressure(assembly, surface.facets, value)
+        elif kind in _BODY_FORCES:
+            yield key, _body_force(keyword, row, fields, assembly, sets)
+        elif kind == "P" and len(fields) == 3:
+            value = real(keyword, row, fields[2], "a pressure")
+            yield key, _on_shells(keyword, row, fields[0], assembly, sets, value)
+        elif len(kind) == 2 and kind[0] == "P" and len(fields) == 3:
+            face = integer(keyword, row, kind[1], "a face P1 … P6")
+            ids = sets.members(keyword, fields[0], row)
+            facets = facets_of_faces(
+                keyword, assembly.mesh, ids, np.full(len(ids), face), np.full(len(ids), row)
+            )
+            yield key, _pressure(assembly, facets, real(keyword, row, fields[2], "a pressure"))
+        else:
+            keyword.refuse(
+                f"load {kind} is not supported; P1 … P6 (pressure), P on shells, GRAV and CENTRIF "
+                "are",
+                row,
+            )
+
+
+def _pressure(assembly: Assembly, facets: Mapping[str, Indices], value: float) -> Matrix:
+    """Return forces -p ∫ N n dA; pressure pushes against the outward normal."""
+    nodes = assembly.mesh.nodes
+    forces = np.zeros((len(nodes), 6))
+    for kind, table in facets.items():
+        of_faces = nodal_forces(kind, -value * face_areas(kind, nodes[table]))
+        np.add.at(forces[:, :3], table, of_faces)
+    return forces
+
+
+def _on_shells(
+    keyword: Keyword, row: int, label: str, assembly: Assembly, sets: NamedSets, value: float
+) -> Matrix:
+    """Return the forces of a pressure on shells, which pushes along their normal."""
+    ids = sets.members(keyword, label, row)
+    parts = [(block.kind, block.nodes[np.isin(block.ids, ids)]) for block in assembly.shells]
+    if sum(len(nodes) for _, nodes in parts) != len(ids):
+        keyword.refuse(
+            f"{label} is not of shells alone; P is a pressure on shells, P1 … P6 on solids", row
+        )
+    forces = np.zeros((len(assembly.mesh.nodes), 6))
+    for kind, nodes in parts:
+        forces += _pressure(assembly, {kind: nodes}, -value)
+    return forces
+
+
+def _body_force(
+    keyword: Keyword, row: int, fields: list[str], assembly: Assembly, sets: NamedSets
+) -> Matrix:
+    """Return forces M a of an acceleration, consistent with the mass of every element."""
+    kind = fields[1].upper()
+    width, expected, acceleration = _BODY_FORCES[kind]
+    check_count(keyword, row, fields, (width,), expected)
+    values = np.array(numbers(keyword, row, fields[2:], "a number"))
+    direction, length = values[-3:], float(np.linalg.norm(values[-3:]))
+    if not length > 0:
+        keyword.refuse(f"the direction of {kind} is zero", row)
+    chosen = assembly
+    if fields[0]:
+        ids = sets.members(keyword, fields[0], row)
+        solids = [block.taken(np.isin(block.ids, ids)) for block in assembly.mesh.blocks]
+        shells = [block.taken(np.isin(block.ids, ids)) for block in assembly.shells]
+        loaded = set(ids.tolist())
+        chosen = replace(
+            assembly,
+            mesh=replace(assembly.mesh, blocks=tuple(b for b in solids if len(b.ids))),
+            beams=tuple(beam for beam in assembly.beams if beam.id in loaded),
+            shells=tuple(block for block in shells if len(block.ids)),
+            masses=tuple(mass for mass in assembly.masses if mass.id in loaded),
+        )
+    nodes = assembly.mesh.nodes
+    return body_forces(chosen, acceleration(values[:-3], direction / length, nodes))
+
+
+def _gravity(amount: Vector, direction: Vector, nodes: Matrix) -> Matrix:
+    return np.tile(amount[0] * direction, (len(nodes), 1))
+
+
+def _centrifugal(amount: Vector, direction: Vector, nodes: Matrix) -> Matrix:
+    return centrifugal(float(amount[0]), amount[1:], direction, nodes)
+
+
+_BODY_FORCES: Mapping[str, tuple[int, str, Callable[[Vector, Vector, Matrix], Matrix]]] = {
+    "GRAV": (6, "set, GRAV, acceleration, x, y, z", _gravity),
+    "CENTRIF": (
+        9,
+        "set, CENTRIF, square of the angular velocity, point of the axis, its direction",
+        _centrifugal,
+    ),
+}
+"""Number of fields, what they are, and the acceleration (n_node, 3) they give nodes."""

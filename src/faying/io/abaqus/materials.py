@@ -11,8 +11,7 @@ from faying._typing import Matrix
 from faying.exceptions import ModelError
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import numbers, optional_real, real
-from faying.io.abaqus.keyword import Keyword, add
-from faying.io.abaqus.keyword_table import READ
+from faying.io.abaqus.keyword import READ, Keyword, add
 from faying.io.abaqus.left_out import KEYWORDS
 from faying.io.abaqus.temperatures import (
     Expansion,

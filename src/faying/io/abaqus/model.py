@@ -7,8 +7,14 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.io.abaqus import contact, materials, pretension
-from faying.io.abaqus.amplitudes import read_amplitudes
-from faying.io.abaqus.beams import read_beams, read_trusses
+from faying.io.abaqus.constraints import (
+    read_equations,
+    read_mpcs,
+    read_rigid_bodies,
+    rotation_nodes,
+    shared_rotations,
+)
+from faying.io.abaqus.contact import with_lone_nodes
 from faying.io.abaqus.couplings import (
     read_couplings,
     read_distributing,
@@ -16,35 +22,46 @@ from faying.io.abaqus.couplings import (
     with_real_rotations,
 )
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.distributed_loads import read_distributed
 from faying.io.abaqus.dofs import Dofs, read_dofs
-from faying.io.abaqus.element_types import LINE_TYPES, SHELL_TYPES, SOLID_TYPES
-from faying.io.abaqus.elements import Elements, read_elements
-from faying.io.abaqus.equations import read_equations
 from faying.io.abaqus.general_contact import (
     joined_bodies,
     read_general_contact,
     read_listed,
 )
 from faying.io.abaqus.instances import with_distinct_ids
-from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.keyword_table import READ, without_blanks
+from faying.io.abaqus.interactions import read_interactions
+from faying.io.abaqus.keyword import READ, Keyword, without_blanks
 from faying.io.abaqus.left_out import KEYWORDS
-from faying.io.abaqus.loads import nodal_forces, read_concentrated
-from faying.io.abaqus.lone_nodes import with_lone_nodes
+from faying.io.abaqus.line_elements import (
+    note_masses,
+    read_beams,
+    read_masses,
+    read_springs,
+    read_trusses,
+)
+from faying.io.abaqus.loads import (
+    concentrated_forces,
+    read_amplitudes,
+    read_concentrated,
+    read_distributed,
+)
+from faying.io.abaqus.mesh import (
+    LINE_TYPES,
+    SHELL_TYPES,
+    SOLID_TYPES,
+    Elements,
+    read_elements,
+    read_nodes,
+)
 from faying.io.abaqus.model_changes import (
     is_from_the_start,
     without_removed,
     without_removed_pairs,
 )
-from faying.io.abaqus.mpcs import read_mpcs
-from faying.io.abaqus.nodes import read_nodes
 from faying.io.abaqus.pretension import step_name
-from faying.io.abaqus.rigid_bodies import read_rigid_bodies, rotation_nodes, shared_rotations
 from faying.io.abaqus.sets import NamedSets, read_element_sets, read_node_sets
 from faying.io.abaqus.shells import Shells, read_shells
 from faying.io.abaqus.solid_sections import formulation, note_controls, read_solid_sections
-from faying.io.abaqus.springs import note_masses, read_masses, read_springs
 from faying.io.abaqus.supports import read_supports
 from faying.io.abaqus.surfaces import DeckSurface, face_sets, find_surface, read_surfaces
 from faying.io.abaqus.temperatures import (
@@ -97,7 +114,7 @@ def description(deck: Deck) -> JointDescription:
     general = forces[: len(forces) - (deck.n_step in deck.perturbations)]
     holds = read_supports(deck, dofs, frozenset(section.node for section in sections), amplitudes)
     springs, bushes = read_springs(deck, elements, by_element, nodes.coordinates)
-    interactions = contact.read_interactions(deck)
+    interactions = read_interactions(deck)
     declared = contact.read_pairs(deck, interactions, surfaces, by_node)
     declared += read_listed(deck, interactions, surfaces)
     deck, declared = without_removed_pairs(deck, declared)
@@ -122,7 +139,7 @@ def description(deck: Deck) -> JointDescription:
     )
     apart = {section.node for section in sections}
     concentrated = (
-        nodal_forces(
+        concentrated_forces(
             {component: f for component, f in in_step.items() if component[0] not in apart}, dofs
         )
         for in_step in forces

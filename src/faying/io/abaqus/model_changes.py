@@ -8,8 +8,8 @@ import numpy as np
 from faying._typing import Indices
 from faying.io.abaqus.contact import Pair
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.elements import Elements
 from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.mesh import Elements
 from faying.io.abaqus.sets import NamedSets
 
 

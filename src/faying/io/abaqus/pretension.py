@@ -7,13 +7,13 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.io import solid_cuts
-from faying.io.abaqus.beams import TYPES
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs
-from faying.io.abaqus.elements import Elements
 from faying.io.abaqus.fields import is_integer, numbers, only_line
 from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.line_elements import TYPES
 from faying.io.abaqus.loads import Forces
+from faying.io.abaqus.mesh import Elements
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.supports import Held
 from faying.io.abaqus.surfaces import DeckSurface

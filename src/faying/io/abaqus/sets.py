@@ -7,10 +7,9 @@ import numpy as np
 
 from faying._typing import Indices, frozen
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.elements import Elements
 from faying.io.abaqus.fields import Table, integers, is_integer, table
 from faying.io.abaqus.keyword import Keyword, T
-from faying.io.abaqus.nodes import Nodes
+from faying.io.abaqus.mesh import Elements, Nodes
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

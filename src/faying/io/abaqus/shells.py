@@ -7,10 +7,9 @@ import numpy as np
 
 from faying._typing import Indices, Vector
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.element_types import SHELL_TYPES
-from faying.io.abaqus.elements import Elements
 from faying.io.abaqus.fields import only_line, positive, real
 from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.mesh import SHELL_TYPES, Elements
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.solid_sections import find_isotropic
 from faying.model.assembly import Material

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying.io.abaqus.amplitudes import Amplitudes
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs, component_range
 from faying.io.abaqus.fields import check_count, optional_real
 from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.loads import Amplitudes
 from faying.io.moved_supports import Place
 from faying.model.assembly import Support
 

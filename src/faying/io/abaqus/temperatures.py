@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
-from faying.io.abaqus.amplitudes import Amplitudes
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.dofs import Dofs
 from faying.io.abaqus.fields import optional_real, parameter, real
 from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.loads import Amplitudes
 from faying.io.left_out import IGNORABLE, request
 from faying.model.assembly import Assembly
 from faying.model.thermal import UNSEEN, expansion_forces, stretching_forces

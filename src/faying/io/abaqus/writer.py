@@ -10,8 +10,6 @@ import numpy as np
 from faying._typing import Indices
 from faying.exceptions import FormatError
 from faying.files.atomic import replacing
-from faying.io.abaqus.written_bolts import WrittenBeam, written_beam
-from faying.io.abaqus.written_contact import contact_lines
 from faying.io.abaqus.written_nodes import (
     Term,
     WrittenNodes,
@@ -22,7 +20,7 @@ from faying.io.abaqus.written_nodes import (
     written_equations,
     written_nodes,
 )
-from faying.io.abaqus.written_steps import step_lines
+from faying.io.abaqus.written_steps import WrittenBeam, contact_lines, step_lines, written_beam
 from faying.io.unwritten import refuse_unwritten
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.cells import CellBlock

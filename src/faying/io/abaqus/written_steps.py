@@ -1,11 +1,232 @@
-"""Steps: tighten the bolts, lock them, then one load set after the other."""
+"""Bolts, contact and steps of a written deck.
+
+A straight beam is, to the last digit, six springs between its middle and two rigid arms to its
+ends: EA/L, GJ/L and EI/L (twice), and 12 EI / ((1 + Φ) L³) in shear. The bending and shear springs
+decouple because the moment of an end force vanishes half-way for equal end rotations.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from faying.io.abaqus.written_nodes import WrittenNodes, real_text
-from faying.model.assembly import NodalLoads
+from faying._typing import Indices, Vector
+from faying.contact.laws import Coulomb, normal_law
+from faying.digits import SOLVED
+from faying.exceptions import FormatError
+from faying.interface.friction import with_friction
+from faying.interface.interface import FacePairs
+from faying.interface.pairing import find_interfaces
+from faying.interface.penalty import automatic_penalty
+from faying.io.abaqus.written_nodes import Term, WrittenNodes, real_text
+from faying.model.assembly import Assembly, Beam, NodalLoads
+from faying.model.description import JointDescription
+from faying.model.elements import SOLIDS
+from faying.model.elements.beam import beam_frames
+from faying.model.specs import InterfaceSpec
+from faying.model.surface import triangular
+
+# Where along the beam its nodes are drawn: both sides of the cut, and the far side of the spring.
+_DRAWN = (0.3, 0.4, 0.5)
+# Axial stiffness of the beam element in a cut over that of the bolt: adds 1e-4 to its compliance.
+_STIFF = 1e4
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class WrittenBeam:
+    """A beam as springs, rigid arms and, if it is tightened, a cut.
+
+    Attributes
+    ----------
+    nodes
+        New node ids and their places [length].
+    equations
+        Terms that sum to zero.
+    springs
+        ((node id, dof), (node id, dof), stiffness) each; the first is the axial one.
+    cut
+        The two nodes of the cut, in the direction of the beam; None if it is not tightened.
+    control
+        The pretension node; 0 if it is not tightened.
+    radius, across, youngs_modulus, poissons_ratio
+        Of the beam element in the cut (``across`` is its first local axis). CalculiX takes it out;
+        Abaqus and faying keep it, as stiff as makes no difference.
+    """
+
+    nodes: list[tuple[int, Vector]]
+    equations: list[list[Term]]
+    springs: list[tuple[tuple[int, int], tuple[int, int], float]]
+    cut: tuple[int, int] | None
+    control: int
+    radius: float
+    across: list[float]
+    youngs_modulus: float
+    poissons_ratio: float
+
+
+def written_beam(
+    assembly: Assembly, beam: Beam, nodes: WrittenNodes, first: int, *, tightened: bool
+) -> WrittenBeam:
+    """Write a beam as springs, with up to four nodes from the first free id on."""
+    ends = assembly.mesh.nodes[list(beam.nodes)]
+    axis = ends[1] - ends[0]
+    frames, lengths = beam_frames([beam], axis[None])
+    frame, length = frames[0], float(lengths[0])
+    along = _along(beam, frame)
+    first_arm, far, cut = first, first + 1, first + 2
+    places = [ends[0] + part * axis for part in _DRAWN]
+    added = [(first_arm, places[0]), (far, places[2])]
+    equations = [
+        terms
+        for arm, node, point in ((first_arm, beam.nodes[0], ends[0]), (far, beam.nodes[1], ends[1]))
+        for terms in _arm(nodes, arm, node, ends.mean(axis=0) - point)
+    ]
+    free = cut if tightened else first_arm
+    stiffness = _stiffness(beam, frame, length)
+    springs = [((free, along + 1), (far, along + 1), stiffness[along])]
+    springs += [((first_arm, c + 1), (far, c + 1), stiffness[c]) for c in range(3) if c != along]
+    for c in range(3, 6):
+        first_end, second_end = (nodes.place(6 * node + c) for node in beam.nodes)
+        springs.append((first_end, second_end, stiffness[c]))
+    if tightened:
+        added += [(cut, places[1]), (first + 3, ends[0])]
+        # Springs activate all directions of their nodes; the cut opens along the axis only.
+        across = [c + 1 for c in range(3) if c != along]
+        equations += [[(cut, dof, 1.0), (first_arm, dof, -1.0)] for dof in across]
+    return WrittenBeam(
+        nodes=added,
+        equations=equations,
+        springs=[spring for spring in springs if spring[2] > 0],
+        cut=(first_arm, cut) if tightened else None,
+        control=first + 3 if tightened else 0,
+        radius=float(np.sqrt(beam.section.area / np.pi)),
+        across=[float(value) for value in frame[1]],
+        youngs_modulus=_STIFF * (_DRAWN[1] - _DRAWN[0]) * beam.material.youngs_modulus,
+        poissons_ratio=beam.material.poissons_ratio,
+    )
+
+
+def _along(beam: Beam, frame: np.typing.NDArray[np.float64]) -> int:
+    """Return the coordinate axis a beam and its section lie along."""
+    if (np.abs(frame).max(axis=1) < 1 - SOLVED).any():
+        message = (
+            f"beam {beam.id} or its section is not along coordinate axes, along which springs of "
+            "an input deck act; turn the model, or export matrices instead"
+        )
+        raise FormatError(message)
+    return int(np.abs(frame[0]).argmax())
+
+
+def _arm(nodes: WrittenNodes, arm: int, node: int, lever: Vector) -> list[list[Term]]:
+    """u_arm = u_node + θ × lever, one equation per direction."""
+    x, y, z = lever.tolist()
+    cross = ((0.0, z, -y), (-z, 0.0, x), (y, -x, 0.0))
+    equations = []
+    for c in range(3):
+        terms: list[Term] = [(arm, c + 1, 1.0), (*nodes.place(6 * node + c), -1.0)]
+        for d, factor in enumerate(cross[c]):
+            if factor != 0.0:
+                terms.append((*nodes.place(6 * node + 3 + d), -factor))
+        equations.append(terms)
+    return equations
+
+
+def _stiffness(beam: Beam, frame: np.typing.NDArray[np.float64], length: float) -> list[float]:
+    """Stiffness of the six springs, by component in the basic frame."""
+    section, E, G = beam.section, beam.material.youngs_modulus, beam.material.shear_modulus
+    bending = E * np.array([0.0, section.inertia_z, section.inertia_y])
+    factors = np.array([np.inf, section.shear_factor_y, section.shear_factor_z])
+    phi = 12 * bending / (factors * section.area * G * length**2)
+    local = np.empty(6)
+    local[:3] = 12 * bending / ((1 + phi) * length**3)
+    local[0] = E * section.area / length
+    # Deflection in local y bends about local z.
+    local[3:] = G * section.torsion / length, bending[2] / length, bending[1] / length
+    basic = np.abs(frame).argmax(axis=1)
+    result = np.empty(6)
+    result[basic], result[3 + basic] = local[:3], local[3:]
+    return [float(value) for value in result]
+
+
+def contact_lines(description: JointDescription) -> Iterator[str]:
+    """Yield surfaces, behaviour and contact pair of each interface; minus sides are slaves."""
+    number = 0
+    for spec in description.interfaces:
+        if spec.meshes != "matching":
+            message = f"interface '{spec.name}' is {spec.meshes}; only matching ones are written"
+            raise FormatError(message)
+        for name, faces in find_interfaces(description.assembly, spec).items():
+            number += 1
+            for side in ("minus", "plus"):
+                yield f"*SURFACE,NAME={side.upper()}{number},TYPE=ELEMENT"
+                for entry in faces:
+                    yield from _facets(description.assembly, getattr(entry, side))
+            yield f"*SURFACE INTERACTION,NAME={_label(name)}"
+            yield from _behaviour(spec, description.assembly, faces)
+            yield f"*CONTACT PAIR,INTERACTION={_label(name)},TYPE=SURFACE TO SURFACE"
+            yield f"MINUS{number},PLUS{number}"
+            gap = _clearance(description, name)
+            if gap is not None:
+                yield f"*CLEARANCE,SLAVE=MINUS{number},MASTER=PLUS{number},VALUE={real_text(gap)}"
+
+
+def _clearance(description: JointDescription, name: str) -> float | None:
+    """Return the gap that replaces that of the mesh, if any."""
+    rule = description.gap_rules.get(name)
+    if rule is None:
+        return description.initial_gaps.get(name) or None
+    if rule.value is None:
+        message = (
+            f"interface '{name}' starts with gaps of its mesh closed (ADJUST, INIPENE), which is "
+            "not written; move its nodes together"
+        )
+        raise FormatError(message)
+    return rule.value
+
+
+def _label(name: str) -> str:
+    return "".join(c if c.isalnum() and c.isascii() else "_" for c in name)[:60]
+
+
+def _behaviour(
+    spec: InterfaceSpec, assembly: Assembly, faces: tuple[FacePairs, ...]
+) -> Iterator[str]:
+    if spec.closure is not None:
+        message = (
+            f"interface '{spec.name}' has closure '{spec.closure.name}', which is not written; "
+            "give it a penalty"
+        )
+        raise FormatError(message)
+    if spec.penalty == "hard":
+        yield "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=HARD"
+        slope = np.inf
+    else:
+        automatic = spec.penalty == "auto"
+        slope = automatic_penalty(assembly, faces) if automatic else float(spec.penalty)
+        yield from ("*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR", real_text(slope))
+    law = with_friction(normal_law(slope), spec.friction, spec.tangential_penalty, assembly)
+    if isinstance(law, Coulomb):
+        stick = law.tangential_penalty
+        numbers = [law.friction] if np.isinf(stick) else [law.friction, stick]
+        yield from ("*FRICTION", ",".join(map(real_text, numbers)))
+
+
+def _facets(assembly: Assembly, facets: Indices) -> Iterator[str]:
+    """Element and face number of facets (n_facet, n_node), given by node indices."""
+    n_corner = 3 if triangular(facets).all() else 4
+    corner_sets = {tuple(row) for row in np.sort(facets[:, :n_corner], axis=1).tolist()}
+    touched = np.zeros(len(assembly.mesh.nodes), dtype=bool)
+    touched[facets] = True
+    for block in assembly.mesh.blocks:
+        for number, (face, local) in enumerate(SOLIDS[block.kind].faces, start=1):
+            if face.n_corners == n_corner:
+                nodes = block.nodes[:, list(local[:n_corner])]
+                touching = np.flatnonzero(touched[nodes].all(axis=1))
+                rows = np.sort(nodes[touching], axis=1).tolist()
+                for element, row in zip(block.ids[touching].tolist(), rows, strict=True):
+                    if tuple(row) in corner_sets:
+                        yield f"{element},S{number}"
+
 
 Forces = dict[tuple[int, int], float]
 

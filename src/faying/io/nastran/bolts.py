@@ -1,8 +1,8 @@
 """BOLT, BOLTFOR, BOLTLD: bolts and their pretension.
 
-MSC Nastran Quick Reference Guide, BOLT with TOP and BOTTOM: the mesh is parted across the
-shank; they list the grids of both sides in pairs, whose relative displacement is that of the control
-grid. The force on that grid is the pretension, its displacement (SPC, SPCD) by how much the shank is
+MSC Nastran Quick Reference Guide, BOLT with TOP and BOTTOM: the mesh is parted across the shank;
+they list the grids of both sides in pairs, whose relative displacement is that of the control grid.
+The force on that grid is the pretension, its displacement (SPC, SPCD) by how much the shank is
 shortened.
 
 Simcenter Nastran Quick Reference Guide: BOLT with ETYPE = 1 lists the CBAR and CBEAM elements of a

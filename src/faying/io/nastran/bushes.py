@@ -1,9 +1,9 @@
 """CBUSH, CBUSH1D, CBEND: springs along and about axes of their own.
 
-The arc of a CBEND is symmetric about the plane between its ends. Forces in its plane therefore decouple from
-those across it, and either has a place on that line of symmetry to which three springs without
-coupling can be moved by rigid arms: the elastic centres. Their flexibilities are integrals over
-the arc of the strain energy of a thick curved bar,
+The arc of a CBEND is symmetric about the plane between its ends. Forces in its plane therefore
+decouple from those across it, and either has a place on that line of symmetry to which three
+springs without coupling can be moved by rigid arms: the elastic centres. Their flexibilities are
+integrals over the arc of the strain energy of a thick curved bar,
 
     (M² / I1 + N² / A - 2 ΔN M N / I1) / 2E + V² / 2 K1 G A    in the plane of the arc,
     (B² / I2) / 2E + (T² / J + V² / K2 A) / 2G                 across it,

@@ -1,10 +1,10 @@
 """FORCE, MOMENT, GRAV, RFORCE, PLOAD1, LOAD and others: nodal loads by load set.
 
-MSC Nastran Quick Reference Guide, PLOAD1: TYPE names a component along the basic axes (FX, MX, ...) or
-those of the element (FXE, MXE, ...). Without X2, or where it equals X1, P1 acts at X1 alone; else
-the intensity per length goes from P1 at X1 to P2, 0 where that is blank, at X2. X are lengths (LE,
-LEPR) or parts of the length (FR, FRPR) from end A; LEPR and FRPR give the intensity per length as
-seen along a basic force.
+MSC Nastran Quick Reference Guide, PLOAD1: TYPE names a component along the basic axes (FX, MX, ...)
+or those of the element (FXE, MXE, ...). Without X2, or where it equals X1, P1 acts at X1 alone;
+else the intensity per length goes from P1 at X1 to P2, 0 where that is blank, at X2. X are lengths
+(LE, LEPR) or parts of the length (FR, FRPR) from end A; LEPR and FRPR give the intensity per length
+as seen along a basic force.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

@@ -4,8 +4,8 @@ The independent components u_i = A q fix the rigid motion q of the element; its 
 equations u_d = D A⁻¹ u_i. RBE2, the case of one independent node, is a coupling of its own unless
 single components are tied in a displacement system that is not the basic one.
 
-MSC Nastran Quick Reference Guide, RSSCON: translations of the edge are those of the solid, and its two
-rotations follow what the lower and upper edges of the face do to each other. With A below and B
+MSC Nastran Quick Reference Guide, RSSCON: translations of the edge are those of the solid, and its
+two rotations follow what the lower and upper edges of the face do to each other. With A below and B
 above a node of the shell at the part t of h = x_B - x_A its motion is u = (1 - t) u_A + t u_B, and
 θ = h × (u_B - u_A) / h² but for the turn about h, which stays that of the shell.
 """

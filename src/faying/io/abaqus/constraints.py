@@ -1,16 +1,76 @@
-"""``*MPC``: nodes that share motions, stay on a plane or a line, or turn as a node says."""
+"""``*EQUATION``, ``*MPC`` and ``*RIGID BODY``: what ties nodes to each other."""
 
 from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from faying._typing import Matrix, Vector
+from faying._typing import Indices, Matrix, Vector
 from faying.digits import DECK_DIGITS
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.dofs import Dofs
-from faying.io.abaqus.fields import is_integer
+from faying.io.abaqus.dofs import Dofs, component
+from faying.io.abaqus.fields import integer, is_integer, real
 from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.mesh import Elements, Nodes
+from faying.io.abaqus.sets import NamedSets
 from faying.model.assembly import Equation, RigidCoupling
+
+Term = tuple[int, int, float]
+
+
+def read_equations(deck: Deck, dofs: Dofs) -> Iterator[Equation]:
+    """Read all *EQUATION; the first term is the one that is eliminated."""
+    number = 0
+    for keyword in deck.of("EQUATION"):
+        keyword.check()
+        rows = keyword.rows()
+        row = 0
+        while row < len(rows):
+            count = integer(keyword, row, rows[row][0], "the number of terms")
+            start, row = row, row + 1
+            if count < 1 or len(rows[start]) != 1:
+                keyword.refuse("expected the number of terms alone on this line", start)
+            fields: list[tuple[int, list[str]]] = []
+            while row < len(rows) and len(fields) < count:
+                if len(rows[row]) % 3:
+                    keyword.refuse(
+                        "expected node, degree of freedom, coefficient for each term", row
+                    )
+                fields += [(row, rows[row][i : i + 3]) for i in range(0, len(rows[row]), 3)]
+                row += 1
+            if len(fields) != count:
+                keyword.refuse(f"found {len(fields)} terms, expected {count}", start)
+            for terms in _per_node(keyword, fields, dofs):
+                number += 1
+                yield Equation(id=number, terms=terms)
+
+
+def _per_node(
+    keyword: Keyword, fields: list[tuple[int, list[str]]], dofs: Dofs
+) -> Iterator[tuple[Term, ...]]:
+    """One equation; or several, where the terms are node sets that are taken member by member."""
+    nodes = [dofs.find(keyword, row, label).tolist() for row, (label, _, _) in fields]
+    count = len(nodes[0])
+    for (row, _), members in zip(fields, nodes, strict=True):
+        if len(members) not in (1, count) or (count > 1 and members != sorted(members)):
+            keyword.refuse(f"a set of {len(members)} nodes where the first term has {count}", row)
+    for i in range(count):
+        terms: list[Term] = []
+        for (row, (_, dof, text)), members in zip(fields, nodes, strict=True):
+            node = members[i] if len(members) > 1 else members[0]
+            value = real(keyword, row, text, "a coefficient")
+            terms += _term(node, component(keyword, row, dof), value, dofs)
+        yield tuple(terms)
+
+
+def _term(node: int, c: int, value: float, dofs: Dofs) -> list[Term]:
+    axes = dofs.axes(node)
+    if axes is None:
+        return [(*dofs.place(node, c), value)]
+    first = 3 * (c // 3)
+    turned = [(node, first + k, value * float(axes[c % 3, k])) for k in range(3)]
+    # The largest comes first, for the first term of an equation is eliminated.
+    return sorted((t for t in turned if t[2] != 0.0), key=lambda term: -abs(term[2]))
+
 
 _KNOWN = ("PIN", "TIE", "BEAM", "PLANE", "STRAIGHT", "MEANROT")
 _REMEDIES: Mapping[str, str] = {
@@ -206,3 +266,90 @@ def _of(nodes: list[int], vectors: Matrix) -> list[tuple[int, int, float]]:
 def _largest_first(node: int, terms: list[tuple[int, int, float]]) -> Terms:
     """Put the largest term of the dependent node first, for the first one is eliminated."""
     return tuple(sorted(terms, key=lambda t: (t[0] != node, -abs(t[2]))))
+
+
+Group = tuple[Indices, tuple[int, ...]]
+"""Nodes and the components in which they follow."""
+
+
+def rotation_nodes(deck: Deck, nodes: Nodes, sets: NamedSets) -> dict[int, int]:
+    """Return CalculiX's rotation nodes: their index to that of the first reference node."""
+    return {rotation: reference for reference, rotation in reversed(_turning(deck, nodes, sets))}
+
+
+def shared_rotations(deck: Deck, nodes: Nodes, sets: NamedSets, first_id: int) -> list[Equation]:
+    """Return the equations by which bodies with one rotation node turn together."""
+    pairs, first = _turning(deck, nodes, sets), rotation_nodes(deck, nodes, sets)
+    others = [
+        (reference, first[rotation])
+        for reference, rotation in pairs
+        if reference != first[rotation]
+    ]
+    return [
+        Equation(id=first_id + i, terms=((reference, c, 1.0), (follower, c, -1.0)))
+        for i, (reference, follower, c) in enumerate(
+            (*pair, c) for pair in others for c in (3, 4, 5)
+        )
+    ]
+
+
+def _turning(deck: Deck, nodes: Nodes, sets: NamedSets) -> list[tuple[int, int]]:
+    """Return the reference and the rotation node of each rigid body that has one."""
+    pairs = []
+    plain = Dofs(nodes=nodes, sets=sets, system=np.full(len(nodes.ids), -1), transforms=())
+    for keyword in deck.of("RIGID BODY"):
+        if keyword.has("ROT NODE"):
+            what = "the rotation node"
+            rotation = plain.one(keyword, None, keyword.required("ROT NODE"), what)
+            reference = _reference(keyword, plain, _named_nodes(keyword, plain))
+            if rotation == reference:
+                keyword.refuse("the rotation node must be another one than the reference node")
+            pairs.append((reference, rotation))
+    return pairs
+
+
+def read_rigid_bodies(
+    deck: Deck, dofs: Dofs, elements: Elements, by_element: NamedSets, first_id: int
+) -> Iterator[RigidCoupling]:
+    """Read all *RIGID BODY of CalculiX (NSET or ELSET) and Abaqus (PIN NSET, TIE NSET, ELSET)."""
+    number = first_id
+    for keyword in deck.of("RIGID BODY"):
+        keyword.check()
+        groups = _groups(keyword, dofs, elements, by_element)
+        if not sum(len(nodes) for nodes, _ in groups):
+            keyword.refuse("it names no nodes; give NSET=, ELSET=, PIN NSET= or TIE NSET=")
+        reference = _reference(keyword, dofs, groups)
+        for nodes, components in groups:
+            others = nodes[nodes != reference]
+            if len(others):
+                yield RigidCoupling(
+                    id=number, reference=reference, nodes=others, components=components
+                )
+                number += 1
+
+
+def _reference(keyword: Keyword, dofs: Dofs, groups: list[Group]) -> int:
+    """Return the reference node, or any node of the body where none is named."""
+    nodes = next((nodes for nodes, _ in groups if len(nodes)), None)
+    if keyword.has("REF NODE") or nodes is None:
+        return dofs.one(keyword, None, keyword.required("REF NODE"), "the reference node")
+    return int(nodes[0])
+
+
+def _groups(keyword: Keyword, dofs: Dofs, elements: Elements, by_element: NamedSets) -> list[Group]:
+    groups = _named_nodes(keyword, dofs)
+    if keyword.has("ELSET"):
+        ids = by_element.find(keyword, keyword.required("ELSET"))
+        parts = [b.nodes[np.isin(b.ids, ids)].ravel() for b in elements.blocks]
+        groups.append((np.unique(np.concatenate(parts)), tuple(range(6))))
+    return groups
+
+
+def _named_nodes(keyword: Keyword, dofs: Dofs) -> list[Group]:
+    groups: list[Group] = []
+    for name, components in (("NSET", range(3)), ("PIN NSET", range(3)), ("TIE NSET", range(6))):
+        if keyword.has(name):
+            ids = dofs.sets.find(keyword, keyword.required(name))
+            nodes = dofs.nodes.index(ids, keyword, np.full(len(ids), -1))
+            groups.append((nodes, tuple(components)))
+    return groups

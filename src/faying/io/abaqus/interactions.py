@@ -1,0 +1,269 @@
+"""What a ``*SURFACE INTERACTION`` says: pressure over closure, and friction."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from faying.contact.laws import Curve, ExponentialClosure, TableClosure
+from faying.contact.laws.coulomb import LARGEST_FRICTION
+from faying.exceptions import ModelError
+from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.fields import numbers, only_line, optional_real, parameter, positive, real
+from faying.io.abaqus.keyword import Keyword
+from faying.io.abaqus.solid_sections import is_of_abaqus
+from faying.io.left_out import IGNORABLE
+from faying.model.specs import InterfaceSpec
+
+_OTHER_LAWS = (
+    "ROUGH", "USER", "TAUMAX", "EXPONENTIAL DECAY", "ANISOTROPIC", "DEPENDENCIES", "TEST DATA",
+)  # fmt: skip
+_NO_SLIP = 1e6
+"""Coefficients from here on say that surfaces stick wherever they touch."""
+_ELASTIC_SLIPS = ("SLIP TOLERANCE", "ELASTIC SLIP")
+
+
+@dataclass(frozen=True, kw_only=True)
+class DeckFriction:
+    """Coefficient and stick stiffness of an interaction.
+
+    Attributes
+    ----------
+    coefficient
+        μ; zero without friction.
+    tangential_penalty : [force/length³]
+        c_t; ``inf`` by Lagrange multipliers.
+    """
+
+    coefficient: float = 0.0
+    tangential_penalty: float | Literal["auto"] = "auto"
+
+
+FRICTIONLESS = DeckFriction()
+
+
+def read_friction(members: list[Keyword], ignored: list[str]) -> DeckFriction:
+    """Return the friction of an interaction; what its program defines otherwise is noted."""
+    friction = FRICTIONLESS
+    for keyword in members:
+        if keyword.name == "FRICTION":
+            friction = _read(keyword, ignored)
+    return friction
+
+
+def tied_slopes(
+    deck: Deck, name: str, keyword: Keyword, friction: list[Keyword]
+) -> tuple[float, float] | tuple[Literal["hard"], Literal["auto"]]:
+    """Return the slopes of a tied interaction along normals and across; without any it is rigid.
+
+    Where a deck has no stick slope CalculiX 2.20 takes half of the largest E.
+    """
+    rows = keyword.rows()
+    if not rows:
+        return "hard", "auto"
+    first = [(elastic, elastic.rows()[0][0]) for elastic in deck.of("ELASTIC") if elastic.data]
+    stick = max((real(elastic, 0, text, "a modulus") for elastic, text in first), default=0.0) / 2
+    slope, along = real(keyword, 0, rows[0][0], "the slope"), stick
+    for member in friction:
+        row = next(iter(member.rows()), [])
+        along = optional_real(member, 0, row, 1, stick, "the stick slope")
+    if not (slope > 0 and along > 0):
+        keyword.refuse(
+            f"its slopes are {slope:g} and {along:g} (*FRICTION); both must be positive", 0
+        )
+    missing = "" if friction else " (half of the largest E: CalculiX 2.20 asks for *FRICTION)"
+    deck.ignored.append(
+        f"{name}, which is TIED: an elastic layer of slope {slope:g} and stick slope {along:g}"
+        f"{missing}; the coefficient of friction and gaps of the mesh do not count"
+    )
+    return slope, along
+
+
+def _read(keyword: Keyword, ignored: list[str]) -> DeckFriction:
+    keyword.check()
+    laws = [name for name in _OTHER_LAWS if keyword.has(name)]
+    rows = keyword.rows()
+    if laws or len(rows) > 1:
+        what = laws[0] if laws else f"a table of {len(rows)} lines"
+        keyword.refuse(
+            f"friction by {what} is not supported; give one line with one coefficient, or leave "
+            'friction out by ignore = ["friction"]'
+        )
+    coefficient = real(keyword, 0, rows[0][0], "a coefficient") if rows else 0.0
+    if not 0 <= coefficient <= LARGEST_FRICTION and coefficient < _NO_SLIP:
+        keyword.refuse(
+            f"the coefficient of friction is {coefficient:g}; give a number from 0 to "
+            f"{LARGEST_FRICTION:g}, or {_NO_SLIP:g} and more for surfaces that never slip",
+            0,
+        )
+    if coefficient > LARGEST_FRICTION:
+        ignored.append(
+            f"*FRICTION: a coefficient of {coefficient:g} forbids slip; it is {LARGEST_FRICTION:g} "
+            "here, which is the same as long as nothing slips"
+        )
+        coefficient = LARGEST_FRICTION
+    if coefficient == 0:
+        return FRICTIONLESS
+    return DeckFriction(
+        coefficient=coefficient, tangential_penalty=_stiffness(keyword, rows[0], ignored)
+    )
+
+
+def _stiffness(keyword: Keyword, row: list[str], ignored: list[str]) -> float | Literal["auto"]:
+    """Return the stick stiffness: a slope is the same thing here, an elastic slip is not."""
+    slope = optional_real(keyword, 0, row, 1, 0.0, "the stick slope") if len(row) > 1 else 0.0
+    if keyword.has("SHEAR TRACTION SLOPE"):
+        slope = parameter(keyword, "SHEAR TRACTION SLOPE")
+    if slope < 0:
+        keyword.refuse(f"the stick slope is {slope:g}; give a positive one, or none")
+    if slope > 0:
+        note = f"*FRICTION: the stick slope {slope:g} is the tangential penalty"
+        ignored.append(note)
+        return slope
+    if keyword.has("LAGRANGE"):
+        ignored.append("*FRICTION, LAGRANGE: nothing moves that sticks (tangential penalty inf)")
+        return float("inf")
+    slip = next((name for name in _ELASTIC_SLIPS if keyword.has(name)), "SLIP TOLERANCE")
+    ignored.append(
+        f"*FRICTION: the elastic slip of its program ({slip}) makes sticking points softer "
+        "where pressure is low; here the tangential penalty is the same everywhere, automatic "
+        "unless the study gives tangential_penalty"
+    )
+    return "auto"
+
+
+Normal = float | Literal["hard"] | Curve
+"""Contact stiffness [force/length³], or pressure over closure."""
+
+_FLAGS = ("PENALTY", "DIRECT", "AUGMENTED LAGRANGE", "NO SEPARATION")
+
+
+def read_behaviour(
+    head: Keyword, members: list[Keyword], abaqus: bool, ignored: list[str]
+) -> Normal:
+    """Return the normal behaviour of an interaction; hard where it says nothing.
+
+    ``abaqus`` says that only Abaqus reads the deck.
+    """
+    penalty: Normal = "hard"
+    for member in members:
+        if member.name == "SURFACE BEHAVIOR":
+            penalty = _surface_behavior(member, abaqus, ignored)
+        elif member.name == "GAP CONDUCTANCE":
+            ignored.append(f"*{member.name} of {head.value('NAME')}")
+    return penalty
+
+
+def _surface_behavior(keyword: Keyword, abaqus: bool, ignored: list[str]) -> Normal:
+    keyword.check()
+    if keyword.has("NO SEPARATION"):
+        keyword.refuse("NO SEPARATION is not supported; faying's contact opens")
+    ignored += [
+        f"{flag} of *SURFACE BEHAVIOR: faying enforces contact in its own way"
+        for flag in _FLAGS
+        if keyword.has(flag)
+    ]
+    kind = keyword.choice("PRESSURE-OVERCLOSURE")
+    if kind == "HARD":
+        return "hard"
+    if kind in ("EXPONENTIAL", "TABULAR"):
+        return _curve(keyword, kind, abaqus)
+    fields = only_line(keyword, range(1, 4), "the slope (pressure per overclosure)")
+    slope = positive(keyword, 0, fields[0], "the slope")
+    for column in range(1, len(fields)):
+        # CalculiX: tension at large clearance and its range, for node-to-surface contact only.
+        optional_real(keyword, 0, fields, column, 0.0, "a number")
+        ignored.append("tension and range behind the slope of *SURFACE BEHAVIOR")
+    return slope
+
+
+_STEP, _LARGEST = 0.05, 12.0
+"""Between the rows of CalculiX's exponential, and its last, by the logarithm of pressure."""
+
+
+def _curve(keyword: Keyword, kind: str, abaqus: bool) -> Curve:
+    """Pressure over closure by EXPONENTIAL, which programs take differently, or TABULAR.
+
+    CalculiX (User's Manual, *SURFACE BEHAVIOR): p = p0 exp(c ln(100) / c0), nothing beyond c0 of
+    clearance; by a table whose chords are 3e-4 above it. Abaqus: p0 s (e^s - 1) / (e - 1).
+    """
+    rows = [numbers(keyword, i, row, "a number") for i, row in enumerate(keyword.rows())]
+    pairs = 1 if kind == "EXPONENTIAL" else max(len(rows), 2)
+    if len(rows) != pairs or any(len(row) != 2 for row in rows):
+        keyword.refuse(
+            f"{kind} needs {'one line' if pairs == 1 else 'two lines or more'} of two numbers"
+        )
+    try:
+        if kind == "TABULAR":
+            pressures, closures = zip(*rows, strict=True)
+            return TableClosure(closures=closures, pressures=pressures)
+        law = ExponentialClosure(clearance=rows[0][0], pressure=rows[0][1])
+    except ModelError as error:
+        raise keyword.error(str(error), 0) from error
+    if abaqus:
+        return law
+    powers = np.arange(-np.log(100.0) + _STEP, _LARGEST, _STEP)
+    return TableClosure(
+        closures=(-law.clearance, *(law.clearance / np.log(100.0) * powers)),
+        pressures=(0.0, *(law.pressure * np.exp(powers))),
+    )
+
+
+MEMBERS = ("SURFACE BEHAVIOR", "FRICTION", "CONTACT DAMPING", "GAP CONDUCTANCE")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Interaction:
+    """A ``*SURFACE INTERACTION``; what is ``tied`` neither opens nor slides."""
+
+    name: str
+    penalty: Normal = "hard"
+    friction: DeckFriction = FRICTIONLESS
+    tied: bool = False
+
+    def spec(self, name: str, minus: str, plus: str) -> InterfaceSpec:
+        """Return an interface of two sides that has this interaction."""
+        return InterfaceSpec(
+            name=name,
+            minus=minus,
+            plus=plus,
+            penalty="auto" if isinstance(self.penalty, Curve) else self.penalty,
+            closure=self.penalty if isinstance(self.penalty, Curve) else None,
+            friction=self.friction.coefficient,
+            tangential_penalty=self.friction.tangential_penalty,
+        )
+
+
+def read_interactions(deck: Deck) -> dict[str, Interaction]:
+    """Read all *SURFACE INTERACTION, by upper-case name."""
+    interactions = {}
+    for head, members in deck.groups("SURFACE INTERACTION", *MEMBERS):
+        head.check()
+        name = head.required("NAME")
+        if tied := [member for member in members if _is_tied(member)]:
+            stick = [member for member in members if member.name == "FRICTION"]
+            slopes = tied_slopes(deck, name, tied[0], stick)
+            stiffness = DeckFriction(tangential_penalty=slopes[1])
+            interactions[name.upper()] = Interaction(
+                name=name, tied=True, penalty=slopes[0], friction=stiffness
+            )
+            continue
+        if "friction" in deck.ignore:
+            members = _frictionless(members, deck.ignored)
+        penalty = read_behaviour(head, members, is_of_abaqus(deck), deck.ignored)
+        friction = read_friction(members, deck.ignored)
+        interactions[name.upper()] = Interaction(name=name, penalty=penalty, friction=friction)
+    return interactions
+
+
+def _is_tied(keyword: Keyword) -> bool:
+    behaviour = keyword.name == "SURFACE BEHAVIOR"
+    return behaviour and keyword.choice("PRESSURE-OVERCLOSURE") == "TIED"
+
+
+def _frictionless(members: list[Keyword], ignored: list[str]) -> list[Keyword]:
+    """Leave out friction as asked."""
+    frictionless = [member for member in members if member.name != "FRICTION"]
+    if len(frictionless) < len(members):
+        ignored.append(f"*FRICTION: {IGNORABLE['friction']} (ignore = friction)")
+    return frictionless

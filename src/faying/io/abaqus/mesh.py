@@ -1,0 +1,326 @@
+"""``*NODE`` and ``*ELEMENT``: coordinates, and tables of elements by type."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector
+from faying.exceptions import FormatError
+from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.fields import integers, padded, reals, table
+from faying.io.abaqus.keyword import Keyword, T
+from faying.model.axes import axes_along
+from faying.model.elements import ALL_SOLIDS, SOLIDS, SolidElement
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Nodes:
+    """All nodes, sorted by id.
+
+    Attributes
+    ----------
+    ids : (n_node,)
+        Increasing.
+    coordinates : (n_node, 3) [length]
+    """
+
+    ids: Indices
+    coordinates: Matrix
+
+    def index(self, ids: Indices, keyword: Keyword, rows: Indices) -> Indices:
+        """Return the indices of nodes; ``rows`` are the data lines they stand on."""
+        index: Indices = np.minimum(np.searchsorted(self.ids, ids), len(self.ids) - 1)
+        wrong = np.flatnonzero(self.ids[index] != ids)
+        if wrong.size:
+            shown = int(ids[wrong[0]]) - keyword.scope.offset
+            keyword.refuse(
+                f"there is no node {shown}; define it under *NODE or correct the id",
+                int(rows[wrong[0]]),
+            )
+        return index
+
+
+def read_nodes(deck: Deck) -> Nodes:
+    """Read all *NODE, with the *SYSTEM in force and the position of their instance."""
+    ids, coordinates, owners, rows = [], [], [], []
+    system: tuple[Matrix, Vector] | None = None
+    for keyword in deck.of("NODE", "SYSTEM"):
+        if keyword.name == "SYSTEM":
+            system = _system(keyword)
+            continue
+        numbers, points, lines = _node_block(keyword, system, deck.ignored)
+        owners.append(keyword)
+        ids.append(numbers + keyword.scope.offset)
+        coordinates.append(points)
+        rows.append(lines)
+    if not ids or not sum(map(len, ids)):
+        message = f"{deck.path}: the deck has no nodes; it needs *NODE with data lines"
+        raise FormatError(message)
+    all_ids, points = np.concatenate(ids), np.concatenate(coordinates)
+    order = np.argsort(all_ids, kind="stable")
+    again = np.flatnonzero(np.diff(all_ids[order]) == 0)
+    if again.size:
+        position = int(order[again[0] + 1])
+        block = int(np.searchsorted(np.cumsum([len(i) for i in ids]), position, side="right"))
+        row = position - sum(len(i) for i in ids[:block])
+        owners[block].refuse(
+            f"node {all_ids[position]} is defined twice; remove one definition",
+            int(rows[block][row]),
+        )
+    return Nodes(ids=all_ids[order], coordinates=points[order])
+
+
+def _node_block(
+    keyword: Keyword, system: tuple[Matrix, Vector] | None, ignored: list[str]
+) -> tuple[Indices, Matrix, Indices]:
+    keyword.check()
+    if keyword.has("INPUT"):
+        keyword.refuse("INPUT= is not supported; use *INCLUDE, INPUT=… below *NODE")
+    expected = "id, x, y, z"
+    columns, counts = table(keyword).columns(1, 7, f"{expected}, and a normal at most")
+    if (counts > 4).any():
+        ignored.append(
+            f"{int((counts > 4).sum())} nodes with fields behind their coordinates (the first at "
+            f"{keyword.where(int((counts > 4).argmax()))}): normals there are not taken"
+        )
+    # An id alone is a node whose place does not matter, such as that of a pretension section.
+    short = np.flatnonzero((counts > 1) & (counts < 4))
+    if short.size:
+        # Both programs read zeros; a lost coordinate must not pass for one unseen.
+        ignored.append(
+            f"{len(short)} nodes with fewer than three coordinates (the first at "
+            f"{keyword.where(int(short[0]))}): those left out are zero"
+        )
+    rows = np.arange(len(keyword.data), dtype=np.int64)
+    ids = integers(columns[0], keyword, rows, "a node id")
+    if ids.size and ids.min() < 1:
+        keyword.refuse(f"node id {ids.min()}; ids are positive", int(ids.argmin()))
+    points = np.column_stack([reals(c, keyword, rows, "a coordinate") for c in columns[1:4]])
+    points = _cartesian(keyword, points)
+    if system is not None:
+        points = points @ system[0] + system[1]
+    return ids, points @ keyword.scope.rotation.T + keyword.scope.translation, rows
+
+
+def _cartesian(keyword: Keyword, points: Matrix) -> Matrix:
+    kind = keyword.choice("SYSTEM")
+    if kind == "R":
+        return points
+    first, angle, third = points[:, 0], np.radians(points[:, 1]), points[:, 2]
+    if kind == "C":
+        return np.column_stack([first * np.cos(angle), first * np.sin(angle), third])
+    height = np.radians(third)
+    flat = first * np.cos(height)
+    return np.column_stack([flat * np.cos(angle), flat * np.sin(angle), first * np.sin(height)])
+
+
+def _system(keyword: Keyword) -> tuple[Matrix, Vector] | None:
+    """Axes (rows) and origin of local coordinates; without data, back to the basic frame."""
+    keyword.check()
+    rows = keyword.rows()
+    if not rows:
+        return None
+    values = [padded(keyword, i, row, 6, "a coordinate") for i, row in enumerate(rows[:2])]
+    origin = values[0][:3]
+    x = values[0][3:] - origin
+    # Without a second line z stays and y is perpendicular to it and x.
+    y = values[1][:3] - origin if len(rows) > 1 else np.cross([0.0, 0.0, 1.0], x)
+    axes = axes_along(x, y)
+    if len(rows) > 2 or axes is None:
+        keyword.refuse(
+            "expected the origin and a point on the x axis, then a point in the x-y plane", 0
+        )
+    return axes, origin
+
+
+SOLID_TYPES: Mapping[str, SolidElement] = {
+    **{name: element for element in ALL_SOLIDS for name in element.elsewhere.abaqus},
+    "C3D5": SOLIDS["pyramid5"],
+    "C3D13": SOLIDS["pyramid13"],
+}
+"""Pyramids are read only: CalculiX has none."""
+
+LINE_TYPES: Mapping[str, int] = {
+    "B31": 2,
+    "B31R": 2,
+    "B33": 2,
+    "B32": 3,
+    "B32R": 3,
+    "T3D2": 2,
+    "SPRINGA": 2,
+    "SPRING1": 1,
+    "SPRING2": 2,
+    "MASS": 1,
+    "ROTARYI": 1,
+    "DCOUP3D": 1,
+    "DASHPOTA": 2,
+    "DASHPOT1": 1,
+    "DASHPOT2": 2,
+}
+"""Nodes of elements that are neither solids nor shells."""
+
+SHELL_TYPES: Mapping[str, tuple[str, int]] = {
+    **dict.fromkeys(("S3", "S3R", "STRI3"), ("tri3", 3)),
+    **dict.fromkeys(("S4", "S4R"), ("quad4", 4)),
+    **dict.fromkeys(("S6", "STRI65"), ("tri6", 6)),
+    **dict.fromkeys(("S8", "S8R"), ("quad8", 8)),
+}
+"""Kind of shells, and how many nodes they have."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ElementBlock:
+    """Elements of one *ELEMENT.
+
+    Attributes
+    ----------
+    type
+        As in the deck, upper case.
+    ids : (n_element,)
+    nodes : (n_element, n_node_per_element)
+        Indices of nodes, solids in our order.
+    rows : (n_element,)
+        Data line of each element.
+    """
+
+    type: str
+    ids: Indices
+    nodes: Indices
+    rows: Indices
+    keyword: Keyword
+
+    def section(self, i: int, sections: Mapping[int, T], keyword: str) -> T:
+        """Return what a keyword gave one of the elements, by the ids of these."""
+        number = int(self.ids[i])
+        if number not in sections:
+            message = f"element {number} has no *{keyword}; give its set one"
+            self.keyword.refuse(message, int(self.rows[i]))
+        return sections[number]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Elements:
+    """All elements: solids, and others by type."""
+
+    solids: tuple[ElementBlock, ...]
+    others: Mapping[str, tuple[ElementBlock, ...]]
+
+    def of(self, *types: str) -> list[ElementBlock]:
+        """Return the blocks of elements that are no solids."""
+        return [block for name in types for block in self.others.get(name, ())]
+
+    def without(self, ids: Indices) -> "Elements":
+        """Return all elements but these; blocks that nothing remains of are gone."""
+
+        def kept(blocks: tuple[ElementBlock, ...]) -> tuple[ElementBlock, ...]:
+            masks = [~np.isin(block.ids, ids) for block in blocks]
+            return tuple(
+                replace(block, ids=block.ids[m], nodes=block.nodes[m], rows=block.rows[m])
+                for block, m in zip(blocks, masks, strict=True)
+                if m.any()
+            )
+
+        others = {name: kept(blocks) for name, blocks in self.others.items()}
+        return Elements(
+            solids=kept(self.solids),
+            others={name: blocks for name, blocks in others.items() if blocks},
+        )
+
+    @property
+    def blocks(self) -> list[ElementBlock]:
+        """All blocks."""
+        return [*self.solids, *(block for blocks in self.others.values() for block in blocks)]
+
+
+def read_elements(deck: Deck, nodes: Nodes) -> Elements:
+    """Read all *ELEMENT."""
+    solids: list[ElementBlock] = []
+    others: dict[str, tuple[ElementBlock, ...]] = {}
+    for keyword in deck.of("ELEMENT"):
+        keyword.check()
+        if keyword.has("DLOAD"):
+            keyword.refuse(
+                "shells that only carry loads (DLOAD) onto the solids beneath them are not "
+                "supported; press on faces of solids, by *DSLOAD or P1 … P6 of *DLOAD"
+            )
+        block = _block(keyword, nodes, deck.ignored)
+        if block.type in SOLID_TYPES:
+            solids.append(block)
+        else:
+            others[block.type] = (*others.get(block.type, ()), block)
+    result = Elements(solids=tuple(solids), others=others)
+    _check_distinct(result.blocks)
+    if not result.blocks:
+        message = f"{deck.path}: the deck has no elements; it needs *ELEMENT with data lines"
+        raise FormatError(message)
+    return result
+
+
+def _block(keyword: Keyword, nodes: Nodes, ignored: list[str]) -> ElementBlock:
+    kind = keyword.required("TYPE").upper()
+    if kind in SOLID_TYPES:
+        size = SOLID_TYPES[kind].n_nodes
+    elif kind in LINE_TYPES:
+        size = LINE_TYPES[kind]
+    elif kind in SHELL_TYPES:
+        size = SHELL_TYPES[kind][1]
+    else:
+        supported = ", ".join([*SOLID_TYPES, *LINE_TYPES, *SHELL_TYPES])
+        keyword.refuse(f"elements of TYPE={kind} are not supported; supported are {supported}")
+    width = size + 1
+    if not keyword.data:
+        keyword.refuse("it has no data lines; give element ids and nodes, or remove it")
+    fields = table(keyword)
+    cropped = fields.cropped(width)
+    if cropped is not fields:
+        ignored.append(f"fields behind the {size} nodes of {kind}, which CalculiX passes over too")
+    texts, rows = cropped.records(width, f"an id and {size} nodes for each {kind}")
+    flat = integers(texts.ravel(), keyword, np.repeat(rows, width), "an id or a node of an element")
+    values = flat.reshape(-1, width)
+    if values.size and values[:, 0].min() < 1:
+        keyword.refuse(
+            f"element id {values[:, 0].min()}; ids are positive", int(rows[values[:, 0].argmin()])
+        )
+    offset = keyword.scope.offset
+    ends = values[:, 1:]
+    if kind in SOLID_TYPES:
+        ends = SOLID_TYPES[kind].elsewhere.ours(ends)
+    index = nodes.index(ends.ravel() + offset, keyword, np.repeat(rows, size))
+    block = ElementBlock(
+        type=kind,
+        ids=values[:, 0] + offset,
+        nodes=index.reshape(ends.shape),
+        rows=rows,
+        keyword=keyword,
+    )
+    _check_own_nodes(block)
+    return block
+
+
+def _check_own_nodes(block: ElementBlock) -> None:
+    """Refuse elements that name a node twice."""
+    ordered = np.sort(block.nodes, axis=1)
+    twice = np.flatnonzero((np.diff(ordered, axis=1) == 0).any(axis=1))
+    if twice.size:
+        first = int(twice[0])
+        block.keyword.refuse(
+            f"element {block.ids[first]} names a node twice; collapsed elements are not "
+            "supported, use a wedge or a tetrahedron",
+            int(block.rows[first]),
+        )
+
+
+def _check_distinct(blocks: list[ElementBlock]) -> None:
+    ids = np.concatenate([np.empty(0, dtype=np.int64), *(block.ids for block in blocks)])
+    order = np.argsort(ids, kind="stable")
+    again = np.flatnonzero(np.diff(ids[order]) == 0)
+    if again.size:
+        position = int(order[again[0] + 1])
+        for block in blocks:
+            if position < len(block.ids):
+                block.keyword.refuse(
+                    f"element {block.ids[position]} is defined twice; give it another id",
+                    int(block.rows[position]),
+                )
+            position -= len(block.ids)
