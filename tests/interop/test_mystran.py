@@ -16,8 +16,8 @@ from faying.joint.lap_joint import lap_joint_assembly
 from faying.linalg.factorization import factorize
 from faying.model.constraints import constrain
 from faying.model.elements.hex8 import HEX8
-from faying.model.elements.mass import mass_coefficients
 from faying.model.elements.quadrature import hexahedron
+from faying.model.elements.stiffness import mass_coefficients
 from faying.model.matrices import assemble_matrices, used_components
 from faying.reduction.normal_modes import lowest_modes
 

@@ -6,7 +6,7 @@ import pytest
 import faying as fy
 from cut_bars import bar
 from faying.io.abaqus import read_joint
-from faying.model.bolt_bending import section_rows
+from faying.model.deck_bolt import section_rows
 
 LAYERS, CUT = 5, 2
 """Unit cubes on each other, cut on the second."""

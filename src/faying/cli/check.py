@@ -92,7 +92,7 @@ def _picture(loaded: "LoadedModel", model: "Model", path: Path) -> Path:
     """Draw the model into a file."""
     from matplotlib.figure import Figure
 
-    from faying.model.bolt_axis import bolt_ends
+    from faying.model.deck_bolt import bolt_ends
     from faying.report.figures import plot_model
     from faying.report.style import save
 

@@ -20,8 +20,8 @@ from faying.linalg.machine_memory import free_memory
 from faying.linalg.memory import FactorMemory, gigabytes
 from faying.model.assembly import Assembly
 from faying.model.bodies import body_names
-from faying.model.bolt_axis import bolt_direction
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary
+from faying.model.deck_bolt import bolt_direction
 from faying.model.matrices import mass_properties
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec

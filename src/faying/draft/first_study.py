@@ -9,7 +9,16 @@ import numpy as np
 from faying._typing import Indices, Mask, Vector
 from faying.draft.bolts import Hole, bolt_diameter, clamping_lines, holes_in_line, pattern
 from faying.draft.cylinders import cylinders
-from faying.draft.model_file import ModelFile, read_model_file
+from faying.draft.model_file import (
+    HELD,
+    LOADED,
+    ModelFile,
+    far_node,
+    loose_groups,
+    named,
+    pins,
+    read_model_file,
+)
 from faying.draft.study_text import (
     DECIDE,
     STRAIN,
@@ -18,16 +27,14 @@ from faying.draft.study_text import (
     hole_keys,
     study_text,
 )
-from faying.draft.supports_and_loads import HELD, LOADED, far_node, loose_groups, named, pins
 from faying.exceptions import FayingError, ModelError
 from faying.interface.facing import facing_bodies
 from faying.interface.interface import Interface
 from faying.joint.diagnosis import REMEDY
 from faying.model.assembly import Assembly, Beam
-from faying.model.bolt_axis import bolt_direction
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES
 from faying.model.constraints import movable_components
-from faying.model.deck_bolt import bolt_axis_element
+from faying.model.deck_bolt import bolt_axis_element, bolt_direction
 from faying.model.matrices import used_components
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec

@@ -11,8 +11,7 @@ import numpy as np
 
 from faying.display.facts import MOST_SHOWN
 from faying.draft.bolts import DIAMETER, Hole, size_of
-from faying.draft.model_file import ModelFile
-from faying.draft.supports_and_loads import Pin
+from faying.draft.model_file import ModelFile, Pin
 from faying.interface.facing import Facing
 from faying.interface.interface import Interface
 from faying.model.bodies import body_names

@@ -6,7 +6,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
 from faying.interface.interface import Interface
-from faying.model.gap_rule import GapRule
+from faying.model.specs import GapRule
 
 
 def with_gap_rule(

@@ -22,11 +22,11 @@ from faying.files.contents import reason_of
 from faying.io.aster_mail import read_mail
 from faying.io.mesh_groups import FACE_NODES, Group, cells_of, dimension, groups_of, volume_groups
 from faying.model.assembly import Assembly, FaceSet, Material
+from faying.model.bodies import separated
 from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS
 from faying.model.elements.orientation import right_side_out
 from faying.model.mesh import Mesh
-from faying.model.separate_bodies import separated
 from faying.model.surface import padded
 
 ANY_GROUP = "default"
@@ -63,7 +63,7 @@ def read_mesh_file(
     said elsewhere.
 
     Volume groups to separate have nodes of their own, see
-    :func:`faying.model.separate_bodies.separated`: parts of a fragmented geometry, which share the
+    :func:`faying.model.bodies.separated`: parts of a fragmented geometry, which share the
     nodes of the faces where they touch. Node ids count from 1 in the order of the file, and so do
     element ids and property ids.
 

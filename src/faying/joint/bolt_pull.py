@@ -6,8 +6,8 @@ import numpy as np
 
 from faying.joint.bolt_surroundings import nearest_bolts, told_apart
 from faying.joint.model import Model
-from faying.model.bolt_axis import bolt_direction
 from faying.model.contained_bolt import elongation_factors
+from faying.model.deck_bolt import bolt_direction
 from faying.model.rigid_motion import rigid_parts
 from faying.model.specs import BoltSpec
 

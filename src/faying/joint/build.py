@@ -23,22 +23,31 @@ from faying.joint.model import Model
 from faying.joint.structure import Structure
 from faying.joint.system import boundary_dofs, elongations
 from faying.model.assembly import Assembly, Beam
-from faying.model.bolt import Bolt
-from faying.model.bolt_axis import bolt_ends
-from faying.model.bolt_bending import are_carried, end_moments
-from faying.model.bolt_sense import Seats, check_not_twice, spring_sense
+from faying.model.bolt import Bolt, shank
 from faying.model.boundary import FORCE_NAMES, Boundary
-from faying.model.clamping import check_clamping, element_seats
+from faying.model.clamping import (
+    Seats,
+    check_clamping,
+    check_not_twice,
+    element_seats,
+    spring_sense,
+)
 from faying.model.constraints import constrain, movable_components
 from faying.model.contained_bolt import check_contained, elongation_factors
 from faying.model.coupled_boundary import add_coupled_boundary
-from faying.model.deck_bolt import axial_stiffness, bolt_chain, end_nodes
+from faying.model.deck_bolt import (
+    are_carried,
+    axial_stiffness,
+    bolt_chain,
+    bolt_ends,
+    end_moments,
+    end_nodes,
+)
 from faying.model.dofs import DofMap
 from faying.model.generated_bolt import add_bolt, bolt_axis_element
 from faying.model.local_stiffness import stiffness_at
 from faying.model.matrices import used_components
 from faying.model.rigid_motion import whole_motions
-from faying.model.shank import shank
 from faying.model.solid_cells import check_cells
 from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
 from faying.model.supports import nodes_of_set

@@ -1,10 +1,31 @@
-"""Forces of accelerations: gravity and rotation, as loads on nodes."""
+"""Forces on nodes of what acts in elements: accelerations, free strains, loads along beams.
+
+A body strained freely by ε a meets K u = ∫ ε Bᵀ D a dV, with a = 1 in all directions unless given.
+For an isotropic solid D 1 = E / (1 - 2 ν) 1.
+
+A load along a beam does the same work at the nodes as along the beam, deflected as the ends'
+motions alone deflect it. These shapes being exact (:mod:`faying.model.elements.beam`), so are the
+motions of the nodes, and forces and moments at the ends are those of a clamped beam, shear
+included.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.model.assembly import Assembly
+from faying.model.assembly import Assembly, Beam
+from faying.model.elastic_law import isotropic_law, prevented
+from faying.model.elements import block_element
+from faying.model.elements.beam import (
+    beam_frames,
+    beam_properties,
+    bending_planes,
+    bending_shapes,
+)
+from faying.model.elements.stiffness import free_strain_forces, temperature_shapes
 from faying.model.matrices import mass_times
+from faying.model.shell_matrices import shell_stiffness
 
 
 def body_forces(assembly: Assembly, accelerations: Matrix) -> Matrix:
@@ -21,3 +42,140 @@ def centrifugal(square: float, point: Vector, direction: Vector, nodes: Matrix) 
     """
     arms = nodes - point
     return np.asarray(square * (arms - np.outer(arms @ direction, direction)))
+
+
+FreeStrain = Callable[[Matrix], Matrix]
+
+UNSEEN = (
+    "forces of bolts are those of elongation and would not tell what expands in the beam that is "
+    "tightened; divide the shank in three beams or more, of which the middle one does not expand"
+)
+_ALL_DIRECTIONS = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+_AT_ONCE = 20_000
+"""Elements in memory at a time."""
+
+
+def expansion_forces(
+    assembly: Assembly,
+    strains: Mapping[int, FreeStrain],
+    initial: Vector,
+    final: Vector,
+    directions: Mapping[int, Vector] | None = None,
+) -> Matrix:
+    """Return forces (n_node, 6) that a change of temperature of solids exerts.
+
+    Strains are, by property, the free strain at a temperature, from any that has none; temperatures
+    of nodes are (n_node,). Where directions differ they are, by property, the strains (6,), in the
+    order of :mod:`faying.model.elastic_law`, that make up a free strain of one.
+
+    Notes
+    -----
+    Linear in the number of elements.
+    """
+    forces = np.zeros((len(assembly.mesh.nodes), 6))
+    for block in assembly.mesh.blocks:
+        element = block_element(block, assembly.element)
+        shapes = temperature_shapes(element)
+        for number in np.unique(block.properties).tolist():
+            if number in strains:
+                material = assembly.materials[number]
+                law = material.law or isotropic_law(
+                    material.youngs_modulus, material.poissons_ratio
+                )
+                stress = prevented(law, (directions or {}).get(number, _ALL_DIRECTIONS))
+                rows = np.flatnonzero(block.properties == number)
+                for part in np.array_split(rows, len(rows) // _AT_ONCE + 1):
+                    cells = block.nodes[part]
+                    initial_strains, final_strains = (
+                        material[cells] @ shapes.T for material in (initial, final)
+                    )
+                    strain = strains[number](final_strains) - strains[number](initial_strains)
+                    of_cells = free_strain_forces(
+                        element, assembly.mesh.nodes[cells], stress, strain
+                    )
+                    np.add.at(forces[:, :3], cells, of_cells)
+    return forces
+
+
+def stretching_forces(assembly: Assembly, strains: Vector) -> Matrix:
+    """Return forces (n_node, 6) of free strains (n_beam,) along beams."""
+    forces = np.zeros((len(assembly.mesh.nodes), 6))
+    stretched = np.flatnonzero(strains)
+    beams = [assembly.beams[i] for i in stretched.tolist()]
+    ends = np.array([beam.nodes for beam in beams], dtype=np.int64).reshape(-1, 2)
+    along = assembly.mesh.nodes[ends[:, 1]] - assembly.mesh.nodes[ends[:, 0]]
+    stiffness = np.array(
+        [
+            member.section.axial_factor * member.section.area * member.material.youngs_modulus
+            for member in beams
+        ]
+    )
+    pull = (stiffness * strains[stretched] / np.linalg.norm(along, axis=1))[:, None] * along
+    np.add.at(forces[:, :3], ends[:, 0], -pull)
+    np.add.at(forces[:, :3], ends[:, 1], pull)
+    return forces
+
+
+def shell_expansion_forces(assembly: Assembly, strains: Mapping[int, Matrix]) -> Matrix:
+    """Return forces (n_node, 6) of free strains of shells in their planes.
+
+    An element follows a uniform strain exactly, so that K u of the motion it makes is ∫ Bᵀ D ε dA.
+    Strains are (n_shell, 3, 3) along basic axes, by the index of a block. Those of curved shells
+    must be the same in all directions.
+    """
+    forces = np.zeros((len(assembly.mesh.nodes), 6))
+    for position, strain in strains.items():
+        block = assembly.shells[position]
+        for part, places, stiffness in shell_stiffness(assembly, block):
+            motion = np.einsum("eij,enj->eni", strain[part], places)
+            of_shells = np.einsum("emnij,enj->emi", stiffness[..., :3], motion)
+            np.add.at(forces, block.nodes[part], of_shells)
+    return forces
+
+
+_LOCAL_X = (0, 3)
+
+
+def nodal_forces_of_beams(
+    beams: Sequence[Beam], nodes: Matrix, stations: Matrix, vectors: Matrix
+) -> Matrix:
+    """Return the forces and moments (n_beam, 2, 6) on the ends of beams in the basic frame.
+
+    Nodes (n_node, 3) [length] are all those of the mesh. Forces and moments (n_beam, n_station, 6)
+    in the basic frame act at stations (n_beam, n_station): 0 at the first end, 1 at the second.
+
+    Raises
+    ------
+    ModelError
+        If a beam has no length or no orientation.
+    """
+    ends = np.array([beam.nodes for beam in beams], dtype=np.int64).reshape(-1, 2)
+    frames, length = beam_frames(beams, nodes[ends[:, 1]] - nodes[ends[:, 0]])
+    properties = beam_properties(beams, length)
+    local = np.concatenate(
+        [
+            np.einsum("nij,nqj->nqi", frames, vectors[..., part])
+            for part in np.split(np.arange(6), 2)
+        ],
+        axis=2,
+    )
+    result = np.zeros((len(beams), 12))
+    straight = np.stack([1 - stations, stations], axis=1)
+    for component in _LOCAL_X:
+        result[:, [component, 6 + component]] = np.einsum(
+            "nsq,nq->ns", straight, local[..., component]
+        )
+    for (dofs, signs), inertia, phi in bending_planes(properties):
+        deflection, rotation = bending_shapes(length, phi)
+        # Without bending stiffness there is no slope for the deflection to follow: a rod.
+        rod = inertia == 0
+        deflection[rod] = [[1, -1, 0, 0], [0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0]]
+        rotation[rod] = [[0, 0, 0], [1, -1, 0], [0, 0, 0], [0, 1, 0]]
+        powers = stations[:, None, :] ** np.arange(4)[:, None]
+        forces = np.einsum("nsp,npq,nq->ns", deflection, powers, local[..., dofs[0]])
+        moments = np.einsum("nsp,npq,nq->ns", rotation, powers[:, :3], local[..., dofs[1]])
+        # ``signs`` turns slopes into rotations, so moments of the load into work on slopes.
+        result[:, dofs] = np.array(signs) * (forces + signs[1] * moments)
+    return np.asarray(
+        np.einsum("nij,nbi->nbj", frames, result.reshape(len(beams), 4, 3)).reshape(-1, 2, 6)
+    )

@@ -6,8 +6,7 @@ from pathlib import Path
 
 from faying.exceptions import FormatError
 from faying.model.assembly import Assembly
-from faying.model.gap_rule import GapRule
-from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec
+from faying.model.specs import BoltSpec, BoundarySpec, GapRule, InterfaceSpec
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -15,10 +15,8 @@ from faying.model.elements import block_element
 from faying.model.elements.beam import beam_matrices
 from faying.model.elements.bush import bush_matrices
 from faying.model.elements.geometry import check_shapes
-from faying.model.elements.mass import mass_coefficients
-from faying.model.elements.stiffness import stiffness_blocks
-from faying.model.node_pairs import NodePairs
-from faying.model.shell_matrices import shell_matrices
+from faying.model.elements.stiffness import mass_coefficients, stiffness_blocks
+from faying.model.shell_matrices import NodePairs, shell_matrices
 from faying.model.solid_cells import check_nodes, mass_moments, materials_of
 
 # Numbers in one temporary array of a batch: small enough for the processor's cache.

@@ -1,10 +1,19 @@
-"""Mass and stiffness of the shells of an assembly."""
+"""Mass and stiffness of shells and shear panels, and the sparsity of a block of elements.
+
+Shear panels are parallelograms that carry shear along their sides and nothing else. The shear flow
+q is the same on all sides; half the force of a side goes to either corner. Stresses
+are uniform with no normal part on any side, and their energy gives the flexibility c of the panel:
+q = f · u / c with the nodal forces f of the unit flow, K = f fᵀ / c. For parallelograms this is
+the panel of S. J. Garvey, "The quadrilateral shear panel", Aircraft Engineering 23 (1951) 134-135.
+"""
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 
-from faying._typing import Matrix, SparseMatrix
+from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly
 from faying.model.elements.curved_shell import (
@@ -15,10 +24,126 @@ from faying.model.elements.curved_shell import (
     without_shear_strains,
 )
 from faying.model.elements.flat_shell import FLAT_SHELLS, flat_matrices
-from faying.model.elements.shear_panel import panel_matrices
-from faying.model.elements.shell_frames import carried, check_area, flat_frames, laws_in, on_nodes
-from faying.model.node_pairs import NodePairs
+from faying.model.elements.shell_frames import (
+    ElementLaws,
+    carried,
+    check_area,
+    flat_frames,
+    laws_in,
+    on_nodes,
+)
 from faying.model.shells import ShellBlock
+
+
+@dataclass(frozen=True, eq=False)
+class NodePairs:
+    """The pairs of nodes that share an element.
+
+    Attributes
+    ----------
+    rows_start : (n_node + 1,)
+    columns : (n_pair,)
+        Compressed rows of the pairs.
+    slots : (n_cell, n_node_per_cell²)
+        Which pair each pair of an element's nodes is.
+    """
+
+    rows_start: Indices
+    columns: Indices
+    slots: Indices
+
+    @staticmethod
+    def of(cells: Indices, n_node: int) -> "NodePairs":
+        """Find the pairs of a block of cells (n_cell, n_node_per_cell)."""
+        keys = (cells[:, :, None] * n_node + cells[:, None, :]).reshape(len(cells), -1)
+        unique, slots = np.unique(keys, return_inverse=True)
+        start = np.searchsorted(unique, np.arange(n_node + 1, dtype=np.int64) * n_node)
+        return NodePairs(start, unique % max(n_node, 1), slots.reshape(keys.shape))
+
+    @property
+    def n_pairs(self) -> int:
+        """Number of different pairs."""
+        return len(self.columns)
+
+    def add(self, total: Matrix, part: slice, values: Matrix) -> None:
+        """Add values (n_cell_of_part · n_node_per_cell², n) of a batch to their pairs."""
+        slots = self.slots[part].ravel()
+        low, high = int(slots.min()), int(slots.max()) + 1
+        shape = (high - low, len(slots))
+        scatter = sp.csc_array((np.ones(len(slots)), slots - low, np.arange(len(slots) + 1)), shape)
+        total[low:high] += scatter @ values
+
+    def expanded(self, blocks: Matrix) -> SparseMatrix:
+        """Return the matrix with a 3 x 3 block (n_pair, 9) per pair, on six dofs per node."""
+        n_node = len(self.rows_start) - 1
+        matrix = sp.bsr_array(
+            (blocks.reshape(-1, 3, 3), self.columns, self.rows_start),
+            shape=(3 * n_node, 3 * n_node),
+        ).tocsr()
+        return _on_six(matrix, n_node)
+
+    def expanded_six(self, blocks: Matrix) -> SparseMatrix:
+        """Return the matrix with a 6 x 6 block (n_pair, 36) per pair, without its zeros."""
+        size = 6 * (len(self.rows_start) - 1)
+        parts = (blocks.reshape(-1, 6, 6), self.columns, self.rows_start)
+        matrix = sp.bsr_array(parts, shape=(size, size)).tocsr()
+        matrix.eliminate_zeros()
+        return matrix
+
+    def expanded_diagonal(self, coefficients: Vector) -> SparseMatrix:
+        """Return the matrix with coefficient · I₃ (n_pair,) per pair, on six dofs per node."""
+        n_node = len(self.rows_start) - 1
+        nodal = sp.csr_array((coefficients, self.columns, self.rows_start), shape=(n_node, n_node))
+        return _on_six(sp.kron(nodal, sp.eye_array(3), format="csr"), n_node)
+
+
+def _on_six(matrix: SparseMatrix, n_node: int) -> SparseMatrix:
+    """Spread a matrix of three dofs per node over six."""
+    index_type = matrix.indices.dtype
+    columns = (matrix.indices + 3 * (matrix.indices // 3)).astype(index_type)
+    counts = np.zeros((n_node, 6), dtype=np.int64)
+    counts[:, :3] = np.diff(matrix.indptr).reshape(n_node, 3)
+    start = np.concatenate([[0], np.cumsum(counts)]).astype(index_type)
+    return sp.csr_array((matrix.data, columns, start), shape=(6 * n_node, 6 * n_node))
+
+
+# Relative difference of opposite sides that five digits of coordinates leave.
+_PARALLEL = 1e-4
+
+
+def panel_matrices(local: Matrix, laws: ElementLaws, ids: Indices) -> tuple[Matrix, Matrix]:
+    """Return mass and stiffness (n, 24, 24) of shear panels in their local frames.
+
+    Corners in the frame of each are (n, 4, 3) [length].
+    """
+    first, second = local[:, 1] - local[:, 0], local[:, 3] - local[:, 0]
+    skew = local[:, 2] - local[:, 0] - first - second
+    size = np.abs(local).max(axis=(1, 2))
+    wrong = np.flatnonzero(np.abs(skew).max(axis=1) > _PARALLEL * size)
+    if wrong.size:
+        message = (
+            f"shear panel {ids[wrong[0]]} is no plane parallelogram; give it opposite sides that "
+            "are parallel, or use shells"
+        )
+        raise ModelError(message)
+    area = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    # With x along the first side, no normal stress on either side and a unit flow along both.
+    stress = np.zeros((len(local), 3))
+    stress[:, 0], stress[:, 2] = 2 * second[:, 0] / second[:, 1], 1.0
+    strain = np.linalg.solve(laws.stiffness[:, :3, :3], stress[..., None])[..., 0]
+    flexibility = area * np.einsum("ei,ei->e", stress, strain)
+    forces = np.zeros((len(local), 4, 6))
+    for node, (a, b) in enumerate(((1, 1), (1, -1), (-1, -1), (-1, 1))):
+        forces[:, node, :2] = -(a * first[:, :2] + b * second[:, :2]) / 2
+    flat = forces.reshape(len(local), 24)
+    stiffness = flat[:, :, None] * flat[:, None] / flexibility[:, None, None]
+    table = FLAT_SHELLS["quad4"]
+    share = np.einsum("q,qi,qj->ij", table.weights, table.values, table.values) / 4
+    mass = np.einsum(
+        "e,ij,ab->eiajb", laws.mass * area, share, np.diag([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    )
+    return mass.reshape(len(local), 24, 24), stiffness
+
 
 PANEL = "panel4"
 """A shear panel, the one kind without membrane or bending stiffness."""

@@ -1,8 +1,10 @@
-"""What a user says about a model beyond its deck: interfaces, bolts, boundaries, damping."""
+"""What a user, or a deck, says beyond the structure: interfaces, bolts, boundaries, gaps."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
+
+import numpy as np
 
 from faying.contact.laws import Curve
 
@@ -130,3 +132,23 @@ class Rayleigh:
 
     alpha: float = 0.0
     beta: float = 0.0
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class GapRule:
+    """Initial gap of an interface as its deck wants it.
+
+    Attributes
+    ----------
+    value : [length]
+        The gap everywhere, whatever the mesh has; None leaves it to the mesh.
+    closed_up_to : [length]
+        Minus nodes whose gap is at most this start in contact, without strain, as if they had been
+        moved onto the plus side: 0 for those that penetrate, ``inf`` for all.
+    closed_nodes
+        Ids of minus nodes that start in contact whatever their gap.
+    """
+
+    value: float | None = None
+    closed_up_to: float = -np.inf
+    closed_nodes: tuple[int, ...] = ()

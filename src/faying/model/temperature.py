@@ -9,8 +9,8 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Material
+from faying.model.body_forces import FreeStrain, expansion_forces, stretching_forces
 from faying.model.parts import elements_named
-from faying.model.thermal import FreeStrain, expansion_forces, stretching_forces
 
 
 @dataclass(frozen=True, kw_only=True)

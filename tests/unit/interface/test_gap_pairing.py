@@ -15,9 +15,9 @@ from faying.io.abaqus import write_deck
 from faying.model.assembly import Assembly, FaceSet, Support
 from faying.model.cells import CellBlock
 from faying.model.description import JointDescription
-from faying.model.gap_rule import GapRule
 from faying.model.generate import brick_grid, shaped
 from faying.model.mesh import Mesh
+from faying.model.specs import GapRule
 from faying.model.surface import facet_normals
 from mortar_blocks import SIZE, blocks
 

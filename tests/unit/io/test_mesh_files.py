@@ -11,10 +11,10 @@ from faying.exceptions import FormatError, ModelError
 from faying.io.mesh_files import read_mesh_file
 from faying.joint.build import build_model
 from faying.model.assembly import Material, Spring, Support
+from faying.model.bodies import separated
 from faying.model.elements import SOLIDS
 from faying.model.generate import brick_grid, shaped
 from faying.model.matrices import assemble_matrices, mass_properties
-from faying.model.separate_bodies import separated
 from faying.model.specs import BoundarySpec, InterfaceSpec
 from faying.simulation.load import Load
 from faying.simulation.static_case import solve_static

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from faying.model.assembly import Assembly, Spring
-from faying.model.bolt_sense import spring_sense
 from faying.model.cells import CellBlock
+from faying.model.clamping import spring_sense
 from faying.model.mesh import Mesh
 
 

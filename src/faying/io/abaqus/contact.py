@@ -26,9 +26,8 @@ from faying.io.abaqus.surfaces import DeckSurface, Surfaces, removed_sides, slav
 from faying.io.tied_surfaces import equal_motions
 from faying.model.assembly import Assembly, FaceSet
 from faying.model.elements import FACES
-from faying.model.gap_rule import GapRule
 from faying.model.mesh import Mesh
-from faying.model.specs import InterfaceSpec
+from faying.model.specs import GapRule, InterfaceSpec
 from faying.model.surface import facet_area_vectors, facet_frames, rows_by_kind
 
 

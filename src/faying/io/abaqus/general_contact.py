@@ -18,8 +18,7 @@ from faying.io.abaqus.surfaces import Surfaces, find_surface, slave_and_master
 from faying.io.solid_cuts import Cut
 from faying.model.assembly import Assembly
 from faying.model.bodies import body_names
-from faying.model.gap_rule import GapRule
-from faying.model.specs import InterfaceSpec
+from faying.model.specs import GapRule, InterfaceSpec
 
 EVERYTHING = (
     "general contact: an interface for each pair of bodies whose faces touch, or face each other "

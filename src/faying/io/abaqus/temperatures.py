@@ -13,7 +13,7 @@ from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.loads import Amplitudes
 from faying.io.left_out import IGNORABLE, request
 from faying.model.assembly import Assembly
-from faying.model.thermal import UNSEEN, expansion_forces, stretching_forces
+from faying.model.body_forces import UNSEEN, expansion_forces, stretching_forces
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

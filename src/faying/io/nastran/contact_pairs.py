@@ -14,10 +14,9 @@ from faying.io.nastran.cards import Card
 from faying.io.nastran.contact_parameters import Parameters, note_friction
 from faying.io.nastran.regions import Region
 from faying.model.assembly import Assembly
-from faying.model.gap_rule import GapRule
 from faying.model.mesh import Mesh
 from faying.model.shells import ShellBlock
-from faying.model.specs import InterfaceSpec
+from faying.model.specs import GapRule, InterfaceSpec
 from faying.model.surface import WIDTH, corner_nodes, facet_centres, facet_normals
 
 DEFAULT_ERROR = 1 / 20

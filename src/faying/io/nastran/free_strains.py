@@ -26,6 +26,12 @@ from faying.io.nastran.materials import PlaneMaterial
 from faying.io.nastran.reader import TEMPERATURES, UNREAD_TEMPERATURES, Deck
 from faying.io.nastran.supports import ALWAYS
 from faying.model.assembly import Assembly, NodalLoads
+from faying.model.body_forces import (
+    UNSEEN,
+    expansion_forces,
+    shell_expansion_forces,
+    stretching_forces,
+)
 from faying.model.deck_bolt import bolt_axis_element
 from faying.model.elastic_law import turned_strain
 from faying.model.elements.curved_shell import CURVED_SHELLS
@@ -33,12 +39,6 @@ from faying.model.elements.shell_frames import flat_frames
 from faying.model.shell_matrices import PANEL
 from faying.model.shells import ShellBlock
 from faying.model.specs import BoltSpec
-from faying.model.thermal import (
-    UNSEEN,
-    expansion_forces,
-    shell_expansion_forces,
-    stretching_forces,
-)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

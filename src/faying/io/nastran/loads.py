@@ -20,9 +20,8 @@ from faying.io.nastran.pressures import Part, read_directed_loads, read_pressure
 from faying.io.nastran.sections import turned_properties
 from faying.io.nastran.supports import ALWAYS, Moving
 from faying.model.assembly import Assembly, Beam, NodalLoads, PointMass
-from faying.model.body_forces import body_forces, centrifugal
+from faying.model.body_forces import body_forces, centrifugal, nodal_forces_of_beams
 from faying.model.elements.beam import beam_frames
-from faying.model.elements.beam_loads import nodal_forces_of_beams
 
 _COMPONENTS = [f"{kind}{axis}" for kind in "FM" for axis in "XYZ"]
 _TYPES = (*_COMPONENTS, *(f"{name}E" for name in _COMPONENTS))

@@ -6,13 +6,9 @@ from types import MappingProxyType
 from faying.exceptions import ModelError
 from faying.model.cells import CellBlock
 from faying.model.elements.face_kind import FaceKind
-from faying.model.elements.hex8 import HEX8
-from faying.model.elements.hex8_incompatible import HEX8_INCOMPATIBLE
-from faying.model.elements.hex8_reduced import HEX8_REDUCED, HEX8_REDUCED_ABAQUS
-from faying.model.elements.hex20 import HEX20
-from faying.model.elements.hex20_reduced import HEX20_REDUCED
-from faying.model.elements.pyramid5 import PYRAMID5
-from faying.model.elements.pyramid13 import PYRAMID13
+from faying.model.elements.hex8 import HEX8, HEX8_INCOMPATIBLE, HEX8_REDUCED, HEX8_REDUCED_ABAQUS
+from faying.model.elements.hex20 import HEX20, HEX20_REDUCED
+from faying.model.elements.pyramid import PYRAMID5, PYRAMID13
 from faying.model.elements.solid_element import SolidElement
 from faying.model.elements.tet4 import TET4
 from faying.model.elements.tet10 import TET10

@@ -19,10 +19,9 @@ from faying.joint.weak_springs import with_weak_springs
 from faying.model.assembly import Assembly, Material
 from faying.model.deck_bolt import with_unlocked_bolts
 from faying.model.description import JointDescription, check_surfaces
-from faying.model.gap_rule import GapRule
 from faying.model.material import overridden
 from faying.model.parts import part_of
-from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
+from faying.model.specs import BoltSpec, BoundarySpec, GapRule, InterfaceSpec, Rayleigh
 from faying.model.temperature import Temperature
 from faying.sources import SOURCES, SourceKeys
 from faying.study.inputs.bolts import (

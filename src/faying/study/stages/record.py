@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from faying import __version__
-from faying.model.bolt_axis import bolt_ends
+from faying.model.deck_bolt import bolt_ends
 from faying.model.matrices import mass_properties
 from faying.model.solid_cells import tangled
 from faying.reduction.projection import contact_surfaces
