@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import NoReturn
 
 
 class FayingError(Exception):
@@ -26,6 +27,11 @@ class ConvergenceError(FayingError):
 
 class CampaignError(FayingError):
     """Tasks could not be computed: workers that died or cannot be had, errors of a user's code."""
+
+
+def refuse(text: str) -> NoReturn:
+    """Raise the error that a file cannot be read."""
+    raise FormatError(text)
 
 
 @contextmanager

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from faying._typing import Indices, Mask
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.io.ansys_commands import (
     BRICKS_8,
     BRICKS_20,
@@ -121,8 +121,7 @@ def _elements(path: Path, parts: Mapping[str, npt.NDArray[Any]]) -> Indices:
     lengths = parts["lengths"].astype(np.int64)
     width = _FIRST_NODE + 20
     if lengths.max(initial=0) > width:
-        message = f"Ansys archive '{path}': an element has {lengths.max()} numbers; write it again"
-        raise FormatError(message)
+        refuse(f"Ansys archive '{path}': an element has {lengths.max()} numbers; write it again")
     table = np.zeros((len(lengths), width), dtype=np.int64)
     table[np.arange(table.shape[1]) < lengths[:, None]] = parts["elements"]
     return table
@@ -217,11 +216,10 @@ def _blocks(
         if which.any()
     )
     if not blocks:
-        message = (
+        refuse(
             f"Ansys archive '{path}' has no solids (SOLID185, 186, 187, 45, 95, 92); write it with "
             "CDWRITE in blocked format"
         )
-        raise FormatError(message)
     unsupported = routine[~(brick8 | brick20 | tetra) & ~np.isin(routine, list(NO_STRUCTURE))]
     routines, counts = np.unique(unsupported, return_counts=True)
     removed = len(straight.ends)
@@ -250,11 +248,10 @@ def _indices(
     wrong = ((straight.ids[indices] != node_ids) & ~removed).any(axis=1)
     if wrong.any():
         element = int(elements[np.flatnonzero(wrong)[0]])
-        message = (
+        refuse(
             f"Ansys archive '{path}': element {element} names a node that is not there; write all "
             "nodes"
         )
-        raise FormatError(message)
     for column, (start, end) in enumerate(mid_side_ends(kind), start=corners):
         rows = removed[:, column]
         indices[rows, column] = straight.between(
@@ -277,32 +274,29 @@ def _material(
     of_material = commands.constants.get(number, {})
     doubts = sorted(commands.tables.get(number, frozenset()) & {"EX", "PRXY", "NUXY", "DENS"})
     if doubts:
-        message = (
+        refuse(
             f"Ansys archive '{path}': {', '.join(doubts)} of {name} depends on temperature; add "
             f'[material."{name}"] with E, nu and rho at that of the joint'
         )
-        raise FormatError(message)
     if sides := [
         key
         for key in ("EY", "EZ")
         if of_material.get(key, of_material.get("EX")) != of_material.get("EX")
     ]:
-        message = (
+        refuse(
             f"Ansys archive '{path}': {' and '.join(sides)} of {name} not as EX; materials of "
             f'archives are isotropic: add [material."{name}"] with E, nu and rho, or use .full '
             "matrices"
         )
-        raise FormatError(message)
     constants = (
         of_material.get("EX"),
         of_material.get("PRXY", of_material.get("NUXY")),
         of_material.get("DENS"),
     )
     if None in constants:
-        message = (
+        refuse(
             f"Ansys archive '{path}': {name} has no EX, PRXY (or NUXY) and DENS; add "
             f'[material."{name}"] with E, nu and rho'
         )
-        raise FormatError(message)
     modulus, ratio, density = (float(constant or 0.0) for constant in constants)
     return Material(name=name, youngs_modulus=modulus, poissons_ratio=ratio, density=density)

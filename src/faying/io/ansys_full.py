@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import scipy.sparse as sp
 
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.io.isolated import read_isolated
 from faying.io.matrix_labels import LabelledMatrix
 
@@ -35,19 +35,16 @@ def read_full(path: Path, name: str) -> LabelledMatrix:
     Degrees of freedom that Ansys held are left out, so the structure counts as held there.
     """
     if name not in MATRICES:
-        message = f"matrix {name}: an Ansys .full holds K and M only; leave {name} away"
-        raise FormatError(message)
+        refuse(f"matrix {name}: an Ansys .full holds K and M only; leave {name} away")
     parts = read_isolated(_SCRIPT, path, f"matrix {name}", "ansys")
     letter, dofs = MATRICES[name], parts["dofs"].astype(np.int64)
     if f"{letter}_data" not in parts:
-        message = f"matrix {name}: '{path}' does not hold it; write the file with a modal analysis"
-        raise FormatError(message)
+        refuse(f"matrix {name}: '{path}' does not hold it; write the file with a modal analysis")
     if len(dofs) and not ((dofs[:, 1] >= 0) & (dofs[:, 1] < 6)).all():
-        message = (
+        refuse(
             f"matrix {name}: '{path}' has degrees of freedom other than displacements and "
             "rotations (temperature, pressure, warping); write it for a structural model"
         )
-        raise FormatError(message)
     half = sp.coo_array(
         (parts[f"{letter}_data"], (parts[f"{letter}_row"], parts[f"{letter}_col"])),
         shape=(len(dofs), len(dofs)),

@@ -7,12 +7,13 @@ Sections begin with a keyword and end with FINSF; a percent sign begins a commen
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 import numpy.typing as npt
 
 from faying._typing import Indices, Matrix
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.model.elements import SOLIDS
 
 Names = npt.NDArray[np.str_]
@@ -72,17 +73,16 @@ class _Section:
     name: str
     words: Names
 
-    def error(self, text: str) -> FormatError:
-        """Return the error that names file, line and section."""
-        return FormatError(f"{self.path}:{self.line}: {self.keyword}: {text}")
+    def refuse(self, text: str) -> NoReturn:
+        """Raise the error that names file, line and section."""
+        refuse(f"{self.path}:{self.line}: {self.keyword}: {text}")
 
     def rows(self, width: int) -> Names:
         """Return the words as rows of a name and what belongs to it."""
         if len(self.words) % width:
-            text = (
+            self.refuse(
                 f"{len(self.words)} words; expected {width} each: a name, and its numbers or nodes"
             )
-            raise self.error(text)
         return self.words.reshape(-1, width)
 
     def index(self, names: Names, labels: Names, what: str) -> Indices:
@@ -92,8 +92,9 @@ class _Section:
         indices: Indices = order[np.minimum(positions, len(order) - 1)] if len(order) else positions
         missing = names[indices] != labels if len(order) else np.ones(labels.shape, dtype=bool)
         if missing.any():
-            text = f"there is no {what} '{labels[missing].flat[0]}'; define it or correct the name"
-            raise self.error(text)
+            self.refuse(
+                f"there is no {what} '{labels[missing].flat[0]}'; define it or correct the name"
+            )
         return indices
 
 
@@ -103,8 +104,7 @@ def read_mail(path: Path) -> MailMesh:
     nodes = [section for section in sections if section.keyword.startswith("COOR_")]
     if len(nodes) != 1 or nodes[0].keyword != "COOR_3D":
         shown = ", ".join(section.keyword for section in nodes) or "none"
-        message = f"{path}: sections of coordinates: {shown}; expected one COOR_3D"
-        raise FormatError(message)
+        refuse(f"{path}: sections of coordinates: {shown}; expected one COOR_3D")
     named, points = _nodes(nodes[0])
     cells: list[Cells] = []
     owned: list[Names] = []
@@ -141,8 +141,7 @@ def read_mail(path: Path) -> MailMesh:
 def _sections(path: Path) -> list[_Section]:
     text = re.sub(r"%[^\n]*", "", path.read_text(encoding="latin-1"))
     if _END.search(text) is None:
-        message = f"{path}: it does not end with FIN, so it was cut off; write it again"
-        raise FormatError(message)
+        refuse(f"{path}: it does not end with FIN, so it was cut off; write it again")
     sections, line = [], 1
     for part in re.split(r"\bFINSF\b", _END.split(text)[0]):
         body = part.lstrip()
@@ -155,11 +154,10 @@ def _sections(path: Path) -> list[_Section]:
         split = _HEADER.sub(" ", body).replace("=", " ").split()[1:]
         longest = max(map(len, split), default=0)
         if longest > LONGEST_WORD:
-            message = (
+            refuse(
                 f"{path}:{first}: {keyword[:LONGEST_WORD]}: a word of {longest} characters; "
                 f"expected names and numbers of at most {LONGEST_WORD}"
             )
-            raise FormatError(message)
         words = np.array(split, dtype=np.str_)
         name = headers.get("NOM", "")
         if keyword in _GROUPS and not name and len(words):
@@ -173,13 +171,13 @@ def _nodes(section: _Section) -> tuple[Names, Matrix]:
     names = rows[:, 0]
     again = np.unique(names, return_counts=True)
     if (again[1] > 1).any():
-        text = f"node '{again[0][again[1] > 1][0]}' is there twice; rename one"
-        raise section.error(text)
+        section.refuse(f"node '{again[0][again[1] > 1][0]}' is there twice; rename one")
     try:
         points = np.char.replace(np.char.upper(rows[:, 1:]), "D", "E").astype(np.float64)
     except ValueError as error:
-        text = f"a coordinate is no number ({error}); expected a name and x, y, z of every node"
-        raise section.error(text) from None
+        section.refuse(
+            f"a coordinate is no number ({error}); expected a name and x, y, z of every node"
+        )
     return names, points
 
 

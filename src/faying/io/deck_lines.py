@@ -8,7 +8,7 @@ from os import PathLike, fspath
 from pathlib import Path
 
 from faying._typing import Indices
-from faying.exceptions import FormatError, ModelError
+from faying.exceptions import FormatError, ModelError, refuse
 from faying.files.contents import check_room, file_bytes
 from faying.io.line_texts import LineTexts
 
@@ -96,20 +96,17 @@ class DeckFiles:
             message = f"{origin}{self._kind} '{path}' {reason}; check the path"
             raise FormatError(message) from error
         if path.resolve() in parents or len(parents) >= DEEPEST:
-            message = (
+            refuse(
                 f"{included_from}: {self._include} of '{path}' goes in a circle; remove one of them"
             )
-            raise FormatError(message)
         self.names.append(path.name if self.names else str(path))
         if len(self.names) > MOST_FILES:
-            message = f"{included_from}: {self._include}: more than {MOST_FILES} files; merge them"
-            raise FormatError(message)
+            refuse(f"{included_from}: {self._include}: more than {MOST_FILES} files; merge them")
         return data
 
 
 def deck_text(data: bytes, path: str | PathLike[str]) -> bytes:
     """Return the text of a deck without the byte order mark that some editors put before it."""
     if data.startswith(_UTF16_MARKS):
-        message = f"{fspath(path)} is UTF-16 text; save it as UTF-8 or ASCII"
-        raise FormatError(message)
+        refuse(f"{fspath(path)} is UTF-16 text; save it as UTF-8 or ASCII")
     return data.removeprefix(_UTF8_MARK)

@@ -13,7 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, Vector
-from faying.exceptions import FormatError
+from faying.exceptions import FormatError, refuse
 from faying.files.contents import file_bytes
 from faying.io.deck_lines import Lines
 from faying.io.line_texts import split_lines
@@ -68,8 +68,7 @@ def _cards(path: Path) -> tuple[Cards, dict[str, int]]:
     )
     cards = read_cards(lines).cards().get("DMIG")
     if cards is None:
-        message = f"'{path}' holds no DMIG card; write the matrix with PARAM,EXTOUT,DMIGPCH or so"
-        raise FormatError(message)
+        refuse(f"'{path}' holds no DMIG card; write the matrix with PARAM,EXTOUT,DMIGPCH or so")
     return cards, _headers(cards)
 
 
@@ -193,11 +192,10 @@ def _check_twice(cards: Cards, name: str, entries: _Entries, form: int) -> None:
         first = int(order[1:][again].min())
         both = " (or its mirror image)" if form == SYMMETRIC else ""
         where = cards.bulk.where(int(entries.position[first]))
-        message = (
+        refuse(
             f"{where}: DMIG: matrix {name}: row {row[first] // 10}-{row[first] % 10} of column "
             f"{column[first] // 10}-{column[first] % 10}{both} is given twice"
         )
-        raise FormatError(message)
 
 
 def dmig_text(name: str, matrix: Matrix, dofs: Indices) -> str:

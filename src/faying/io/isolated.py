@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from faying.exceptions import FormatError
+from faying.exceptions import FormatError, refuse
 from faying.files.child_python import python_command, python_environment
 from faying.linalg.machine_memory import free_memory, physical_memory
 from faying.linalg.memory import gigabytes
@@ -52,8 +52,7 @@ def read_isolated(
     extra of faying installs the reader, where one is needed.
     """
     if not path.is_file():
-        message = f"{what}: '{path}' is not there; check the path"
-        raise FormatError(message)
+        refuse(f"{what}: '{path}' is not there; check the path")
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "arrays.npz"
         limit = STARTUP + path.stat().st_size / SLOWEST_READING
@@ -74,14 +73,12 @@ def read_isolated(
             message = f"{what}: '{path}' could not be read in {limit:.0f} s; it is damaged"
             raise FormatError(message) from None
         if done.returncode == _NOT_INSTALLED:
-            message = f"{what}: reading '{path}' needs an extra; pip install 'faying[{extra}]'"
-            raise FormatError(message)
+            refuse(f"{what}: reading '{path}' needs an extra; pip install 'faying[{extra}]'")
         if done.returncode != 0 or not target.is_file():
             said = done.stderr.strip().splitlines()
             reason = said[-1][:200] if said else f"its reader ended with status {done.returncode}"
             if "MemoryError" in reason or "bad_alloc" in reason:
                 reason = f"its reader asked for more than {gigabytes(room)}"
-            message = f"{what}: '{path}' cannot be read ({reason}); write it again"
-            raise FormatError(message)
+            refuse(f"{what}: '{path}' cannot be read ({reason}); write it again")
         with np.load(target) as file:
             return {key: file[key] for key in file.files}

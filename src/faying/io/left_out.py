@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
-from faying.exceptions import FormatError
+from faying.exceptions import FormatError, refuse
 
 IGNORABLE: Mapping[str, str] = MappingProxyType(
     {
@@ -121,6 +121,5 @@ def checked_ignore(words: Iterable[str]) -> frozenset[str]:
     chosen = frozenset([words] if isinstance(words, str) else words)
     unknown = sorted(chosen - IGNORABLE.keys())
     if unknown:
-        message = f"ignore: '{unknown[0]}' is not known; known are {', '.join(IGNORABLE)}"
-        raise FormatError(message)
+        refuse(f"ignore: '{unknown[0]}' is not known; known are {', '.join(IGNORABLE)}")
     return chosen

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from faying._typing import Indices, Matrix, SparseMatrix
-from faying.exceptions import FormatError, ModelError, naming
+from faying.exceptions import ModelError, naming, refuse
 from faying.io.deck_geometry import DeckGeometry, is_deck, read_deck_geometry
 from faying.io.matrix_checks import (
     RowLabel,
@@ -298,6 +298,5 @@ def _stacked(name: str, rows: list[Indices]) -> Indices:
     sizes = sorted({len(row) for row in rows})
     if len(sizes) != 1:
         shown = " and ".join(map(str, sizes))
-        message = f"face set '{name}' has faces of {shown} nodes; make one set of each kind"
-        raise FormatError(message)
+        refuse(f"face set '{name}' has faces of {shown} nodes; make one set of each kind")
     return np.stack(rows)

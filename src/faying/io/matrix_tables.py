@@ -16,7 +16,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix
-from faying.exceptions import FayingError, FormatError
+from faying.exceptions import FayingError, FormatError, refuse
 from faying.files.contents import (
     check_room,
     check_rows,
@@ -55,14 +55,12 @@ def read_matrix(path: str | PathLike[str], name: str) -> LabelledMatrix:
     """
     path = Path(path)
     if not path.is_file():
-        message = f"matrix {name}: file '{path}' is not there; check the path"
-        raise FormatError(message)
+        refuse(f"matrix {name}: file '{path}' is not there; check the path")
     reader_name = READERS.get(path.suffix.lower())
     if reader_name is None:
-        message = (
+        refuse(
             f"matrix {name}: '{path}' ends in '{path.suffix}'; readable are {', '.join(READERS)}"
         )
-        raise FormatError(message)
     module, _, function = reader_name.partition(":")
     return _read(getattr(import_module(module), function), path, name)
 
@@ -84,11 +82,10 @@ def _real(matrix: Any, path: Path, name: str) -> SparseMatrix:
     else:
         _check_indices(matrix)
     if matrix.ndim != 2 or matrix.dtype.kind not in "fiub":
-        message = (
+        refuse(
             f"matrix {name}: '{path}' holds an array of shape {matrix.shape} and type "
             f"{matrix.dtype}; expected a real matrix"
         )
-        raise FormatError(message)
     return sp.csr_array(matrix, dtype=np.float64)
 
 
@@ -243,8 +240,7 @@ def read_id_sets(path: str | PathLike[str], what: str) -> dict[str, list[Indices
         if not ids or not all(text.isascii() and text.isdigit() for text in ids):
             if i == 0:
                 continue  # a heading
-            message = f"{path}:{line}: {what} '{texts[0]}': expected name, node id, node id, …"
-            raise FormatError(message)
+            refuse(f"{path}:{line}: {what} '{texts[0]}': expected name, node id, node id, …")
         sets.setdefault(texts[0], []).append(np.array([int(text[:18]) for text in ids]))
     return sets
 
@@ -262,11 +258,9 @@ def _arrays(path: Path, what: str) -> dict[str, Matrix]:
 
 def _check_there(path: Path, what: str) -> None:
     if not path.is_file():
-        message = f"{what} '{path}' is not there; check the path"
-        raise FormatError(message)
+        refuse(f"{what} '{path}' is not there; check the path")
     if path.suffix.lower() not in (".npz", ".csv", ".txt", ".dat"):
-        message = f"{what} '{path}' ends in '{path.suffix}'; readable are .csv, .txt, .npz"
-        raise FormatError(message)
+        refuse(f"{what} '{path}' ends in '{path.suffix}'; readable are .csv, .txt, .npz")
 
 
 def _rows(path: Path, what: str) -> _Rows:
@@ -292,22 +286,19 @@ def _numbers(path: Path, what: str, columns: tuple[str, ...]) -> Matrix:
         arrays = list(_arrays(path, what).values())
         table = arrays[0] if len(arrays) == 1 else np.zeros(0)
         if table.ndim != 2 or table.shape[1] != len(columns) or table.dtype.kind not in "fiu":
-            message = (
+            refuse(
                 f"{what} '{path}': expected one array of {len(columns)} columns: "
                 f"{', '.join(columns)}"
             )
-            raise FormatError(message)
         return table.astype(np.float64)
     rows = _rows(path, what)
     if rows and not _parsed(rows[0][1]):
         rows = rows[1:]
     wrong = next((row for row in rows if len(row[1]) != len(columns)), None)
     if wrong is not None:
-        message = f"{path}:{wrong[0]}: {what}: found {len(wrong[1])} entries, {expected}"
-        raise FormatError(message)
+        refuse(f"{path}:{wrong[0]}: {what}: found {len(wrong[1])} entries, {expected}")
     if not rows:
-        message = f"{what} '{path}' has no rows; {expected} on each"
-        raise FormatError(message)
+        refuse(f"{what} '{path}' has no rows; {expected} on each")
     try:
         return np.array([texts for _, texts in rows], dtype=np.float64)
     except ValueError as error:
@@ -325,13 +316,11 @@ def _parsed(texts: list[str]) -> bool:
 
 def _whole(table: Matrix, path: Path, what: str) -> Indices:
     if table.dtype.kind not in "fiu":
-        message = f"{what} in '{path}': expected whole numbers, found {table.dtype}"
-        raise FormatError(message)
+        refuse(f"{what} in '{path}': expected whole numbers, found {table.dtype}")
     # Doubles hold whole numbers up to 2⁵³ exactly.
     wrong = ~(np.abs(table) < 2.0**53) | (table != np.floor(table))
     if wrong.any():
-        message = f"{what} {table[wrong][0]:g} in '{path}' is not a whole number"
-        raise FormatError(message)
+        refuse(f"{what} {table[wrong][0]:g} in '{path}' is not a whole number")
     return table.astype(np.int64)
 
 
@@ -350,17 +339,15 @@ def read_extrn(path: Path) -> Indices:
     )
     cards = read_cards(lines).cards().get("EXTRN")
     if cards is None or len(cards) != 1:
-        message = (
+        refuse(
             f"dof table '{path}' has {0 if cards is None else len(cards)} EXTRN cards; "
             "expected the punch file of one external superelement"
         )
-        raise FormatError(message)
     card = next(iter(cards))
     rows = [row for field in range(0, len(card), 2) for row in _rows_of_pair(card, field)]
     table = np.array(rows, dtype=np.int64).reshape(-1, 2)
     if len(np.unique(table, axis=0)) != len(table):
-        message = "a grid component is named twice"
-        raise card.error(message)
+        card.refuse("a grid component is named twice")
     return table
 
 
@@ -373,6 +360,5 @@ def _rows_of_pair(card: Card, field: int) -> list[tuple[int, int]]:
     digits = components or "0"
     good = digits == "0" or (set(digits) <= set("123456") and len(set(digits)) == len(digits))
     if number is None or number < 1 or not good:
-        message = f"'{grid} {components}' is no grid with its components"
-        raise card.error(message, field)
+        card.refuse(f"'{grid} {components}' is no grid with its components", field)
     return [(number, max(int(digit), 1)) for digit in sorted(digits)]

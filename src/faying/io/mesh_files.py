@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from faying._typing import Indices, Matrix
-from faying.exceptions import FormatError
+from faying.exceptions import FormatError, refuse
 from faying.files.contents import reason_of
 from faying.io.aster_mail import read_mail
 from faying.io.mesh_groups import FACE_NODES, Group, cells_of, dimension, groups_of, volume_groups
@@ -111,15 +111,13 @@ def read_mesh_file(
 def _read(path: Path) -> Any:
     """Return meshio's mesh or its like; meshio prints and exits where a reader should raise."""
     if not path.is_file():
-        message = f"mesh file '{path}' is not there; check the path"
-        raise FormatError(message)
+        refuse(f"mesh file '{path}' is not there; check the path")
     source = OTHER_SOURCES.get(path.suffix.lower())
     if source is not None:
-        message = (
+        refuse(
             f"'{path}' is a deck: a mesh reader would drop its couplings, supports and sets; "
             f'use source = "{source}"'
         )
-        raise FormatError(message)
     if path.suffix.lower() == ".mail":
         return read_mail(path)
     _check_whole(path)
@@ -154,21 +152,19 @@ def _check_whole(path: Path) -> None:
         file.seek(max(path.stat().st_size - 100, 0))
         last = file.read().split()
     if not last or not last[-1].startswith(b"$End"):
-        message = (
+        refuse(
             f"mesh file '{path}' cannot be read: it does not end with a section's $End, so it was "
             "cut off; write it again"
         )
-        raise FormatError(message)
 
 
 def _points(path: Path, mesh: Any) -> Matrix:
     points = np.asarray(mesh.points, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
-        message = (
+        refuse(
             f"mesh file '{path}': points of shape {points.shape}, or not all finite; expected "
             "x, y, z of every node"
         )
-        raise FormatError(message)
     return points
 
 
@@ -182,8 +178,7 @@ def _blocks(
             continue
         if block.type not in SOLID_KINDS:
             remedy = _REMEDIES.get(block.type, f"mesh with {', '.join(SOLID_KINDS)}")
-            message = f"mesh file '{path}' has solids of kind '{block.type}'; {remedy}"
-            raise FormatError(message)
+            refuse(f"mesh file '{path}' has solids of kind '{block.type}'; {remedy}")
         element = SOLID_KINDS[block.type]
         connectivity = element.elsewhere.ours(_connectivity(path, block, len(points)))
         nodes, inside_out = right_side_out(element.kind, connectivity, points)
@@ -198,11 +193,10 @@ def _blocks(
         )
         first += len(nodes)
     if not blocks:
-        message = (
+        refuse(
             f"mesh file '{path}' has no solids; in gmsh mesh in three dimensions and put volumes "
             "into physical groups"
         )
-        raise FormatError(message)
     notes = [f"node order of {turned} solids inside out"] if turned else []
     return tuple(blocks), notes
 
@@ -212,14 +206,12 @@ def _connectivity(path: Path, block: Any, n_points: int) -> Indices:
     nodes = np.asarray(block.data, dtype=np.int64)
     expected = SOLID_KINDS[block.type].n_nodes
     if nodes.ndim != 2 or nodes.shape[1] != expected:
-        message = (
+        refuse(
             f"mesh file '{path}': a block of {block.type} of shape {nodes.shape}, expected "
             f"{expected} nodes a cell; the file is cut off or damaged, write it again"
         )
-        raise FormatError(message)
     if nodes.size and (nodes.min() < 0 or nodes.max() >= n_points):
-        message = f"mesh file '{path}': a {block.type} names a node that is not there"
-        raise FormatError(message)
+        refuse(f"mesh file '{path}': a {block.type} names a node that is not there")
     return nodes
 
 
@@ -232,11 +224,10 @@ def _properties(path: Path, groups: list[Group], block: int, n_cells: int) -> In
             properties[cells] = group.number
     lost = np.count_nonzero(properties == 0)
     if lost:
-        message = (
+        refuse(
             f"mesh file '{path}': {lost} solids belong to no group, so they have no material; put "
             "every volume into a physical group, or none"
         )
-        raise FormatError(message)
     return properties
 
 
@@ -310,11 +301,10 @@ def _with_faces(
 def _material(path: Path, group: str, materials: Mapping[str, Material]) -> Material:
     material = materials.get(group, materials.get(ANY_GROUP))
     if material is None:
-        message = (
+        refuse(
             f"mesh file '{path}': group '{group}' has no material; add [material.{group}] or "
             f"[material.{ANY_GROUP}] with E, nu and rho"
         )
-        raise FormatError(message)
     return material
 
 

@@ -7,13 +7,13 @@ Here this distance is the elongation of a spring in the bolt, far stiffer than t
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NoReturn
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Mask, Vector
-from faying.exceptions import FormatError
 from faying.interface.facets import area_vectors, gauss_rule
 from faying.model.assembly import Assembly, Equation, Spring, Support
 from faying.model.deck_bolt import CUT_STIFFNESS
@@ -37,7 +37,7 @@ class Section:
     elements : (n_element,)
         Ids of the solids that own these facets.
     refuse
-        Makes an error that names the place in the deck.
+        Raises the error that names the place in the deck.
     direction
         Normal where the deck gives one; by default the mean one of the facets.
     """
@@ -46,7 +46,7 @@ class Section:
     shown: str
     facets: Mapping[str, Indices]
     elements: Indices
-    refuse: Callable[[str], FormatError]
+    refuse: Callable[[str], NoReturn]
     direction: tuple[float, ...] | None = None
 
     @property
@@ -121,8 +121,7 @@ def cut_mesh(mesh: Mesh, section: Section) -> tuple[Mesh, Cut]:
         total += float(sizes.sum())
     area = float(np.linalg.norm(vector))
     if not area > 0:
-        message = f"{section.shown} has no area as a whole; a section is nearly flat"
-        raise section.refuse(message)
+        section.refuse(f"{section.shown} has no area as a whole; a section is nearly flat")
     normal, sense = _direction(section, vector / area)
     centre = moment / total
     changed = replace(
@@ -166,8 +165,7 @@ def _direction(section: Section, normal: Vector) -> tuple[Vector, float]:
     length = float(np.linalg.norm(direction))
     cosine = float(direction @ normal) / length if length > 0 else 0.0
     if not abs(cosine) > 0.5:
-        message = "the direction is zero or lies in the section; give the axis of the bolt"
-        raise section.refuse(message)
+        section.refuse("the direction is zero or lies in the section; give the axis of the bolt")
     sense = float(np.sign(cosine))
     return direction / length * sense, sense
 
@@ -188,18 +186,16 @@ def _owning_side(mesh: Mesh, section: Section) -> Indices:
     owners = np.unique(part[np.isin(elements, section.elements)])
     across = elements[np.setdiff1d(position[is_cut], np.flatnonzero(np.isin(part, owners)))]
     if not len(across) or np.intersect1d(part[np.isin(elements, across)], owners).size:
-        message = (
+        section.refuse(
             f"{section.shown} does not cut the solids it lies in from rim to rim; take "
             "all element faces of one cross-section of the shank, seen from one side"
         )
-        raise section.refuse(message)
     others = np.setdiff1d(np.arange(count), [*owners, *part[np.isin(elements, across)]])
     if others.size:
-        message = (
+        section.refuse(
             f"element {elements[part == others[0]][0]} touches {section.shown} only "
             "at an edge or a corner, so its side is not clear; place the section elsewhere"
         )
-        raise section.refuse(message)
     return elements[np.isin(part, owners)]
 
 

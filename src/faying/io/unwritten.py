@@ -1,6 +1,6 @@
 """What decks are not written of."""
 
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.model.assembly import Assembly
 
 
@@ -19,8 +19,7 @@ def refuse_unwritten(assembly: Assembly) -> None:
     }
     unwritten = [name for name, family in kinds.items() if family]
     if unwritten:
-        message = (
+        refuse(
             f"the assembly has {' and '.join(unwritten)}, which faying reads but does not write; "
             "export the reduced model instead, or write solids, beams, springs and couplings alone"
         )
-        raise FormatError(message)

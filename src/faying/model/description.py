@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.model.assembly import Assembly
 from faying.model.specs import BoltSpec, BoundarySpec, GapRule, InterfaceSpec
 
@@ -50,9 +50,8 @@ def check_surfaces(described: JointDescription, path: Path) -> None:
     """Refuse a deck in which nothing has a surface that could touch another."""
     assembly = described.assembly
     if not assembly.mesh.n_elements and not assembly.shells and assembly.matrices is None:
-        message = (
+        refuse(
             f"{path}: the deck has no solids, no shells and no matrices ({len(assembly.beams)} "
             f"beams, {len(assembly.mesh.nodes)} nodes), so nothing in it can touch; give the deck "
             "of the parts of the joint"
         )
-        raise FormatError(message)

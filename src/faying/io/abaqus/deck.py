@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from faying.exceptions import FormatError
+from faying.exceptions import FormatError, refuse
 from faying.io.abaqus.file_spans import Body, Span, TextFile, is_content
 from faying.io.abaqus.instances import instantiated
 from faying.io.abaqus.keyword import Keyword, keyword_name, without_blanks
@@ -37,11 +37,10 @@ def read_keywords(parts: Sequence[Span]) -> list[Keyword]:
     first = next(((n, begin) for n, p in enumerate(parts) for begin, _ in p.content()), None)
     if first is not None and (not heads or heads[0][:2] != first):
         file = parts[first[0]].file
-        message = (
+        refuse(
             f"{file.name}:{file.line(first[1])}: data before the first keyword; a deck starts with "
             "a line such as *HEADING or *NODE"
         )
-        raise FormatError(message)
     return [_keyword(parts, head, following) for head, following in zip_longest(heads, heads[1:])]
 
 
@@ -132,8 +131,7 @@ def _parameters(parts: list[str], where: Callable[[], str]) -> Iterator[tuple[st
             continue
         if not name or name in seen:
             problem = "has no name" if not name else "is given twice"
-            message = f"{where()}: the parameter '{part}' {problem}; correct the keyword line"
-            raise FormatError(message)
+            refuse(f"{where()}: the parameter '{part}' {problem}; correct the keyword line")
         seen.add(name)
         value = value.strip()
         if len(value) > 1 and value[0] == value[-1] and value[0] in "\"'":
@@ -186,8 +184,7 @@ class Deck:
         general = [number for number in range(1, self.n_step + 1) if number not in aside]
         chosen = step if step is not None else (general[-1] if general else self.n_step)
         if step is not None and not 1 <= step <= self.n_step:
-            message = f"{self.path}: there is no step {step}; the deck has {self.n_step}"
-            raise FormatError(message)
+            refuse(f"{self.path}: there is no step {step}; the deck has {self.n_step}")
         keywords = [
             k
             for k in self.keywords
@@ -214,8 +211,7 @@ def read_keyword_deck(path: Path, ignore: frozenset[str] = frozenset()) -> Deck:
     """Read a deck into keywords, whose data nobody has looked at."""
     keywords = instantiated(read_keywords(read_spans(path)))
     if not keywords:
-        message = f"{path}: the deck is empty; it needs *NODE, *ELEMENT, …"
-        raise FormatError(message)
+        refuse(f"{path}: the deck is empty; it needs *NODE, *ELEMENT, …")
     numbered, step, inside = [], 0, False
     for keyword in keywords:
         if keyword.name == "STEP":
@@ -292,6 +288,5 @@ def _file_name(line: bytes, origin: str) -> str:
     match = _INPUT.search(line)
     name = next((group for group in match.groups() if group), b"") if match else b""
     if not name.strip():
-        message = f"{origin}: *INCLUDE names no file; give INPUT=file"
-        raise FormatError(message)
+        refuse(f"{origin}: *INCLUDE names no file; give INPUT=file")
     return name.strip().decode("utf-8", "surrogateescape")

@@ -7,7 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
-from faying.exceptions import FormatError
+from faying.exceptions import FormatError, refuse
 from faying.files.contents import file_bytes
 from faying.io.matrix_labels import LabelledMatrix
 
@@ -35,12 +35,11 @@ def read_abaqus_matrix(path: Path, name: str) -> LabelledMatrix:
     dofs, positions = np.unique(np.vstack([first, second]), axis=0, return_inverse=True)
     wrong = np.flatnonzero((dofs[:, 1] > 6) | (dofs[:, 1] < 1) | (dofs[:, 0] < 1))
     if wrong.size:
-        message = (
+        refuse(
             f"matrix {name}: '{path}' has a row for node {dofs[wrong[0], 0]} component "
             f"{dofs[wrong[0], 1]}; expected nodes of the model and components 1 to 6 (no internal "
             "nodes, no temperatures)"
         )
-        raise FormatError(message)
     rows, columns = positions.ravel()[: len(table)], positions.ravel()[len(table) :]
     matrix = _symmetric(rows, columns, table[:, 4], len(dofs), path, name)
     fixed = matrix.diagonal() >= _HELD
@@ -62,8 +61,7 @@ def read_calculix_matrix(path: Path, name: str) -> LabelledMatrix:
     labels = path.with_suffix(".dof")
     dofs = _labels(labels) if labels.is_file() else None
     if dofs is not None and len(dofs) < size:
-        message = f"matrix {name}: '{path}' has {size} rows but '{labels}' names {len(dofs)}"
-        raise FormatError(message)
+        refuse(f"matrix {name}: '{path}' has {size} rows but '{labels}' names {len(dofs)}")
     size = size if dofs is None else len(dofs)
     return LabelledMatrix(
         matrix=_symmetric(rows, columns, table[:, 2], size, path, name), dofs=dofs
@@ -79,8 +77,7 @@ def _labels(path: Path) -> Indices:
             labels.append((int(match.group(1)), int(match.group(2))))
         elif line.strip():
             shown = line.decode("latin-1").strip()[:40]
-            message = f"{path}:{number}: found '{shown}', expected node.component (1 to 6)"
-            raise FormatError(message)
+            refuse(f"{path}:{number}: found '{shown}', expected node.component (1 to 6)")
     return np.array(labels, dtype=np.int64).reshape(-1, 2)
 
 
@@ -93,19 +90,17 @@ def _numbers(path: Path, name: str, widths: tuple[int, ...]) -> Matrix:
             text = line.lstrip()
             if text[:1] == b"*" and text[:2] != b"**":
                 shown = text.decode("latin-1")[:40]
-                message = (
+                refuse(
                     f"{path}:{number}: matrix {name}: found '{shown}'; expected a file written by "
                     "*MATRIX OUTPUT, which holds numbers only"
                 )
-                raise FormatError(message)
         data = b"\n".join(b"" if line.lstrip()[:2] == b"**" else line for line in lines)
     if not _ALLOWED.fullmatch(data):
         raise _unreadable_row(path, name, data, widths)
     plain = data.translate(bytes.maketrans(b",Dd", b" EE"))
     texts = plain.split()
     if not texts:
-        message = f"matrix {name}: '{path}' holds no numbers; write it again"
-        raise FormatError(message)
+        refuse(f"matrix {name}: '{path}' holds no numbers; write it again")
     width = len(plain.lstrip().split(b"\n", 1)[0].split())
     # Fields per line: a field starts where a blank is followed by another character.
     letters = np.frombuffer(b"\n" + plain, dtype=np.uint8)
@@ -148,11 +143,10 @@ def _whole(column: Vector, path: Path, name: str) -> Indices:
     # Doubles hold whole numbers up to 2⁵³ exactly.
     wrong = np.flatnonzero((column != np.floor(column)) | (np.abs(column) >= 2.0**53))
     if wrong.size:
-        message = (
+        refuse(
             f"matrix {name}: '{path}', entry {wrong[0] + 1}: {column[wrong[0]]:g} is no row, node "
             "or component; expected whole numbers"
         )
-        raise FormatError(message)
     return column.astype(np.int64)
 
 
@@ -163,13 +157,11 @@ def _symmetric(
     bad = np.flatnonzero((rows < 0) | (columns < 0))
     if bad.size or size > 10 * len(values) + 10:
         entry = int(bad[0]) + 1 if bad.size else int(np.maximum(rows, columns).argmax()) + 1
-        message = f"matrix {name}: '{path}', entry {entry}: its row or column is out of range"
-        raise FormatError(message)
+        refuse(f"matrix {name}: '{path}', entry {entry}: its row or column is out of range")
     keys, counts = np.unique(rows * np.int64(size) + columns, return_counts=True)
     if counts.max(initial=1) > 1:
         row, column = divmod(int(keys[counts > 1][0]), size)
-        message = f"matrix {name}: '{path}' gives entry ({row + 1}, {column + 1}) twice"
-        raise FormatError(message)
+        refuse(f"matrix {name}: '{path}' gives entry ({row + 1}, {column + 1}) twice")
     matrix = sp.csr_array((values, (rows, columns)), shape=(size, size))
     upper, lower = sp.triu(matrix, 1, format="csr"), sp.tril(matrix, -1, format="csr")
     if upper.nnz and lower.nnz:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import integers, padded, reals, table
 from faying.io.abaqus.keyword import Keyword, T
@@ -55,8 +55,7 @@ def read_nodes(deck: Deck) -> Nodes:
         coordinates.append(points)
         rows.append(lines)
     if not ids or not sum(map(len, ids)):
-        message = f"{deck.path}: the deck has no nodes; it needs *NODE with data lines"
-        raise FormatError(message)
+        refuse(f"{deck.path}: the deck has no nodes; it needs *NODE with data lines")
     all_ids, points = np.concatenate(ids), np.concatenate(coordinates)
     order = np.argsort(all_ids, kind="stable")
     again = np.flatnonzero(np.diff(all_ids[order]) == 0)
@@ -252,8 +251,7 @@ def read_elements(deck: Deck, nodes: Nodes) -> Elements:
     result = Elements(solids=tuple(solids), others=others)
     _check_distinct(result.blocks)
     if not result.blocks:
-        message = f"{deck.path}: the deck has no elements; it needs *ELEMENT with data lines"
-        raise FormatError(message)
+        refuse(f"{deck.path}: the deck has no elements; it needs *ELEMENT with data lines")
     return result
 
 

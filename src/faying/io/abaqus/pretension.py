@@ -56,7 +56,7 @@ class Section:
             shown=f"surface '{surface.name}'",
             facets=surface.facets,
             elements=surface.elements,
-            refuse=self.keyword.error,
+            refuse=self.keyword.refuse,
             direction=self.direction,
         )
 

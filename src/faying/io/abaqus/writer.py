@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from faying._typing import Indices
-from faying.exceptions import FormatError
+from faying.exceptions import FormatError, refuse
 from faying.files.atomic import replacing
 from faying.io.abaqus.written_nodes import (
     Term,
@@ -72,11 +72,10 @@ def write_deck(
     assembly = description.assembly
     refuse_unwritten(assembly)
     if assembly.matrices is not None:
-        message = (
+        refuse(
             "the assembly holds matrices from another program, which an input deck cannot "
             "express; export the reduced model instead"
         )
-        raise FormatError(message)
     cases = assembly.loads if loads is None else loads
     lines = _lines(description, cases, modes, title or assembly.name)
     path = Path(path)
@@ -129,24 +128,21 @@ def _tightened(description: JointDescription) -> dict[str, int]:
     """Return the beam of each bolt that has a preload."""
     if description.initial_forces:
         name = next(iter(description.initial_forces))
-        message = (
+        refuse(
             f"bolt '{name}' is locked at an initial force; only final ones are written, give its "
             "preload in their place"
         )
-        raise FormatError(message)
     beams = {}
     beam_ids = {beam.id for beam in description.assembly.beams}
     for bolt in description.bolts:
         if bolt.name in description.preloads:
             element = bolt_axis_element(description.assembly, bolt)
             if element.id not in beam_ids:
-                message = f"bolt '{bolt.name}' is a spring; only beams can be written as bolts"
-                raise FormatError(message)
+                refuse(f"bolt '{bolt.name}' is a spring; only beams can be written as bolts")
             beams[bolt.name] = element.id
     missing = [name for name in description.preloads if name not in beams]
     if missing:
-        message = f"there is no bolt '{missing[0]}' to preload; add it to the description's bolts"
-        raise FormatError(message)
+        refuse(f"there is no bolt '{missing[0]}' to preload; add it to the description's bolts")
     return beams
 
 
@@ -181,11 +177,10 @@ def _solids(assembly: Assembly) -> Iterator[str]:
 def _type(block: CellBlock, assembly: Assembly) -> str:
     names = block_element(block, assembly.element).elsewhere.abaqus
     if not names:
-        message = (
+        refuse(
             f"element {block.ids[0]} is a {block.kind}, which CalculiX has not; write a Nastran "
             "deck, or mesh with tetrahedra, wedges or bricks"
         )
-        raise FormatError(message)
     return next(iter(names))
 
 
@@ -223,8 +218,7 @@ def _materials(assembly: Assembly) -> Iterator[str]:
     names = {}
     for number in dict.fromkeys(used):
         if number not in assembly.materials:
-            message = f"property {number} has no material; add it to Assembly.materials"
-            raise FormatError(message)
+            refuse(f"property {number} has no material; add it to Assembly.materials")
         material = assembly.materials[number]
         if material not in names:
             names[material] = _label(material.name or f"MATERIAL{number}", labels)
@@ -284,11 +278,10 @@ def _cut(number: int, beam: WrittenBeam, nodes: tuple[int, int]) -> Iterator[str
 def _masses(assembly: Assembly) -> Iterator[tuple[int, float]]:
     for point in assembly.masses:
         if any(value != 0 for row in (*point.inertia, point.offset) for value in row):
-            message = (
+            refuse(
                 f"point mass {point.id} has inertia or an offset, which *MASS cannot say; leave it "
                 "out"
             )
-            raise FormatError(message)
         yield point.node, point.mass
     for beam in assembly.beams:
         length = np.linalg.norm(np.diff(assembly.mesh.nodes[list(beam.nodes)], axis=0))

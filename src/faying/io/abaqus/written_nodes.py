@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Mask, Vector
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.model.assembly import Assembly
 from faying.model.couplings.average import average_rows
 from faying.model.couplings.equation import equation_rows
@@ -49,11 +49,10 @@ class WrittenNodes:
         if component < 3:
             return int(self.ids[node]), component + 1
         if not self.rotations[node]:
-            message = (
+            refuse(
                 f"node {self.ids[node]} has no rotations, but a load or spring acts on one; "
                 "move it to a node that a coupling or beam holds"
             )
-            raise FormatError(message)
         return int(self.rotations[node]), component - 2
 
 

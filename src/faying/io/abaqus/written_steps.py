@@ -13,7 +13,7 @@ import numpy as np
 from faying._typing import Indices, Vector
 from faying.contact.laws import Coulomb, normal_law
 from faying.digits import SOLVED
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.interface.friction import with_friction
 from faying.interface.interface import FacePairs
 from faying.interface.pairing import find_interfaces
@@ -109,11 +109,10 @@ def written_beam(
 def _along(beam: Beam, frame: np.typing.NDArray[np.float64]) -> int:
     """Return the coordinate axis a beam and its section lie along."""
     if (np.abs(frame).max(axis=1) < 1 - SOLVED).any():
-        message = (
+        refuse(
             f"beam {beam.id} or its section is not along coordinate axes, along which springs of "
             "an input deck act; turn the model, or export matrices instead"
         )
-        raise FormatError(message)
     return int(np.abs(frame[0]).argmax())
 
 
@@ -153,8 +152,7 @@ def contact_lines(description: JointDescription) -> Iterator[str]:
     number = 0
     for spec in description.interfaces:
         if spec.meshes != "matching":
-            message = f"interface '{spec.name}' is {spec.meshes}; only matching ones are written"
-            raise FormatError(message)
+            refuse(f"interface '{spec.name}' is {spec.meshes}; only matching ones are written")
         for name, faces in find_interfaces(description.assembly, spec).items():
             number += 1
             for side in ("minus", "plus"):
@@ -176,11 +174,10 @@ def _clearance(description: JointDescription, name: str) -> float | None:
     if rule is None:
         return description.initial_gaps.get(name) or None
     if rule.value is None:
-        message = (
+        refuse(
             f"interface '{name}' starts with gaps of its mesh closed (ADJUST, INIPENE), which is "
             "not written; move its nodes together"
         )
-        raise FormatError(message)
     return rule.value
 
 
@@ -192,11 +189,10 @@ def _behaviour(
     spec: InterfaceSpec, assembly: Assembly, faces: tuple[FacePairs, ...]
 ) -> Iterator[str]:
     if spec.closure is not None:
-        message = (
+        refuse(
             f"interface '{spec.name}' has closure '{spec.closure.name}', which is not written; "
             "give it a penalty"
         )
-        raise FormatError(message)
     if spec.penalty == "hard":
         yield "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=HARD"
         slope = np.inf

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from faying._typing import Indices, Vector
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.io.nastran.cards import Card, by_id, id_list
 from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.grids import BulkData, Grids
@@ -278,10 +278,7 @@ def _forces(bulk: BulkData, names: dict[int, str]) -> dict[int, float]:
     }
     both = set(sets) & set(combined)
     if both:
-        message = (
-            f"{bulk.cards['BOLTLD'].where(0)}: set {min(both)} is also a BOLTFOR; renumber one"
-        )
-        raise FormatError(message)
+        refuse(f"{bulk.cards['BOLTLD'].where(0)}: set {min(both)} is also a BOLTFOR; renumber one")
     available = {**sets, **combined}
     if bulk.control.bolts is None and not bulk.control.present and len(available) == 1:
         return next(iter(available.values()))

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.io.deck_lines import Lines
 from faying.io.line_texts import joined
 from faying.io.nastran.cards import Bulk, Card, Cards
@@ -115,11 +115,10 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
     level, of_subcase, steps = common, common, 0
     for i, name, option, value in _statements(lines, start + 1):
         if name in _MATRICES and start >= 0:
-            message = (
+            refuse(
                 f"{lines.where(i)}: {name} adds matrices to the structure, which is not supported; "
                 "remove it, or give all matrices by faying.from_matrices"
             )
-            raise FormatError(message)
         if name == "SUBCASE" or name in _COMBINATIONS:
             number = _number(lines, i, name, value, "an id")
             level, steps = _Level(where=lines.where(i)), 0
@@ -127,11 +126,10 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
             if name in _COMBINATIONS:
                 combinations[number] = name
             elif number in subcases:
-                message = (
+                refuse(
                     f"{lines.where(i)}: SUBCASE {number} is already at {subcases[number].where}; "
                     "renumber one"
                 )
-                raise FormatError(message)
             else:
                 subcases[number] = level
         elif name == "STEP":
@@ -188,8 +186,7 @@ def _statements(lines: Lines, first: int) -> Iterator[tuple[int, str, str, str]]
 
 def _number(lines: Lines, i: int, name: str, value: str, expected: str) -> int:
     if not re.fullmatch(r"\d{1,18}", value):
-        message = f"{lines.where(i)}: {name} = '{value}'; expected {expected}"
-        raise FormatError(message)
+        refuse(f"{lines.where(i)}: {name} = '{value}'; expected {expected}")
     return int(value)
 
 
@@ -203,12 +200,11 @@ def _subcase(
     if subcase is not None and subcase not in subcases:
         numbers = ", ".join(map(str, subcases)) or "none"
         kind = combinations.get(subcase)
-        message = (
+        refuse(
             f"subcase {subcase} is a {kind}, a combination of others; choose one of {numbers}"
             if kind
             else f"case control has no subcase {subcase}; subcases are {numbers}"
         )
-        raise FormatError(message)
     if combinations:
         listed = ", ".join(f"{kind} {number}" for number, kind in combinations.items())
         ignored.append(f"case control combinations ({listed})")

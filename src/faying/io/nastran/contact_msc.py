@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from faying._typing import Indices
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.io.nastran.cards import Card, Cards, by_id, id_list
 from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.contact_pairs import Pair, region_of, rows
@@ -107,18 +107,16 @@ def friction_of_all_bodies(
     named = [region.elements for region in all_regions if region.elements is not None]
     left = np.setdiff1d(elements, np.concatenate([elements[:0], *named]))
     if left.size:
-        message = (
+        refuse(
             f"case control asks for BCONTACT = ALLBODY, but element {left[0]} belongs to no "
             "contact body; add it to a BCPROP or BSURF, or name the pairs by BCTABL1 and BCONECT"
         )
-        raise FormatError(message)
     friction = {_body_friction(bulk.cards, card, ignored) for card in bodies.values()} or {0.0}
     if len(friction) > 1:
-        message = (
+        refuse(
             "case control asks for BCONTACT = ALLBODY, but the bodies have different coefficients "
             "of friction; name the pairs by BCTABL1 and BCONECT with a BCONPRP of each"
         )
-        raise FormatError(message)
     coefficient = 0.0 if slides else friction.pop()
     if coefficient > 0:
         note_friction(ignored)
@@ -135,11 +133,10 @@ def _selected_groups(
     chosen = control.bcontact
     numbers = [*tables, *(lists or pairs)]
     if chosen == "AUTO":
-        message = (
+        refuse(
             "case control asks for BCONTACT = AUTO; name the pairs by BCTABL1 and BCONECT, or take "
             'it out and let the study find them (minus = plus = "auto")'
         )
-        raise FormatError(message)
     if chosen == "ALLBODY":
         return []
     if chosen in ("NONE", 0):

@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Matrix, Vector
 from faying.digits import DECK_DIGITS
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.interface.gap_pairing import declared
 from faying.io.nastran.cards import Card
 from faying.io.nastran.contact_parameters import Parameters, note_friction
@@ -68,17 +68,15 @@ def check_distinct(pairs: list[Pair]) -> None:
     for pair in pairs:
         key = frozenset((pair.minus.name, pair.plus.name))
         if len(key) == 1:
-            message = (
+            refuse(
                 f"{pair.where}: region {pair.minus.name} is in contact with itself, which is not "
                 "supported; give each side its own region"
             )
-            raise FormatError(message)
         if key in seen:
-            message = (
+            refuse(
                 f"{pair.where}: contact or glue between {pair.minus.name} and {pair.plus.name} is "
                 f"already defined at {seen[key].where} and would count twice; remove one"
             )
-            raise FormatError(message)
         seen[key] = pair
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Matrix
-from faying.exceptions import FormatError
+from faying.exceptions import FormatError, refuse
 from faying.io.nastran.cards import Card, Cards, id_list
 from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.coordinates import Systems, missing_system, read_frames
@@ -87,8 +87,7 @@ def read_grids(cards: Mapping[str, Cards]) -> Grids:
     """Read nodes and coordinate systems."""
     grid = cards.get("GRID")
     if grid is None:
-        message = "the deck has no GRID; is it Nastran bulk data?"
-        raise FormatError(message)
+        refuse("the deck has no GRID; is it Nastran bulk data?")
     position, displacement, support = _defaults(cards)
     ids = grid.integers(0)
     order = np.argsort(ids, kind="stable")

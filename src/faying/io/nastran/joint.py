@@ -7,7 +7,7 @@ from os import PathLike
 import numpy as np
 
 from faying._typing import Indices
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.io.deck_lines import naming
 from faying.io.left_out import IGNORABLE, checked_ignore
 from faying.io.nastran.bolts import cut_bolts, read_bolts
@@ -90,11 +90,10 @@ def _described(deck: Deck) -> JointDescription:
     ids = deck.assembly.mesh.element_ids
     everything = friction_of_all_bodies(deck, regions, ids, notes)
     if everything is not None and cuts:
-        message = (
+        refuse(
             "BCONTACT of all bodies and bolts of solids: the sides of their cuts would touch too; "
             "name the pairs (BCTABL1, BCONECT)"
         )
-        raise FormatError(message)
     assembly = close_cuts(_with_regions(deck, regions, pairs), cuts)
     springs = assembly.springs[len(assembly.springs) - len(cuts) :]
     closing = {number: item.id for number, item in zip(cut.cuts, springs, strict=True)}

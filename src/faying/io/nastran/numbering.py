@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.model.assembly import Assembly, BeamSection, Material
 
 LARGEST_ID = 99_999_999
@@ -62,10 +62,7 @@ def number_assembly(assembly: Assembly) -> Numbering:
 
 def _fits(number: int, what: str) -> int:
     if number > LARGEST_ID:
-        message = (
-            f"{what} {number} does not fit a Nastran field; renumber it below {LARGEST_ID + 1}"
-        )
-        raise FormatError(message)
+        refuse(f"{what} {number} does not fit a Nastran field; renumber it below {LARGEST_ID + 1}")
     return number
 
 
@@ -141,8 +138,7 @@ def _elements(assembly: Assembly) -> dict[tuple[str, int], int]:
     for family, ids in families:
         if len(set(ids)) < len(ids):
             twice = next(n for n in ids if ids.count(n) > 1)
-            message = f"{family} id {twice} occurs twice; give each its own id"
-            raise FormatError(message)
+            refuse(f"{family} id {twice} occurs twice; give each its own id")
         for number in ids:
             new = number
             if number <= 0 or number in used:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from faying._typing import Indices
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.io.left_out import Occurrence
 from faying.io.nastran.beams import BeamEnds, read_beams, read_rods, read_warping
 from faying.io.nastran.bushes import read_bends, read_bushes
@@ -141,8 +141,7 @@ def read_parts(
             cards=cards, control=control, grids=grids, mass_factor=factor, ignored=ignored
         )
         if not np.isfinite(grids.nodes).all():
-            message = f"{path}: coordinates are too large for a number; check the units"
-            raise FormatError(message)
+            refuse(f"{path}: coordinates are too large for a number; check the units")
         materials, factors = read_materials(bulk)
         directed = read_anisotropic(bulk, materials_of_solids(cards), materials)
         straight = StraightSides(places=grids.nodes, ids=grids.ids)

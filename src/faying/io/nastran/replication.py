@@ -8,7 +8,7 @@ from decimal import Decimal
 import numpy as np
 
 from faying._typing import Indices
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.io.deck_lines import Lines
 from faying.io.line_texts import LineTexts, joined
 from faying.io.nastran import fields as numbers
@@ -48,8 +48,7 @@ def replicated(text: LineTexts, origin: Indices, lines: Lines) -> tuple[LineText
         if previous is not None:
             above = _card(text, previous, where)
         if above is None:
-            message = f"{where}: a line of '=' without a card above it; write the card out"
-            raise FormatError(message)
+            refuse(f"{where}: a line of '=' without a card above it; write the card out")
         _check_one_line(text, i, where)
         cards, above = _repeated(_split(text[i]), above, where)
         parts += [text[done:i], cards]
@@ -79,35 +78,31 @@ def _continues(line: bytes) -> bool:
 
 def _card(text: LineTexts, i: int, where: str) -> _Above:
     if _continues(text[i]) or b"*" in text[i].partition(b",")[0][:8]:
-        message = (
+        refuse(
             f"{where}: the card above has several lines or fields of sixteen columns, which is not "
             "repeated; write the card out"
         )
-        raise FormatError(message)
     return _Above(fields=_split(text[i]), steps={})
 
 
 def _check_one_line(text: LineTexts, i: int, where: str) -> None:
     following = next((line for line in text[i + 1 :] if line.strip()), b"")
     if _continues(following):
-        message = f"{where}: a repeated card with a second line is not supported; write it out"
-        raise FormatError(message)
+        refuse(f"{where}: a repeated card with a second line is not supported; write it out")
 
 
 def _repeated(row: list[bytes], above: _Above, where: str) -> tuple[list[bytes], _Above]:
     """Cards that a line makes, and the last of them."""
     times = _TIMES.fullmatch(row[0])
     if times is None and row[0] not in (b"=", b"=="):
-        message = f"{where}: '{_shown(row[0])}' is no name of a card; = repeats one, =n n times"
-        raise FormatError(message)
+        refuse(f"{where}: '{_shown(row[0])}' is no name of a card; = repeats one, =n n times")
     if times is None:
         fields, steps = _derived(row, above, where)
         return [b",".join(fields)], _Above(fields=fields, steps=steps)
     count = int(times[1] or times[2])
     if not above.steps or count > _MOST_CARDS:
         wrong = f"it may up to {_MOST_CARDS} times" if above.steps else "there is none above"
-        message = f"{where}: '{_shown(row[0])}' repeats a line that adds to a field (*d); {wrong}"
-        raise FormatError(message)
+        refuse(f"{where}: '{_shown(row[0])}' repeats a line that adds to a field (*d); {wrong}")
     cards = []
     fields = above.fields
     for _ in range(count):
@@ -132,10 +127,7 @@ def _derived(row: list[bytes], above: _Above, where: str) -> tuple[list[bytes], 
             steps[k] = _decimal(match[1] or match[2], where)
             fields.append(_sum(above.fields[k], steps[k], where))
         elif row[k][:1] == b"*":
-            message = (
-                f"{where}: '{_shown(row[k])}' is nothing to add to a field; write the card out"
-            )
-            raise FormatError(message)
+            refuse(f"{where}: '{_shown(row[k])}' is nothing to add to a field; write the card out")
         else:
             fields.append(row[k])
     return fields, steps
@@ -152,8 +144,7 @@ def _decimal(field: bytes, where: str) -> Decimal:
     text = field.decode("latin-1").strip()
     value = numbers.real(text)
     if value is None:
-        message = f"{where}: '{text}' is no number to count on; write the card out"
-        raise FormatError(message)
+        refuse(f"{where}: '{text}' is no number to count on; write the card out")
     return Decimal(repr(value))
 
 

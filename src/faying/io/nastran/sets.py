@@ -5,7 +5,7 @@ from collections.abc import Collection, Mapping
 import numpy as np
 
 from faying._typing import Indices
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.io.nastran.cards import Card, id_list
 from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.grids import BulkData
@@ -82,11 +82,10 @@ def selected_sets(bulk: BulkData, kind: str, members: set[int]) -> set[int]:
         bulk.ignored.append(f"case control selects MPC = {chosen}, of which the deck has none")
         return set()
     if chosen not in members and chosen not in combined:
-        message = (
+        refuse(
             f"case control selects {kind} = {chosen}, but the bulk data have no such set; "
             f"sets are {', '.join(map(str, sorted(members | set(combined)))) or 'none'}"
         )
-        raise FormatError(message)
     return ({chosen} | set(combined.get(chosen, []))) & members
 
 
@@ -99,8 +98,7 @@ def chosen_sets(
     """
     shown = ", ".join(map(str, sets)) or "none"
     if chosen is not None and chosen not in sets:
-        message = f"case control selects {word} = {chosen}, but the {what} are {shown}"
-        raise FormatError(message)
+        refuse(f"case control selects {word} = {chosen}, but the {what} are {shown}")
     if chosen is not None or not control.present:
         return [*sets] if chosen is None else [chosen], ""
     return [], f"{what} {shown} (case control selects none by {word})" if sets else ""

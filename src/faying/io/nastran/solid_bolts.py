@@ -152,6 +152,6 @@ def _section(number: int, card: Card, below: _Faces, across: Mask, axis: Vector 
             for kind, rows in rows_by_kind(owned.nodes).items()
         },
         elements=np.unique(owned.ids),
-        refuse=card.error,
+        refuse=card.refuse,
         direction=None if axis is None else tuple(axis.tolist()),
     )

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.exceptions import FormatError
+from faying.exceptions import FormatError, refuse
 from faying.io.moved_supports import Place, moved_note, with_moved_supports
 from faying.io.nastran.cards import Cards, id_list
 from faying.io.nastran.fields import components
@@ -137,11 +137,10 @@ def read_moved(bulk: BulkData, by_support: Sequence[Displacement], fixed: Mask) 
     always: dict[Place, float] = {}
     for move in by_support:
         if always.setdefault(move.dof, move.value) != move.value:
-            text = (
+            refuse(
                 f"{move.where}: GRID {bulk.grids.ids[move.dof[0]]} is moved along component "
                 f"{move.dof[1] + 1} by another SPC too; remove one"
             )
-            raise FormatError(text)
     by_load: dict[int, dict[Place, float]] = {}
     unread: dict[int, str] = {}
     for move in displacements(bulk, bulk.cards["SPCD"]) if "SPCD" in bulk.cards else ():
@@ -187,8 +186,7 @@ def with_moving(bulk: BulkData, assembly: Assembly, moved: Moved) -> tuple[Assem
     }
     assembly, forces = with_moved_supports(assembly, courses, len(numbers) + 1, axes)
     if not np.isfinite(forces).all():
-        message = "SPC or SPCD: a displacement is too large for a number; check the units"
-        raise FormatError(message)
+        refuse("SPC or SPCD: a displacement is too large for a number; check the units")
     every = [*moved.by_load.values()]
     always = f"the selected load set, or load '{ALWAYS}' without one that is read,"
     for moving, cause, loads in (([moved.always], "SPC", always), (every, "SPCD", "load sets")):

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from faying._typing import Indices, Mask
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.io.deck_lines import DeckFiles, Lines
 from faying.io.line_texts import LineTexts, joined, split_lines
 from faying.io.nastran import fields as numbers
@@ -63,14 +63,12 @@ def _sections(lines: Lines, path: Path) -> Source:
             match = _BEGIN.match(lines.text[i])
             argument = match.group(1).partition(b"$")[0].strip() if match else b""
             if argument or i != begins[0]:
-                message = (
+                refuse(
                     f"{lines.where(i)}: '{_shown(lines.text[i])}' starts another bulk data "
                     "section; superelement decks are not supported, merge them into one section"
                 )
-                raise FormatError(message)
     elif any(_CONTROL.match(text) for text in lines.text[:2000]):
-        message = f"{path}: executive or case control but no BEGIN BULK line; add it"
-        raise FormatError(message)
+        refuse(f"{path}: executive or case control but no BEGIN BULK line; add it")
     ends = _matching(lines.text, b"ENDDATA", _END)
     end = next((i for i in ends if i >= begin), len(lines.text))
     return Source(control=lines[: max(begin - 1, 0)], bulk=lines[begin:end])
@@ -136,15 +134,13 @@ def _file_name(lines: LineTexts, line: int, start: int, origin: str) -> tuple[st
         text = text.rstrip() + lines[line].strip()
     name, closing, _ = text.partition(quote)
     if not closing:
-        message = f"{origin}: the quoted file name of INCLUDE does not end; close the quote"
-        raise FormatError(message)
+        refuse(f"{origin}: the quoted file name of INCLUDE does not end; close the quote")
     return _decoded(name.strip(), origin), line + 1
 
 
 def _decoded(name: bytes, origin: str) -> str:
     if not name:
-        message = f"{origin}: INCLUDE names no file; give one in quotes"
-        raise FormatError(message)
+        refuse(f"{origin}: INCLUDE names no file; give one in quotes")
     return name.decode("utf-8", "surrogateescape")
 
 
@@ -189,10 +185,7 @@ def read_cards(lines: Lines) -> Bulk:
     first = head[:, 0]
     continued = (first == _PLUS) | (first == _STAR) | (_words(head)[:, 0] == _BLANKS)
     if len(source_lines) and continued[0]:
-        message = (
-            f"{lines.where(int(source_lines[0]))}: a continuation line without a card above it"
-        )
-        raise FormatError(message)
+        refuse(f"{lines.where(int(source_lines[0]))}: a continuation line without a card above it")
     _check_markers(letters, continued, free, source_lines, lines)
     _check_straddling(letters, continued, free, source_lines, lines)
     large = (head == _STAR).any(axis=1)
@@ -228,8 +221,7 @@ def _without_tab(line: bytes, lines: Lines, i: int) -> bytes:
     if b"," in line:
         return line.replace(b"\t", b" ")
     if b"*" in line[:8]:
-        message = f"{lines.where(i)}: tabs in a large-field line; replace them by blanks"
-        raise FormatError(message)
+        refuse(f"{lines.where(i)}: tabs in a large-field line; replace them by blanks")
     return line.expandtabs(8)
 
 
@@ -240,19 +232,17 @@ def _split_free(line: bytes, lines: Lines, i: int) -> list[bytes]:
         parts[:1] = match.groups()
     if len(parts[0]) > 8 or b" " in parts[0]:
         shown = parts[0][:24].decode("latin-1")
-        message = (
+        refuse(
             f"{lines.where(i)}: a comma behind '{shown}' in a line of fixed fields; write points "
             "for decimal commas, or separate all fields by commas"
         )
-        raise FormatError(message)
     size = 4 if b"*" in parts[0] else 8
     extra = [part for part in parts[size + 1 :] if part]
     if len(extra) > 1 or (extra and (parts[size + 1] == b"" or extra[0][:1] not in b"+*")):
-        message = (
+        refuse(
             f"{lines.where(i)}: a free-field line with more than {size} data fields; "
             "continue it on a line that starts with a comma"
         )
-        raise FormatError(message)
     return (parts[: size + 1] + [b""] * size)[: size + 1]
 
 
@@ -272,11 +262,10 @@ def _check_markers(
     wrong = below[(mark != b"") & (expected != b"") & (mark != expected) & ~named]
     if wrong.size:
         i = int(source_lines[wrong[0]])
-        message = (
+        refuse(
             f"{lines.where(i)}: this continuation does not belong to the line above (its mark "
             "differs); put continuation lines directly below their card"
         )
-        raise FormatError(message)
 
 
 def _behind_first(marks: Fields) -> Fields:
@@ -302,11 +291,10 @@ def _check_straddling(
         )
         if below != mark:
             shown = letters[i, _DATA - 8 :].tobytes().decode("latin-1").strip()
-            message = (
+            refuse(
                 f"{lines.where(int(source_lines[i]))}: '{shown}' runs over column {_DATA}, where "
                 "the data fields end; are fields shifted?"
             )
-            raise FormatError(message)
 
 
 def _padding(large: Mask, continued: Mask) -> Indices:

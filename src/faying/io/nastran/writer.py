@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from faying._typing import Indices, Matrix
-from faying.exceptions import FormatError
+from faying.exceptions import FormatError, refuse
 from faying.files.atomic import replacing
 from faying.io.nastran.fields import Value, digits_of, format_real, frame_independent, large, small
 from faying.io.nastran.numbering import LARGEST_ID, Numbering, number_assembly
@@ -69,18 +69,15 @@ def write_deck(
 def _deck(assembly: Assembly, title: str, loads: str | None, modes: int | None) -> list[str]:
     refuse_unwritten(assembly)
     if assembly.matrices is not None:
-        message = (
+        refuse(
             "the assembly holds matrices from another program, which bulk data cannot express; "
             "export the reduced model instead (faying export --to nastran)"
         )
-        raise FormatError(message)
     if loads is not None and loads not in assembly.loads:
         names = ", ".join(assembly.loads) or "none"
-        message = f"the assembly has no load set '{loads}'; load sets are {names}"
-        raise FormatError(message)
+        refuse(f"the assembly has no load set '{loads}'; load sets are {names}")
     if modes is not None and modes < 1:
-        message = f"{modes} modes are asked for; ask for one or more, or leave modes out"
-        raise FormatError(message)
+        refuse(f"{modes} modes are asked for; ask for one or more, or leave modes out")
     numbering = number_assembly(assembly)
     selected = loads if loads is not None else next(iter(assembly.loads), None)
     control = [f"TITLE = {' '.join(title.split())[:60]}"]
@@ -117,8 +114,7 @@ def _turned(support: Support) -> bool:
 def _grids(assembly: Assembly) -> Iterator[str]:
     ids = assembly.mesh.node_ids
     if len(ids) and not 0 < ids.min() <= ids.max() <= LARGEST_ID:
-        message = f"node ids must lie between 1 and {LARGEST_ID}; found {ids.min()} to {ids.max()}"
-        raise FormatError(message)
+        refuse(f"node ids must lie between 1 and {LARGEST_ID}; found {ids.min()} to {ids.max()}")
     system = np.zeros(len(ids), dtype=np.int64)
     number = 0
     for support in assembly.supports:
@@ -127,8 +123,7 @@ def _grids(assembly: Assembly) -> Iterator[str]:
             yield from _system(number, support.axes)
             if system[support.nodes].any():
                 node = ids[support.nodes[system[support.nodes] != 0][0]]
-                message = f"node {node} has supports along several axes; Nastran allows one set"
-                raise FormatError(message)
+                refuse(f"node {node} has supports along several axes; Nastran allows one set")
             system[support.nodes] = number
     _check_turned(assembly, np.flatnonzero(system))
     # Coordinates of structured meshes repeat; each distinct value is formatted once.
@@ -165,11 +160,10 @@ def _check_turned(assembly: Assembly, nodes: Indices) -> None:
         )
     both = used & set(nodes.tolist())
     if both:
-        message = (
+        refuse(
             f"node {assembly.mesh.node_ids[min(both)]} is supported along turned axes and also "
             "enters springs, equations or supports along basic ones; Nastran allows one set"
         )
-        raise FormatError(message)
 
 
 def _properties(assembly: Assembly, numbering: Numbering) -> Iterator[str]:
@@ -184,8 +178,7 @@ def _properties(assembly: Assembly, numbering: Numbering) -> Iterator[str]:
             kinds.setdefault(number, set()).add(block.kind)
     for number, kinds_of_property in kinds.items():
         if number not in assembly.materials:
-            message = f"property {number} has no material; add it to Assembly.materials"
-            raise FormatError(message)
+            refuse(f"property {number} has no material; add it to Assembly.materials")
         network, scheme = _scheme(kinds_of_property, assembly.element)
         made_of = numbering.materials[assembly.materials[number]]
         yield small("PSOLID", [number, made_of, None, network, None, scheme])
@@ -213,11 +206,10 @@ def _scheme(kinds: set[str], element: str) -> tuple[str | None, str | None]:
 def _block(block: CellBlock, assembly: Assembly, numbering: Numbering) -> Iterator[str]:
     formulation = block.formulation or (assembly.element if block.kind == "hex8" else "")
     if block.formulation or formulation.startswith("reduced"):
-        message = (
+        refuse(
             f"element {block.ids[0]} is a {formulation} {block.kind}, which Nastran has not, "
             "or not beside others; give the model one formulation, or write a CalculiX deck"
         )
-        raise FormatError(message)
     name = SOLIDS[block.kind].elsewhere.nastran
     ids = [numbering.element("cell", number) for number in block.ids.tolist()]
     nodes = assembly.mesh.node_ids[block.nodes].tolist()
