@@ -227,9 +227,9 @@ def test_hard_contact_that_a_basis_cannot_close_names_the_basis():
     compliance = contact.relative_operator @ contact.relative_operator.T
     condensed = CondensedContact(contact=contact, compliance=compliance)
     with pytest.raises(ConvergenceError, match=r"hard at 2 points, but the model has 1 degrees"):
-        condensed.solve(condensed.free_gap(np.zeros(2)))
+        condensed.increments.solve(np.zeros(2), contact.offset())
     soft = CondensedContact(
         contact=replace(contact, laws={"joint": Penalty(1.0)}), compliance=compliance
     )
-    found, _ = soft.solve(soft.free_gap(np.zeros(2)))
-    np.testing.assert_allclose(found.forces, [1.0, 1.0], rtol=1e-12)
+    found = soft.increments.solve(np.zeros(2), contact.offset())
+    np.testing.assert_allclose(found.forces[0], [1.0, 1.0], rtol=1e-12)

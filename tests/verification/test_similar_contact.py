@@ -50,7 +50,7 @@ def test_a_drifting_contact_is_that_solved_anew(sizes):
     assert isinstance(solver, YieldingContact)
     for free in drifting(rng, 20):
         state = solver.solve(free, condensed.contact.offset(), state)
-        anew = solve_complementarity(points, condensed.free_gap(free))
+        anew = solve_complementarity(points, condensed.contact.free_gap(free))
         # Round-off times stiffness over structure, 1e4.
         small = 1e-10 * max(anew.forces.max(), 1.0)
         np.testing.assert_allclose(state.forces[0], anew.forces, rtol=0, atol=small)

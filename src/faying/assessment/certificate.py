@@ -216,7 +216,7 @@ class Certifier:
         checked = self._checked(inputs, pressure)
         displacement = static_displacements(self.system.port_compliance, inputs)
         n_relative = self.system.port_compliance.n_relative
-        g_free = self.system.static_contact.free_gap(displacement[..., :n_relative])
+        g_free = self.system.contact.free_gap(displacement[..., :n_relative])
         candidate = np.maximum(checked, 0.0)
         forces = candidate * contact.weights
         where = enclose(self.flexibility, g_free, forces)

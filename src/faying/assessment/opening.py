@@ -10,12 +10,13 @@ from faying._typing import Mask, Matrix, Vector
 from faying.assessment.growth import LARGEST_FACTOR, Event, first_events
 from faying.assessment.requirements import OPEN_BELOW
 from faying.contact.contact import Contact
+from faying.contact.increment import Increment
 from faying.digits import SOLVED
 from faying.joint.bolt_surroundings import nearest_bolts, told_apart
 from faying.joint.system import Joint, Placed
 from faying.model.bolt import Bolt
 from faying.simulation.solution import Solution
-from faying.simulation.static import SolvedCase, port_forces, solved_case
+from faying.simulation.static import port_forces
 
 State = TypeVar("State")
 
@@ -90,7 +91,7 @@ def opening_factors(
     *,
     open_below: float = OPEN_BELOW,
     largest: float = LARGEST_FACTOR,
-    reached: MutableMapping[float, SolvedCase] | None = None,
+    reached: MutableMapping[float, Increment] | None = None,
 ) -> Openings:
     """Find the factors at which a joint without friction opens under a static load.
 
@@ -109,19 +110,18 @@ def opening_factors(
     pressed depends continuously on the load, which leads to the factor at which an area opens
     within an increment. What opens and closes again between two increments is missed.
     """
-    contact = system.contact
+    contact, solver = system.contact, system.static_contact.increments
     fixed, growing = growing_displacements(system, inputs)
     touching = SOLVED * float(np.abs(contact.free_gap(fixed)).max(initial=0.0))
     cases = {} if reached is None else reached
 
-    def reach(factor: float, solved: SolvedCase | None) -> SolvedCase:
+    def reach(factor: float, start: Increment | None) -> Increment:
         if factor not in cases:
-            state = None if solved is None else solved.state
-            cases[factor] = solved_case(system, fixed + factor * growing, state)
+            cases[factor] = solver.solve(fixed + factor * growing, contact.offset(), start)
         return cases[factor]
 
-    def pressed(case: SolvedCase) -> Vector:
-        return pressed_depth(contact, case.gap, touching)
+    def pressed(case: Increment) -> Vector:
+        return pressed_depth(contact, case.gap(solver.laws), touching)
 
     start = reach(0.0, None)
     shares = pressed_shares(areas, pressed(start) > 0, contact.weights)
@@ -151,16 +151,17 @@ def opening_margins(
     :func:`opening_factors` takes some thirty. Inputs are (n_case, n_input).
     """
     contact, margins = system.contact, np.full(len(inputs), np.inf)
+    solver, offset = system.static_contact.increments, contact.offset()
     rested, case = None, None
     for number, row in enumerate(inputs):
         fixed, growing = growing_displacements(system, row)
         if rested is None or not np.array_equal(fixed, rested):
             touching = SOLVED * np.abs(contact.free_gap(fixed)).max(initial=0.0)
-            case, rested = solved_case(system, fixed), fixed
-            pressed = pressed_depth(contact, case.gap, touching) > 0
+            case, rested = solver.solve(fixed, offset), fixed
+            pressed = pressed_depth(contact, case.gap(solver.laws), touching) > 0
             shares = pressed_shares(areas, pressed, contact.weights).values()
-        case = solved_case(system, fixed + factor * growing, None if case is None else case.state)
-        depth = pressed_depth(contact, case.gap, touching)
+        case = solver.solve(fixed + factor * growing, offset, case)
+        depth = pressed_depth(contact, case.gap(solver.laws), touching)
         for share in shares:
             margins[number] = min(margins[number], _pressed_at(depth, share, enough(open_below)))
     return margins

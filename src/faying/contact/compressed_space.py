@@ -21,7 +21,6 @@ import scipy.sparse as sp
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
 from faying.contact.active_set import solve_complementarity
 from faying.contact.forces import ContactForces
-from faying.contact.state import ContactState
 from faying.exceptions import ConvergenceError
 from faying.linalg.compressed import CompressedCompliance
 from faying.linalg.threads import threads_for
@@ -161,20 +160,15 @@ class CompressedSpace:
         """Return the forces that close the active gaps, and the slack of all points."""
         return _Systems(space=self).equilibrate(g_free, active)
 
-    def solve(
-        self, g_free: Vector, state: ContactState | None = None
-    ) -> tuple[ContactForces, ContactState]:
+    def solve(self, g_free: Vector, active: Mask | None = None) -> ContactForces:
         """Solve the contact problem of a compressed compliance, with a bound on the error.
 
         The points in contact are found with loosely solved systems first.
         """
         systems = _Systems(space=self)
-        if state is None:
+        if active is None:
             active = solve_complementarity(systems.loosened(), g_free).active
-        else:
-            active = state.active
-        forces = self.certified(solve_complementarity(systems, g_free, active))
-        return forces, ContactState(active=forces.active)
+        return self.certified(solve_complementarity(systems, g_free, active))
 
     def certified(self, solution: ContactForces) -> ContactForces:
         """Return the solution with the bound on its error."""

@@ -9,7 +9,8 @@ import scipy.linalg as la
 from scipy.linalg import blas, lapack
 
 from faying._typing import Mask, Matrix, Vector
-from faying.contact.active_set import ROUND_OFF
+from faying.contact.active_set import ROUND_OFF, solve_complementarity
+from faying.contact.forces import ContactForces
 
 SINGULAR_PIVOT = 1e-7
 """Smallest over largest Cholesky pivot (condition 1e14) below which a block counts as singular."""
@@ -53,6 +54,10 @@ class DensePoints:
     def shifted(self, delta: float) -> "DensePoints":
         """Return the space of H + δ I."""
         return DensePoints(H=self.H + delta * np.eye(len(self.H)))
+
+    def solve(self, g_free: Vector, active: Mask | None = None) -> ContactForces:
+        """Solve by :func:`~.active_set.solve_complementarity`."""
+        return solve_complementarity(self, g_free, active)
 
     def _factorized(self, active: Mask) -> tuple[Matrix, bool]:
         """Return the lower Cholesky factor of an active block, and whether it is regular."""

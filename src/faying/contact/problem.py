@@ -13,7 +13,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Mask, Matrix, Vector, frozen
-from faying.contact.active_set import solve_complementarity
 from faying.contact.dense_points import DensePoints
 from faying.contact.forces import ContactForces
 from faying.exceptions import ModelError
@@ -79,7 +78,7 @@ class ContactProblem:
         >>> problem.solve().forces
         array([0.5, 0. ])
         """
-        return solve_complementarity(DensePoints(H=self.H), self.g_free, active)
+        return DensePoints(H=self.H).solve(self.g_free, active)
 
 
 def contact_problem(H: Matrix, g_free: Vector) -> ContactProblem:

@@ -30,7 +30,7 @@ FEWEST = 8
 """Cases from which an inverse of their own is worth it: it takes as long as two cases alone."""
 
 
-def side_by_side(solver: IncrementSolver | None, count: int) -> TypeGuard[YieldingContact]:
+def side_by_side(solver: IncrementSolver, count: int) -> TypeGuard[YieldingContact]:
     """Say whether so many cases are solved by :func:`solve_similar`."""
     if not isinstance(solver, YieldingContact) or solver.shapes is not None or count < FEWEST:
         return False

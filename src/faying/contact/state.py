@@ -24,9 +24,6 @@ class ContactState:
         Of the increment before, from which the next one starts there.
     moved : (n_relative,) or None [length]
         Relative displacements of the increment before.
-    at_end
-        Where the law at the end of a step stands, where that is a problem of its own beside the
-        mean over the step.
     """
 
     active: Mask
@@ -34,4 +31,3 @@ class ContactState:
     slip: Matrix | float = 0.0
     forces: Matrix | None = None
     moved: Vector | None = None
-    at_end: "ContactState | None" = None

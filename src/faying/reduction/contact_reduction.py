@@ -1,16 +1,18 @@
 """Models whose static contact problem is itself reduced; everything else is the model's own."""
 
+from abc import abstractmethod
 from copy import copy
 from dataclasses import dataclass
-from typing import NoReturn, TypeVar
+from typing import NoReturn, Self, TypeVar
 
 import numpy as np
 
-from faying._typing import Matrix, Vector
-from faying.contact.condensed import ContactSolver
+from faying._typing import Mask, Matrix, Vector
+from faying.contact.condensed import CondensedContact, ContactSolver
 from faying.contact.contact import Contact
-from faying.contact.forces import ContactForces
-from faying.contact.state import ContactState
+from faying.contact.increment import Increment
+from faying.contact.increment_solver import IncrementSolver, displaced
+from faying.contact.laws_at_points import LawsAtPoints
 from faying.exceptions import ModelError
 from faying.joint.model import Model
 from faying.reduction.reduced_model import ReducedModel
@@ -24,30 +26,66 @@ class ReducedContact:
 
     Attributes
     ----------
-    contact
-        Gap operator and law of all contact points.
-    flexibility : (n_point, n_point)
-        H of all contact points.
+    whole
+        The contact problem of all contact points.
     """
 
-    contact: Contact
-    flexibility: Matrix
+    whole: CondensedContact
 
-    def free_gap(self, relative_displacement: Matrix) -> Matrix:
-        """Return g_free (..., n_point) for relative displacements (..., n_relative) without λ."""
-        return self.contact.free_gap(relative_displacement)
+    @property
+    def contact(self) -> Contact:
+        """Gap operator and law of all contact points."""
+        return self.whole.contact
 
-    def answered(
-        self, forces: Vector, free_gap: Vector, iterations: int
-    ) -> tuple[ContactForces, ContactState]:
-        """Return forces with the slack that they leave, which need not fit them."""
-        solved = ContactForces(
+    @property
+    def flexibility(self) -> Matrix:
+        """H (n_point, n_point) of all contact points."""
+        return self.whole.flexibility
+
+    @property
+    def S(self) -> Matrix:
+        """Compliance between pairs (n_relative, n_relative) [length/force]."""
+        return self.whole.increments.S
+
+    @property
+    def laws(self) -> LawsAtPoints:
+        """What the contact points answer."""
+        return self.whole.increments.laws
+
+    def moved_by(self, forces: Vector) -> Vector:
+        """Return S p (n_relative,) [length] of forces between the pairs."""
+        return self.whole.between.moved_by(forces)
+
+    def about(self, state: Increment) -> Self:  # noqa: ARG002
+        """Return itself."""
+        return self
+
+    @property
+    def increments(self) -> IncrementSolver:
+        """Itself: forces are found among the reduced set alone."""
+        return self
+
+    def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
+        """Solve one case; gaps need not fit the forces where the set is poor."""
+        free_gap = self.contact.interpolation @ free + offset[0]
+        active = None if start is None else start.forces[0] > 0
+        forces, slack = np.zeros(offset.shape), np.zeros(offset.shape)
+        forces[0], iterations = self.pressed(free_gap, active)
+        slack[0] = self.flexibility @ forces[0] + free_gap
+        return Increment(
             forces=forces,
-            slack=self.flexibility @ forces + free_gap,
-            active=forces > 0,
+            slack=slack,
+            moved=displaced(self, free, forces),
             iterations=iterations,
+            residual=0.0,
         )
-        return solved, ContactState(active=solved.active)
+
+    @abstractmethod
+    def pressed(self, free_gap: Vector, active: Mask | None) -> tuple[Vector, int]:
+        """Return the contact forces (n_point,) that a free gap calls up, and linear systems solved.
+
+        Active points are those in contact of a similar case.
+        """
 
     @property
     def frictional(self) -> NoReturn:
@@ -57,20 +95,6 @@ class ReducedContact:
             "another method"
         )
         raise ModelError(message)
-
-    @property
-    def increments(self) -> NoReturn:
-        """Refuse, as :attr:`frictional`."""
-        _ = self.frictional
-        raise AssertionError
-
-    @property
-    def cases(self) -> None:
-        """None: forces are found among the reduced set alone."""
-
-    def gap(self, solution: ContactForces) -> Vector:
-        """Gap (n_point,) of a solution, which need not fit the forces where the set is poor."""
-        return np.asarray(solution.slack - self.contact.flexibility * solution.forces)
 
 
 def with_static_contact(model: AnyModel, static_contact: ContactSolver) -> AnyModel:

@@ -18,8 +18,6 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
-from faying.contact.forces import ContactForces
-from faying.contact.state import ContactState
 from faying.exceptions import ConvergenceError, ModelError
 from faying.reduction.contact_reduction import AnyModel, ReducedContact, with_static_contact
 from faying.reduction.pod import pod
@@ -72,9 +70,7 @@ class DeimContact(ReducedContact):
         sampled: Matrix = compliance @ self.deim.interpolation + np.diag(law[points])
         return sampled
 
-    def solve(
-        self, free_gap: Vector, state: ContactState | None = None
-    ) -> tuple[ContactForces, ContactState]:
+    def pressed(self, free_gap: Vector, active: Mask | None) -> tuple[Vector, int]:
         """Exchange the sampling points in contact until signs fit.
 
         Raises
@@ -83,10 +79,9 @@ class DeimContact(ReducedContact):
             If they never do, which DEIM cannot rule out.
         """
         points = self.deim.points
-        closed = free_gap[points] < 0 if state is None else state.active[points]
+        closed = free_gap[points] < 0 if active is None else active[points]
         sampled, iterations = _exchange(self.sampled_flexibility, free_gap[points], closed)
-        forces = self.deim.interpolation @ sampled
-        return self.answered(forces, free_gap, iterations)
+        return self.deim.interpolation @ sampled, iterations
 
 
 def deim(contact_forces: Matrix, *, count: int) -> Deim:
@@ -137,10 +132,7 @@ def with_deim(system: AnyModel, sampling: Deim) -> AnyModel:
             f"model has {system.contact.n_points}; build it from this model's contact forces"
         )
         raise ModelError(message)
-    contact = DeimContact(
-        contact=system.contact, flexibility=system.static_contact.flexibility, deim=sampling
-    )
-    return with_static_contact(system, contact)
+    return with_static_contact(system, DeimContact(whole=system.static_contact, deim=sampling))
 
 
 def _exchange(matrix: Matrix, gap: Vector, closed: Mask) -> tuple[Vector, int]:

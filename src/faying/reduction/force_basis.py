@@ -17,10 +17,8 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import nnls
 
-from faying._typing import Indices, Matrix, Vector, frozen
-from faying.contact.forces import ContactForces
-from faying.contact.problem import ContactProblem
-from faying.contact.state import ContactState
+from faying._typing import Indices, Mask, Matrix, Vector, frozen
+from faying.contact.problem import contact_problem
 from faying.exceptions import ModelError
 from faying.reduction.contact_reduction import AnyModel, ReducedContact, with_static_contact
 
@@ -77,17 +75,15 @@ class ForceBasisContact(ReducedContact):
         product: Matrix = self.basis.vectors.T @ (self.flexibility @ self.basis.vectors)
         return (product + product.T) / 2
 
-    def solve(
+    def pressed(
         self,
         free_gap: Vector,
-        state: ContactState | None = None,  # noqa: ARG002  says nothing about the coefficients
-    ) -> tuple[ContactForces, ContactState]:
+        active: Mask | None,  # noqa: ARG002  says nothing about the coefficients
+    ) -> tuple[Vector, int]:
         """Solve for the contact forces that a free gap (n_point,) calls up."""
         W = self.basis.vectors
-        problem = ContactProblem(H=self.reduced_flexibility, g_free=W.T @ free_gap)
-        solution = problem.solve()
-        forces = W @ solution.forces
-        return self.answered(forces, free_gap, solution.iterations)
+        solution = contact_problem(self.reduced_flexibility, W.T @ free_gap).solve()
+        return W @ solution.forces, solution.iterations
 
 
 def with_force_basis(system: AnyModel, basis: ForceBasis) -> AnyModel:
@@ -106,10 +102,7 @@ def with_force_basis(system: AnyModel, basis: ForceBasis) -> AnyModel:
             f"{system.contact.n_points} contact points; build it from this model's contact forces"
         )
         raise ModelError(message)
-    contact = ForceBasisContact(
-        contact=system.contact, flexibility=system.static_contact.flexibility, basis=basis
-    )
-    return with_static_contact(system, contact)
+    return with_static_contact(system, ForceBasisContact(whole=system.static_contact, basis=basis))
 
 
 def cone_projected_greedy(contact_forces: Matrix, *, count: int) -> ForceBasis:

@@ -88,7 +88,7 @@ class BoltsByForce:
         self, forces: Vector, others: Vector, slip: Matrix | float, start: Increment | None
     ) -> tuple[Increment, Vector] | None:
         """Solve (T1) where contact yields and Σ exists."""
-        ports, solver = self.joint.port_compliance, self.joint.static_contact.cases
+        ports, solver = self.joint.port_compliance, self.joint.static_contact.increments
         if not isinstance(solver, YieldingContact) or solver.shapes is not None:
             return None
         free = -others @ ports.contact_columns[ports.bolts]
@@ -141,19 +141,7 @@ class BoltsByForce:
         """Return where contact stands with all initial forces (n_bolt,) given."""
         ports, contact = self.joint.port_compliance, self.joint.contact
         free, offset = -initial @ ports.contact_columns[ports.bolts], contact.offset(slip)
-        condensed = self.joint.static_contact
-        if (solver := condensed.cases) is not None:
-            return solver.solve(free, offset, start)
-        solution, _ = condensed.solve(condensed.free_gap(free))
-        forces, slack = np.zeros((3, contact.n_points)), offset.copy()
-        forces[0], slack[0] = solution.forces, solution.slack
-        return Increment(
-            forces=forces,
-            slack=slack,
-            moved=free,
-            iterations=solution.iterations,
-            residual=0.0,
-        )
+        return self.joint.static_contact.increments.solve(free, offset, start)
 
     @property
     def _stiffness(self) -> Vector:
@@ -164,7 +152,7 @@ class BoltsByForce:
     @cached_property
     def _loosened(self) -> tuple[GluedPairs, Matrix, Matrix]:
         """The pairs without the springs of the known bolts, z and M."""
-        pairs = cast("YieldingContact", self.joint.static_contact.cases).pairs
+        pairs = cast("YieldingContact", self.joint.static_contact.increments).pairs
         ports, bolts = self.joint.port_compliance, self.bolts
         columns = ports.contact_columns[ports.bolts][bolts]
         rows = ports.input_rows[ports.bolts, ports.bolts]

@@ -18,9 +18,9 @@ from faying.contact.yielding import YieldingContact
 from faying.exceptions import ModelError
 from faying.joint.system import System
 from faying.linalg.factorization import Factorization
-from faying.simulation.increment_step import IncrementEnd
 from faying.simulation.instants import Instants
 from faying.simulation.integrators import Integrator, Motion
+from faying.simulation.step_contact import EndContact
 
 PAYING_STEPS = 20_000
 """Steps from which the loop is compiled unasked.
@@ -167,10 +167,10 @@ def compiled_steps(
     P, contact = system.contact.relative_operator, system.contact
     if not isinstance(P, np.ndarray) or not (contact.forgets and contact.proportional):
         return None
-    solver = condensed.cases
+    solver = condensed.increments
     if not isinstance(solver, YieldingContact):
         return None
-    if not isinstance(scheme.step_contact(condensed), IncrementEnd):
+    if not isinstance(scheme.step_contact(condensed), EndContact):
         return None
     n, rows = P.shape[1], PaddedRows.of(contact.interpolation)
     inverse = effective.solve(np.eye(n))

@@ -67,8 +67,6 @@ def kept_restart(restart: Restart) -> dict[str, Matrix]:
     names = {"slip": "slip", "forces": "forces", "pairs_moved": "moved", "supported": "supported"}
     arrays_of_contact = {name: getattr(contact, attribute) for name, attribute in names.items()}
     arrays |= {name: value for name, value in arrays_of_contact.items() if value is not None}
-    if contact.at_end is not None:
-        arrays |= {"end_active": contact.at_end.active}
     if restart.ledger is not None:
         arrays |= asdict(restart.ledger)
     return {name: np.asarray(value) for name, value in arrays.items()}
@@ -85,7 +83,6 @@ def restart_from(arrays: Mapping[str, Any]) -> Restart:
             slip=arrays.get("slip", 0.0),
             forces=arrays.get("forces"),
             moved=arrays.get("pairs_moved"),
-            at_end=ContactState(active=arrays["end_active"]) if "end_active" in arrays else None,
         ),
         ledger=EnergyLedger(
             **{entry.name: float(arrays[entry.name]) for entry in fields(EnergyLedger)}

@@ -9,7 +9,6 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector
 from faying.contact.increment import Increment
 from faying.contact.similar_cases import side_by_side, solve_similar
-from faying.contact.state import ContactState
 from faying.joint.system import Joint, PortCompliance, System, input_forces
 from faying.linalg.memory import require_room
 from faying.linalg.threads import threads_for
@@ -117,79 +116,31 @@ def similar_loads(system: System, inputs: Matrix, size: int) -> list[Indices]:
     return similar_groups(port_forces(system.port_compliance, inputs) @ scaled, size)
 
 
-@final
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SolvedCase:
-    """Contact of one case.
-
-    Attributes
-    ----------
-    forces, gap : (n_point,)
-    iterations
-        Linear systems solved.
-    error
-        Bound on the relative error of the forces.
-    state
-        What a similar case starts from.
-    """
-
-    forces: Vector
-    gap: Vector
-    iterations: int
-    error: float
-    state: Increment | ContactState
-
-
-def solved_case(
-    system: Joint, free: Vector, start: Increment | ContactState | None = None
-) -> SolvedCase:
-    """Solve the case whose pairs move (n_relative,) without contact."""
-    condensed = system.static_contact
-    if (solver := condensed.cases) is not None:
-        begun = start if isinstance(start, Increment) else None
-        increment = solver.solve(free, system.contact.offset(), begun)
-        return SolvedCase(
-            forces=increment.forces[0],
-            gap=increment.gap(solver.laws),
-            iterations=increment.iterations,
-            error=0.0,
-            state=increment,
-        )
-    begun_state = start if isinstance(start, ContactState) else None
-    solution, state = condensed.solve(condensed.free_gap(free), begun_state)
-    return SolvedCase(
-        forces=solution.forces,
-        gap=condensed.gap(solution),
-        iterations=solution.iterations,
-        error=solution.error,
-        state=state,
-    )
-
-
 def solved_cases(system: Joint, free: Matrix) -> ContactStates:
     """Return contact of cases whose pairs move (n_case, n_relative) without it.
 
     Similar cases are solved side by side where contact yields in proportion to pressure, and one
     from the other else.
     """
-    contact, solver = system.contact, system.static_contact.cases
+    contact, solver = system.contact, system.static_contact.increments
     contact.check_forgetful("cases that do not follow each other", "solve_path")
     shape = (len(free), contact.n_points)
     forces, gaps = np.empty(shape), np.empty(shape)
     iterations, errors = np.empty(len(free), dtype=np.int64), np.zeros(len(free))
-    shapes, start = contact.free_gap(free), None
+    shapes, offset = contact.free_gap(free), contact.offset()
+    start: Increment | None = None
     if side_by_side(solver, len(free)):
         for cases in similar_groups(shapes, TOGETHER):
             central = ((shapes[cases] - shapes[cases].mean(axis=0)) ** 2).sum(axis=1).argmin()
-            first = solver.solve(free[cases[central]], contact.offset()).moved
+            first = solver.solve(free[cases[central]], offset).moved
             begin = np.broadcast_to(first, (len(cases), len(first)))
             solution = solve_similar(solver, free[cases], begin)
             forces[cases], gaps[cases], iterations[cases] = solution
     else:
         for (case,) in similar_groups(shapes, 1):
-            alone = solved_case(system, free[case], start)
-            start, iterations[case], errors[case] = alone.state, alone.iterations, alone.error
-            forces[case], gaps[case] = alone.forces, alone.gap
+            start = solver.solve(free[case], offset, start)
+            forces[case], gaps[case] = start.forces[0], start.gap(solver.laws)
+            iterations[case], errors[case] = start.iterations, start.error
     none = np.zeros((len(free), 0, contact.n_points))
     return ContactStates(
         forces=forces,

@@ -1,18 +1,29 @@
-"""The contact forces of a step: those at its end, or their mean over it."""
+"""The contact of a step: an increment whose laws hold at its end, or on the mean over it.
+
+A step is an increment of ``docs/theory/friction.md`` with the compliance of the step: the same
+local law, the slip so far as the state.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol, final
+from typing import Protocol, cast, final
 
 import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.contact.condensed import CondensedContact
+from faying.contact.contact import Contact
 from faying.contact.forces import ContactForces
+from faying.contact.increment import Increment
+from faying.contact.increment_solver import IncrementSolver, displaced
+from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.state import ContactState
+from faying.exceptions import ModelError
 from faying.linalg.compressed import Compliance
-from faying.simulation.increment_step import IncrementEnd, IncrementMean
+
+ADMISSIBLE = 1e-12
+"""Excess of a tangential force over its bound, over the largest force, that is round-off."""
 
 ROUND_OFF = 1e-9
 """Residual compliance below this share of the compliance of a step is round-off of the basis."""
@@ -35,7 +46,7 @@ class StepContact(Protocol):
 @final
 @dataclass(frozen=True, eq=False)
 class EndContact:
-    """The contact law holds at the end of the step, for forces as unknowns."""
+    """The law holds at the end of the step, and the forces there enter the balance."""
 
     condensed: CondensedContact
 
@@ -45,75 +56,118 @@ class EndContact:
         states: Sequence[ContactState],
         last: Matrix,  # noqa: ARG002
     ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
-        """Solve one contact problem for each case."""
-        gaps = self.condensed.free_gap(free)
-        contacts, states_after = zip(*map(self.condensed.solve, gaps, states), strict=True)
-        return np.array([contact.forces for contact in contacts]), contacts, states_after
+        """Solve one increment for each case."""
+        solver, contact = self.condensed.increments, self.condensed.contact
+        acting, ends, states_after = [], [], []
+        for relative, state in zip(free, states, strict=True):
+            offset = contact.offset(state.slip)
+            increment = solver.solve(relative, offset, _start(solver, relative, state))
+            slip = state.slip + increment.slack[1:]
+            ends.append(_contact_forces(contact, increment, increment.dissipation, slip))
+            acting.append(increment.forces[: contact.components].ravel())
+            states_after.append(_state(ends[-1], increment, slip))
+        return np.array(acting), ends, states_after
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class MeanContact:
-    """The mean force of a step, an unknown, is no tension and adds no energy to that of contact.
+    """The mean forces of a step obey the law, and work no more than contact had stored.
 
-    With W = D + N R Nᵀ, by which penalty and residual compliance give way, and γ the gap without
-    that, the mean λ̄ ≥ 0 obeys
+    With W = D + G R Gᵀ, by which laws and residual compliance give way, and γ the relative
+    displacements at the points without that, the slip at the start subtracted, 2 λ̄ solves an
+    increment with
 
-        s = γ₁ + W (2 λ̄ − λ₀) ≥ 0,     λ̄ᵀ s = 0:
+        z = γ₁ + W (2 λ̄ − λ₀).                                                                 (F4)
 
-    a contact problem for 2 λ̄, with the compliance of half the force. Where a point stays closed,
-    λ̄ is the mean of its forces at both ends; where it opens, the force half way; where it closes,
-    half the force at the end. λ₁ then follows from the contact law at γ₁.
+    λ₁ is 2 λ̄ − λ₀ where that obeys the law too, else what the law says at γ₁ with the slip that
+    the mean has left. Where a point stays closed λ̄ is the mean of its forces at both ends; where it
+    opens, the force half way; where it closes, half the force at the end. Hard contact without
+    residual compliance has no force that belongs to an instant: the mean over the step stands for
+    that at its end, half a step late.
+
+    Raises
+    ------
+    ModelError
+        If contact has friction and is hard, or a law closes otherwise than in proportion to force.
     """
 
     condensed: CondensedContact
 
+    def __post_init__(self) -> None:
+        contact = self.condensed.contact
+        yields = (contact.flexibility > 0).all() and (contact.tangential_flexibility > 0).all()
+        if len(contact.rubbing) and not yields:
+            message = (
+                "EnergyDecaying steps with friction need elastic contact: a hard point has no "
+                "force at an instant that the mean over a step would tell; give the interfaces a "
+                "penalty and a tangential penalty, or take ImplicitEuler"
+            )
+            raise ModelError(message)
+
     def solve(
         self, free: Matrix, states: Sequence[ContactState], last: Matrix
     ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
-        """Solve one contact problem for each case, and the law at the end where forces would pull.
+        """Solve one increment for each case, and the law at the end where that is not obeyed."""
+        solver, contact = self.condensed.increments, self.condensed.contact
+        means, ends, states_after = [], [], []
+        k = contact.components
+        last_forces = np.zeros((3, contact.n_points))
+        for relative, state, acted in zip(free, states, last, strict=True):
+            last_forces[:k] = acted.reshape(k, -1)
+            offset = contact.offset(state.slip) - self._given_way(last_forces)
+            mean = solver.solve(relative, offset, _start(solver, relative, state))
+            end = self._at_end(mean, mean.forces - last_forces)
+            slip = state.slip + mean.slack[1:] + end.slack[1:]
+            dissipated = 0.5 * mean.dissipation + end.dissipation
+            means.append(mean.forces[:k].ravel())
+            ends.append(_contact_forces(contact, end, dissipated, slip))
+            states_after.append(_state(ends[-1], mean, slip))
+        return np.array(means), ends, states_after
 
-        Hard contact without residual compliance has no force that belongs to an instant: the mean
-        over the step stands for that at its end, half a step late.
-        """
-        gaps = self.condensed.free_gap(free)
-        solved = map(self.condensed.solve, gaps - self._given_way(last), states)
-        means, states_after = zip(*solved, strict=True)
-        begun = [state.at_end for state in states]
-        ends, stands = zip(*map(self._at_end, means, last, begun), strict=True)
-        ahead = [
-            replace(state, at_end=end) for state, end in zip(states_after, stands, strict=True)
-        ]
-        return np.array([mean.forces for mean in means]), ends, ahead
+    def _at_end(self, mean: Increment, forces: Matrix) -> Increment:
+        """Return forces at the end, with the slip that they add to that of the mean."""
+        none = np.zeros_like(forces)
+        opened = np.concatenate([mean.slack[:1], none[1:]])
+        D = self._laws.closure(none)[1]
+        hard = D[0] == 0
+        if self._obeyed(forces) and not (self._residual is None and hard.any()):
+            return replace(mean, forces=forces, slack=opened)
+        z_free = opened - self._given_way(forces)
+        if self._residual is not None:
+            still = np.zeros(len(mean.moved))
+            begun = replace(mean, forces=forces, moved=displaced(self._law, still, forces))
+            end = self._law.solve(still, z_free, begun)
+            iterations, error = mean.iterations + end.iterations, max(mean.error, end.error)
+            return replace(end, iterations=iterations, error=error)
+        stuck = np.divide(-z_free, D, out=none, where=D > 0)
+        elastic = np.where(hard, 0.5 * mean.forces, self._laws.admissible(stuck, None))
+        return replace(mean, forces=elastic, slack=z_free + self._laws.closure(elastic)[0])
 
-    def _at_end(
-        self, mean: ContactForces, last: Vector, stands: ContactState | None
-    ) -> tuple[ContactForces, ContactState | None]:
-        """Return contact at the end of a step, and where its own problem stands."""
-        D = self.condensed.contact.flexibility
-        forces = mean.forces - last
-        pulling = np.minimum(forces, 0.0)
-        if self._law is None:
-            forces = np.where(D == 0, 0.5 * mean.forces, forces - pulling)
-            slack = mean.slack - D * pulling
-            return replace(mean, forces=forces, slack=slack, active=forces > 0), stands
-        if not pulling.any():
-            return replace(mean, forces=forces, active=forces > 0), stands
-        gap = mean.slack - self._given_way(forces[None])[0]
-        guess = ContactState(active=forces > 0)
-        begin = guess if stands is None else replace(stands, active=guess.active)
-        end, state_after = self._law.solve(gap, begin)
-        iterations, error = mean.iterations + end.iterations, max(mean.error, end.error)
-        return replace(end, iterations=iterations, error=error), state_after
+    def _obeyed(self, forces: Matrix) -> bool:
+        """Say whether forces 2 λ̄ − λ₀ press, so only closed points, and shear as they may."""
+        rubbing, largest = self.condensed.contact.rubbing, np.abs(forces).max()
+        limit = self.condensed.contact.friction * forces[0, rubbing] + ADMISSIBLE * largest
+        return not (forces[0] < 0).any() and not (np.hypot(*forces[1:, rubbing]) > limit).any()
 
     def _given_way(self, forces: Matrix) -> Matrix:
-        """W λ of each case (n_case, n_point)."""
-        contact = self.condensed.contact
-        way: Matrix = contact.flexibility * forces
-        if self._residual is not None:
-            to_pairs, _ = contact.transposed
-            way = way + (contact.interpolation @ (self._residual @ (to_pairs @ forces.T))).T
-        return way
+        """W λ (3, n_point)."""
+        contact, R = self.condensed.contact, self._residual
+        way = self._laws.closure(forces)[0]
+        return (
+            way if R is None else way + contact.moved(R @ contact.at_pairs(forces[0], forces[1:]))
+        )
+
+    @property
+    def _laws(self) -> LawsAtPoints:
+        return self.condensed.increments.laws
+
+    @cached_property
+    def _law(self) -> IncrementSolver:
+        """The law where nothing but laws and residual compliance gives way."""
+        alone: Contact = replace(self.condensed.contact, residual_compliance=None)
+        residual = cast("Compliance", self._residual)
+        return CondensedContact(contact=alone, compliance=residual).increments
 
     @cached_property
     def _residual(self) -> Compliance | None:
@@ -124,27 +178,38 @@ class MeanContact:
         whole = np.diagonal(np.asarray(self.condensed.total))
         return R if np.diagonal(R).max() > ROUND_OFF * whole.max() else None
 
-    @cached_property
-    def _law(self) -> CondensedContact | None:
-        """The contact law where it couples points: gaps of W alone."""
-        if self._residual is None:
-            return None
-        alone = replace(self.condensed.contact, residual_compliance=None)
-        return CondensedContact(contact=alone, compliance=self._residual)
+
+def _state(end: ContactForces, increment: Increment, slip: Matrix) -> ContactState:
+    """Return where contact stands after a step, with what has slipped so far (2, n_point)."""
+    return ContactState(
+        active=end.active, slip=slip, forces=increment.forces, moved=increment.moved
+    )
 
 
-def end_contact(condensed: CondensedContact) -> StepContact:
-    """Return the contact law at the end of a step."""
-    return EndContact(condensed) if condensed.cases is None else IncrementEnd(condensed)
+def _contact_forces(
+    contact: Contact, increment: Increment, dissipation: float, slip: Matrix
+) -> ContactForces:
+    along = slice(contact.components - 1)
+    return ContactForces(
+        forces=increment.forces[0],
+        slack=increment.slack[0],
+        active=increment.forces[0] > 0,
+        iterations=increment.iterations,
+        error=increment.error,
+        shear_forces=increment.forces[1:][along],
+        slip=slip[along],
+        dissipation=dissipation,
+    )
 
 
-def mean_contact(condensed: CondensedContact) -> StepContact:
-    """Return the law of the mean contact force of a step.
-
-    Raises
-    ------
-    ModelError
-        If contact has friction and is hard, or a law closes otherwise than in proportion to force.
-    """
-    condensed.contact.check_proportional()
-    return MeanContact(condensed) if condensed.cases is None else IncrementMean(condensed)
+def _start(solver: IncrementSolver, free: Vector, state: ContactState) -> Increment | None:
+    """Return where a step begins: where the one before ended."""
+    if state.forces is None:
+        return None
+    return Increment(
+        forces=state.forces,
+        slack=np.zeros_like(state.forces),
+        moved=displaced(solver, free, state.forces) if state.moved is None else state.moved,
+        iterations=0,
+        residual=0.0,
+    )

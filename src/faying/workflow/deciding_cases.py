@@ -16,10 +16,10 @@ from faying._typing import Indices, Mask, Matrix, Vector
 from faying.assessment.growth import LARGEST_FACTOR
 from faying.assessment.opening import Openings, opening_factors, opening_margins
 from faying.assessment.slip_reserve import SlipReserve, slip_reserve
+from faying.contact.increment import Increment
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import InputRow
 from faying.simulation.solution import Solution
-from faying.simulation.static import SolvedCase
 from faying.study.inputs.load_set import LoadSet
 
 TRIED_CASES = 8
@@ -86,7 +86,7 @@ class Deciding:
         """
         joint, loads, found = self.rom.joint, self.loads, dict[str, dict[str, float]]()
         # The same case often opens more than one area first.
-        reached = defaultdict[int, dict[float, SolvedCase]](dict)
+        reached = defaultdict[int, dict[float, Increment]](dict)
         for (name, points), column in zip(self.areas.items(), estimates.T, strict=True):
             search = partial(opening_factors, areas={name: points}, open_below=self.open_below)
             margins = partial(opening_margins, areas={name: points}, open_below=self.open_below)

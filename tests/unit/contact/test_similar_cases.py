@@ -30,7 +30,7 @@ def moved_freely(joint, count, size):
 def test_cases_side_by_side_are_those_alone(joint, most, monkeypatch):
     """From a third closed to half; and where some are not solved side by side."""
     monkeypatch.setattr(similar_cases, "MOST_STEPS", most)
-    solver, free = joint.static_contact.cases, moved_freely(joint, 12, 600.0)
+    solver, free = joint.static_contact.increments, moved_freely(joint, 12, 600.0)
     assert side_by_side(solver, len(free))
     begun = np.zeros_like(free)
     forces, gaps, steps = solve_similar(solver, free, begun)
@@ -50,6 +50,6 @@ def test_cases_side_by_side_are_those_alone(joint, most, monkeypatch):
 
 def test_few_cases_follow_one_another(joint):
     free = moved_freely(joint, 3, 600.0)
-    assert not side_by_side(joint.static_contact.cases, len(free))
+    assert not side_by_side(joint.static_contact.increments, len(free))
     few, many = (solved_cases(joint, rows).forces for rows in (free, np.tile(free, (4, 1))))
     np.testing.assert_allclose(few, many[:3], rtol=0, atol=1e-9 * few.max())

@@ -90,7 +90,7 @@ class TestForceBases:
         solution = fy.solve_static(with_force_basis(soft, basis), LC2)
         ports = soft.port_compliance
         signed = solution.inputs * np.r_[np.ones(ports.n_boundary), -1.0]
-        gap = soft.static_contact.free_gap(signed @ ports.contact_columns)
+        gap = soft.contact.free_gap(signed @ ports.contact_columns)
         H = soft.static_contact.flexibility
 
         def energy(forces):
@@ -205,18 +205,30 @@ class TestDeim:
         solution = fy.solve_static(with_deim(soft, deim(training, count=10)), LC2)
         assert solution.pressure.min() < 0.0
 
-    def test_forces_are_answered_with_what_they_press(self, soft, training):
+    def test_forces_are_answered_with_what_they_press(self, soft, training, monkeypatch):
         """Closed where they press, open where they pull or are zero."""
         contact = with_deim(soft, deim(training, count=10)).static_contact
-        forces = np.zeros(soft.contact.n_points)
+        forces, asked = np.zeros(soft.contact.n_points), []
         forces[[3, 8, 20]] = 2.0, 0.5, -1.0
-        found, state = contact.answered(forces, np.ones(len(forces)), 4)
-        np.testing.assert_array_equal(np.flatnonzero(found.active), [3, 8])
-        np.testing.assert_array_equal(state.active, found.active)
-        assert found.iterations == 4
-        H = soft.static_contact.flexibility
+
+        def pressed(_, free_gap, active):
+            asked.append((free_gap, active))
+            return forces, 4
+
+        monkeypatch.setattr(type(contact), "pressed", pressed)
+        free = soft.port_compliance.contact_columns[0]
+        found = contact.solve(free, soft.contact.offset())
+        again = contact.solve(free, soft.contact.offset(), found)
+        assert found.iterations == again.iterations == 4
+        gap = soft.contact.free_gap(free)
+        assert asked[0][1] is None
+        np.testing.assert_array_equal(np.flatnonzero(asked[1][1]), [3, 8])
+        np.testing.assert_array_equal(asked[0][0], gap)
+        whole = soft.static_contact
         # Sums of three products; a system of condition 10.
-        np.testing.assert_allclose(found.slack, H @ forces + 1.0, rtol=1e-12)
+        np.testing.assert_allclose(found.slack[0], whole.flexibility @ forces + gap, rtol=1e-12)
+        moved = free + whole.total @ (soft.contact.interpolation.T @ forces)
+        np.testing.assert_allclose(found.moved, moved, rtol=1e-10)
 
     def test_no_solution_is_said(self, soft):
         """A sampling whose own force opens its gap: an unsolvable sign pattern."""

@@ -8,7 +8,7 @@ from faying.contact.condensed import CondensedContact
 from faying.joint.system import System
 from faying.simulation.integrators.integrator import Motion
 from faying.simulation.integrators.spectral_radius import SpectralRadius
-from faying.simulation.step_contact import StepContact, mean_contact
+from faying.simulation.step_contact import MeanContact, StepContact
 
 
 @final
@@ -23,8 +23,8 @@ class EnergyDecaying(SpectralRadius):
         M Δv/h + C Δu/h + K (ū + d² h Δw) = f̄ + Gᵀλ̄,     Δu/h = v̄ + d² h Δa,
         Δu/h = w̄ + 2 d Δw,                                Δv/h = ā + 2 d Δa,
 
-    d = (1 − ρ)/(2 (1 + ρ)). The mean contact force λ̄ is what :class:`~.MeanContact` finds, or
-    :class:`~.FrictionalMean`: it never works more than the contact's stored energy gives. The
+    d = (1 − ρ)/(2 (1 + ρ)). The mean contact force λ̄ is what :class:`~.MeanContact` finds:
+    it never works more than the contact's stored energy gives. The
     proof is in ``docs/theory/time_integration.md``. Models with residual compliance have poor
     pressures under it (``docs/theory/transient_accuracy.md``): take another scheme for them.
 
@@ -71,7 +71,7 @@ class EnergyDecaying(SpectralRadius):
 
     def step_contact(self, condensed: CondensedContact) -> StepContact:
         """Return the law of the mean contact force of a step."""
-        return mean_contact(condensed)
+        return MeanContact(condensed)
 
     def effective_matrix(self, system: System, step: float) -> SparseMatrix | Matrix:
         """Return M/(κ h²) + C/h + κ K with κ = ½ + d²/(½ + 2 d)."""

@@ -8,7 +8,7 @@ from faying.contact.condensed import CondensedContact
 from faying.joint.system import System
 from faying.simulation.integrators.integrator import Motion
 from faying.simulation.integrators.spectral_radius import SpectralRadius
-from faying.simulation.step_contact import StepContact, end_contact
+from faying.simulation.step_contact import EndContact, StepContact
 
 
 @final
@@ -86,7 +86,7 @@ class GeneralizedAlpha(SpectralRadius):
 
     def step_contact(self, condensed: CondensedContact) -> StepContact:
         """Return the contact law at the end of a step."""
-        return end_contact(condensed)
+        return EndContact(condensed)
 
     def kept_force(self, applied: Vector, contact: Vector) -> Vector:
         """Return their sum."""

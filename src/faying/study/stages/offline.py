@@ -169,8 +169,7 @@ def _condense(model: Model, books: Books, key: str) -> None:
         _ = model.structure.boundary_factor
     with books.stage("compliance"):
         keep_compliance(books.checkpoint, key, model.structure)
-        contact = model.static_contact
-        _ = contact.cases or contact.space
+        _ = model.static_contact.increments
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

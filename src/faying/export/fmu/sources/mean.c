@@ -1,5 +1,5 @@
 /* The mean contact force of an energy-decaying step, as faying.simulation.step_contact and with
- * friction faying.simulation.increment_step have it.
+ * friction faying.simulation.step_contact have it.
  *
  * With W = D + N R N' and gaps g without what W gives way by, the mean l >= 0 obeys
  * s = g1 + W (2 l - l0) >= 0, l's = 0. The forces l1 at the end follow from the law at g1. */

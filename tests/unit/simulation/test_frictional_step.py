@@ -12,7 +12,7 @@ from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.contact.state import ContactState
 from faying.contact.yielding import YieldingContact
 from faying.exceptions import ModelError
-from faying.simulation.increment_step import IncrementEnd, IncrementMean, _start
+from faying.simulation.step_contact import EndContact, MeanContact, _start
 from few_points import ELASTIC, ELASTIC_YIELD, LAWS, PAIRS, SAME, YIELD, N, check_forces, joint
 
 GAP = np.array([0.02, -0.05, 0.0, 0.03, -0.01, 0.0])
@@ -64,7 +64,7 @@ def check_end(end, state, slip, x, z):
 @pytest.mark.parametrize("behind", [False, True])
 @pytest.mark.parametrize("laws", [LAWS, ELASTIC])
 def test_the_law_holds_at_the_end_of_steps(laws, behind):
-    scheme, rows, moving, W = steps_of(IncrementEnd, laws, behind)
+    scheme, rows, moving, W = steps_of(EndContact, laws, behind)
     H = moving @ rows.T + W
     states, last = [ContactState(active=np.zeros(N, dtype=bool))] * 2, np.zeros((2, 3 * N))
     slips, kinds = np.zeros((2, 2, N)), np.zeros(3)
@@ -89,7 +89,7 @@ def test_the_law_holds_at_the_end_of_steps(laws, behind):
 @pytest.mark.parametrize("behind", [False, True])
 def test_means_of_steps_obey_the_law_and_give_no_energy(behind):
     """z = γ₁ + W (2 λ̄ − λ₀), the law at γ₁ with the slip that leaves, and what contact stores."""
-    scheme, rows, moving, W = steps_of(IncrementMean, ELASTIC, behind)
+    scheme, rows, moving, W = steps_of(MeanContact, ELASTIC, behind)
     S = moving @ rows.T
     solver, contact = scheme.condensed.increments, scheme.condensed.contact
     states, last = [ContactState(active=np.zeros(N, dtype=bool))] * 2, np.zeros((2, 3, N))
@@ -160,7 +160,7 @@ def walked(scheme, way):
     states, last, found = [ContactState(active=np.zeros(1, dtype=bool))], np.zeros((1, 3)), []
     for free in way:
         acting, (end,), states = scheme.solve(np.array([free]), states, last)
-        if isinstance(scheme, IncrementMean):
+        if isinstance(scheme, MeanContact):
             last = np.array([[*end.forces, *end.shear_forces[:, 0]]])
         else:
             last = acting
@@ -174,7 +174,7 @@ DIRECTION = np.array([0.6, 0.8])
 
 
 def test_a_point_that_is_sheared_by_its_ends():
-    acting, last, slip, taken, _ = walked(IncrementEnd(one_point()), WAY)
+    acting, last, slip, taken, _ = walked(EndContact(one_point()), WAY)
     np.testing.assert_allclose(acting[:, 0], 10.0, rtol=SAME)
     shear = np.array([0.0, 2.5, 3.0, 3.0, -2.0])
     np.testing.assert_allclose(acting[:, 1:], -np.outer(shear, DIRECTION), rtol=0, atol=SAME)
@@ -192,7 +192,7 @@ def test_a_point_that_is_sheared_by_its_means(share):
     """
     stiff, shear = np.array([STIFF, TANGENTIAL]) / (1 - share)
     behind = share * np.diag([1 / STIFF, 1 / TANGENTIAL, 1 / TANGENTIAL]) if share else None
-    scheme = IncrementMean(one_point(Penalty(stiff), shear, behind))
+    scheme = MeanContact(one_point(Penalty(stiff), shear, behind))
     acting, last, slip, taken, _ = walked(scheme, WAY)
     # Twice the mean; pressed at once it is half of the force at the end.
     np.testing.assert_allclose(acting[:, 0], [10.0, 20.0, 20.0, 20.0, 20.0], rtol=SAME)
@@ -222,7 +222,7 @@ def test_a_point_that_slips_on_needs_no_second_problem(monkeypatch):
         return solve(solver, *given)
 
     monkeypatch.setattr(YieldingContact, "solve", counted)
-    *_, taken, _ = walked(IncrementMean(condensed), way)
+    *_, taken, _ = walked(MeanContact(condensed), way)
     assert (taken[2:] > 0).all()
     assert len(solved) == 1  # where slip begins
 
@@ -238,7 +238,7 @@ def test_a_smooth_point_opens_beside_one_that_sticks():
         slices={"rough": slice(0, 1), "smooth": slice(1, 2)},
         shear=sp.csr_array(np.eye(4)[1:3]),
     )
-    scheme = IncrementMean(CondensedContact(contact=contact, compliance=np.zeros((4, 4))))
+    scheme = MeanContact(CondensedContact(contact=contact, compliance=np.zeros((4, 4))))
     states, last = [ContactState(active=np.ones(2, dtype=bool))], np.zeros((1, 6))
     for way in ([-1.0, 0.3, 0.4, -1.0], [-1.0, 0.3, 0.4, 0.5]):
         _, (end,), states = scheme.solve(np.array([way]), states, last)
@@ -252,4 +252,4 @@ def test_a_smooth_point_opens_beside_one_that_sticks():
 )
 def test_a_mean_tells_no_force_of_a_rigid_point(normal, tangential):
     with pytest.raises(ModelError, match="need elastic contact: a hard point has no force"):
-        IncrementMean(one_point(normal, tangential))
+        MeanContact(one_point(normal, tangential))

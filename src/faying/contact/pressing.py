@@ -1,0 +1,122 @@
+"""Contact without friction as a problem of forces: of hard points and compressed compliances."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from typing import final
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.contact.between_pairs import BetweenPairs
+from faying.contact.compressed_space import CompressedSpace
+from faying.contact.contact import Contact
+from faying.contact.dense_points import DensePoints
+from faying.contact.increment import Increment
+from faying.contact.increment_solver import displaced
+from faying.contact.laws_at_points import LawsAtPoints
+from faying.exceptions import ConvergenceError, ModelError
+from faying.linalg.compressed import CompressedCompliance
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PressingContact:
+    """Solver of contact problems whose points press or are open.
+
+    Attributes
+    ----------
+    contact
+        Gaps and laws.
+    between
+        Structure between pairs.
+    space
+        The flexibility between points, in the form in which its active blocks are solved.
+    """
+
+    contact: Contact
+    between: BetweenPairs
+    space: DensePoints | CompressedSpace
+
+    @property
+    def S(self) -> Matrix:
+        """Compliance between pairs (n_relative, n_relative) [length/force], if it is dense."""
+        return dense_compliance(self.contact, self.between)
+
+    def moved_by(self, forces: Vector) -> Vector:
+        """Return S p (n_relative,) [length] of forces between the pairs."""
+        return self.between.moved_by(forces)
+
+    @cached_property
+    def laws(self) -> LawsAtPoints:
+        """What the contact points answer."""
+        return LawsAtPoints(contact=self.contact)
+
+    def about(self, state: Increment) -> "PressingContact":  # noqa: ARG002
+        """Return itself: active sets know no reference."""
+        return self
+
+    def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
+        """Solve one problem; see :meth:`.IncrementSolver.solve`.
+
+        Raises
+        ------
+        ModelError
+            If the gap holds NaN or infinity.
+        ConvergenceError
+            If there are no forces: the compliance is not positive semidefinite, or contact is hard
+            at more points than the basis of a reduced model has modes, which the message says.
+        """
+        g_free = self.contact.interpolation @ free + offset[0]
+        if not np.isfinite(g_free).all():
+            message = "the gap without contact forces holds NaN or infinity; check loads and model"
+            raise ModelError(message)
+        with _naming_few_modes(self.contact):
+            solution = self.space.solve(g_free, None if start is None else start.forces[0] > 0)
+        forces, slack = np.zeros(offset.shape), np.zeros(offset.shape)
+        forces[0], slack[0] = solution.forces, solution.slack
+        return Increment(
+            forces=forces,
+            slack=slack,
+            moved=displaced(self, free, forces),
+            iterations=solution.iterations,
+            residual=0.0,
+            error=solution.error,
+        )
+
+
+def dense_compliance(contact: Contact, between: BetweenPairs) -> Matrix:
+    """Return the compliance between pairs.
+
+    Raises
+    ------
+    ModelError
+        If it is compressed.
+    """
+    if isinstance(between.compliance, CompressedCompliance):
+        message = (
+            f"friction and curves at {contact.n_points} points need a dense compliance between "
+            "pairs; raise the budget with model.with_dense_budget, or take a coarser interface"
+        )
+        raise ModelError(message)
+    return between.compliance
+
+
+@contextmanager
+def _naming_few_modes(contact: Contact) -> Iterator[None]:
+    """Say of contact that finds no forces whether the model has fewer modes than hard points."""
+    try:
+        yield
+    except ConvergenceError as error:
+        hard = int(np.isinf(contact.penalty).sum())
+        modes = int(contact.relative_operator.shape[1])
+        if contact.residual_compliance is not None or hard <= modes:
+            raise
+        message = (
+            f"contact is hard at {hard} points, but the model has {modes} degrees of freedom: its "
+            "gaps depend on each other, and no contact forces close all that are pressed; keep the "
+            "residual compliance (method 'compliance', reduce(..., compliance=True)), take a "
+            "penalty, or a basis of more modes than contact points"
+        )
+        raise ConvergenceError(message) from error
