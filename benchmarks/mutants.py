@@ -66,7 +66,6 @@ TARGETS: dict[str, tuple[str, ...]] = {
     "simulation/cycles.py": _PATHS,
     "simulation/frictional_preload.py": _PATHS,
     "simulation/without_friction.py": _PATHS,
-    "simulation/increment_step.py": ("tests/unit/simulation/test_increment_step.py",),
     "simulation/energies.py": ("tests/unit/simulation/test_energies.py", *_MOTION),
     "reduction/craig_bampton.py": _REDUCTION,
     "reduction/normal_modes.py": _REDUCTION,
