@@ -2,11 +2,12 @@
 
     python benchmarks/meshed_joint.py STUDY.toml
     python benchmarks/meshed_joint.py STUDY.toml --friction 0.15 --steps 10
+    python benchmarks/meshed_joint.py STUDY.toml --friction 0.15 --backbone 0.2 2000 12
 
 takes a study whose model is a mesh with bolts, and its first static load case, and prints a table:
 preparing contact, tightening, static cases, increments with friction by the share of closed area
-that slips. Processor time of one thread, medians of three where a stage takes below ten seconds.
-Run it with OMP_NUM_THREADS=1.
+that slips; or backbones of the first modes between two energies. Processor time of one thread,
+medians of three where a stage takes below ten seconds. Run it with OMP_NUM_THREADS=1.
 """
 
 import argparse
@@ -22,6 +23,7 @@ from typing import TypeVar
 import numpy as np
 
 import faying as fy
+from faying.assessment.modal_analysis import modal_analysis
 from faying.assessment.slip import slip_states
 from faying.linalg.factorization import factorize
 from faying.simulation.static import AT_REST
@@ -104,7 +106,10 @@ def main() -> None:
     if options.friction:
         rubbing = fresh(tight.with_friction(options.friction))
         del smooth, tight  # with their matrices between pairs
-        rub(table, rubbing, load, options.friction, options.steps, options.factor)
+        if options.backbone:
+            vibrate(table, rubbing, options.modes, options.increments, *options.backbone)
+        else:
+            rub(table, rubbing, load, options.friction, options.steps, options.factor)
 
 
 def rub(
@@ -119,6 +124,43 @@ def rub(
         part = factor * (n + 1) / steps
         before, state = state, fy.solve_path(rubbing, [load.scaled(part)], state)
         tell(table, f"increment to {part:.2f}", time.process_time() - start, state, before)
+
+
+def vibrate(
+    table: Table,
+    rubbing: fy.Model,
+    modes: list[int],
+    increments: int,
+    least: float,
+    most: float,
+    count: float,
+) -> None:
+    """Print what each energy of each mode takes, and what came of it."""
+    rubbing = table.stage("contact prepared", lambda: prepared(rubbing), times=1)
+    rest = table.stage("preload", lambda: fy.solve_path(rubbing, [AT_REST]), times=1)
+    levels, begun = np.geomspace(least, most, int(count)), time.process_time()
+    for mode in modes:
+        analysis = table.stage(
+            f"mode {mode} prepared",
+            lambda mode=mode: modal_analysis(
+                rubbing, mode, levels, over="energy", initial=rest, increments=increments
+            ),
+            times=1,
+        )
+        for number, level in enumerate(levels):
+            start = time.process_time()
+            cycle = analysis.cycle(number)
+            spent = time.process_time() - start
+            curve = analysis.backbone([cycle])
+            table.line(
+                f"mode {mode}, energy {level:.3g}",
+                spent,
+                f"{cycle.cycles} cycles of {increments}, {spent / (cycle.cycles + 0.25):.2f} s each"
+                f"; {curve.amplitude[0]:.4g} at {curve.measured_at}, {curve.frequency[0]:.2f} Hz, "
+                f"damping {curve.damping_ratio[0]:.4%}, {curve.energy_difference[0]:+.1%} by loop, "
+                f"{1 - curve.stick_share[0]:.0%} slips",
+            )
+    table.line("backbones", time.process_time() - begun)
 
 
 def tell(
@@ -141,6 +183,9 @@ def parse() -> argparse.Namespace:
     parser.add_argument("--friction", type=float, default=0.0)
     parser.add_argument("--steps", type=int, default=5)
     parser.add_argument("--factor", type=float, default=1.0)
+    parser.add_argument("--backbone", type=float, nargs=3, metavar=("LEAST", "MOST", "COUNT"))
+    parser.add_argument("--modes", type=int, nargs="+", default=[1, 2, 3])
+    parser.add_argument("--increments", type=int, default=20, help="of a cycle")
     return parser.parse_args()
 
 

@@ -281,11 +281,13 @@ class Swing:
         rise = np.arange(1, (half + 1) // 2 + 1) / ((half + 1) // 2)
         down = 1 - 2 * np.arange(1, half + 1) / half
 
-        def walk(shares: Vector, state: PathStep) -> list[PathStep]:
+        def walk(
+            shares: Vector, state: PathStep, before: Sequence[PathStep] = ()
+        ) -> list[PathStep]:
             targets = self.start.relative + load * np.outer(shares, self.moved)
-            return list(follow(self.solver, targets, state))
+            return list(follow(self.solver, targets, state, before=before))
 
-        steps = walk(rise, self.start)
+        steps, cycle = walk(rise, self.start), list[PathStep]()
         first = self._modal([self.start, *steps], np.concatenate([[0.0], load * rise]))
         first_loop = float(np.trapezoid(np.concatenate([[0.0], load * rise]), first))
         factors = np.concatenate([down, -down])
@@ -293,8 +295,9 @@ class Swing:
         stationary, count, energy = False, 0, np.inf
         while not stationary and count < MOST_CYCLES:
             previous, last = steps[-1], energy
-            steps, count = walk(factors, previous), count + 1
-            modal = self._modal([previous, *steps], loads)
+            steps, count = walk(factors, previous, cycle), count + 1
+            cycle = [previous, *steps]
+            modal = self._modal(cycle, loads)
             energy = sum(step.dissipation for step in steps)
             left = np.abs(steps[-1].slip - previous.slip) * np.abs(steps[-1].increment.forces[1:])
             change = min(abs(energy - last), float(left.sum()))
@@ -303,7 +306,7 @@ class Swing:
         return ModalCycle(
             load=load,
             modal=(modal[-1] - modal[half]) / 2,
-            reached=np.ptp(self._at([previous, *steps], loads)) / 2,
+            reached=np.ptp(self._at(cycle, loads)) / 2,
             energy=energy if energy > NO_LOSS * load * np.ptp(modal) else 0.0,
             loop=-float(np.trapezoid(modal, loads)),
             stick_share=float(sticking[:, 0].min()),
@@ -314,8 +317,8 @@ class Swing:
             first_loop=first_loop,
             loads=loads,
             modals=modal,
-            slip_distance=_distance([previous, *steps]),
-            met=self.met([previous, *steps], loads, (modal[-1] - modal[half]) / 2),
+            slip_distance=_distance(cycle),
+            met=self.met(cycle, loads, (modal[-1] - modal[half]) / 2),
         )
 
     def _pairs(self, steps: Sequence[PathStep]) -> Matrix:

@@ -143,9 +143,11 @@ def _repeated(
     relative = moved_alone(system, cycle)
     ends = cycle[[len(cycle) // 2 - 1, -1]]
     start, energies, stationary = steps[-1], list[float](), False
+    before = list[PathStep]()
     while len(energies) < (count or MOST_CYCLES) and (count is not None or not stationary):
         start = steps[-1]
-        steps = list(follow(solver, relative, start))
+        steps = list(follow(solver, relative, start, before=before))
+        before = [start, *steps]
         energies.append(float(np.sum([step.dissipation for step in steps])))
         reversals = assembled(system, ends, [steps[len(steps) // 2 - 1], steps[-1]], "reversals")
         work = float(np.ptp(load_work(reversals, load))) * float(np.abs(factors[1]).max())

@@ -212,10 +212,14 @@ def follow(
     relative: Matrix,
     step: PathStep,
     part: range | None = None,
+    *,
+    before: Sequence[PathStep] = (),
 ) -> Iterator[PathStep]:
     """Yield where a path stands after each load (n_load, n_relative), from where it begins.
 
-    Some of the loads may be given, if ``step`` is where those before them led.
+    Some of the loads may be given, if ``step`` is where those before them led. Where the same loads
+    came before, as in cycles, it is told where they began and where each of them led: increments
+    then begin as those did, past where the path now is.
 
     Raises
     ------
@@ -226,7 +230,11 @@ def follow(
     with threads_for(solver.contact.rows.shape[1]):
         for number in numbers:
             try:
-                step = _to(solver, step, relative[number], MOST_DIVISIONS)
+                if before:
+                    start = _again(step, before[number].increment, before[number + 1].increment)
+                else:
+                    start = _ahead(step, relative[number])
+                step = _to(solver, step, relative[number], MOST_DIVISIONS, start)
             except ConvergenceError as error:
                 message = f"load {number + 1} of {len(relative)} on the path: {error}"
                 raise ConvergenceError(message) from None
@@ -239,16 +247,23 @@ def _in_proportion(contact: Contact, step: PathStep) -> bool:
     return unloaded and contact.proportional and not contact.initial_gap.any()
 
 
-def _to(solver: IncrementSolver, step: PathStep, target: Vector, divisions: int) -> PathStep:
-    """Go to a load in one increment, or by halves of it where that is too far."""
+def _to(
+    solver: IncrementSolver,
+    step: PathStep,
+    target: Vector,
+    divisions: int,
+    start: Increment | None,
+) -> PathStep:
+    """Go to a load in one increment from a start, or by halves where that is too far."""
     offset, previous = solver.contact.offset(step.slip), replace(step, previous=None)
     try:
-        increment = solver.solve(target, offset, _ahead(step, target))
+        increment = solver.solve(target, offset, start)
     except ConvergenceError:
         if divisions == 0 or _in_proportion(solver.contact, step):
             raise
-        middle = _to(solver, step, (step.relative + target) / 2, divisions - 1)
-        end = _to(solver, middle, target, divisions - 1)
+        half = (step.relative + target) / 2
+        middle = _to(solver, step, half, divisions - 1, _ahead(step, half))
+        end = _to(solver, middle, target, divisions - 1, _ahead(middle, target))
         return replace(
             end,
             previous=previous,
@@ -279,3 +294,9 @@ def _ahead(step: PathStep, target: Vector) -> Increment | None:
     length = float(line @ line)
     part = float(np.clip(ahead @ line / length, -1.0, 1.0)) if length > 0 else 0.0
     return replace(start, moved=start.moved + part * (start.moved - previous.increment.moved))
+
+
+def _again(step: PathStep, earlier: Increment, later: Increment) -> Increment | None:
+    """Return where an increment begins that goes as far as from an earlier one to a later one."""
+    start = step.increment
+    return replace(start, moved=start.moved + later.moved - earlier.moved) if start.begun else None

@@ -243,6 +243,22 @@ def test_increments_begin_on_the_line_of_the_one_before():
     np.testing.assert_allclose(solver.asked[2].moved, expected, rtol=0, atol=1e-15)  # round-off
 
 
+def test_increments_of_a_cycle_go_as_far_as_those_of_the_cycle_before():
+    system = sliders()
+    solver = Refusing(system.static_contact.increments, np.inf)
+    relative = moved_alone(system, path_inputs(system, [pulled(), *WAY[1:3]]))
+    first = next(follow(solver, relative[:1], path_start(system, None)))
+    before = [first, *follow(solver, relative[1:], first)]
+    solver.asked.clear()
+    again = list(follow(solver, relative[1:], before[-1], before=before))
+    was = [step.increment.moved for step in before]
+    now = [step.increment.moved for step in (before[-1], *again)]
+    assert len(solver.asked) == 2
+    for number, start in enumerate(solver.asked):
+        expected = now[number] + was[number + 1] - was[number]
+        np.testing.assert_allclose(start.moved, expected, rtol=0, atol=1e-15)  # round-off
+
+
 LOAD = pulled(3.0, -2.0)
 
 
@@ -294,8 +310,8 @@ def test_cycles_are_repeated_until_they_agree_to_a_thousandth(monkeypatch):
 
     told = iter([None, 1.0, 0.9, 0.9011, 0.902, 0.9])  # 1.2 and then 0.998 thousandths more
 
-    def follow_and_tell(*given):
-        energy, steps = next(told), list(follow(*given))
+    def follow_and_tell(*given, **before):
+        energy, steps = next(told), list(follow(*given, **before))
         return steps if energy is None else [replace(s, dissipation=energy / 8) for s in steps]
 
     monkeypatch.setattr("faying.simulation.cycles.follow", follow_and_tell)
@@ -316,9 +332,9 @@ def test_losses_of_round_off_are_none(monkeypatch):
     for share, cycles in ((0.9e-12, 1), (1.1e-12, 2)):
         lost = iter([0.0, share * work, share * work])
 
-        def follow_and_tell(*given, lost=lost):
+        def follow_and_tell(*given, lost=lost, **before):
             energy = next(lost)
-            return [replace(step, dissipation=energy / 8) for step in follow(*given)]
+            return [replace(step, dissipation=energy / 8) for step in follow(*given, **before)]
 
         monkeypatch.setattr("faying.simulation.cycles.follow", follow_and_tell)
         assert len(fy.solve_cycles(system, LOAD, 0.2, tight, increments=2).energies) == cycles
