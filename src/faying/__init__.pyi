@@ -35,11 +35,11 @@ from faying.assessment.strength.margins import torque_tests as torque_tests
 from faying.assessment.strength.thread import Thread as Thread
 from faying.assessment.transient_error import transient_error as transient_error
 from faying.assessment.tresca import certify_increments as certify_increments
+from faying.contact.dense_points import contact_problem as contact_problem
 from faying.contact.laws import ExponentialClosure as ExponentialClosure
 from faying.contact.laws import GasketClosure as GasketClosure
 from faying.contact.laws import PowerClosure as PowerClosure
 from faying.contact.laws import TableClosure as TableClosure
-from faying.contact.problem import contact_problem as contact_problem
 from faying.export.transient_stream import stream_transient as stream_transient
 from faying.joint.build import build_model as build_model
 from faying.joint.model import Model as Model
@@ -76,13 +76,13 @@ from faying.simulation.load import History as History
 from faying.simulation.load import Load as Load
 from faying.simulation.newton import solve_static_newton as solve_static_newton
 from faying.simulation.path import solve_path as solve_path
+from faying.simulation.path import solve_static as solve_static
 from faying.simulation.preload import Sticking as Sticking
 from faying.simulation.preload import preload as preload
 from faying.simulation.preload import tighten as tighten
 from faying.simulation.preload_loss import PreloadLoss as PreloadLoss
 from faying.simulation.solution import Solution as Solution
 from faying.simulation.static import solve_static_cases as solve_static_cases
-from faying.simulation.static_case import solve_static as solve_static
 from faying.simulation.tightening_plan import TighteningPlan as TighteningPlan
 from faying.simulation.tightening_plan import tightening_plan as tightening_plan
 from faying.simulation.transient import solve_transient as solve_transient

@@ -6,8 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying.contact.frictional import SOLVED
-from faying.contact.increment import Increment
-from faying.contact.increment_solver import displaced
+from faying.contact.increment import Increment, displaced
 from faying.exceptions import ConvergenceError
 
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from faying.contact.problem import contact_problem
+from faying.contact.dense_points import contact_problem
 
 ENTRIES = st.floats(-10, 10, allow_subnormal=False).map(lambda x: round(x, 3))
 

@@ -11,8 +11,7 @@ from fake_results import fake_results
 from faying.assessment.transient_error import HINT
 from faying.exceptions import ModelError
 from faying.joint.free_matrices import FreeMatrices
-from faying.linalg.machine_memory import VARIABLE
-from faying.linalg.memory import NotEnoughMemoryError
+from faying.linalg.memory import VARIABLE, NotEnoughMemoryError
 from faying.reduction.basis import ModeKind
 from faying.simulation.stepping import transient_solver
 from faying.study.judgement.remarks import remarks

@@ -18,9 +18,9 @@ from faying.exceptions import ModelError
 from faying.linalg import superlu
 from faying.linalg.factorization import VARIABLE, available_backends, factorize
 from faying.linalg.mkl import PardisoHandle
-from faying.linalg.nested_dissection import SMALLEST, nested_dissection
 from faying.linalg.partial import port_compliance
 from faying.linalg.singular import SingularMatrixError
+from faying.linalg.superlu import SMALLEST, nested_dissection
 
 BACKENDS = available_backends()
 needs_mkl = pytest.mark.skipif("pardiso" not in BACKENDS, reason="MKL is not installed")

@@ -8,8 +8,7 @@ import scipy.linalg as la
 import scipy.optimize
 
 from faying.contact import active_set
-from faying.contact.dense_points import DensePoints
-from faying.contact.problem import contact_problem
+from faying.contact.dense_points import DensePoints, contact_problem
 from faying.exceptions import ConvergenceError, ModelError
 
 

@@ -10,8 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import faying as fy
-from faying.linalg.backends import available_backends
-from faying.linalg.inertia import count_negative
+from faying.linalg.backends import available_backends, count_negative
 from faying.linalg.mkl import PardisoHandle
 from faying.linalg.singular import InertiaError
 

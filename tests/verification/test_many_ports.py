@@ -8,9 +8,8 @@ from hypothesis import strategies as st
 
 import faying as fy
 from faying.linalg import pardiso
-from faying.linalg.backends import available_backends
+from faying.linalg.backends import available_backends, estimate_memory, estimate_port_memory
 from faying.linalg.budget import DENSE_COPIES
-from faying.linalg.estimate import estimate_memory, estimate_port_memory
 from faying.linalg.factorization import factorize
 from faying.linalg.mkl import PardisoHandle
 from faying.linalg.partial import port_compliance

@@ -13,7 +13,7 @@ from faying.exceptions import ConvergenceError
 from faying.joint.free_matrices import FreeMatrices
 from faying.joint.structure import Structure
 from faying.linalg.backends import VARIABLE, available_backends
-from faying.linalg.machine_memory import VARIABLE as MEMORY
+from faying.linalg.memory import VARIABLE as MEMORY
 from faying.linalg.singular import InertiaError
 from faying.reduction import normal_modes
 from faying.reduction.mode_count import check_modes, count_modes_below

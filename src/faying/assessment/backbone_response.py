@@ -27,8 +27,7 @@ from faying.assessment.response_curve import (
 from faying.assessment.stuck_modes import StuckModes, stuck_modes
 from faying.exceptions import ModelError
 from faying.joint.system import System, input_forces
-from faying.simulation.harmonic_load import harmonic_inputs
-from faying.simulation.load import Load
+from faying.simulation.load import Load, harmonic_inputs
 from faying.simulation.path import solve_path
 from faying.simulation.solution import Solution
 

@@ -28,11 +28,11 @@ from faying.reduction.mode_count import count_modes_below
 from faying.reduction.normal_modes import NormalModes, fixed_interface_normal_modes
 from faying.reduction.projection import projected
 from faying.simulation.divided_steps import divided_steps
+from faying.simulation.instants import check_times
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 from faying.simulation.static import AT_REST
-from faying.simulation.times import check_times
 from faying.simulation.transient import solve_transient
 
 FEWEST_MODES, MOST_MODES = 5, 320

@@ -16,7 +16,7 @@ from faying.assessment.stuck_stiffness import slipping_stiffness
 from faying.contact.stuck_points import StuckPoints
 from faying.exceptions import ConvergenceError
 from faying.joint.system import System, input_forces
-from faying.simulation.harmonic_load import harmonic_inputs
+from faying.simulation.load import harmonic_inputs
 from faying.simulation.path import path_start
 from faying.simulation.periodic import ModalLoads, PeriodicProblem
 from faying.simulation.periodic_curve import CurvePoint, Traced, solve_motion, trace

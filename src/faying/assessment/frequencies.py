@@ -7,7 +7,7 @@ import numpy as np
 from faying._typing import SparseMatrix, Vector
 from faying.assessment.stuck_stiffness import stuck_stiffness
 from faying.joint.model import Model
-from faying.linalg.inertia import count_negative
+from faying.linalg.backends import count_negative
 from faying.linalg.relief import factorize_relieved
 from faying.reduction.normal_modes import lowest_modes
 from faying.simulation.path import last_of

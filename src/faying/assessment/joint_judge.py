@@ -40,9 +40,9 @@ from faying.joint.tangential import TangentialRows, tangential_rows
 from faying.reduction.projection import contact_surfaces
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import Load, NamedLoad
+from faying.simulation.path import solve_static
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static_cases
-from faying.simulation.static_case import solve_static
 from faying.simulation.without_friction import pressures_without_friction
 from faying.units import units_of
 

@@ -9,7 +9,7 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector
 from faying.assessment.slip import ON_THE_BOUND
 from faying.assessment.stuck_modes import StuckMode, stuck_modes
-from faying.contact.increment_solver import IncrementSolver
+from faying.contact.increment import IncrementSolver
 from faying.exceptions import ModelError
 from faying.joint.system import System, boundary_slices
 from faying.model.boundary import DISPLACEMENT_NAMES

@@ -5,8 +5,7 @@ from functools import partial
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.contact.increment import Increment
-from faying.contact.increment_solver import displaced
+from faying.contact.increment import Increment, displaced
 from faying.joint.system import Joint
 from faying.simulation.path import PathStep, contact_along, state_of
 from faying.simulation.solution import Solution

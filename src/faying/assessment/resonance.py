@@ -18,9 +18,8 @@ from faying.assessment.modal_cycles import ModalCycle, StillModeError
 from faying.assessment.response_curve import boundary_components, rows_of
 from faying.assessment.stuck_modes import stuck_modes
 from faying.joint.system import System
-from faying.simulation.harmonic_load import harmonic_inputs
 from faying.simulation.integrators import GeneralizedAlpha
-from faying.simulation.load import History, Load
+from faying.simulation.load import History, Load, harmonic_inputs
 from faying.simulation.solution import Solution
 from faying.simulation.stepping import transient_solver
 from faying.simulation.transient_windows import transient_windows

@@ -9,8 +9,8 @@ import scipy.linalg as la
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.assessment.stuck_stiffness import stuck_stiffness
 from faying.joint.system import System
+from faying.linalg.backends import count_negative
 from faying.linalg.factorization import Factorization, factorize
-from faying.linalg.inertia import count_negative
 from faying.linalg.relief import factorize_relieved
 from faying.reduction.normal_modes import lowest_modes
 from faying.simulation.solution import Solution

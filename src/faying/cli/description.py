@@ -16,8 +16,7 @@ from faying.interface.interface import Interface
 from faying.joint.diagnosis import AS_A_WHOLE, FreeParts
 from faying.joint.expected_memory import expected_memory
 from faying.joint.model import Model
-from faying.linalg.machine_memory import free_memory
-from faying.linalg.memory import FactorMemory, gigabytes
+from faying.linalg.memory import FactorMemory, free_memory, gigabytes
 from faying.model.assembly import Assembly
 from faying.model.bodies import body_names
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary

@@ -19,8 +19,7 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
-from faying.contact.active_set import solve_complementarity
-from faying.contact.forces import ContactForces
+from faying.contact.active_set import ContactForces, solve_complementarity
 from faying.exceptions import ConvergenceError
 from faying.linalg.compressed import CompressedCompliance
 from faying.linalg.threads import threads_for

@@ -14,7 +14,7 @@ from faying.contact.compressed_space import CompressedSpace
 from faying.contact.contact import Contact
 from faying.contact.dense_points import DensePoints
 from faying.contact.frictional import FrictionalContact
-from faying.contact.increment_solver import IncrementSolver
+from faying.contact.increment import IncrementSolver
 from faying.contact.pressing import PressingContact, dense_compliance
 from faying.contact.yielding import YieldingContact
 from faying.exceptions import ModelError

@@ -23,8 +23,7 @@ import scipy.sparse as sp
 from faying._typing import Matrix, SparseMatrix, Vector, read_only
 from faying.contact.contact import Contact
 from faying.contact.fixed_bounds import FixedBounds
-from faying.contact.increment import Increment
-from faying.contact.increment_solver import displaced
+from faying.contact.increment import Increment, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_steps import NewtonSteps
 from faying.exceptions import ConvergenceError

@@ -8,7 +8,6 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, read_only
-from faying.contact.padded_rows import PaddedRows
 
 
 @final
@@ -85,9 +84,9 @@ class PointSprings:
     @cached_property
     def _assembly(self) -> tuple[SparseMatrix, Indices, Indices]:
         """Return the entries of B (nnz, components² n_point) per entry of K, columns and rows."""
-        rows, k, n_pair = PaddedRows.of(self.G), self.components, self.G.shape[1]
+        k, n_pair = self.components, self.G.shape[1]
         n = self.G.shape[0] // k
-        columns, values = (part.reshape(k, n, -1) for part in (rows.columns, rows.values))
+        columns, values = (part.reshape(k, n, -1) for part in padded_rows(self.G))
         keys, sources, shares = [], [], []
         for i, j in np.ndindex(k, k):
             share = values[i][:, :, None] * values[j][:, None, :]
@@ -102,3 +101,13 @@ class PointSprings:
         )
         indptr = np.searchsorted(entries, n_pair * np.arange(n_pair + 1))
         return places, entries % n_pair, indptr
+
+
+def padded_rows(matrix: SparseMatrix) -> tuple[Indices, Matrix]:
+    """Return columns and values (n, k) of the entries of rows with at most k; padding is zero."""
+    rows = matrix.tocsr()
+    counts = np.diff(rows.indptr)
+    used = np.arange(counts.max(initial=0)) < counts[:, None]
+    columns, values = np.zeros(used.shape, dtype=np.int64), np.zeros(used.shape)
+    columns[used], values[used] = rows.indices, rows.data
+    return columns, values

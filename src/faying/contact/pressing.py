@@ -13,8 +13,7 @@ from faying.contact.between_pairs import BetweenPairs
 from faying.contact.compressed_space import CompressedSpace
 from faying.contact.contact import Contact
 from faying.contact.dense_points import DensePoints
-from faying.contact.increment import Increment
-from faying.contact.increment_solver import displaced
+from faying.contact.increment import Increment, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.exceptions import ConvergenceError, ModelError
 from faying.linalg.compressed import CompressedCompliance

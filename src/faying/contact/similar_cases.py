@@ -13,7 +13,7 @@ import numpy as np
 from scipy.linalg import LinAlgError, lapack
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
-from faying.contact.increment_solver import IncrementSolver
+from faying.contact.increment import IncrementSolver
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_descent import (
     FLAT,

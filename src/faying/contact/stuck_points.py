@@ -20,7 +20,7 @@ import scipy.sparse as sp
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
-from faying.contact.increment_solver import IncrementSolver
+from faying.contact.increment import IncrementSolver
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.yielding import YieldingContact
 from faying.exceptions import ModelError

@@ -12,8 +12,7 @@ from faying.contact.between_pairs import BetweenPairs, ByCompliance
 from faying.contact.contact import Contact
 from faying.contact.frictional import FrictionalContact
 from faying.contact.glued_pairs import GluedPairs
-from faying.contact.increment import Increment
-from faying.contact.increment_solver import displaced
+from faying.contact.increment import Increment, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_descent import solve_yielding
 from faying.exceptions import ConvergenceError, ModelError

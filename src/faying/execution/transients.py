@@ -11,9 +11,9 @@ from faying.execution.checkpoint import Arrays
 from faying.execution.executor import Executor
 from faying.execution.groups import even_parts, grouped
 from faying.joint.system import System
+from faying.simulation.instants import runs_at_once
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import Load
-from faying.simulation.side_by_side import runs_at_once
 from faying.simulation.solution import Solution
 from faying.simulation.start import at_rest
 from faying.simulation.stepping import TransientSolver, transient_solver

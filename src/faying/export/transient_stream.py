@@ -20,12 +20,12 @@ from faying.files.described import member_name
 from faying.files.hdf5 import check_hdf5, damaged
 from faying.joint.system import System
 from faying.simulation.divided_steps import divided_steps
+from faying.simulation.instants import check_times
 from faying.simulation.integrators import ImplicitEuler, Integrator
 from faying.simulation.load import Load
 from faying.simulation.restart import Restart, kept_restart, restart_from
 from faying.simulation.solution import Solution
 from faying.simulation.stepping import transient_solver
-from faying.simulation.times import check_times
 from faying.simulation.transient_windows import Steps, transient_windows
 
 SLACK = 2**20

@@ -8,8 +8,7 @@ import errno
 import stat
 from pathlib import Path
 
-from faying.linalg.machine_memory import free_memory
-from faying.linalg.memory import gigabytes
+from faying.linalg.memory import free_memory, gigabytes
 
 MOST_ROWS = 100_000_000
 """Rows of a matrix from which its size is taken for damage: its factors would take terabytes."""

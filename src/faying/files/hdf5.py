@@ -19,7 +19,7 @@ import h5py
 from faying.exceptions import FayingError, FormatError
 from faying.files.child_python import python_command, python_environment
 from faying.files.contents import reason_of
-from faying.linalg.machine_memory import free_memory
+from faying.linalg.memory import free_memory
 
 STALLED_SECONDS = 20.0
 """Seconds of a processor after which a file counts as damaged, where the system counts them."""

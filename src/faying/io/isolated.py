@@ -14,8 +14,7 @@ import numpy.typing as npt
 
 from faying.exceptions import FormatError, refuse
 from faying.files.child_python import python_command, python_environment
-from faying.linalg.machine_memory import free_memory, physical_memory
-from faying.linalg.memory import gigabytes
+from faying.linalg.memory import free_memory, gigabytes, physical_memory
 
 SLOWEST_READING = 1e6
 """Bytes a second below which a read counts as stalled; a healthy one does a hundred times that."""

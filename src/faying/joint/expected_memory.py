@@ -6,9 +6,8 @@ import scipy.sparse as sp
 from faying._typing import Mask, Matrix
 from faying.joint.model import Model
 from faying.joint.structure import Structure
-from faying.linalg.backends import chosen_backend
+from faying.linalg.backends import chosen_backend, estimate_memory
 from faying.linalg.budget import DENSE_COPIES
-from faying.linalg.estimate import estimate_memory
 from faying.linalg.memory import FactorMemory
 from faying.linalg.pardiso import FEW_PORTS
 from faying.model.assembly import Assembly

@@ -12,10 +12,10 @@ from faying.contact.between_pairs import ByCompliance, ByStiffness
 from faying.digits import ROUND_OFF
 from faying.joint.free_matrices import FreeMatrices
 from faying.joint.system import PortCompliance
+from faying.linalg.backends import estimate_memory, estimate_port_memory
 from faying.linalg.budget import default_budget, pairs_fit
 from faying.linalg.cholesky import inverse
 from faying.linalg.compressed import Compliance, plus, symmetrized
-from faying.linalg.estimate import estimate_memory, estimate_port_memory
 from faying.linalg.factorization import (
     Factorization,
     MatrixFactorization,

@@ -1,6 +1,6 @@
 """How much memory dense matrices may take before compressed ones replace them."""
 
-from faying.linalg.machine_memory import physical_memory
+from faying.linalg.memory import physical_memory
 
 FRACTION = 0.5
 """Part of the physical memory that the dense matrices of one model may take by default."""

@@ -1,15 +1,12 @@
 """Factorization of symmetric positive definite matrices, by the best backend at hand."""
 
-from collections.abc import Callable
-
 import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix
-from faying.linalg.backends import VARIABLE, available_backends, chosen_backend
+from faying.linalg.backends import BACKENDS, VARIABLE, Backend, available_backends, chosen_backend
 from faying.linalg.cholesky import factorize_condensed
 from faying.linalg.interface import Factorization, MatrixFactorization
-from faying.linalg.pardiso import factorize_pardiso
 from faying.linalg.singular import (
     MECHANISM,
     NotDefiniteError,
@@ -32,10 +29,6 @@ __all__ = [
 
 SHIFT = 1e-10
 """Part of the diagonal that makes a structure factorizable which can move freely."""
-
-_SparseBackend = Callable[[SparseMatrix], MatrixFactorization]
-
-_BACKENDS: dict[str, _SparseBackend] = {"pardiso": factorize_pardiso, "superlu": factorize_superlu}
 
 
 def factorize(A: SparseMatrix | Matrix, *, backend: str | None = None) -> MatrixFactorization:
@@ -69,16 +62,16 @@ def factorize(A: SparseMatrix | Matrix, *, backend: str | None = None) -> Matrix
     >>> factorize(np.diag([2.0, 4.0])).solve(np.array([1.0, 1.0]))
     array([0.5 , 0.25])
     """
-    chosen = _BACKENDS[chosen_backend(backend)]
+    chosen = BACKENDS[chosen_backend(backend)]
     if sp.issparse(A) and A.shape[0] > 0:
         return _factorize_sparse(A, chosen)
     whole = dense(A)
     return factorize_condensed(whole, np.diag(whole))
 
 
-def _factorize_sparse(A: SparseMatrix, backend: _SparseBackend) -> MatrixFactorization:
+def _factorize_sparse(A: SparseMatrix, backend: Backend) -> MatrixFactorization:
     try:
-        factorization = backend(A)
+        factorization = backend.factorize(A)
     except NotDefiniteError:
         factorization = _factorize_indefinite(A, backend)
     motion, resistance = softest_motion(A, factorization)
@@ -87,12 +80,12 @@ def _factorize_sparse(A: SparseMatrix, backend: _SparseBackend) -> MatrixFactori
     return factorization
 
 
-def _factorize_indefinite(A: SparseMatrix, backend: _SparseBackend) -> MatrixFactorization:
+def _factorize_indefinite(A: SparseMatrix, backend: Backend) -> MatrixFactorization:
     """Tell a structure that can move from a matrix that is merely indefinite."""
     diagonal = A.diagonal()
     shifted = A + SHIFT * sp.diags_array(diagonal + diagonal.mean())
     try:
-        motion = softest_motion(A, backend(shifted))[0]
+        motion = softest_motion(A, backend.factorize(shifted))[0]
     except NotDefiniteError:
         return factorize_superlu(A)
     raise SingularMatrixError(motion)

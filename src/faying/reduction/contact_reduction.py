@@ -10,8 +10,7 @@ import numpy as np
 from faying._typing import Mask, Matrix, Vector
 from faying.contact.condensed import CondensedContact, ContactSolver
 from faying.contact.contact import Contact
-from faying.contact.increment import Increment
-from faying.contact.increment_solver import IncrementSolver, displaced
+from faying.contact.increment import Increment, IncrementSolver, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.exceptions import ModelError
 from faying.joint.model import Model

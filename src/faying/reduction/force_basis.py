@@ -18,7 +18,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
-from faying.contact.problem import contact_problem
+from faying.contact.dense_points import contact_problem
 from faying.exceptions import ModelError
 from faying.reduction.contact_reduction import AnyModel, ReducedContact, with_static_contact
 

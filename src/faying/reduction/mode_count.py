@@ -1,7 +1,7 @@
 """How many vibration modes there are below a frequency, and whether all of them were found.
 
 Lanczos finds eigenvalues, and cannot tell whether it has missed one, least of all where several
-coincide. The signs of the pivots of K − ω²M can (:mod:`faying.linalg.inertia`).
+coincide. The signs of the pivots of K − ω²M can (:mod:`faying.linalg.backends`).
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ import numpy as np
 from faying.exceptions import ConvergenceError
 from faying.joint.model import Model
 from faying.joint.structure import Structure
-from faying.linalg.inertia import count_negative
+from faying.linalg.backends import count_negative
 from faying.linalg.memory import NotEnoughMemoryError
 from faying.linalg.singular import InertiaError
 from faying.reduction.normal_modes import NormalModes

@@ -9,9 +9,9 @@ import numpy as np
 from faying._typing import Matrix
 from faying.exceptions import ModelError
 from faying.joint.system import System
+from faying.simulation.instants import runs_at_once
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import Load
-from faying.simulation.side_by_side import runs_at_once
 from faying.simulation.static import solve_static_cases
 from faying.simulation.stepping import transient_solver
 

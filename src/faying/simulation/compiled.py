@@ -12,7 +12,7 @@ import numpy as np
 
 from faying._typing import Mask, Matrix, Vector
 from faying.contact.condensed import CondensedContact
-from faying.contact.padded_rows import PaddedRows
+from faying.contact.point_springs import padded_rows
 from faying.contact.state import ContactState
 from faying.contact.yielding import YieldingContact
 from faying.exceptions import ModelError
@@ -172,7 +172,7 @@ def compiled_steps(
         return None
     if not isinstance(scheme.step_contact(condensed), EndContact):
         return None
-    n, rows = P.shape[1], PaddedRows.of(contact.interpolation)
+    n, (columns, values) = P.shape[1], padded_rows(contact.interpolation)
     inverse = effective.solve(np.eye(n))
     right = scheme.right_hand_side(system, unstacked(np.eye(4 * n)), step)
     arrays = {
@@ -183,8 +183,8 @@ def compiled_steps(
         "pairs_to_states": P.T,
         "newmark": _newmark(scheme, step),
         "S": solver.S,
-        "columns": rows.columns,
-        "values": rows.values,
+        "columns": columns,
+        "values": values,
         "springs": solver.laws.springs[0],
         "initial_gap": contact.initial_gap,
     }

@@ -16,6 +16,7 @@ from faying._typing import Indices
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import System
 from faying.simulation.energy_guard import warn_of_gain
+from faying.simulation.instants import check_times
 from faying.simulation.integrators import ImplicitEuler, Integrator
 from faying.simulation.load import Load
 from faying.simulation.restart import Restart
@@ -23,7 +24,6 @@ from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import joined, some_states
 from faying.simulation.start import begun
 from faying.simulation.stepping import TransientSolver, transient_solver
-from faying.simulation.times import check_times
 from faying.simulation.transient_windows import transient_windows
 
 MOST_HALVINGS = 6

@@ -1,4 +1,4 @@
-"""What transients side by side leave."""
+"""What transients side by side leave, and whether there is room for it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,11 +6,31 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Matrix
-from faying.contact.forces import ContactForces
+from faying.contact.active_set import ContactForces
+from faying.exceptions import ModelError
 from faying.joint.system import System
 from faying.linalg.memory import require_room
 from faying.simulation.integrators import Motion
 from faying.simulation.solution import Solution
+
+MOST_STEPS = 10**9
+"""Steps of a response; even instants alone are eight gigabytes of them."""
+
+
+def check_times(step: float, duration: float) -> None:
+    """Refuse steps that are none."""
+    if not 0 < step <= duration:
+        message = (
+            f"the time step is {step:g} and the duration {duration:g}; "
+            "the step must be positive and no longer than the duration"
+        )
+        raise ModelError(message)
+    if not duration / step <= MOST_STEPS:
+        message = (
+            f"the duration {duration:g} takes {duration / step:.4g} steps of {step:g}, and "
+            f"{MOST_STEPS} are the most; enlarge the step"
+        )
+        raise ModelError(message)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -93,3 +113,21 @@ def require_history_room(n_case: int, n_time: int, system: System) -> None:
         f"and {n_point} contact points",
         "shorten them, enlarge the step, or stream them in Python (stream_transient)",
     )
+
+
+HISTORY_BYTES = 2 * 2**30
+"""Memory that the histories of responses stepped side by side may take.
+
+The same on every machine, for round-off depends on how many there are.
+"""
+
+
+def runs_at_once(system: System, n_time: int, n_states: int | None = None) -> int:
+    """Return how many histories of ``n_time`` instants fit; one always does.
+
+    Displacements and their derivatives are in memory at ``n_states`` instants together; at all by
+    default.
+    """
+    contact, n_states = system.contact, n_time if n_states is None else n_states
+    numbers = 3 * n_states * system.K.shape[0] + 2 * n_time * contact.components * contact.n_points
+    return max(1, HISTORY_BYTES // (8 * int(numbers)))

@@ -6,9 +6,9 @@ from typing import Protocol
 
 import numpy as np
 
-from faying._typing import Matrix, Vector, frozen
+from faying._typing import ComplexVector, Matrix, Vector, frozen
 from faying.exceptions import ModelError
-from faying.joint.system import Joint, boundary_slices, initial_bolt_forces
+from faying.joint.system import Joint, System, boundary_slices, initial_bolt_forces
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,3 +188,22 @@ def _split(key: str, system: Joint, load: str) -> tuple[str, str]:
         )
         raise ModelError(message)
     return boundary, component
+
+
+def harmonic_inputs(system: System, load: Mapping[str, complex]) -> ComplexVector:
+    """Return the complex amplitudes F of inputs (n_input,), f(t) = Re(F exp(iωt)).
+
+    The load is ``"boundary.component"``, or the name of a load pattern, to its complex amplitude.
+    """
+    if not any(load.values()):
+        message = "the harmonic load is zero; give an amplitude, as {'tip.Fz': 1.0}"
+        raise ModelError(message)
+    start = np.zeros(1)
+    still = Load().inputs(system, start)[0]
+
+    def part(values: Mapping[str, float]) -> ComplexVector:
+        moved = Load(values, name="harmonic load").inputs(system, start)[0] - still
+        return np.asarray(moved, dtype=complex)
+
+    real = part({name: float(np.real(value)) for name, value in load.items()})
+    return real + 1j * part({name: float(np.imag(value)) for name, value in load.items()})

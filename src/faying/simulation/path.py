@@ -1,5 +1,6 @@
 """Quasi-static paths: increments of load, with friction that remembers its slip."""
 
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -9,17 +10,23 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.contact.contact import Contact
-from faying.contact.increment import Increment
-from faying.contact.increment_solver import IncrementSolver, displaced
+from faying.contact.increment import Increment, IncrementSolver, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import Joint, System
 from faying.linalg.memory import require_room
 from faying.linalg.threads import threads_for
-from faying.simulation.load import StaticLoad
+from faying.simulation.load import Load, StaticLoad
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import OF_EACH_STATE, carried_inputs
-from faying.simulation.static import ContactStates, port_forces, solution_of, solved_cases
+from faying.simulation.static import (
+    AT_REST,
+    ContactStates,
+    port_forces,
+    solution_of,
+    solve_static_inputs,
+    solved_cases,
+)
 
 MOST_DIVISIONS = 6
 """Times an increment is halved before its path is given up."""
@@ -300,3 +307,59 @@ def _again(step: PathStep, earlier: Increment, later: Increment) -> Increment | 
     """Return where an increment begins that goes as far as from an earlier one to a later one."""
     start = step.increment
     return replace(start, moved=start.moved + later.moved - earlier.moved) if start.begun else None
+
+
+def solve_static(system: System, load: Load = AT_REST, initial: Solution | None = None) -> Solution:
+    """Solve the static contact problem of one load case.
+
+    Parameters
+    ----------
+    system
+        Full or reduced model; histories are taken at time zero.
+    initial
+        With friction or gaskets, the state to go on from in one increment; by default the joint is
+        unstressed and nothing has slipped. Else where it comes from does not matter.
+
+    Raises
+    ------
+    ModelError
+        If the load does not fit the system, or the structure is not held.
+
+    Notes
+    -----
+    One dense contact problem and one back-substitution; the compliance of the system is
+    formed at the first call and kept.
+    """
+    return last_of(solve_path(system, [load], initial, name=load.name))
+
+
+def solve_ramps(
+    system: System, inputs: Matrix, rest: Solution, *, increments: int, name: str = "ramps"
+) -> Solution:
+    """Solve many loads, each in equal increments from the last state of a path; its end of each.
+
+    Inputs (n_case, n_input) [force] are boundary forces and initial bolt forces. The solution has
+    one entry per load, with ``traction`` and ``slip``; iterations and dissipation are those of the
+    last increment.
+
+    Raises
+    ------
+    ConvergenceError
+        If an increment is not solved even when it is divided.
+
+    Notes
+    -----
+    As many increments as :func:`faying.solve_path` with the same loads, and one back-substitution
+    for each load. Where contact remembers nothing they are cases, solved together.
+    """
+    if system.contact.forgets:
+        return solve_static_inputs(system, inputs, name)
+    step = path_start(system, rest)
+    solver = system.static_contact.increments
+    begun = np.atleast_2d(rest.inputs)[-1]
+    shares = np.arange(1, increments + 1)[:, None] / increments
+    ends: list[PathStep] = []
+    for row in inputs:
+        relative = moved_alone(system, begun + shares * (row - begun))
+        ends += deque(follow(solver, relative, step), maxlen=1)
+    return assembled(system, inputs, ends, name)

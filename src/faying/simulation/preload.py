@@ -17,8 +17,8 @@ from faying.joint.sticking import sticking_stiffness, stuck_pairs
 from faying.joint.system import Joint, initial_bolt_forces
 from faying.simulation.bolted_state import bolted_state
 from faying.simulation.bolts_by_force import BoltsByForce, forces_of_bolts
+from faying.simulation.path import solve_static
 from faying.simulation.preload_loss import PreloadLoss, loses
-from faying.simulation.static_case import solve_static
 
 _log = logging.getLogger("faying")
 

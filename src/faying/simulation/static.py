@@ -13,7 +13,6 @@ from faying.joint.system import Joint, PortCompliance, System, input_forces
 from faying.linalg.memory import require_room
 from faying.linalg.threads import threads_for
 from faying.simulation.load import Load
-from faying.simulation.load_groups import similar_groups
 from faying.simulation.solution import Solution
 
 AT_REST = Load(name="preload")
@@ -170,3 +169,23 @@ def relative_forces(
     contact = system.contact
     forces: Matrix = (contact.transposed[1] @ contact.at_pairs(contact_forces, shear_forces)).T
     return forces
+
+
+def similar_groups(vectors: Matrix, size: int) -> list[Indices]:
+    """Divide vectors (n, k) into groups of at most a size, similar groups after each other.
+
+    They are halved again and again across the line between two that are far from each other.
+    """
+
+    def divided(rows: Indices) -> list[Indices]:
+        count = -(-len(rows) // size)
+        if count <= 1:
+            return [rows] if len(rows) else []
+        inside = vectors[rows]
+        end = inside[((inside - inside.mean(axis=0)) ** 2).sum(axis=1).argmax()]
+        opposite = inside[((inside - end) ** 2).sum(axis=1).argmax()]
+        order = rows[np.argsort(inside @ (opposite - end), kind="stable")]
+        middle = len(rows) * (count // 2) // count
+        return divided(order[:middle]) + divided(order[middle:])
+
+    return divided(np.arange(len(vectors)))

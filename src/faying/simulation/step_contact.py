@@ -12,11 +12,10 @@ from typing import Protocol, cast, final
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.contact.active_set import ContactForces
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
-from faying.contact.forces import ContactForces
-from faying.contact.increment import Increment
-from faying.contact.increment_solver import IncrementSolver, displaced
+from faying.contact.increment import Increment, IncrementSolver, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.state import ContactState
 from faying.exceptions import ModelError

@@ -8,8 +8,8 @@ from functools import cached_property, partial
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.contact.active_set import ContactForces
 from faying.contact.condensed import CondensedContact, relative_compliance
-from faying.contact.forces import ContactForces
 from faying.contact.state import ContactState
 from faying.exceptions import ConvergenceError
 from faying.joint.system import System, input_forces
@@ -25,7 +25,7 @@ from faying.simulation.compiled import (
     worth_compiling,
 )
 from faying.simulation.energy_guard import EnergyGuard
-from faying.simulation.instants import Instants, require_history_room
+from faying.simulation.instants import Instants, check_times, require_history_room
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
 from faying.simulation.load import Load
 from faying.simulation.restart import Restart, each_of, side_by_side
@@ -33,7 +33,6 @@ from faying.simulation.solution import Solution
 from faying.simulation.start import begun, stacked_forces, starting_states
 from faying.simulation.static import relative_forces
 from faying.simulation.step_contact import StepContact
-from faying.simulation.times import check_times
 
 SIDE_BY_SIDE = 16
 """Cases advanced together; more gain nothing more and spread over more memory."""

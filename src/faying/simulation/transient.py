@@ -4,11 +4,11 @@ from collections.abc import Callable, Sequence
 
 from faying.joint.system import System
 from faying.simulation.divided_steps import divided_steps
+from faying.simulation.instants import check_times
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 from faying.simulation.stepping import transient_solver
-from faying.simulation.times import check_times
 
 
 def solve_transient(

@@ -4,12 +4,11 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol
 
 from faying.joint.system import System
-from faying.simulation.instants import require_history_room
+from faying.simulation.instants import check_times, require_history_room
 from faying.simulation.load import Load
 from faying.simulation.restart import Restart
 from faying.simulation.solution import Solution
 from faying.simulation.start import starting_states
-from faying.simulation.times import check_times
 
 Progress = Callable[[int], object]
 

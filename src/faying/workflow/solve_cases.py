@@ -19,8 +19,7 @@ from faying.execution.executor import Executor
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
 from faying.simulation.load import InputRow
-from faying.simulation.path import solve_path
-from faying.simulation.ramps import solve_ramps
+from faying.simulation.path import solve_path, solve_ramps
 from faying.simulation.restart import kept_restart, restart_from
 from faying.simulation.solution import Solution
 from faying.simulation.static import similar_loads

@@ -10,8 +10,7 @@ from faying.contact import newton_descent
 from faying.contact.between_pairs import ByCompliance
 from faying.contact.frictional import SOLVED
 from faying.contact.glued_pairs import GluedPairs
-from faying.contact.increment import Increment
-from faying.contact.increment_solver import displaced
+from faying.contact.increment import Increment, displaced
 from faying.contact.laws import Coulomb, Penalty
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.yielding import YieldingContact

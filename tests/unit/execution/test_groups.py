@@ -10,7 +10,7 @@ from faying.exceptions import CampaignError
 from faying.execution.checkpoint import Checkpoint
 from faying.execution.groups import grouped
 from faying.execution.transients import step_responses
-from faying.simulation import side_by_side
+from faying.simulation import instants
 from faying.simulation.stepping import TransientSolver, transient_solver
 
 STEP = 1e-4
@@ -82,7 +82,7 @@ def test_histories_side_by_side_stay_within_the_bytes_given_to_them(joint, monke
     monkeypatch.setattr(TransientSolver, "solve_cases", watched)
     n_number = 4 * (3 * joint.K.shape[0] + 2 * joint.contact.n_points)
     for room, expected in ((0.5, [1] * 5), (2.5, [1, 2, 2]), (5.0, [5])):
-        monkeypatch.setattr(side_by_side, "HISTORY_BYTES", int(room * 8 * n_number))
+        monkeypatch.setattr(instants, "HISTORY_BYTES", int(room * 8 * n_number))
         sizes.clear()
         found = map(pressure, step_responses(solver, LOADS, **run))
         # 1e-9: round-off of several right-hand sides at once and one by one, 1e-13 here.

@@ -228,7 +228,7 @@ def test_shapes_are_stored_once(run, given):
 def test_shapes_give_the_static_displacements(run):
     """Σ q shape is the displacement field the run stored of a model without compliance."""
     from faying.simulation.load import Load
-    from faying.simulation.static_case import solve_static
+    from faying.simulation.path import solve_static
 
     classic = run.reduced["craig-bampton"][0]
     solution = solve_static(classic, Load({"tip.Fz": -500.0, "tip.Mx": 20e3}))

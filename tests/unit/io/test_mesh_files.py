@@ -17,7 +17,7 @@ from faying.model.generate import brick_grid, shaped
 from faying.model.matrices import assemble_matrices, mass_properties
 from faying.model.specs import BoundarySpec, InterfaceSpec
 from faying.simulation.load import Load
-from faying.simulation.static_case import solve_static
+from faying.simulation.path import solve_static
 
 topological_dimension.setdefault("wedge15", 3)  # as the reader does
 

@@ -12,19 +12,17 @@ from threadpoolctl import threadpool_limits
 
 import faying as fy
 from faying.exceptions import ModelError
-from faying.linalg import machine_memory
-from faying.linalg.backends import available_backends
-from faying.linalg.estimate import estimate_memory
+from faying.linalg import memory
+from faying.linalg.backends import available_backends, count_negative, estimate_memory
 from faying.linalg.factorization import factorize
-from faying.linalg.inertia import count_negative
-from faying.linalg.machine_memory import (
+from faying.linalg.memory import (
     VARIABLE,
     Limit,
+    NotEnoughMemoryError,
     control_group_limits,
     free_memory,
     physical_memory,
 )
-from faying.linalg.memory import NotEnoughMemoryError
 
 BACKENDS = available_backends()
 needs_mkl = pytest.mark.skipif("pardiso" not in BACKENDS, reason="MKL is not installed")
@@ -130,7 +128,7 @@ def test_limits_of_version_2(tmp_path, monkeypatch):
     write(top / "slice/job", memory__max="1000\n")
     assert control_group_limits(tmp_path) == [Limit(1000, 200), Limit(5000, 1100)]
     write(tmp_path / "proc", meminfo="MemTotal: 9 kB\nMemAvailable:       8 kB\n")
-    monkeypatch.setattr(machine_memory, "SYSTEM", tmp_path)
+    monkeypatch.setattr(memory, "SYSTEM", tmp_path)
     monkeypatch.delenv(VARIABLE, raising=False)
     assert free_memory() == 200
     assert physical_memory() == 1000
@@ -158,7 +156,7 @@ def test_limits_of_version_1_in_a_container(tmp_path):
 
 
 def test_systems_that_do_not_tell(tmp_path, monkeypatch, interior):
-    monkeypatch.setattr(machine_memory, "SYSTEM", tmp_path)
+    monkeypatch.setattr(memory, "SYSTEM", tmp_path)
     monkeypatch.delenv(VARIABLE, raising=False)
     assert free_memory() is None
     assert control_group_limits() == []
@@ -169,7 +167,7 @@ def test_systems_that_do_not_tell(tmp_path, monkeypatch, interior):
 @pytest.mark.skipif(sys.platform != "linux", reason="reads the files of the Linux kernel")
 def test_this_machine_tells():
     """In a process of its own, where no test has set anything."""
-    script = "from faying.linalg.machine_memory import *; print(free_memory(), physical_memory())"
+    script = "from faying.linalg.memory import *; print(free_memory(), physical_memory())"
     done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, timeout=600
     )

@@ -7,7 +7,7 @@ import pytest
 
 import faying as fy
 from faying.exceptions import ModelError
-from faying.simulation import side_by_side
+from faying.simulation import instants
 
 BOX = fy.LoadBox(ranges={"tip.Fz": (-750.0, 750.0), "tip.Mx": (-30e3, 30e3)})
 
@@ -96,7 +96,7 @@ def test_step_snapshots_do_not_depend_on_how_many_runs_fit_in_memory(joint, monk
     together = fy.step_snapshots(joint, loads, step=1e-4, duration=3e-4)
     n_number = 4 * (3 * joint.K.shape[0] + 2 * joint.contact.n_points)
     for runs in (0, 2):  # less than one run, and a last group that is not full
-        monkeypatch.setattr(side_by_side, "HISTORY_BYTES", runs * 8 * n_number)
+        monkeypatch.setattr(instants, "HISTORY_BYTES", runs * 8 * n_number)
         alone = fy.step_snapshots(joint, loads, step=1e-4, duration=3e-4)
         # Round-off of several right-hand sides at once and one by one.
         np.testing.assert_allclose(alone, together, rtol=0, atol=1e-9 * together.max())

@@ -7,8 +7,7 @@ import pytest
 
 import faying as fy
 from faying.files.flattening import flattened
-from faying.linalg.machine_memory import VARIABLE
-from faying.linalg.memory import NotEnoughMemoryError
+from faying.linalg.memory import VARIABLE, NotEnoughMemoryError
 from faying.study.inputs.loads import case_load
 from faying.study.keys.schema import parse_study
 from faying.study.results.responses import respond

@@ -8,7 +8,7 @@ from faying.assessment.response_curve import boundary_components
 from faying.exceptions import FayingError
 from faying.joint.model import Model
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES
-from faying.simulation.harmonic_load import harmonic_inputs
+from faying.simulation.load import harmonic_inputs
 from faying.study.keys.errors import Problem, nearest
 from faying.study.keys.frequency_table import FrequencySection
 from faying.study.keys.loadings import repeated_loads

@@ -5,8 +5,8 @@ from collections.abc import Callable
 
 from faying.joint.system import System
 from faying.simulation.divided_steps import divided_steps
+from faying.simulation.path import solve_static
 from faying.simulation.solution import Solution
-from faying.simulation.static_case import solve_static
 from faying.simulation.transient import solve_transient
 from faying.study.inputs.loads import case_load
 from faying.study.inputs.timing import time_span, time_step

@@ -12,8 +12,8 @@ from faying.joint.model import Model
 from faying.linalg.memory import require_room
 from faying.simulation.divided_steps import divided_steps
 from faying.simulation.energy_guard import AT_ONCE
+from faying.simulation.instants import runs_at_once
 from faying.simulation.integrators import Integrator, named_integrator
-from faying.simulation.side_by_side import runs_at_once
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import joined, some_states, without_states
 from faying.simulation.stepping import transient_solver

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from faying._typing import Matrix
-from faying.contact.increment_solver import IncrementSolver
+from faying.contact.increment import IncrementSolver
 from faying.joint.system import System
 from faying.simulation.load import Load
 from faying.simulation.path import (

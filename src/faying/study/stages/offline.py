@@ -22,11 +22,10 @@ from faying.reduction.projection import projected
 from faying.reduction.snapshots import static_snapshots
 from faying.simulation.frictional_preload import tighten_with_friction
 from faying.simulation.load import Load
-from faying.simulation.path import last_of
+from faying.simulation.path import last_of, solve_static
 from faying.simulation.preload import Sticking, Tightening, tighten, with_sticking
 from faying.simulation.preload_loss import PreloadLoss
 from faying.simulation.solution import Solution
-from faying.simulation.static_case import solve_static
 from faying.simulation.stepping import TransientSolver, transient_solver
 from faying.simulation.without_friction import smooth_joint
 from faying.study.inputs.bolts import losses
