@@ -20,7 +20,7 @@
 /* Yield of a rigid point in a step over what the structure yields at it. */
 #define RIGID_YIELD 1e-8
 /* Vectors (3 n) of a solver. */
-#define VECTORS 18
+#define VECTORS 17
 
 struct friction {
     const struct joint *joint;
@@ -32,9 +32,8 @@ struct friction {
     double *slack;                 /* (3 n) z of the last increment */
     double left;                   /* natural residual of the last increment */
     size_t worst;                  /* the point where that is */
-    double *F, *dx, *tried, *tried_slack, *tried_F, *start, *found, *near; /* (3 n) room */
+    double *F, *dx, *tried, *tried_slack, *tried_F, *found, *near; /* (3 n) room */
     double *yields, *stiffness, *about, *apart, *moved_by, *trial;         /* (3 n) room */
-    double *outward;                                                       /* (n) room */
     double *K, *J;                                                                /* (n, 3, 3) */
     double *pairs, *moved, *rows;              /* (n_relative), (n_relative), (3, n_relative) */
     size_t *touched, *order, *place;           /* (n_relative) */
@@ -56,7 +55,7 @@ static int create_friction(struct friction *f, const struct joint *joint)
     f->joint = joint;
     f->n = n;
     f->S = malloc((4 * r * r + 1) * sizeof *f->S);
-    f->D = calloc(VECTORS * 3 * n + 2 * n + 18 * n + 5 * r + 1, sizeof *f->D);
+    f->D = calloc(VECTORS * 3 * n + n + 18 * n + 5 * r + 1, sizeof *f->D);
     f->touched = calloc(3 * r + 1, sizeof *f->touched);
     if (!f->S || !f->D || !f->touched) {
         free_friction(f);
@@ -67,13 +66,12 @@ static int create_friction(struct friction *f, const struct joint *joint)
     f->S_touched = f->B + r * r;
     double **vectors[VECTORS] = {
         &f->D,           &f->own,     &f->scale,  &f->slack,     &f->F,     &f->dx,
-        &f->tried,       &f->start,   &f->found,  &f->near,      &f->about, &f->apart,
+        &f->tried,       &f->found,  &f->near,      &f->about, &f->apart,
         &f->tried_slack, &f->tried_F, &f->yields, &f->stiffness, &f->trial, &f->moved_by};
     for (size_t i = 0; i < VECTORS; i++)
         *vectors[i] = f->D + 3 * n * i;
     f->mu = f->D + VECTORS * 3 * n;
-    f->outward = f->mu + n;
-    f->K = f->outward + n;
+    f->K = f->mu + n;
     f->J = f->K + 9 * n;
     f->pairs = f->J + 9 * n;
     f->moved = f->pairs + r;

@@ -14,10 +14,6 @@
  * first value it may be then. */
 #define WATCHED 5
 #define BOLD 1e3
-/* Distance from the friction bound within which a point slips on, and the share of slipping points
- * that may slip back before they are taken as stuck. */
-#define AT_BOUND 1e-6
-#define FEW_BACK 0.1
 #define PROXIMAL_TRIALS 40
 #define BOUND_TRIALS 40
 /* Of problems with fixed friction bounds: least yield over what the structure yields, lengths of a
@@ -110,52 +106,6 @@ static double find_root(struct friction *f, const double *free_slack, double *x,
             break;
     }
     return relative_to(f->F, x, n);
-}
-
-/* Replace forces x by where they go if no point changes sides: points at their friction bound slip
- * on, unless many would slip back, as where a load reverses; then those stick. */
-static void predict(struct friction *f, const double *free_slack, double *x)
-{
-    const size_t n = f->n;
-    admit(f, x, NULL);
-    memcpy(f->start, x, 3 * n * sizeof(double));
-    for (size_t p = 0; p < n; p++)
-        f->outward[p] = 1.0 + AT_BOUND;
-    find_slack(f, f->slack, f->start, free_slack, 0.0);
-    for (int attempt = 0; attempt < 2; attempt++) {
-        size_t slipping = 0, back = 0;
-        for (size_t i = 0; i < 3 * n; i++)
-            f->tried[i] = f->start[i] * (i < n ? 1.0 : f->outward[i % n]);
-        differentiate(f, f->tried, NULL);
-        for (size_t p = 0; p < n; p++)
-            for (size_t i = 0; i < 3; i++) {
-                double sum = 0.0;
-                for (size_t k = 0; k < 3; k++)
-                    sum += f->J[9 * p + 3 * i + k] * f->scale[k * n + p] * f->slack[k * n + p];
-                f->dx[i * n + p] = -sum;
-            }
-        if (find_step(f, f->scale, f->D) != 0) {
-            memcpy(x, f->start, 3 * n * sizeof(double));
-            return;
-        }
-        memcpy(x, f->start, 3 * n * sizeof(double));
-        add_row(x, f->dx, 1.0, 3 * n);
-        find_slack(f, f->tried_slack, x, free_slack, 0.0);
-        for (size_t p = 0; p < n; p++) {
-            const double *J = f->J + 9 * p;
-            if (!is_closed(f, p) || !(J[4] < 1.0 || J[8] < 1.0))
-                continue;
-            slipping++;
-            if (f->tried_slack[n + p] * f->start[n + p]
-                    + f->tried_slack[2 * n + p] * f->start[2 * n + p]
-                > 0.0) {
-                back++;
-                f->outward[p] = 1.0 - AT_BOUND;
-            }
-        }
-        if ((double)back <= FEW_BACK * (double)slipping)
-            return;
-    }
 }
 
 /* ---- fixed friction bounds ---- */
@@ -291,7 +241,7 @@ static enum contact_status solve_friction(struct friction *f, const double *free
     static const way others[] = {renew_bounds, approach};
     if (!are_finite(free_slack, 3 * f->n))
         return CONTACT_NOT_FINITE;
-    predict(f, free_slack, x);
+    admit(f, x, NULL);
     (void)find_root(f, free_slack, x, 1, 0.0);
     double left = judge(f, free_slack, x);
     for (size_t i = 0; i < sizeof others / sizeof others[0] && left > INCREMENT_SOLVED; i++) {
