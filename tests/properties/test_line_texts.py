@@ -5,15 +5,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from faying.io.line_texts import LineTexts, joined, split_lines
+from faying.io.deck_lines import LineTexts, joined, split_lines
 
 TEXTS = st.text(alphabet="ab$, \r\n", max_size=40).map(str.encode)
 
 
 @pytest.fixture(autouse=True, params=[1, 2**24], ids=["small chunks", "one chunk"])
 def chunks(request, monkeypatch):
-    monkeypatch.setattr("faying.io.line_texts._CHUNK", request.param)
-    monkeypatch.setattr("faying.io.line_texts._LINES", min(request.param + 1, 2**13))
+    monkeypatch.setattr("faying.io.deck_lines._CHUNK", request.param)
+    monkeypatch.setattr("faying.io.deck_lines._LINES", min(request.param + 1, 2**13))
 
 
 @given(TEXTS)

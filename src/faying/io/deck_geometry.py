@@ -41,7 +41,7 @@ def is_deck(path: str | PathLike[str]) -> bool:
 def read_deck_geometry(path: str | PathLike[str]) -> DeckGeometry:
     """Read nodes, surfaces and node sets of an Abaqus, CalculiX or Nastran deck."""
     if Path(path).suffix.lower() in ABAQUS:
-        from faying.io.abaqus.geometry import read_geometry
+        from faying.io.abaqus.matrices import read_geometry
 
         mesh, faces = read_geometry(path)
     else:

@@ -1,4 +1,4 @@
-"""Lines of a deck, and the file and line each comes from."""
+"""Lines of a deck as places in its text, and the file and line each comes from."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -6,11 +6,173 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from os import PathLike, fspath
 from pathlib import Path
+from typing import overload
+
+import numpy as np
+import numpy.typing as npt
 
 from faying._typing import Indices
 from faying.exceptions import FormatError, ModelError, refuse
 from faying.files.contents import check_room, file_bytes
-from faying.io.line_texts import LineTexts
+
+_RETURN, _FEED, _BLANK = (ord(c) for c in "\r\n ")
+_CHUNK = 2**24
+"""Characters looked at in one go."""
+
+_LINES = 2**13
+"""Lines whose characters are gathered in one go, within the processor's cache."""
+
+
+@dataclass(frozen=True, eq=False)
+class LineTexts(Sequence[bytes]):
+    """Lines without their ends, in ascending order of where they are in a text.
+
+    Attributes
+    ----------
+    data
+        The text, which may hold more than the lines.
+    begin, end : (n_line,)
+        First character of each line, and the one behind its last.
+    """
+
+    data: bytes
+    begin: Indices
+    end: Indices
+
+    def __len__(self) -> int:
+        return len(self.begin)
+
+    @overload
+    def __getitem__(self, which: int) -> bytes: ...
+
+    @overload
+    def __getitem__(self, which: slice) -> "LineTexts": ...
+
+    def __getitem__(self, which: int | slice) -> "bytes | LineTexts":
+        if isinstance(which, slice):
+            return LineTexts(self.data, self.begin[which], self.end[which])
+        return self.data[self.begin[which] : self.end[which]]
+
+    def __iter__(self) -> Iterator[bytes]:
+        return (self[line] for line in range(len(self)))
+
+    def upper(self) -> "LineTexts":
+        """Return the lines in upper case."""
+        return LineTexts(self.data.upper(), self.begin, self.end)
+
+    def holding(self, word: bytes) -> Indices:
+        """Return which lines hold a word: few calls where few do, whatever the number of lines."""
+        return np.unique(self._found(word)[0])
+
+    def cut_at(self, letter: bytes) -> "LineTexts":
+        """Return the lines up to where a letter first stands in them."""
+        lines, places = self._found(letter)
+        end = self.end.copy()
+        end[lines[::-1]] = places[::-1]  # of several the first counts
+        return LineTexts(self.data, self.begin, end)
+
+    def _found(self, word: bytes) -> tuple[Indices, Indices]:
+        """Return lines (n,) and places (n,) of a word."""
+        places = _places_of(word, self.data)
+        places = places[places >= self.begin[0]] if len(self) else places[:0]
+        lines = np.searchsorted(self.begin, places, side="right") - 1
+        inside = places + len(word) <= self.end[lines]
+        return lines[inside], places[inside]
+
+    def letters(self, width: int) -> npt.NDArray[np.uint8]:
+        """Return the first characters (n_line, width) of the lines, blanks behind short ones."""
+        last = max(len(self.data) - width, 0)
+        windows: npt.NDArray[np.void] = np.ndarray(
+            (last + 1,), dtype=f"V{width}", buffer=self.data.ljust(width), strides=(1,)
+        )
+        characters = np.empty((len(self), width), dtype=np.uint8)
+        length = np.minimum(self.end - self.begin, width).astype(np.uint8)
+        column = np.arange(width, dtype=np.uint8)
+        for start in range(0, len(self), _LINES):
+            part = slice(start, start + _LINES)
+            letters = windows[np.minimum(self.begin[part], last)].view(np.uint8)
+            letters = letters.reshape(-1, width)
+            letters[column >= length[part, None]] = _BLANK
+            characters[part] = letters
+        for line in np.flatnonzero(self.begin > last).tolist():
+            characters[line] = np.frombuffer(self[line][:width].ljust(width), dtype=np.uint8)
+        return characters
+
+
+def split_lines(data: bytes) -> LineTexts:
+    """Split text into its lines, which end with a feed, a return, or both."""
+    data = with_usual_ends(data)
+    parts = list(line_places(data))
+    begin = np.concatenate([np.empty(0, dtype=np.int64), *(begin for begin, _ in parts)])
+    end = np.concatenate([np.empty(0, dtype=np.int64), *(end for _, end in parts)])
+    return LineTexts(data, begin, end)
+
+
+def with_usual_ends(data: bytes) -> bytes:
+    """Return text whose lines end with a feed, also where a carriage return alone ended them."""
+    if b"\r" in data and data.count(b"\r") != data.count(b"\r\n"):
+        return data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+    return data
+
+
+def line_places(data: bytes) -> Iterator[tuple[Indices, Indices]]:
+    """Yield where lines begin and end, without feed or return, some hundred thousand at a time."""
+    letters = np.frombuffer(data, dtype=np.uint8)
+    start = 0
+    while start < len(data):
+        stop = data.find(b"\n", start + _CHUNK)
+        stop = len(data) if stop < 0 else stop + 1
+        feeds = start + np.flatnonzero(letters[start:stop] == _FEED)
+        begin = np.concatenate([[start], feeds + 1])
+        end = np.append(feeds, stop)
+        whole = begin < stop
+        begin, end = begin[whole], end[whole]
+        yield begin, end - ((letters[end - 1] == _RETURN) & (end > begin))
+        start = stop
+
+
+def joined(parts: Sequence[Sequence[bytes]]) -> LineTexts:
+    """Return the lines of all parts, one after the other."""
+    if len(parts) == 1 and isinstance(parts[0], LineTexts):
+        return parts[0]
+    texts: list[bytes] = []
+    begins, ends = [np.empty(0, dtype=np.int64)], [np.empty(0, dtype=np.int64)]
+    size = 0
+    for part in parts:
+        if not len(part):
+            continue
+        if isinstance(part, LineTexts):
+            first, last = int(part.begin[0]), int(part.end[-1])
+            texts.append(part.data[first:last])
+            begin, end = part.begin - first, part.end - first
+        else:
+            texts += part
+            length = np.array([len(line) for line in part], dtype=np.int64)
+            end = np.cumsum(length)
+            begin = end - length
+        begins.append(size + begin)
+        ends.append(size + end)
+        size += int(end[-1])
+    return LineTexts(b"".join(texts), np.concatenate(begins), np.concatenate(ends))
+
+
+def _places_of(word: bytes, data: bytes) -> Indices:
+    """Return where a word begins (n,); of single letters there may be many."""
+    if len(word) == 1:
+        if word not in data:
+            return np.empty(0, dtype=np.int64)
+        letters = np.frombuffer(data, dtype=np.uint8)
+        starts = range(0, len(data), _CHUNK)
+        return np.concatenate(
+            [start + np.flatnonzero(letters[start : start + _CHUNK] == word[0]) for start in starts]
+        )
+    places = []
+    position = data.find(word)
+    while position >= 0:
+        places.append(position)
+        position = data.find(word, position + 1)
+    return np.array(places, dtype=np.int64)
+
 
 _PLACED = re.compile(r"^\S.*:\d+: ")
 MOST_FILES = 1000

@@ -15,10 +15,15 @@ import scipy.sparse as sp
 from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import FormatError, refuse
 from faying.files.contents import file_bytes
-from faying.io.deck_lines import Lines
-from faying.io.line_texts import split_lines
-from faying.io.matrix_labels import LabelledMatrix
-from faying.io.named_matrices import REAL_DOUBLE, SQUARE, SYMMETRIC, DamageError, chosen_name
+from faying.io.deck_lines import Lines, split_lines
+from faying.io.matrix_labels import (
+    REAL_DOUBLE,
+    SQUARE,
+    SYMMETRIC,
+    DamageError,
+    LabelledMatrix,
+    chosen_name,
+)
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.fields import large, small
@@ -41,7 +46,7 @@ class _Entries:
 def read_dmig(path: Path, name: str) -> LabelledMatrix:
     """Read the matrix ``"M"``, ``"C"`` or ``"K"`` of a file with DMIG cards.
 
-    It is chosen by its name, see :func:`faying.io.named_matrices.chosen_name`. Rows and columns are
+    It is chosen by its name, see :func:`faying.io.matrix_labels.chosen_name`. Rows and columns are
     in ascending order of grid and component; of a symmetric matrix (form 6) both triangles are
     filled in. A value has ten digits in a punch file (sixteen columns); OP4 keeps them all.
     """

@@ -1,4 +1,4 @@
-"""What becomes of the parts of a deck that are not read: one rule for every program.
+"""What becomes of the parts of a deck that are not read, or not written: one rule for all programs.
 
 What says nothing about a linear structure with contact is left out, and what that means is noted.
 What changes stiffness, mass, supports or contact is left out only if the user asks for it by one
@@ -12,6 +12,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from faying.exceptions import FormatError, refuse
+from faying.model.assembly import Assembly
 
 IGNORABLE: Mapping[str, str] = MappingProxyType(
     {
@@ -123,3 +124,24 @@ def checked_ignore(words: Iterable[str]) -> frozenset[str]:
     if unknown:
         refuse(f"ignore: '{unknown[0]}' is not known; known are {', '.join(IGNORABLE)}")
     return chosen
+
+
+def refuse_unwritten(assembly: Assembly) -> None:
+    """Refuse an assembly with elements that no deck writer knows."""
+    kinds = {
+        "shells": assembly.shells,
+        "bushes": assembly.bushes,
+        "scalar masses": assembly.scalar_masses,
+        "average couplings of different components": [
+            item for item in assembly.average_couplings if item.entering is not None
+        ],
+        "materials whose directions differ": [
+            item for item in assembly.materials.values() if item.law is not None
+        ],
+    }
+    unwritten = [name for name, family in kinds.items() if family]
+    if unwritten:
+        refuse(
+            f"the assembly has {' and '.join(unwritten)}, which faying reads but does not write; "
+            "export the reduced model instead, or write solids, beams, springs and couplings alone"
+        )

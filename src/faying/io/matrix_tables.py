@@ -26,9 +26,8 @@ from faying.files.contents import (
     reason_of,
 )
 from faying.files.numpy_archive import read_arrays, read_matrices
-from faying.io.deck_lines import Lines
+from faying.io.deck_lines import Lines, split_lines
 from faying.io.isolated import read_isolated
-from faying.io.line_texts import split_lines
 from faying.io.matrix_labels import LabelledMatrix
 from faying.io.nastran.cards import Card
 from faying.io.nastran.fields import integer

@@ -21,13 +21,13 @@ import scipy.sparse as sp
 from faying._typing import Matrix, SparseMatrix
 from faying.exceptions import FormatError, ModelError
 from faying.files.contents import file_bytes
-from faying.io.matrix_labels import LabelledMatrix
-from faying.io.named_matrices import (
+from faying.io.matrix_labels import (
     REAL_DOUBLE,
     RECTANGULAR,
     SQUARE,
     SYMMETRIC,
     DamageError,
+    LabelledMatrix,
     chosen_name,
 )
 from faying.io.op4_binary import BinaryFile, looks_binary

@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Indices, Vector
-from faying.io.named_matrices import DamageError
+from faying.io.matrix_labels import DamageError
 from faying.io.op4_values import BIG_ROWS, Header, Strings, checked_header, chunks, spread
 
 _HEADER_BYTES = {24: 4, 48: 8}

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from faying._typing import Indices, Vector
-from faying.io.named_matrices import DamageError
+from faying.io.matrix_labels import DamageError
 
 REAL, COMPLEX = (1, 2), (3, 4)
 """Types of matrices, single and double."""

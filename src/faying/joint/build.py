@@ -24,7 +24,7 @@ from faying.joint.structure import Structure
 from faying.joint.system import boundary_dofs, elongations
 from faying.model.assembly import Assembly, Beam
 from faying.model.bolt import Bolt, shank
-from faying.model.boundary import FORCE_NAMES, Boundary
+from faying.model.boundary import FORCE_NAMES, Boundary, add_coupled_boundary
 from faying.model.clamping import (
     Seats,
     check_clamping,
@@ -34,7 +34,6 @@ from faying.model.clamping import (
 )
 from faying.model.constraints import constrain, movable_components
 from faying.model.contained_bolt import check_contained, elongation_factors
-from faying.model.coupled_boundary import add_coupled_boundary
 from faying.model.deck_bolt import (
     are_carried,
     axial_stiffness,

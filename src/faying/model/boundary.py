@@ -6,6 +6,8 @@ import numpy as np
 
 from faying._typing import Indices, Vector, frozen
 from faying.exceptions import ModelError
+from faying.model.assembly import Assembly, AverageCoupling, RigidCoupling
+from faying.model.specs import BoundarySpec
 
 DISPLACEMENT_NAMES = ("ux", "uy", "uz", "rx", "ry", "rz")
 FORCE_NAMES = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
@@ -63,3 +65,42 @@ class Boundary:
     def with_dofs(self, dofs: Indices) -> "Boundary":
         """Return the same boundary in a system with other indices."""
         return replace(self, dofs=dofs)
+
+
+def add_coupled_boundary(
+    assembly: Assembly, spec: BoundarySpec, nodes: Indices
+) -> tuple[Assembly, BoundarySpec]:
+    """Give a boundary one node with six degrees of freedom, coupled to the nodes of its set.
+
+    The node is at ``at`` of the boundary, the mean of the nodes (indices (n,)) unless given. It is
+    the last one of the assembly returned with the boundary there, which has one more coupling.
+    """
+    points = assembly.mesh.nodes[nodes]
+    spread = np.linalg.matrix_rank(points - points.mean(axis=0), tol=1e-9 * np.abs(points).max())
+    if spread < 2:
+        message = (
+            f"boundary '{spec.name}': the {len(nodes)} nodes of set '{spec.set}' lie on one line, "
+            "so no rotation of its node is defined; couple a face, or leave 'coupling' away"
+        )
+        raise ModelError(message)
+    position = points.mean(axis=0) if spec.at is None else np.asarray(spec.at, dtype=float)
+    reference, number = len(assembly.mesh.nodes), assembly.largest_id + 1
+    mesh = assembly.mesh.with_nodes(position)
+    reduced_spec = replace(
+        spec, node=int(mesh.node_ids[reference]), set=None, coupling=None, at=None
+    )
+    moved = replace(assembly, mesh=mesh)
+    return with_coupling(moved, spec.coupling or "rbe2", number, reference, nodes), reduced_spec
+
+
+def with_coupling(
+    assembly: Assembly, kind: str, number: int, reference: int, nodes: Indices
+) -> Assembly:
+    """Let nodes follow a reference node (``"rbe2"``), or it their mean (``"rbe3"``)."""
+    if kind == "rbe2":
+        rigid = RigidCoupling(id=number, reference=reference, nodes=nodes)
+        return replace(assembly, rigid_couplings=(*assembly.rigid_couplings, rigid))
+    average = AverageCoupling(
+        id=number, reference=reference, nodes=nodes, weights=np.ones(len(nodes))
+    )
+    return replace(assembly, average_couplings=(*assembly.average_couplings, average))

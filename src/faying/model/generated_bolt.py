@@ -14,8 +14,8 @@ from faying.model.assembly import (
     PointMass,
 )
 from faying.model.axes import any_across, round_section
+from faying.model.boundary import with_coupling
 from faying.model.clamping import check_clamping
-from faying.model.coupled_boundary import with_coupling
 from faying.model.deck_bolt import bolt_axis_element
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec

@@ -10,11 +10,17 @@ from pathlib import Path
 import numpy as np
 
 from faying.exceptions import FormatError, refuse
-from faying.io.abaqus.file_spans import Body, Span, TextFile, is_content
 from faying.io.abaqus.instances import instantiated
-from faying.io.abaqus.keyword import Keyword, keyword_name, without_blanks
-from faying.io.deck_lines import DeckFiles
-from faying.io.line_texts import with_usual_ends
+from faying.io.abaqus.keyword import (
+    Body,
+    Keyword,
+    Span,
+    TextFile,
+    is_content,
+    keyword_name,
+    without_blanks,
+)
+from faying.io.deck_lines import DeckFiles, with_usual_ends
 
 _PARTS = re.compile(r"\"[^\"]*\"|'[^']*'|[^,]")
 

@@ -21,7 +21,7 @@ from faying.io.abaqus.written_nodes import (
     written_nodes,
 )
 from faying.io.abaqus.written_steps import WrittenBeam, contact_lines, step_lines, written_beam
-from faying.io.unwritten import refuse_unwritten
+from faying.io.left_out import refuse_unwritten
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.cells import CellBlock
 from faying.model.deck_bolt import bolt_axis_element

@@ -6,8 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from faying.exceptions import refuse
-from faying.io.deck_lines import Lines
-from faying.io.line_texts import joined
+from faying.io.deck_lines import Lines, joined
 from faying.io.nastran.cards import Bulk, Card, Cards
 
 _STATEMENT = re.compile(r"^([A-Z][A-Z0-9]*)\s*(?:\(([^)]*)\))?\s*(?:=\s*(.*)|\s(.*))?$")

@@ -12,7 +12,7 @@ from faying.exceptions import refuse
 from faying.io.left_out import Occurrence
 from faying.io.nastran.beams import BeamEnds, read_beams, read_rods, read_warping
 from faying.io.nastran.bushes import read_bends, read_bushes
-from faying.io.nastran.card_table import FIELDS
+from faying.io.nastran.card_table import ADDED_MASS, CARDS, FIELDS, USERS
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.case_control import (
     LUMPED,
@@ -26,7 +26,6 @@ from faying.io.nastran.case_control import (
 from faying.io.nastran.coordinates import ON_AXIS
 from faying.io.nastran.couplings import read_average_coupling, read_equations
 from faying.io.nastran.grids import BulkData, Grids, read_grids
-from faying.io.nastran.left_out import ADDED_MASS, CARDS, USERS
 from faying.io.nastran.loads import UNSUPPORTED, read_loads
 from faying.io.nastran.materials import (
     MATERIALS,

@@ -9,8 +9,7 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.exceptions import refuse
-from faying.io.deck_lines import Lines
-from faying.io.line_texts import LineTexts, joined
+from faying.io.deck_lines import Lines, LineTexts, joined
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.fields import ROW
 

@@ -14,8 +14,7 @@ import numpy.typing as npt
 
 from faying._typing import Indices, Mask
 from faying.exceptions import refuse
-from faying.io.deck_lines import DeckFiles, Lines
-from faying.io.line_texts import LineTexts, joined, split_lines
+from faying.io.deck_lines import DeckFiles, Lines, LineTexts, joined, split_lines
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Bulk
 from faying.io.nastran.fields import Fields

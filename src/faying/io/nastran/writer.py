@@ -9,9 +9,9 @@ import numpy as np
 from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError, refuse
 from faying.files.atomic import replacing
+from faying.io.left_out import refuse_unwritten
 from faying.io.nastran.fields import Value, digits_of, format_real, frame_independent, large, small
 from faying.io.nastran.numbering import LARGEST_ID, Numbering, number_assembly
-from faying.io.unwritten import refuse_unwritten
 from faying.model.assembly import Assembly, Support
 from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS, solid_element
