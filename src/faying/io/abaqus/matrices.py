@@ -1,4 +1,4 @@
-"""Matrices of Abaqus (``.mtx``) and CalculiX (``.sti``, ``.mas`` with ``.dof``), and what their deck adds."""
+"""Matrices of Abaqus (``.mtx``) and CalculiX (``.sti``, ``.mas``), and what their deck adds."""
 
 import re
 from collections.abc import Mapping
