@@ -157,6 +157,15 @@ FIELDS: Mapping[str, tuple[Field, ...]] = {
 _UNKNOWN = Field(name="")
 
 
+_BEYOND = 1000
+"""A field no card reaches."""
+
+
+def place_of(card: str, name: str) -> int:
+    """Return the number of a field by its name; one that no card reaches where it has none."""
+    return next((i for i, field in enumerate(FIELDS[card]) if field.name == name), _BEYOND)
+
+
 def field_of(card: str, number: int) -> Field:
     """Return a field of a card, without a name where the table does not go so far."""
     fields = FIELDS.get(card, ())

@@ -8,6 +8,7 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector
 from faying.digits import DECK_DIGITS
 from faying.io.nastran import fields as numbers
+from faying.io.nastran.card_table import place_of
 from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.grids import BulkData, Grids
 from faying.io.nastran.shell_sections import ShellProperty
@@ -19,32 +20,11 @@ from faying.model.elements import FACES
 from faying.model.shell_matrices import PANEL
 from faying.model.shells import ShellBlock, ShellSection
 
-_NO_FIELD = 1000
-"""A field no card reaches."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Layout:
-    """Where a card holds what; corner thicknesses start at ``thickness``."""
-
-    kind: str
-    n_nodes: int
-    theta: int = _NO_FIELD
-    offset: int = _NO_FIELD
-    flag: int = _NO_FIELD
-    thickness: int = _NO_FIELD
-
-
-_LAYOUTS = {
-    "CTRIA3": _Layout(kind="tri3", n_nodes=3, theta=5, offset=6, flag=9, thickness=10),
-    "CQUAD4": _Layout(kind="quad4", n_nodes=4, theta=6, offset=7, flag=9, thickness=10),
-    "CTRIA6": _Layout(kind="tri6", n_nodes=6, theta=8, offset=9, flag=13, thickness=10),
-    "CQUAD8": _Layout(kind="quad8", n_nodes=8, theta=14, offset=15, flag=16, thickness=10),
-    "CTRIAR": _Layout(kind="tri3", n_nodes=3, theta=5, offset=6, flag=9, thickness=10),
-    "CQUADR": _Layout(kind="quad4", n_nodes=4, theta=6, offset=7, flag=9, thickness=10),
-    "CSHEAR": _Layout(kind="panel4", n_nodes=4),
+_KINDS = {
+    **{"CTRIA3": "tri3", "CQUAD4": "quad4", "CTRIA6": "tri6", "CQUAD8": "quad8"},
+    **{"CTRIAR": "tri3", "CQUADR": "quad4", "CSHEAR": PANEL},
 }
-SHELL_CARDS = tuple(_LAYOUTS)
+SHELL_CARDS = tuple(_KINDS)
 
 ROTATING = "CTRIAR and CQUADR are read as CTRIA3 and CQUAD4, whose membranes know no drilling"
 """What is said of elements that are stiffer in Nastran against rotations about the normal."""
@@ -57,6 +37,7 @@ CURVED = (
 
 
 _N_CORNERS = {**{kind: face.n_corners for kind, face in FACES.items()}, PANEL: 4}
+_N_NODES = {**{kind: face.n_nodes for kind, face in FACES.items()}, PANEL: 4}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -79,11 +60,11 @@ def read_shells(
     blocks: list[ShellBlock] = []
     sections: dict[int, ShellSection] = {}
     by_thickness: dict[tuple[int, float], int] = {}
-    for name, layout in _LAYOUTS.items():
+    for name, kind in _KINDS.items():
         if name not in bulk.cards:
             continue
         cards_of_name = bulk.cards[name]
-        nodes = _nodes(cards_of_name, layout, bulk.grids, straight)
+        nodes = _nodes(cards_of_name, kind, bulk.grids, straight)
         check_distinct(cards_of_name, nodes)
         numbers_of = property_ids(cards_of_name)
         for number, card in zip(*np.unique(numbers_of, return_index=True), strict=True):
@@ -91,15 +72,15 @@ def read_shells(
                 text = f"property {number} is not in the deck; define it (PSHELL, PCOMP, ...)"
                 cards_of_name.refuse(card, text, 1)
             sections[int(number)] = properties[number].section(properties[number].thickness)
-        numbers_of = _thick(cards_of_name, layout, numbers_of, properties, sections, by_thickness)
+        numbers_of = _thick(cards_of_name, kind, numbers_of, properties, sections, by_thickness)
         blocks.append(
             ShellBlock(
-                kind=layout.kind,
+                kind=kind,
                 nodes=nodes,
                 ids=cards_of_name.integers(0),
                 properties=numbers_of,
-                offsets=cards_of_name.reals(layout.offset, 0.0),
-                directions=_directions(cards_of_name, layout, nodes, bulk.grids),
+                offsets=cards_of_name.reals(place_of(name, "ZOFFS"), 0.0),
+                directions=_directions(cards_of_name, kind, nodes, bulk.grids),
             )
         )
     if straight.turning:
@@ -113,12 +94,12 @@ def read_shells(
     return Shells(blocks=tuple(blocks), sections=sections)
 
 
-def _nodes(cards: Cards, layout: _Layout, grids: Grids, straight: StraightSides) -> Indices:
+def _nodes(cards: Cards, kind: str, grids: Grids, straight: StraightSides) -> Indices:
     """Node indices (n, n_node); new ones where a mid-side node is blank."""
-    n_corner = _N_CORNERS[layout.kind]
+    n_corner = _N_CORNERS[kind]
     corners = [grids.of_column(cards, 2 + j) for j in range(n_corner)]
     columns = list(corners)
-    for j in range(n_corner, layout.n_nodes):
+    for j in range(n_corner, _N_NODES[kind]):
         filled = cards.given(2 + j)
         column = np.zeros(len(cards), dtype=np.int64)
         column[filled] = grids.of_column(cards.take(filled), 2 + j)
@@ -131,28 +112,27 @@ def _nodes(cards: Cards, layout: _Layout, grids: Grids, straight: StraightSides)
 
 def _thick(
     cards: Cards,
-    layout: _Layout,
+    kind: str,
     numbers_of: Indices,
     properties: Mapping[int, ShellProperty],
     sections: dict[int, ShellSection],
     by_thickness: dict[tuple[int, float], int],
 ) -> Indices:
     """Property numbers of shells; those with a thickness of their own get new ones."""
-    n_corner = _N_CORNERS[layout.kind]
-    columns = range(layout.thickness, layout.thickness + n_corner)
+    n_corner = _N_CORNERS[kind]
+    first, flag = place_of(cards.name, "T1"), place_of(cards.name, "TFLAG")
+    columns = range(first, first + n_corner)
     thick = np.flatnonzero(np.any([cards.given(field) for field in columns], axis=0))
     result = numbers_of.copy()
     for card in cards.take(thick):
         row = int(thick[card.number])
         number = int(numbers_of[row])
         usual = properties[number].thickness
-        relative = card.integer(layout.flag, 0) == 1
+        relative = card.integer(flag, 0) == 1
         values = [card.real(field, 1.0 if relative else usual) for field in columns]
         thickness = float(np.mean(values)) * (usual if relative else 1.0)
         if min(values) < 0 or not thickness > 0:
-            card.refuse(
-                "thicknesses T1 to T4 must not be negative, and some positive", layout.thickness
-            )
+            card.refuse("thicknesses T1 to T4 must not be negative, and some positive", first)
         if abs(thickness - usual) <= DECK_DIGITS * usual:
             continue
         key = (number, thickness)
@@ -163,18 +143,17 @@ def _thick(
     return result
 
 
-def _directions(cards: Cards, layout: _Layout, nodes: Indices, grids: Grids) -> Matrix:
+def _directions(cards: Cards, kind: str, nodes: Indices, grids: Grids) -> Matrix:
     """Vectors (n, 3) along the material's x axis: at THETA to the first side, or the x of MCID."""
-    raw = cards.column(layout.theta)
+    theta = place_of(cards.name, "THETA")
+    raw = cards.column(theta)
     _, not_integer = numbers.integers(raw)
-    angle = np.radians(cards.reals(layout.theta, 0.0))
-    places = grids.nodes[nodes[:, : _N_CORNERS[layout.kind]]]
+    angle = np.radians(cards.reals(theta, 0.0))
+    places = grids.nodes[nodes[:, : _N_CORNERS[kind]]]
     result = _at_angle(places, np.where(not_integer, angle, 0.0))
     rows = np.flatnonzero(~not_integer)
     centres = places[rows].mean(axis=1)
-    axes = grids.systems.directions_at(
-        cards.take(rows), layout.theta, np.arange(len(rows)), centres
-    )
+    axes = grids.systems.directions_at(cards.take(rows), theta, np.arange(len(rows)), centres)
     result[rows] = axes[:, 0]
     return result
 
