@@ -34,6 +34,11 @@ def refuse(text: str) -> NoReturn:
     raise FormatError(text)
 
 
+def refuse_model(text: str) -> NoReturn:
+    """Raise the error that a model cannot be used as described."""
+    raise ModelError(text)
+
+
 @contextmanager
 def naming(subject: str) -> Iterator[None]:
     """Put what a model or convergence error raised inside speaks of in front of its message."""

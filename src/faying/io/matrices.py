@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from faying._typing import Indices, Matrix, SparseMatrix
-from faying.exceptions import ModelError, naming, refuse
+from faying.exceptions import ModelError, naming, refuse, refuse_model
 from faying.io.deck_geometry import DeckGeometry, is_deck, read_deck_geometry
 from faying.io.matrix_checks import (
     RowLabel,
@@ -195,13 +195,11 @@ def _given_faces(faces: _Path | None) -> dict[str, Indices]:
 
 def _mesh(points: Matrix, ids: Indices) -> Mesh:
     if not np.isfinite(points).all():
-        message = f"node table: node {ids[~np.isfinite(points).all(axis=1)][0]} is not finite"
-        raise ModelError(message)
+        refuse_model(f"node table: node {ids[~np.isfinite(points).all(axis=1)][0]} is not finite")
     mesh = Mesh(nodes=points, node_ids=ids)
     unique, count = np.unique(ids, return_counts=True)
     if (count > 1).any():
-        message = f"node table: node {unique[count > 1][0]} occurs twice; keep one row"
-        raise ModelError(message)
+        refuse_model(f"node table: node {unique[count > 1][0]} occurs twice; keep one row")
     return mesh
 
 
@@ -222,31 +220,27 @@ def _every_node(mesh: Mesh, shape: tuple[int, ...]) -> Indices:
 def _rows(mesh: Mesh, dofs: npt.NDArray[Any], what: str = "dof table") -> tuple[Indices, Indices]:
     """Node index and component 0..5 of each row."""
     if dofs.ndim != 2 or dofs.shape[1] != 2 or dofs.dtype.kind not in "iu":
-        message = (
+        refuse_model(
             f"{what}: shape {dofs.shape} of {dofs.dtype}; expected whole numbers (n, 2): "
             "node id and component 1..6 of each row"
         )
-        raise ModelError(message)
     table = dofs.astype(np.int64)
     unknown = np.flatnonzero(~np.isin(table[:, 0], mesh.node_ids))
     if unknown.size:
         row = int(unknown[0])
-        message = f"{what}: row {row + 1} names node {table[row, 0]}, which is not a node"
-        raise ModelError(message)
+        refuse_model(f"{what}: row {row + 1} names node {table[row, 0]}, which is not a node")
     wrong = np.flatnonzero((table[:, 1] < 1) | (table[:, 1] > 6))
     if wrong.size:
         row = int(wrong[0])
-        message = f"{what}: row {row + 1} has component {table[row, 1]}; expected 1 to 6"
-        raise ModelError(message)
+        refuse_model(f"{what}: row {row + 1} has component {table[row, 1]}; expected 1 to 6")
     _, first, which = np.unique(table, axis=0, return_index=True, return_inverse=True)
     again = np.flatnonzero(first[which.ravel()] != np.arange(len(table)))
     if again.size:
         row = int(again[0])
-        message = (
+        refuse_model(
             f"{what}: node {table[row, 0]} component {table[row, 1]} stands in rows "
             f"{first[which.ravel()[row]] + 1} and {row + 1}; each belongs to one row"
         )
-        raise ModelError(message)
     return mesh.node_index(table[:, 0]), table[:, 1] - 1
 
 
@@ -255,11 +249,10 @@ def _face_set(mesh: Mesh, name: str, ids: npt.ArrayLike) -> FaceSet:
     kinds = {face.n_nodes: kind for kind, face in FACES.items()}
     if table.ndim != 2 or table.shape[1] not in kinds or table.dtype.kind not in "iu":
         *widths, last = kinds
-        message = (
+        refuse_model(
             f"face set '{name}': shape {table.shape} of {table.dtype}; expected node ids "
             f"(n_face, {', '.join(map(str, widths))} or {last})"
         )
-        raise ModelError(message)
     with naming(f"face set '{name}'"):
         nodes = mesh.node_index(table.ravel()).reshape(table.shape)
     return FaceSet(kind=kinds[table.shape[1]], nodes=nodes)

@@ -8,7 +8,7 @@ import scipy.sparse.linalg as spla
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix
 from faying.digits import ROUND_OFF
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, refuse_model
 
 # Programs write ten digits or more and sum element matrices in varying order; a difference of
 # 1e-8 of the largest entry is beyond both and means an unsymmetric matrix.
@@ -35,30 +35,26 @@ def checked_matrix(name: str, matrix: Any, label: RowLabel) -> SparseMatrix:
     """Return a real, finite, square matrix of the size of the dof table, in CSR form."""
     shape = np.shape(matrix) if not sp.issparse(matrix) else matrix.shape
     if len(shape) != 2 or shape[0] != shape[1]:
-        message = f"matrix {name} has shape {tuple(shape)}; it must be square"
-        raise ModelError(message)
+        refuse_model(f"matrix {name} has shape {tuple(shape)}; it must be square")
     if shape[0] != len(label):
-        message = (
+        refuse_model(
             f"matrix {name} has {shape[0]} rows but the dof table {len(label)}; each row of the "
             "table names one row of M, C and K"
         )
-        raise ModelError(message)
     if not sp.issparse(matrix):
         matrix = np.asarray(matrix)
     if matrix.dtype.kind not in "fiub":
-        message = f"matrix {name} is of type {matrix.dtype}; it must be real"
-        raise ModelError(message)
+        refuse_model(f"matrix {name} is of type {matrix.dtype}; it must be real")
     result = sp.csr_array(matrix, dtype=np.float64, copy=True)
     result.sum_duplicates()
     bad = np.flatnonzero(~np.isfinite(result.data))
     if bad.size:
         row = int(np.searchsorted(result.indptr, bad[0], side="right")) - 1
         column = int(result.indices[bad[0]])
-        message = (
+        refuse_model(
             f"matrix {name}: entry ({row + 1}, {column + 1}) is {result.data[bad[0]]} "
             f"({label(row)}); it must be finite"
         )
-        raise ModelError(message)
     result.eliminate_zeros()
     return result
 
@@ -91,18 +87,18 @@ def check_mass(mass: SparseMatrix, label: RowLabel) -> None:
     diagonal = mass.diagonal()
     if len(diagonal) and diagonal.min() < 0:
         row = int(diagonal.argmin())
-        message = f"matrix M: the diagonal is {diagonal[row]:g} at {label(row)}; mass is positive"
-        raise ModelError(message)
+        refuse_model(
+            f"matrix M: the diagonal is {diagonal[row]:g} at {label(row)}; mass is positive"
+        )
     for component in range(3):
         motion = (label.components == component).astype(np.float64)
         total = float(motion @ (mass @ motion))
         if motion.any() and not total > 0:
             axis = "xyz"[component]
-            message = (
+            refuse_model(
                 f"matrix M: the mass moving along {axis} is rᵀMr = {total:g}; it must be positive. "
                 "Check that M and K are not swapped and that the dof table is in row order"
             )
-            raise ModelError(message)
 
 
 _ROUNDING = 1e-6

@@ -7,7 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, SparseMatrix
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -69,11 +69,10 @@ def _placed(name: str, labelled: LabelledMatrix, table: Indices, fixed: Indices)
     missing = np.flatnonzero((positions < 0) & (_positions(labelled.dofs, fixed) < 0))
     if missing.size:
         node, component = labelled.dofs[missing[0]].tolist()
-        message = (
+        refuse_model(
             f"matrix {name} has a row for node {node} component {component}, which the dof table "
             "or the labels of matrix K do not have; take both matrices from one run"
         )
-        raise ModelError(message)
     present = np.flatnonzero(positions >= 0)
     n_row = len(table)
     lift = sp.csr_array(

@@ -12,7 +12,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Matrix
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.assembly import Assembly, Bush, Spring
 from faying.model.constraints import constrain
 from faying.model.matrices import assemble_matrices, used_components
@@ -61,11 +61,10 @@ def with_moved_supports(
     fixed = np.flatnonzero(~there & (abs(select) @ used > 0))
     if fixed.size:
         node, component = [*moved][int(fixed[0])]
-        message = (
+        refuse_model(
             f"node {assembly.mesh.node_ids[node]} is moved along component {component + 1}, "
             "which something else holds; remove one of them"
         )
-        raise ModelError(message)
     if not there.any():
         return assembly, list(forces)
     # Where nothing is, there is nothing to be moved.

@@ -19,7 +19,7 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix
-from faying.exceptions import FormatError, ModelError
+from faying.exceptions import FormatError, refuse_model
 from faying.files.contents import file_bytes
 from faying.io.matrix_labels import (
     REAL_DOUBLE,
@@ -157,13 +157,13 @@ def write_op4(path: Path, matrices: Mapping[str, npt.ArrayLike]) -> None:
 
 def _checked(name: str, matrix: npt.ArrayLike) -> Matrix:
     if not (name.isascii() and name.isalnum() and name[0].isalpha() and len(name) <= 8):
-        message = f"'{name}' is no name for a Nastran matrix; use up to eight letters and digits"
-        raise ModelError(message)
+        refuse_model(
+            f"'{name}' is no name for a Nastran matrix; use up to eight letters and digits"
+        )
     values = np.asarray(matrix, dtype=np.float64)
     table = values[:, None] if values.ndim == 1 else values
     if table.ndim != 2 or table.size == 0 or not np.isfinite(table).all():
-        message = f"matrix '{name}' of shape {values.shape} is empty, no matrix, or not finite"
-        raise ModelError(message)
+        refuse_model(f"matrix '{name}' of shape {values.shape} is empty, no matrix, or not finite")
     return table
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from faying._typing import Indices, Mask
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.cells import CellBlock
 from faying.model.mesh import Mesh
 
@@ -44,8 +44,7 @@ def separated(mesh: Mesh, groups: Sequence[str]) -> Mesh:
     for group in groups:
         if group not in mesh.element_sets:
             names = ", ".join(f"'{name}'" for name in mesh.element_sets) or "none"
-            message = f"there is no element set '{group}' to separate; known are {names}"
-            raise ModelError(message)
+            refuse_model(f"there is no element set '{group}' to separate; known are {names}")
         mesh = _separated(mesh, group)
     return mesh
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from faying._typing import Indices, Vector, frozen
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.assembly import Assembly, AverageCoupling, RigidCoupling
 from faying.model.specs import BoundarySpec
 
@@ -56,8 +56,9 @@ class Boundary:
         """
         present = [FORCE_NAMES[c] for c in sorted(set(self.components.tolist()))]
         if force not in present:
-            message = f"boundary '{self.name}' takes no load '{force}'; it has {', '.join(present)}"
-            raise ModelError(message)
+            refuse_model(
+                f"boundary '{self.name}' takes no load '{force}'; it has {', '.join(present)}"
+            )
         chosen = self.components == FORCE_NAMES.index(force)
         unit: Vector = chosen / chosen.sum()
         return unit
@@ -78,11 +79,10 @@ def add_coupled_boundary(
     points = assembly.mesh.nodes[nodes]
     spread = np.linalg.matrix_rank(points - points.mean(axis=0), tol=1e-9 * np.abs(points).max())
     if spread < 2:
-        message = (
+        refuse_model(
             f"boundary '{spec.name}': the {len(nodes)} nodes of set '{spec.set}' lie on one line, "
             "so no rotation of its node is defined; couple a face, or leave 'coupling' away"
         )
-        raise ModelError(message)
     position = points.mean(axis=0) if spec.at is None else np.asarray(spec.at, dtype=float)
     reference, number = len(assembly.mesh.nodes), assembly.largest_id + 1
     mesh = assembly.mesh.with_nodes(position)

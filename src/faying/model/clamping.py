@@ -8,7 +8,7 @@ from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.digits import DECK_DIGITS
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.assembly import Assembly, Beam, Spring
 from faying.model.links import joined_nodes
 from faying.model.mesh import Mesh
@@ -30,12 +30,11 @@ def check_clamping(mesh: Mesh, spec: BoltSpec, seats: tuple[Indices, Indices]) -
     if np.setdiff1d(labels[_between(mesh, spec, seats)], [-1, *head]).size:
         return
     nodes = ", ".join(map(str, mesh.node_ids[np.unique(np.concatenate(seats))][:4].tolist()))
-    message = (
+    refuse_model(
         f"bolt '{spec.name}' clamps nothing: head and nut hold the same body (at nodes {nodes}, …) "
         "with no other between them; give parts nodes of their own where they touch (separate of "
         "[model], for a mesh file)"
     )
-    raise ModelError(message)
 
 
 def element_seats(assembly: Assembly, cut: Beam | Spring) -> tuple[Indices, Indices]:
@@ -152,12 +151,11 @@ def check_not_twice(seats: Mapping[str, Seats]) -> None:
     for number, name in enumerate(names):  # bolts, of which there are few
         for first in names[:number]:
             if _same(seats[name], seats[first]):
-                message = (
+                refuse_model(
                     f"bolts '{first}' and '{name}' hold the same nodes at both ends, so that both "
                     "would clamp the joint: one of them is already in the source; to change the "
                     "preload of a bolt of the source, use its name"
                 )
-                raise ModelError(message)
 
 
 def _same(first: Seats, second: Seats) -> bool:

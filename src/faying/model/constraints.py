@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, read_only
 from faying.digits import ROUND_OFF, SOLVED
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.assembly import Assembly
 from faying.model.couplings.average import average_rows
 from faying.model.couplings.equation import equation_rows
@@ -205,29 +205,26 @@ def _eliminated(equations: Matrix, allowed: Mask) -> tuple[Indices, Matrix]:
 
 def _check_load(assembly: Assembly, supported: Mask) -> None:
     if supported.any():
-        message = (
+        refuse_model(
             "load on a fixed degree of freedom: "
             f"{dof_name(assembly, int(np.argmax(supported)))}, is supported; "
             "load another node or release the support"
         )
-        raise ModelError(message)
 
 
 def _check_kept(assembly: Assembly, lost: Mask) -> None:
     if lost.any():
-        message = (
+        refuse_model(
             f"{dof_name(assembly, int(np.argmax(lost)))}, cannot take a load: no stiffness or mass "
             "moves with it; leave the component out, or tie the node to the structure"
         )
-        raise ModelError(message)
 
 
 def _refuse_tied(assembly: Assembly, rows: Rows, members: Indices) -> None:
     names = "; ".join(dof_name(assembly, dof) for dof in rows.dependent[members][:3].tolist())
     more = "; …" if len(members) > 3 else ""
-    message = (
+    refuse_model(
         f"loads enter at components ({names}{more}) that {rows.names(members)} ties to one "
         "another or to a support, so they cannot all be free; load the coupling's reference node "
         "instead"
     )
-    raise ModelError(message)

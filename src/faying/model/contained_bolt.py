@@ -5,7 +5,7 @@ import scipy.sparse as sp
 
 from faying._typing import SparseMatrix, Vector
 from faying.digits import DECK_DIGITS
-from faying.exceptions import ModelError, naming
+from faying.exceptions import naming, refuse_model
 from faying.model.assembly import Assembly
 from faying.model.specs import BoltSpec
 
@@ -17,17 +17,15 @@ def elongation_factors(assembly: Assembly, spec: BoltSpec) -> SparseMatrix:
     """
     ids = list(spec.nodes or ())
     if len(ids) != 2 or ids[0] == ids[1]:
-        message = (
+        refuse_model(
             f"bolt '{spec.name}': nodes are {ids}; give two different node ids, the head's "
             "and the nut's side of the cut"
         )
-        raise ModelError(message)
     if spec.stiffness is None or not 0 < spec.stiffness < np.inf:
-        message = (
+        refuse_model(
             f"bolt '{spec.name}': stiffness is {spec.stiffness}; give the axial stiffness EA/L "
             "between its nodes that K contains"
         )
-        raise ModelError(message)
     with naming(f"bolt '{spec.name}'"):
         head, nut = assembly.mesh.node_index(np.array(ids)).tolist()
     direction = _direction(spec, assembly.mesh.nodes[head] - assembly.mesh.nodes[nut])
@@ -45,23 +43,21 @@ def check_contained(K: SparseMatrix, elongation: Vector, spec: BoltSpec) -> None
     """
     nonzero = np.flatnonzero(elongation)
     if not len(nonzero):
-        message = (
+        refuse_model(
             f"bolt '{spec.name}': neither of its nodes {list(spec.nodes or ())} can move along its "
             "axis; give nodes that have rows in the matrices"
         )
-        raise ModelError(message)
     local = K[nonzero][:, nonzero].toarray()
     declared = spec.stiffness or 0.0
     softest = np.linalg.eigvalsh(
         local - declared * np.outer(elongation[nonzero], elongation[nonzero])
     )[0]
     if softest < -DECK_DIGITS * declared:
-        message = (
+        refuse_model(
             f"bolt '{spec.name}': K does not contain a spring of {declared:g} between nodes "
             f"{' and '.join(map(str, spec.nodes or ()))}: part of it would be left over; check "
             "the nodes, the direction and the stiffness EA/L"
         )
-        raise ModelError(message)
 
 
 def _direction(spec: BoltSpec, apart: Vector) -> Vector:
@@ -69,26 +65,23 @@ def _direction(spec: BoltSpec, apart: Vector) -> Vector:
     distance = float(np.linalg.norm(apart))
     if spec.direction is None:
         if distance == 0:
-            message = (
+            refuse_model(
                 f"bolt '{spec.name}': its two nodes coincide, so its axis is unknown; add "
                 "direction = [x, y, z] from the nut to the head"
             )
-            raise ModelError(message)
         return apart / distance
     vector = np.asarray(spec.direction, dtype=float)
     length = float(np.linalg.norm(vector))
     if vector.shape != (3,) or not 0 < length < np.inf:
-        message = (
+        refuse_model(
             f"bolt '{spec.name}': direction is {spec.direction}; give a vector (x, y, z) from the "
             "nut to the head"
         )
-        raise ModelError(message)
     unit: Vector = vector / length
     if distance > 0 and not unit @ apart > 0:
-        message = (
+        refuse_model(
             f"bolt '{spec.name}': direction {spec.direction} does not point from the nut to the "
             f"head (nodes are [head, nut] = {list(spec.nodes or ())}); turn it round, or leave it "
             "out"
         )
-        raise ModelError(message)
     return unit

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, read_only
 from faying.digits import SOLVED
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, refuse_model
 from faying.model.assembly import Assembly, Beam, Spring
 from faying.model.elements.beam import beam_frames, beam_matrices
 from faying.model.matrices import solid_matrices
@@ -75,8 +75,7 @@ def with_unlocked_bolts(assembly: Assembly, specs: Sequence[BoltSpec]) -> Assemb
 def bolt_chain(assembly: Assembly, spec: BoltSpec) -> list[Beam | Spring]:
     """Return the elements of a deck's bolt end to end, the end listed first in front."""
     if not spec.elements:
-        message = f"bolt '{spec.name}' names no elements; give the ids of its beam elements"
-        raise ModelError(message)
+        refuse_model(f"bolt '{spec.name}' names no elements; give the ids of its beam elements")
     chosen = [_line_element(assembly, spec, i) for i in dict.fromkeys(spec.elements)]
     return _chain(spec, chosen)
 
@@ -91,11 +90,10 @@ def _line_element(assembly: Assembly, spec: BoltSpec, element_id: int) -> Beam |
             components = {component for _, component in spring.ends}
             if len(spring.ends) == 2 and len(components) == 1 and components <= {0, 1, 2}:
                 return spring
-            message = (
+            refuse_model(
                 f"bolt '{spec.name}': spring {element_id} is not axial; it must join the same "
                 "translation (1, 2 or 3) of two nodes"
             )
-            raise ModelError(message)
     message = (
         f"bolt '{spec.name}': element {element_id} is no beam and no spring; "
         "name the beam elements of the bolt's shank"
@@ -117,11 +115,10 @@ def _chain(spec: BoltSpec, elements: list[Beam | Spring]) -> list[Beam | Spring]
         node = next(n for n in end_nodes(following[0]) if n != node)
     if len(chain) != len(elements) or len(loose) != 2:
         ids = ", ".join(str(element.id) for element in elements)
-        message = (
+        refuse_model(
             f"bolt '{spec.name}': elements {ids} do not form one chain end to end; "
             "list the shank's elements only"
         )
-        raise ModelError(message)
     return chain
 
 

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from faying._typing import Indices, Matrix, SparseMatrix, frozen, read_only
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -56,6 +56,5 @@ class DofMap:
         position[self.free] = np.arange(len(self.free))
         rows: Indices = position[full]
         if np.any(rows < 0):
-            message = "a degree of freedom is supported, dependent or unused"
-            raise ModelError(message)
+            refuse_model("a degree of freedom is supported, dependent or unused")
         return rows

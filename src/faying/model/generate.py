@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.elements import SOLIDS
 
 
@@ -51,8 +51,7 @@ def shaped(bricks: Cells, shape: str) -> Cells:
     """
     shapes = [kind for kind, element_kind in SOLIDS.items() if element_kind.brick_cells]
     if shape not in shapes:
-        message = f"there is no solid shape '{shape}'; choose one of {', '.join(shapes)}"
-        raise ModelError(message)
+        refuse_model(f"there is no solid shape '{shape}'; choose one of {', '.join(shapes)}")
     element = SOLIDS[shape]
     cells = bricks.cells[:, element.brick_cells].reshape(-1, element.n_corners)
     result = Cells(kind=shape, nodes=bricks.nodes, cells=cells)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.assembly import (
     Assembly,
     Beam,
@@ -111,18 +111,15 @@ def _ends(spec: BoltSpec) -> Matrix:
     measures = {"diameter": spec.diameter, "washer_radius": spec.washer_radius}
     for name, value in measures.items():
         if value is None or not value > 0:
-            message = f"bolt '{spec.name}': {name} is {value}; give a positive length"
-            raise ModelError(message)
+            refuse_model(f"bolt '{spec.name}': {name} is {value}; give a positive length")
     if spec.washer not in ("rbe2", "rbe3"):
-        message = f"bolt '{spec.name}': washer is '{spec.washer}'; give 'rbe2' or 'rbe3'"
-        raise ModelError(message)
+        refuse_model(f"bolt '{spec.name}': washer is '{spec.washer}'; give 'rbe2' or 'rbe3'")
     ends = np.asarray(spec.axis if spec.axis is not None else [], dtype=float)
     if ends.shape != (2, 3) or not np.linalg.norm(ends[1] - ends[0]) > 0:
-        message = (
+        refuse_model(
             f"bolt '{spec.name}': axis is {spec.axis}; give two different points "
             "((x, y, z), (x, y, z)), the centres of the bearing surfaces"
         )
-        raise ModelError(message)
     return ends
 
 
@@ -137,11 +134,10 @@ def _material(assembly: Assembly, spec: BoltSpec) -> Material:
         chosen = assembly.materials.get(choice)
     if chosen is None:
         choices = ", ".join(f"{i} ('{m.name}')" for i, m in assembly.materials.items()) or "none"
-        message = (
+        refuse_model(
             f"bolt '{spec.name}': there is no material '{choice}'; give a property id or a "
             f"material name; known: {choices}"
         )
-        raise ModelError(message)
     return chosen
 
 
@@ -180,11 +176,10 @@ def _seat(mesh: Mesh, spec: BoltSpec, cosines: Vector, end: Vector, outward: Vec
             hint = "the surfaces there lie askew of the axis; turn it onto the normal of its seat"
         else:
             hint = "no surface lies there; move the end of the axis to the centre of the surface"
-        message = (
+        refuse_model(
             f"bolt '{spec.name}': no node lies under the washer of radius {radius:g} at {position}"
             f"; {hint}"
         )
-        raise ModelError(message)
     nodes, offset = nodes[under], offset[under]
     closest = np.full(labels.max() + 1, np.inf)
     np.minimum.at(closest, labels[nodes], offset)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 from faying._typing import Matrix
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.elastic_law import Law, as_law, mean_constants, stable
 
 
@@ -34,17 +34,16 @@ class Material:
     def __post_init__(self) -> None:
         label = f"material '{self.name}'" if self.name else "material"
         if not self.youngs_modulus > 0:
-            message = f"{label}: Young's modulus is {self.youngs_modulus:g}; it must be positive"
-            raise ModelError(message)
+            refuse_model(
+                f"{label}: Young's modulus is {self.youngs_modulus:g}; it must be positive"
+            )
         if not -1 < self.poissons_ratio < 0.5:
-            message = (
+            refuse_model(
                 f"{label}: Poisson's ratio is {self.poissons_ratio:g}; "
                 "it must lie strictly between -1 and 0.5"
             )
-            raise ModelError(message)
         if not self.density >= 0:
-            message = f"{label}: density is {self.density:g}; it must not be negative"
-            raise ModelError(message)
+            refuse_model(f"{label}: density is {self.density:g}; it must not be negative")
 
     @classmethod
     def anisotropic(cls, law: Law | Matrix, *, density: float, name: str = "") -> "Material":
@@ -57,11 +56,10 @@ class Material:
         """
         if not stable(law):
             label = f"material '{name}'" if name else "material"
-            message = (
+            refuse_model(
                 f"{label}: its elastic constants are not those of a stable material; the stiffness "
                 "must be symmetric and positive definite"
             )
-            raise ModelError(message)
         modulus, ratio = mean_constants(law)
         return cls(
             youngs_modulus=modulus,

@@ -7,7 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, frozen, read_only
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.assembly import Assembly, Material, MatrixBlock
 from faying.model.cells import CellBlock
 from faying.model.elastic_law import isotropic_law, tensor
@@ -261,8 +261,7 @@ def _scalar(
     total = sp.csr_array((size, size))
     for number, ends, _ in elements:
         if len(ends) not in (1, 2):
-            message = f"{kind} {number} has {len(ends)} ends; give one or two"
-            raise ModelError(message)
+            refuse_model(f"{kind} {number} has {len(ends)} ends; give one or two")
     for n_end in (1, 2):
         chosen = [(ends, value) for _, ends, value in elements if len(ends) == n_end]
         if chosen:
@@ -297,11 +296,10 @@ def _placed(block: MatrixBlock, matrix: SparseMatrix, name: str, n_node: int) ->
     """Put a matrix of another program on the six dofs of every node."""
     n_row = len(block.nodes)
     if matrix.shape != (n_row, n_row) or len(block.components) != n_row:
-        message = (
+        refuse_model(
             f"matrix {name} has shape {matrix.shape} but {n_row} nodes and "
             f"{len(block.components)} components name its rows; the numbers must agree"
         )
-        raise ModelError(message)
     dofs = 6 * block.nodes + block.components
     entries = sp.coo_array(matrix)
     indices = (dofs[entries.row], dofs[entries.col])

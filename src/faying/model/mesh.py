@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Matrix, frozen
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS
 from faying.model.surface import WIDTH, Facets, padded, unique_rows
@@ -65,8 +65,9 @@ class Topology:
         keys, kinds = [np.empty((0, 4), dtype=np.int64)], []
         for block in self.blocks:
             if block.kind not in SOLIDS:
-                message = f"there is no solid element '{block.kind}'; known: {', '.join(SOLIDS)}"
-                raise ModelError(message)
+                refuse_model(
+                    f"there is no solid element '{block.kind}'; known: {', '.join(SOLIDS)}"
+                )
             for face, local in SOLIDS[block.kind].faces:
                 corners = list(local[: face.n_corners])
                 key = np.full((len(block.ids), 4), -1, dtype=np.int64)
@@ -125,16 +126,16 @@ class Mesh:
         object.__setattr__(self, "nodes", frozen(self.nodes))
         object.__setattr__(self, "node_ids", frozen(self.node_ids, np.int64))
         if self.nodes.shape != (len(self.node_ids), 3):
-            message = f"{len(self.node_ids)} node ids but coordinates of shape {self.nodes.shape}"
-            raise ModelError(message)
+            refuse_model(
+                f"{len(self.node_ids)} node ids but coordinates of shape {self.nodes.shape}"
+            )
         far = np.flatnonzero(~(np.abs(self.nodes) <= LARGEST_COORDINATE).all(axis=1))
         if len(far):
             position = ", ".join(f"{x:g}" for x in self.nodes[far[0]])
-            message = (
+            refuse_model(
                 f"node {self.node_ids[far[0]]} is at ({position}); coordinates are at most "
                 f"{LARGEST_COORDINATE:g}, for volumes must stay within double precision; correct it"
             )
-            raise ModelError(message)
 
         if self.topology.blocks is not self.blocks:
             object.__setattr__(self, "topology", Topology(self.blocks))
@@ -190,8 +191,9 @@ class Mesh:
         missing = ids[self.node_ids[index] != ids]
         if missing.size:
             shown = ", ".join(map(str, missing[:5]))
-            message = f"the model has no node with id {shown}; check the id in the study or deck"
-            raise ModelError(message)
+            refuse_model(
+                f"the model has no node with id {shown}; check the id in the study or deck"
+            )
         return index
 
     def with_nodes(self, points: Matrix) -> "Mesh":

@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Mask
 from faying.display.facts import MOST_SHOWN
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.assembly import Assembly, FaceSet, NodalLoads, RigidCoupling, Support
 from faying.model.bodies import body_names
 from faying.model.description import JointDescription
@@ -42,8 +42,7 @@ def part_of(
         np.isin(block.ids, chosen) & ~np.isin(block.ids, dropped) for block in assembly.mesh.blocks
     ]
     if not any(mask.any() for mask in solids):
-        message = "no solid remains of the model; correct parts and without of [model]"
-        raise ModelError(message)
+        refuse_model("no solid remains of the model; correct parts and without of [model]")
     cut = _Cut(assembly, solids, dropped)
     cut.refuse_ties()
     remaining = cut.assembly()
@@ -72,8 +71,7 @@ def elements_named(
             shells = [block.ids[block.properties == name] for block in assembly.shells]
             parts += [ids, *([] if len(ids) else shells)]
             if not sum(map(len, parts[-1 - len(shells) :])):
-                message = f"no element has property {name}; correct {where}"
-                raise ModelError(message)
+                refuse_model(f"no element has property {name}; correct {where}")
         elif name in mesh.element_sets:
             parts.append(mesh.element_sets[name])
         elif name in bodies_named:
@@ -84,8 +82,7 @@ def elements_named(
                 f"'{name_shown}'"
                 for name_shown in dict.fromkeys([*bodies_named, *mesh.element_sets])
             )
-            message = f"there is no body or element set '{name}' to choose; known are {shown}"
-            raise ModelError(message)
+            refuse_model(f"there is no body or element set '{name}' to choose; known are {shown}")
     return np.unique(np.concatenate(parts))
 
 
@@ -191,11 +188,10 @@ class _Cut:
         if ties.size:
             shown = ", ".join(self.links.names[i] for i in ties[:MOST_SHOWN].tolist())
             more = f" and {ties.size - MOST_SHOWN} more" if ties.size > MOST_SHOWN else ""
-            message = (
+            refuse_model(
                 f"{shown}{more}: these hold together what remains and what parts and without of "
                 "[model] leave out; keep both sides, or leave them out too by an element set"
             )
-            raise ModelError(message)
 
     def assembly(self) -> Assembly:
         """Return what remains."""
@@ -343,11 +339,10 @@ def _tightened(bolt: BoltSpec, assembly: Assembly) -> bool:
     ids = {beam.id for beam in assembly.beams} | {spring.id for spring in assembly.springs}
     left = [number for number in bolt.elements if number in ids]
     if left and len(left) < len(bolt.elements):
-        message = (
+        refuse_model(
             f"bolt '{bolt.name}': {len(bolt.elements) - len(left)} of its {len(bolt.elements)} "
             "elements are left out by parts and without of [model]; keep or leave out all"
         )
-        raise ModelError(message)
     return bool(left)
 
 

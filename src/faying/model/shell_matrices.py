@@ -14,7 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.assembly import Assembly
 from faying.model.elements.curved_shell import (
     CURVED_SHELLS,
@@ -121,11 +121,10 @@ def panel_matrices(local: Matrix, laws: ElementLaws, ids: Indices) -> tuple[Matr
     size = np.abs(local).max(axis=(1, 2))
     wrong = np.flatnonzero(np.abs(skew).max(axis=1) > _PARALLEL * size)
     if wrong.size:
-        message = (
+        refuse_model(
             f"shear panel {ids[wrong[0]]} is no plane parallelogram; give it opposite sides that "
             "are parallel, or use shells"
         )
-        raise ModelError(message)
     area = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
     # With x along the first side, no normal stress on either side and a unit flow along both.
     stress = np.zeros((len(local), 3))
@@ -200,8 +199,7 @@ def _integrator(
 def _check_kind(block: ShellBlock) -> None:
     kinds = (*FLAT_SHELLS, *CURVED_SHELLS, PANEL)
     if block.kind not in kinds:
-        message = f"there is no shell '{block.kind}'; known kinds are {', '.join(kinds)}"
-        raise ModelError(message)
+        refuse_model(f"there is no shell '{block.kind}'; known kinds are {', '.join(kinds)}")
 
 
 def _flat(assembly: Assembly, block: ShellBlock, part: slice) -> tuple[Matrix, Matrix]:

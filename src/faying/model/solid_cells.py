@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.assembly import Assembly, Material
 from faying.model.cells import CellBlock
 from faying.model.elements import SolidElement, block_element
@@ -21,30 +21,27 @@ def materials_of(assembly: Assembly, block: CellBlock) -> tuple[list[Material], 
     for position, number in enumerate(properties.tolist()):
         if number not in assembly.materials:
             element = block.ids[int(np.argmax(which == position))]
-            message = (
+            refuse_model(
                 f"property {number} (of element {element}, {block.kind}) has no material; give "
                 "E, nu and rho in the deck or in a [material] table of the study"
             )
-            raise ModelError(message)
     return [assembly.materials[number] for number in properties.tolist()], which
 
 
 def check_nodes(block: CellBlock, element: SolidElement, n_node: int) -> None:
     """Refuse cells that have not the nodes of their element."""
     if block.nodes.ndim != 2 or block.nodes.shape[1] != element.n_nodes:
-        message = (
+        refuse_model(
             f"a block of {block.kind} elements has nodes of shape {block.nodes.shape}; "
             f"each element needs {element.n_nodes} nodes"
         )
-        raise ModelError(message)
     if block.nodes.min(initial=0) < 0 or block.nodes.max(initial=-1) >= n_node:
         outside = (block.nodes < 0) | (block.nodes >= n_node)
         cell, position = np.argwhere(outside)[0]
-        message = (
+        refuse_model(
             f"element {block.ids[cell]} ({block.kind}) uses node index "
             f"{block.nodes[cell, position]}; the mesh has {n_node} nodes, counted from 0"
         )
-        raise ModelError(message)
 
 
 def check_cells(assembly: Assembly) -> None:
@@ -88,12 +85,11 @@ def _check_once(assembly: Assembly) -> None:
         if (sizes > 1).any():
             ids = np.concatenate([blocks[i].ids for i in same])
             pair = np.flatnonzero(group == np.argmax(sizes > 1))[:2]
-            message = (
+            refuse_model(
                 f"elements {ids[pair[0]]} and {ids[pair[1]]} have the same corners: stiffness and "
                 f"mass would count twice there; remove one ({int((sizes - 1).sum())} such in all; "
                 "a .msh of version 2 lists cells of two physical groups twice: write version 4)"
             )
-            raise ModelError(message)
 
 
 def mass_moments(assembly: Assembly, origin: Vector) -> tuple[float, Vector, Matrix]:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from faying._typing import Indices
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, refuse_model
 from faying.model.assembly import Assembly, Support
 from faying.model.bodies import body_names
 
@@ -20,8 +20,7 @@ def with_supports(assembly: Assembly, supports: Mapping[str, Sequence[int]]) -> 
     for name, components in supports.items():
         wrong = [component for component in components if component not in range(6)]
         if wrong:
-            message = f"support '{name}': component {wrong[0]}; components are 0 to 5"
-            raise ModelError(message)
+            refuse_model(f"support '{name}': component {wrong[0]}; components are 0 to 5")
         added.append((nodes_of_set(assembly, name), components))
     return with_held_nodes(assembly, added)
 

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.assembly import Assembly, Material
 from faying.model.body_forces import FreeStrain, expansion_forces, stretching_forces
 from faying.model.parts import elements_named
@@ -34,8 +34,7 @@ class Temperature:
     def __post_init__(self) -> None:
         temperatures = (self.reference, self.uniform or 0.0, *self.parts.values())
         if not np.isfinite(temperatures).all():
-            message = f"a temperature of {temperatures} is not finite; give numbers"
-            raise ModelError(message)
+            refuse_model(f"a temperature of {temperatures} is not finite; give numbers")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -66,11 +65,10 @@ def expansion_of(
     Linear in the number of elements.
     """
     if assembly.matrices is not None:
-        message = (
+        refuse_model(
             "given matrices do not tell what expands in them; take the deck or mesh they are of, "
             "or give the forces of the expansion as loads"
         )
-        raise ModelError(message)
     beams = np.array([beam.id for beam in assembly.beams], dtype=np.int64)
     shells = [block.ids for block in assembly.shells]
     ids = np.concatenate([assembly.mesh.element_ids, beams, *shells])
@@ -78,11 +76,10 @@ def expansion_of(
     n_solid, n_line = assembly.mesh.n_elements, assembly.mesh.n_elements + len(beams)
     if changes[n_line:].any():
         number = int(ids[n_line:][np.flatnonzero(changes[n_line:])[0]])
-        message = (
+        refuse_model(
             f"shell {number} would expand, and shells do not here; name the parts that do, without "
             "'uniform'"
         )
-        raise ModelError(message)
     strains = np.array(
         [
             change and _coefficient(beam.material) * change
@@ -106,19 +103,17 @@ def _changes(
         if isinstance(name, str) and name in bolts:
             chosen = np.isin(ids, list(bolts[name]))
             if not chosen.any():
-                message = f"bolt '{name}' has no beams; name the solids that it is made of"
-                raise ModelError(message)
+                refuse_model(f"bolt '{name}' has no beams; name the solids that it is made of")
         else:
             chosen = np.isin(ids, elements_named(assembly, [name], "the parts of the temperature"))
         twice = chosen & named & (values != value)
         if twice.any():
             repeated = int(np.flatnonzero(twice)[0])
-            message = (
+            refuse_model(
                 f"element {ids[repeated]} of '{name}' has the temperatures {values[repeated]:g} "
                 f"and {value:g}; "
                 "let each part have one"
             )
-            raise ModelError(message)
         values[chosen], named[chosen] = value, True
     return values - temperature.reference
 
@@ -149,9 +144,8 @@ def _of_solids(assembly: Assembly, changes: Vector) -> Matrix:
 
 def _coefficient(material: Material) -> float:
     if material.expansion is None:
-        message = (
+        refuse_model(
             f"material '{material.name}' has no coefficient of expansion, and a part of it changes "
             "its temperature; give alpha in [material.NAME], or Material(expansion=...)"
         )
-        raise ModelError(message)
     return material.expansion

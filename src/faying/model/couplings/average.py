@@ -4,7 +4,7 @@ import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.digits import ROUND_OFF
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.assembly import Assembly, AverageCoupling
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.model.couplings.rows import Rows, lever_arms, sparse_rows
@@ -109,26 +109,23 @@ def _check(assembly: Assembly, coupling: AverageCoupling) -> None:
     weights: Vector = coupling.weights
     matching = len(coupling.nodes) and weights.shape == coupling.nodes.shape
     if not matching or not np.all(weights != 0) or not weights.sum() > 0:
-        message = (
+        refuse_model(
             f"{label}: needs at least one node and one positive weight for each node; negative "
             "ones stand only beside larger positive ones"
         )
-        raise ModelError(message)
     if np.any(coupling.nodes == coupling.reference):
-        message = (
+        refuse_model(
             f"{label}: its reference node {assembly.mesh.node_ids[coupling.reference]} is also "
             "one of its averaged nodes; remove it from the list"
         )
-        raise ModelError(message)
 
 
 def _check_determined(assembly: Assembly, coupling: AverageCoupling, loose: Indices) -> None:
     if len(loose):
         names = ", ".join(DISPLACEMENT_NAMES[c] for c in loose.tolist())
-        message = (
+        refuse_model(
             f"average coupling {coupling.id}: the motion of its {len(coupling.nodes)} nodes does "
             f"not determine {names} of reference node "
             f"{assembly.mesh.node_ids[coupling.reference]} (do they lie on one line?); average "
             "over nodes that span a plane, or tie fewer components of the reference"
         )
-        raise ModelError(message)

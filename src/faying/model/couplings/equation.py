@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.assembly import Assembly
 from faying.model.couplings.rows import Rows, dof_name, sparse_rows
 
@@ -12,8 +12,7 @@ def equation_rows(assembly: Assembly) -> Rows:
     equations = assembly.equations
     for equation in equations:
         if not equation.terms:
-            message = f"equation {equation.id} has no terms; give it at least one"
-            raise ModelError(message)
+            refuse_model(f"equation {equation.id} has no terms; give it at least one")
     counts = np.array([len(equation.terms) for equation in equations], dtype=np.int64)
     terms = [term for equation in equations for term in equation.terms]
     node, component, coefficient = np.array(terms, dtype=float).reshape(-1, 3).T
@@ -24,12 +23,11 @@ def equation_rows(assembly: Assembly) -> Rows:
     coefficients = np.bincount(rows[first], coefficient[first], minlength=len(equations))
     if np.any(coefficients == 0):
         row = int(np.flatnonzero(coefficients == 0)[0])
-        message = (
+        refuse_model(
             f"equation {equations[row].id}: the coefficient of its first term, "
             f"{dof_name(assembly, int(dependent[row]))}, is zero; that term is the dependent one, "
             "so put one with a coefficient first"
         )
-        raise ModelError(message)
     others = ~first
     values = -coefficient[others] / coefficients[rows[others]]
     shape = (len(equations), 6 * len(assembly.mesh.nodes))

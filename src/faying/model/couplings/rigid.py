@@ -4,7 +4,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.digits import ROUND_OFF
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.assembly import Assembly, RigidCoupling
 from faying.model.couplings.rows import Rows, lever_arms, sparse_rows
 
@@ -38,12 +38,11 @@ def _tied(assembly: Assembly, number: int, coupling: RigidCoupling) -> Indices:
     """Table (n_row, 4) of node, component, reference, position of the coupling."""
     nodes = np.unique(coupling.nodes)
     if np.any(nodes == coupling.reference):
-        message = (
+        refuse_model(
             f"rigid coupling {coupling.id}: its reference node "
             f"{assembly.mesh.node_ids[coupling.reference]} is also one of its dependent nodes; "
             "remove it from the list"
         )
-        raise ModelError(message)
     components = np.unique(np.asarray(coupling.components, dtype=np.int64))
     table = np.empty((len(nodes), len(components), 4), dtype=np.int64)
     table[:, :, 0] = nodes[:, None]

@@ -6,7 +6,7 @@ import numpy as np
 
 from faying._typing import Indices, Mask, Matrix
 from faying.digits import ROUND_OFF, SOLVED
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.assembly import Assembly, Support
 from faying.model.couplings.rows import Rows, dof_name, sparse_rows
 
@@ -35,12 +35,11 @@ def inclined_rows(assembly: Assembly, *, fixed: Mask, blocked: Mask) -> Rows:
     if left.any():
         group = int(np.flatnonzero(left.any(axis=1))[0])
         dof = groups.dofs[group, np.argmax(np.abs(rows[group]).max(axis=0))]
-        message = (
+        refuse_model(
             f"{groups.labels[groups.owner[group]]} holds {dof_name(assembly, int(dof))} along an "
             "inclined direction, but that component is loaded or depends on a coupling; move the "
             "load or take the node out of the coupling or the support"
         )
-        raise ModelError(message)
     which, row = np.nonzero(pivots >= 0)
     pivot = pivots[which, row]
     values = -rows[which, row]

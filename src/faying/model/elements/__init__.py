@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.cells import CellBlock
 from faying.model.elements.face_kind import FaceKind
 from faying.model.elements.hex8 import HEX8, HEX8_INCOMPATIBLE, HEX8_REDUCED, HEX8_REDUCED_ABAQUS
@@ -61,11 +61,9 @@ def solid_element(kind: str, formulation: str) -> SolidElement:
     """
     if formulation not in HEX8_FORMULATIONS:
         choices = " or ".join(f"'{name}'" for name in HEX8_FORMULATIONS)
-        message = f"the hex8 formulation is '{formulation}'; it must be {choices}"
-        raise ModelError(message)
+        refuse_model(f"the hex8 formulation is '{formulation}'; it must be {choices}")
     if kind not in SOLIDS:
-        message = f"there is no solid element '{kind}'; known kinds are {', '.join(SOLIDS)}"
-        raise ModelError(message)
+        refuse_model(f"there is no solid element '{kind}'; known kinds are {', '.join(SOLIDS)}")
     return _VARIANTS.get((kind, formulation), SOLIDS[kind])
 
 
@@ -74,8 +72,7 @@ def block_element(block: CellBlock, formulation: str) -> SolidElement:
     if not block.formulation:
         return solid_element(block.kind, formulation)
     if (block.kind, block.formulation) not in _VARIANTS:
-        message = f"there is no '{block.formulation}' formulation of {block.kind}"
-        raise ModelError(message)
+        refuse_model(f"there is no '{block.formulation}' formulation of {block.kind}")
     return _VARIANTS[block.kind, block.formulation]
 
 

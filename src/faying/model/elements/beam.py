@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.assembly import Beam
 
 # Local dofs (deflection, rotation, deflection, rotation) of the two bending planes and the sign of
@@ -76,19 +76,17 @@ def beam_frames(beams: Sequence[Beam], axes: Matrix) -> tuple[Matrix, Vector]:
     orientation = np.array([beam.orientation for beam in beams], dtype=float).reshape(-1, 3)
     length: Vector = np.linalg.norm(axes, axis=1)
     for index in np.flatnonzero(~(length > 0))[:1]:
-        message = f"beam {beams[index].id}: its two nodes coincide; give it a length"
-        raise ModelError(message)
+        refuse_model(f"beam {beams[index].id}: its two nodes coincide; give it a length")
     x = axes / length[:, None]
     normal = np.cross(x, orientation)
     size = np.linalg.norm(normal, axis=1)
     # An angle below 1e-8 rad leaves no significant digit of the direction of local z.
     parallel = ~(size > 1e-8 * np.linalg.norm(orientation, axis=1))
     for index in np.flatnonzero(parallel)[:1]:
-        message = (
+        refuse_model(
             f"beam {beams[index].id}: the orientation vector {beams[index].orientation} is zero or "
             "parallel to the beam; give one that points sideways"
         )
-        raise ModelError(message)
     z = normal / size[:, None]
     return np.stack([x, np.cross(z, x), z], axis=1), length
 

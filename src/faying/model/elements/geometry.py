@@ -5,7 +5,7 @@ from functools import reduce
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.elements.solid_element import (
     SolidElement,
     corner_gradients,
@@ -115,8 +115,7 @@ def _check_above(
         if inverted
         else ("no", "it is flat or collapsed: use a wedge or tetrahedron, or merge its nodes away")
     )
-    message = (
+    refuse_model(
         f"element {ids[first]} ({element.kind}){others} has {what} volume at {location} (Jacobian "
         f"determinant {smallest[first]:.3g}); {remedy}"
     )
-    raise ModelError(message)

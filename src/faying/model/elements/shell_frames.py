@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.couplings.rows import lever_arms
 from faying.model.elements.geometry import COLLAPSED
 from faying.model.shells import ShellBlock, ShellSection, strain_rotation
@@ -72,11 +72,10 @@ def check_area(good: Mask, ids: Indices) -> None:
     if not good.all():
         bad = ids[~good]
         others = f" (and {len(bad) - 1} more)" if len(bad) > 1 else ""
-        message = (
+        refuse_model(
             f"shell {bad[0]}{others} is collapsed or folded: its corners do not run around a "
             "surface; correct the order of its nodes, or remesh"
         )
-        raise ModelError(message)
 
 
 def carried(frames: Matrix, arms: Matrix) -> Matrix:
@@ -114,8 +113,7 @@ def laws_in(
     for position, number in enumerate(numbers.tolist()):
         if number not in sections:
             shell = block.ids[part][int(np.argmax(which == position))]
-            message = f"property {number} (of shell {shell}) has no section; define it"
-            raise ModelError(message)
+            refuse_model(f"property {number} (of shell {shell}) has no section; define it")
     used = [sections[number] for number in numbers.tolist()]
     which = np.repeat(which, repeat)
     direction = np.repeat(block.directions[part], repeat, axis=0)
@@ -126,11 +124,10 @@ def laws_in(
     )
     if upright.any():
         shell = np.repeat(block.ids[part], repeat)[upright][0]
-        message = (
+        refuse_model(
             f"shell {shell}: the direction of its material's x axis is "
             "normal to it; give one that lies in the surface"
         )
-        raise ModelError(message)
     # Strains in the material's axes, which lead the element's by this angle.
     angle = np.where(directed, np.arctan2(along[:, 1], along[:, 0]), 0.0)
     T = strain_rotation(angle)
