@@ -5,9 +5,10 @@ Sections begin with a keyword and end with FINSF; a percent sign begins a commen
 """
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import NoReturn
+from types import SimpleNamespace
+from typing import Any, NoReturn
 
 import numpy as np
 import numpy.typing as npt
@@ -41,26 +42,6 @@ _GROUPS = ("GROUP_MA", "GROUP_NO")
 LONGEST_WORD = 80
 """Characters of a name, which code_aster ends at 24, or of a number: all words of a section take as
 much memory as the longest."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Cells:
-    """Cells of one kind, named and ordered as meshio does; ``data`` (n_cell, n_node)."""
-
-    type: str
-    data: Indices
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class MailMesh:
-    """A mesh with what readers of meshio's meshes look at."""
-
-    points: Matrix
-    cells: list[Cells]
-    cell_sets: dict[str, list[Indices]]
-    point_sets: dict[str, Indices]
-    cell_data: dict[str, Indices] = field(default_factory=dict)
-    field_data: dict[str, Indices] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -98,26 +79,25 @@ class _Section:
         return indices
 
 
-def read_mail(path: Path) -> MailMesh:
-    """Read nodes, cells and groups; solids that no group holds are in one named ``"solids"``."""
+def read_mail(path: Path) -> Any:
+    """Return what readers of meshio's meshes look at; solids in no group are one, ``"solids"``."""
     sections = _sections(path)
     nodes = [section for section in sections if section.keyword.startswith("COOR_")]
     if len(nodes) != 1 or nodes[0].keyword != "COOR_3D":
         shown = ", ".join(section.keyword for section in nodes) or "none"
         refuse(f"{path}: sections of coordinates: {shown}; expected one COOR_3D")
     named, points = _nodes(nodes[0])
-    cells: list[Cells] = []
+    cells: list[Any] = []
     owned: list[Names] = []
     for section in sections:
         if match := _CELLS.fullmatch(section.keyword):
             rows = section.rows(1 + int(match[1]))
             data = section.index(named, rows[:, 1:], "node")
             solid = _SOLIDS.get(section.keyword)
-            cells.append(
-                Cells(type=_FACES.get(section.keyword, section.keyword), data=data)
-                if solid is None
-                else Cells(type=solid.elsewhere.meshio, data=solid.elsewhere.theirs(data))
-            )
+            kind = _FACES.get(section.keyword, section.keyword)
+            if solid is not None:
+                kind, data = solid.elsewhere.meshio, solid.elsewhere.theirs(data)
+            cells.append(SimpleNamespace(type=kind, data=data))
             owned.append(rows[:, 0])
     cell_sets: dict[str, list[Indices]] = {}
     point_sets: dict[str, Indices] = {}
@@ -130,11 +110,13 @@ def read_mail(path: Path) -> MailMesh:
             members = np.unique(section.index(every, section.words, "cell"))
             block = np.searchsorted(start, members, side="right") - 1
             cell_sets[section.name] = [members[block == k] - start[k] for k in range(len(owned))]
-    return MailMesh(
+    return SimpleNamespace(
         points=points,
         cells=cells,
         cell_sets=_with_all_solids(cells, cell_sets),
         point_sets=point_sets,
+        cell_data={},
+        field_data={},
     )
 
 
@@ -181,9 +163,7 @@ def _nodes(section: _Section) -> tuple[Names, Matrix]:
     return names, points
 
 
-def _with_all_solids(
-    cells: list[Cells], sets: dict[str, list[Indices]]
-) -> dict[str, list[Indices]]:
+def _with_all_solids(cells: list[Any], sets: dict[str, list[Indices]]) -> dict[str, list[Indices]]:
     """Put a group of all solids in front, where those of the file leave some out."""
     solid = [block.type not in _FACES.values() for block in cells]
     grouped = [

@@ -22,7 +22,7 @@ from faying.io.abaqus.keyword import (
 )
 from faying.io.deck_lines import DeckFiles, with_usual_ends
 
-_PARTS = re.compile(r"\"[^\"]*\"|'[^']*'|[^,]")
+_PARTS = re.compile(r"(?:^|,)((?:\"[^\"]*\"|'[^']*'|[^,])*)")
 
 
 def read_keywords(parts: Sequence[Span]) -> list[Keyword]:
@@ -115,17 +115,7 @@ def _decoded(line: bytes) -> str:
 
 def _split(text: str) -> list[str]:
     """Split at commas outside quotes."""
-    parts = [""]
-    position = 0
-    while position < len(text):
-        match = _PARTS.match(text, position)
-        if match is None:
-            parts.append("")
-            position += 1
-        else:
-            parts[-1] += match.group()
-            position = match.end()
-    return [part.strip() for part in parts]
+    return [part.strip() for part in _PARTS.findall(text)]
 
 
 def _parameters(parts: list[str], where: Callable[[], str]) -> Iterator[tuple[str, str]]:

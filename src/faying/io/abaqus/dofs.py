@@ -62,10 +62,6 @@ class Dofs:
             return self.turned.get(node)
         return _axes(self.transforms[number], self.nodes.coordinates[node])
 
-    def places(self, nodes: Indices, component: int) -> list[tuple[int, int]]:
-        """Return (node, component) of each node, rotation nodes replaced by whose they are."""
-        return [self.place(node, component) for node in nodes.tolist()]
-
     def place(self, node: int, component: int) -> tuple[int, int]:
         """Return the node and component of a degree of freedom of the deck."""
         if node in self.rotations and component < 3:

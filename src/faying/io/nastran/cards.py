@@ -158,15 +158,6 @@ class Cards:
         name = field_of(self.name, field).name
         return f"field {field % 8 + 2}" + (f" ({name})" if name else "")
 
-    def tail(self, field: int) -> tuple[Indices, Indices]:
-        """Cards (m,) and positions (m,) in ``Bulk.fields`` of all non-blank fields from j on."""
-        length = np.maximum(self.count - field, 0)
-        card = np.repeat(np.arange(len(self)), length)
-        inside = np.arange(len(card)) - np.repeat(np.cumsum(length) - length, length)
-        position = self.start[card] + field + inside
-        keep = ~numbers.is_blank(self.bulk.fields[position])
-        return card[keep], position[keep]
-
     def __iter__(self) -> Iterator["Card"]:
         start, count = self.start.tolist(), self.count.tolist()
         for i, (first, length) in enumerate(zip(start, count, strict=True)):
