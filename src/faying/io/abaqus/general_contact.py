@@ -13,7 +13,6 @@ from faying.interface.mortar import find_couplings
 from faying.io.abaqus.contact import Pair
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.interactions import Interaction
-from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.surfaces import Surfaces, find_surface, slave_and_master
 from faying.io.solid_cuts import Cut
 from faying.model.assembly import Assembly
@@ -38,6 +37,7 @@ def read_general_contact(
     deck: Deck,
     assembly: Assembly,
     interactions: Mapping[str, Interaction],
+    surfaces: Surfaces,
     joined: Collection[frozenset[int]],
 ) -> tuple[InterfaceSpec, ...]:
     """Return the interfaces of ``*CONTACT INCLUSIONS, ALL EXTERIOR``; none without it.
@@ -47,13 +47,15 @@ def read_general_contact(
     everything = [k for k in deck.of("CONTACT INCLUSIONS") if k.has("ALL EXTERIOR")]
     if not everything:
         return ()
-    assigned = deck.of("CONTACT PROPERTY ASSIGNMENT")
+    chosen, interaction = _assigned(deck, interactions, surfaces)
     for keyword in everything:
         if keyword.rows():
             keyword.refuse("ALL EXTERIOR is of everything; list surfaces without it")
-    interaction = _interaction(assigned, interactions)
-    if interaction is None:
-        everything[0].refuse("it needs *CONTACT PROPERTY ASSIGNMENT with one *SURFACE INTERACTION")
+    if interaction is None or chosen:
+        everything[0].refuse(
+            "it needs *CONTACT PROPERTY ASSIGNMENT with one *SURFACE INTERACTION of everything; "
+            "define *CONTACT PAIR where surfaces differ"
+        )
     deck.ignored.append(EVERYTHING)
     names = body_names(assembly.mesh)
     specs = (
@@ -128,50 +130,25 @@ def _assigned(
     """Return the interactions of pairs of surfaces by name, and that of all others."""
     chosen: dict[frozenset[str], Interaction] = {}
     everywhere = None
-    if all(keyword.has("ALL EXTERIOR") for keyword in deck.of("CONTACT INCLUSIONS")):
-        return chosen, everywhere
     for keyword in deck.of("CONTACT PROPERTY ASSIGNMENT"):
         keyword.check()
         for row, fields in enumerate(keyword.rows()):
             name = fields[2].strip("\"' ").upper() if len(fields) == 3 else ""
-            if name not in interactions or any(fields[:2]) != all(fields[:2]):
+            twice = everywhere is not None and not any(fields[:2])
+            if twice or name not in interactions or any(fields[:2]) != all(fields[:2]):
                 keyword.refuse(
-                    f"found '{', '.join(fields)}', expected two surfaces, or none for all pairs, "
-                    "and the name of a *SURFACE INTERACTION",
+                    f"found '{', '.join(fields)}', expected two surfaces, or none on one line for "
+                    "all pairs, and the name of a *SURFACE INTERACTION",
                     row,
                 )
-            _check_opens(keyword, row, interactions[name])
+            if interactions[name].tied:
+                keyword.refuse("general contact that is TIED is not supported; give *TIE", row)
             if any(fields[:2]):
                 sides = [find_surface(surfaces, keyword, text, row).name for text in fields[:2]]
                 chosen[frozenset(sides)] = interactions[name]
             else:
                 everywhere = interactions[name]
     return chosen, everywhere
-
-
-def _check_opens(keyword: Keyword, row: int, interaction: Interaction) -> None:
-    if interaction.tied:
-        keyword.refuse("general contact that is TIED is not supported; give *TIE", row)
-
-
-def _interaction(
-    assigned: list[Keyword], interactions: Mapping[str, Interaction]
-) -> Interaction | None:
-    """Return the one interaction that holds everywhere."""
-    interaction = None
-    for keyword in assigned:
-        keyword.check()
-        for row, fields in enumerate(keyword.rows()):
-            name = fields[2].strip("\"' ").upper() if len(fields) == 3 else ""
-            if interaction is not None or any(fields[:2]) or name not in interactions:
-                keyword.refuse(
-                    f"found '{', '.join(fields)}', expected one line ' , , name' of a *SURFACE "
-                    "INTERACTION; define *CONTACT PAIR where surfaces differ",
-                    row,
-                )
-            interaction = interactions[name]
-            _check_opens(keyword, row, interaction)
-    return interaction
 
 
 def joined_bodies(

@@ -185,7 +185,7 @@ def description(deck: Deck) -> JointDescription:
     sides = [(item.slave.nodes, item.master.nodes) for item in pairs]
     sides += [(tie.slave.nodes, tie.master.nodes) for tie in ties]
     joined = joined_bodies(assembly, cuts, sides)
-    specs += read_general_contact(deck, assembly, interactions, joined)
+    specs += read_general_contact(deck, assembly, interactions, surfaces, joined)
     return JointDescription(
         assembly=replace(assembly, ignored=tuple(ignored)),
         interfaces=specs,

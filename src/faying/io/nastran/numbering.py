@@ -1,6 +1,7 @@
 """Ids a deck needs where an assembly has names, values or ids that clash."""
 
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,8 @@ from faying.model.assembly import Assembly, BeamSection, Material
 
 LARGEST_ID = 99_999_999
 """Largest id that fits the eight columns of a small field."""
+
+_NUMBER = re.compile(r"[1-9]\d{0,7}")
 
 SectionKey = tuple[BeamSection, Material]
 
@@ -60,16 +63,26 @@ def number_assembly(assembly: Assembly) -> Numbering:
     )
 
 
-def _fits(number: int, what: str) -> int:
-    if number > LARGEST_ID:
-        refuse(f"{what} {number} does not fit a Nastran field; renumber it below {LARGEST_ID + 1}")
-    return number
+def _numbers(wanted: Collection[int], what: str, taken: Collection[int] = ()) -> list[int]:
+    """Return the numbers that are wanted, and free ones for what is not positive or taken."""
+    used, free = set(taken), max([0, *wanted, *taken])
+    numbers = []
+    for preferred in wanted:
+        number = preferred
+        if number <= 0 or number in used:
+            number = free = free + 1
+        if number > LARGEST_ID:
+            refuse(
+                f"{what} {number} does not fit a Nastran field; renumber it below {LARGEST_ID + 1}"
+            )
+        used.add(number)
+        numbers.append(number)
+    return numbers
 
 
 def _sets(numbers: Iterable[int]) -> dict[int, int]:
     distinct = list(dict.fromkeys(numbers))
-    free = max([*distinct, 0]) + 1
-    return {n: _fits(n if n > 0 else free, "constraint set") for n in distinct}
+    return dict(zip(distinct, _numbers(distinct, "constraint set"), strict=True))
 
 
 def _joined(sets: Mapping[int, int]) -> int:
@@ -79,17 +92,8 @@ def _joined(sets: Mapping[int, int]) -> int:
 
 def _named(names: list[str]) -> dict[str, int]:
     """Numbers that names say themselves, free ones for the others."""
-    numbers: dict[str, int] = {}
-    for name in names:
-        is_number = name.isascii() and name.isdigit() and name == str(int(name)) and int(name) > 0
-        if is_number and int(name) <= LARGEST_ID:
-            numbers[name] = int(name)
-    free = max(numbers.values(), default=0)
-    for name in names:
-        if name not in numbers:
-            free += 1
-            numbers[name] = _fits(free, "number")
-    return {name: numbers[name] for name in names}
+    wanted = [int(name) if _NUMBER.fullmatch(name) else 0 for name in names]
+    return dict(zip(names, _numbers(wanted, "number"), strict=True))
 
 
 def _materials(assembly: Assembly) -> dict[Material, int]:
@@ -109,18 +113,8 @@ def _sections(assembly: Assembly) -> dict[SectionKey, int]:
     used = {int(n) for block in assembly.mesh.blocks for n in np.unique(block.properties)}
     preferred: dict[SectionKey, int] = {}
     for beam in assembly.beams:
-        key = (beam.section, beam.material)
-        preferred.setdefault(key, beam.property)
-    free = max([*used, *preferred.values(), 0])
-    numbers: dict[SectionKey, int] = {}
-    for key, number in preferred.items():
-        if number <= 0 or number in used:
-            free += 1
-            numbers[key] = _fits(free, "property")
-        else:
-            numbers[key] = _fits(number, "property")
-        used.add(numbers[key])
-    return numbers
+        preferred.setdefault((beam.section, beam.material), beam.property)
+    return dict(zip(preferred, _numbers(preferred.values(), "property", used), strict=True))
 
 
 def _elements(assembly: Assembly) -> dict[tuple[str, int], int]:
@@ -132,17 +126,10 @@ def _elements(assembly: Assembly) -> dict[tuple[str, int], int]:
         ("rigid", [coupling.id for coupling in assembly.rigid_couplings]),
         ("average", [coupling.id for coupling in assembly.average_couplings]),
     )
-    free = max((n for _, ids in families for n in ids), default=0)
-    used: set[int] = set()
-    changed: dict[tuple[str, int], int] = {}
     for family, ids in families:
         if len(set(ids)) < len(ids):
             twice = next(n for n in ids if ids.count(n) > 1)
             refuse(f"{family} id {twice} occurs twice; give each its own id")
-        for number in ids:
-            new = number
-            if number <= 0 or number in used:
-                free += 1
-                new = changed[family, number] = free
-            used.add(_fits(new, "element"))
-    return changed
+    keys = [(family, number) for family, ids in families for number in ids]
+    numbers = _numbers([number for _, number in keys], "element")
+    return {key: new for key, new in zip(keys, numbers, strict=True) if new != key[1]}
