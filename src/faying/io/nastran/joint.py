@@ -141,11 +141,7 @@ def _selected_load(deck: Deck) -> str | None:
 def read_deck(path: str | PathLike[str], *, subcase: int | None = None) -> Assembly:
     """Read the structure of a deck: Nastran bulk data (small, large, free field) with INCLUDE.
 
-    What is read: GRID, GRDSET, CORD1R/C/S, CORD2R/C/S, CHEXA (8, 20), CPENTA (6, 15), CPYRAM (5,
-    13), CTETRA (4, 10), CBAR, CBEAM, BAROR, BEAMOR, PBAR, PBARL, PBEAM, PBEAML (constant
-    sections), PSOLID, MAT1, RBE2, RBE3, MPC, MPCADD, SPC, SPC1, SPCADD, FORCE, MOMENT, PLOAD4,
-    LOAD, CELAS1, CELAS2, PELAS, CONM2, SET1, BSURF, BSURFS, BCPROP, BCPROPS and PARAM,WTMASS, and
-    what the page on decks lists besides; contact and bolts by :func:`read_joint`.
+    The page on decks lists the cards that are read; contact and bolts by :func:`read_joint`.
 
     Case control selects SPC, MPC and LOAD (global level and one subcase). Sets that it does not
     select constrain nothing; in a deck without case control all SPC and MPC sets apply. All load

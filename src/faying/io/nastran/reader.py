@@ -40,10 +40,9 @@ from faying.io.nastran.rigid_elements import read_rigid_elements, read_shell_to_
 from faying.io.nastran.sections import read_sections
 from faying.io.nastran.sets import read_sets
 from faying.io.nastran.shell_sections import read_shell_properties
-from faying.io.nastran.shells import SHELL_CARDS, read_panel_sides, read_shells
+from faying.io.nastran.shells import read_panel_sides, read_shells
 from faying.io.nastran.solid_bolts import control_grids
 from faying.io.nastran.solids import (
-    SOLID_CARDS,
     Solids,
     check_element_ids,
     element_sets,
@@ -62,25 +61,12 @@ from faying.io.straight_sides import StraightSides
 from faying.model.assembly import Assembly
 from faying.model.mesh import Mesh
 
-ELEMENTS = (
-    *SOLID_CARDS,
-    *SHELL_CARDS,
-    *(
-        "CBAR",
-        "CBEAM",
-        "CROD",
-        "CONROD",
-        "CTUBE",
-        "CBUSH",
-        "CBUSH1D",
-        "CBEND",
-        "CONM1",
-        "CONM2",
-        "GENEL",
-    ),
-    *(f"C{kind}{n}" for kind in ("ELAS", "MASS") for n in "1234"),
-)
 RIGID = ("RBE2", "RBE3", "RBAR", "RBE1", "RROD", "RTRPLT", "RSSCON")
+ELEMENTS = tuple(
+    name
+    for name, fields in FIELDS.items()
+    if fields[:1] == FIELDS["CHEXA"][:1] and name not in RIGID
+)
 TEMPERATURES = ("TEMP", "TEMPD", "TEMPP1", "TEMPRB")
 UNREAD_TEMPERATURES = (
     *("TEMPG", "TEMPN1", "TEMPP3", "TEMPF", "TEMPBC", "TEMPADD", "TEMPT", "TEMPB3", "TEMPEX"),
