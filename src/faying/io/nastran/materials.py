@@ -10,8 +10,10 @@ import numpy as np
 from faying._typing import Matrix
 from faying.exceptions import ModelError
 from faying.io.nastran import fields as numbers
+from faying.io.nastran.card_table import FIELDS
 from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.coordinates import Systems
+from faying.io.nastran.fields import ROW
 from faying.io.nastran.grids import BulkData
 from faying.model.assembly import Material
 from faying.model.elastic_law import orthotropic_law, turned
@@ -19,11 +21,10 @@ from faying.model.shells import plane_stress
 
 SHELL_PROPERTIES = ("PSHELL", "PCOMP", "PCOMPG", "PSHEAR")
 
-_NUMBERED = ("PCOMPG", "PCOMPS")
-"""Laminates whose layers have ids, each in a line of its own."""
+SOLID_PROPERTIES = ("PSOLID", "PCOMPS")
 
-_PLATE_MATERIALS = (1, 3, 5, 10)
-"""MID1 to MID4 of PSHELL."""
+_LAYERED = {"PCOMP": 4, "PCOMPG": 8, "PCOMPS": 8}
+"""Laminates, and the fields of a layer; where these are a line, an id of the layer is the first."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +42,7 @@ def layers(card: Card) -> list[Layer]:
     for first in _places(card):
         if not any(card.text(first + j) for j in range(4)):
             continue
-        if card.cards.name in _NUMBERED:
+        if _LAYERED[card.cards.name] == ROW:
             card.integer(first - 1)  # the layer's own id, which names results
         below = stack[-1] if stack else None
         layer = Layer(
@@ -61,29 +62,24 @@ def layers(card: Card) -> list[Layer]:
 
 def _places(card: Card) -> list[int]:
     """First field, the material, of each layer."""
-    if card.cards.name in _NUMBERED:
-        return [row + 1 for row in range(8, len(card), 8)]
-    return list(range(8, len(card), 4))
+    size = _LAYERED.get(card.cards.name)
+    return [] if size is None else [first + size // ROW for first in range(ROW, len(card), size)]
 
 
-def materials_of_layered_solids(cards: Mapping[str, Cards]) -> frozenset[int]:
-    """Return the ids of the materials that PCOMPS name."""
-    numbers_of = (
-        numbers.integer(card.text(first))
-        for card in cards.get("PCOMPS", ())
-        for first in _places(card)
+def materials_of(cards: Mapping[str, Cards], *names: str) -> frozenset[int]:
+    """Return the ids of the materials that cards name, in fields called MID and in layers."""
+    ids = (
+        numbers.integer(card.text(place))
+        for name in names
+        for card in cards.get(name, ())
+        for place in (*_material_fields(name), *_places(card))
     )
-    return frozenset(number for number in numbers_of if number is not None)
-
-
-def materials_of_shells(cards: Mapping[str, Cards]) -> frozenset[int]:
-    """Return the ids of the materials that properties of shells name."""
-    texts = [card.text(field) for card in cards.get("PSHELL", ()) for field in _PLATE_MATERIALS]
-    texts += [card.text(1) for card in cards.get("PSHEAR", ())]
-    for name in ("PCOMP", "PCOMPG"):
-        texts += [card.text(first) for card in cards.get(name, ()) for first in _places(card)]
-    ids = (numbers.integer(text) for text in texts)
     return frozenset(number for number in ids if number is not None)
+
+
+def _material_fields(name: str) -> list[int]:
+    """Fields behind the first, which is the card's own id, that name materials."""
+    return [i for i, field in enumerate(FIELDS[name]) if i and field.name.startswith("MID")]
 
 
 def named_materials(
@@ -110,9 +106,6 @@ def named_materials(
 _CONTRADICTION = 0.01
 _INCOMPRESSIBLE = 0.5
 
-PROPERTIES = ("PSOLID", "PBAR", "PBARL", "PBEAM", "PBEAML", "PROD", "PTUBE", "PBEND")
-"""Cards that name a material in their second field."""
-
 MATERIALS = frozenset(
     (
         *("MAT3", "MAT10", "MATG", "MATHE"),
@@ -137,8 +130,8 @@ def read_materials(bulk: BulkData) -> tuple[dict[int, Material], dict[int, float
     damped = 0
     contradicting: list[int] = []
     single: list[int] = []
-    named, shells = materials_named(bulk.cards), materials_of_shells(bulk.cards)
-    only_lines = named - _named_by_bodies(bulk.cards)
+    named, shells = (materials_of(bulk.cards, *names) for names in (FIELDS, SHELL_PROPERTIES))
+    only_lines = named - shells - materials_of(bulk.cards, *SOLID_PROPERTIES)
     for card in bulk.cards.get("MAT1", ()):
         number = card.integer(0)
         if number not in named:
@@ -216,28 +209,6 @@ def _contradict(card: Card) -> bool:
     return card.real(2) > 0 and abs(card.real(2) - consistent) > _CONTRADICTION * consistent
 
 
-def materials_of_solids(cards: Mapping[str, Cards]) -> frozenset[int]:
-    """Return the ids of the materials that solids name."""
-    solids = (numbers.integer(card.text(1)) for card in cards.get("PSOLID", ()))
-    return frozenset(n for n in solids if n is not None) | materials_of_layered_solids(cards)
-
-
-def _named_by_bodies(cards: Mapping[str, Cards]) -> frozenset[int]:
-    """Ids of the materials that solids and shells name."""
-    return materials_of_shells(cards) | materials_of_solids(cards)
-
-
-def materials_named(cards: Mapping[str, Cards]) -> frozenset[int]:
-    """Return the ids of the materials that properties of elements name."""
-    fields = {**dict.fromkeys(PROPERTIES, 1), "CONROD": 3}
-    return _named_by_bodies(cards) | frozenset(
-        number
-        for name, field in fields.items()
-        for card in cards.get(name, ())
-        if (number := numbers.integer(card.text(field))) is not None
-    )
-
-
 def _constants(card: Card, number: int, shells: frozenset[int]) -> tuple[float, float]:
     """E and NU, from G where one of them is blank."""
     filled = [bool(card.text(j)) for j in (1, 2, 3)]
@@ -289,7 +260,7 @@ def read_plane_materials(
         )
         for number, material in materials.items()
     }
-    named = materials_of_shells(bulk.cards)
+    named = materials_of(bulk.cards, *SHELL_PROPERTIES)
     for name, read in (("MAT2", _anisotropic), ("MAT8", _orthotropic)):
         for number, card in named_materials(bulk, name, named, by_number):
             by_number[number] = read(card, bulk.mass_factor)

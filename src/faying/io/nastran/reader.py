@@ -29,9 +29,9 @@ from faying.io.nastran.grids import BulkData, Grids, read_grids
 from faying.io.nastran.loads import UNSUPPORTED, read_loads
 from faying.io.nastran.materials import (
     MATERIALS,
+    SOLID_PROPERTIES,
     PlaneMaterial,
-    materials_named,
-    materials_of_solids,
+    materials_of,
     read_anisotropic,
     read_materials,
     read_plane_materials,
@@ -128,7 +128,7 @@ def read_parts(
         if not np.isfinite(grids.nodes).all():
             refuse(f"{path}: coordinates are too large for a number; check the units")
         materials, factors = read_materials(bulk)
-        directed = read_anisotropic(bulk, materials_of_solids(cards), materials)
+        directed = read_anisotropic(bulk, materials_of(cards, *SOLID_PROPERTIES), materials)
         straight = StraightSides(places=grids.nodes, ids=grids.ids)
         solids = read_solids(bulk, {**materials, **directed}, straight)
         heavy = any(item.density > 0 for item in {**materials, **directed}.values())
@@ -224,7 +224,7 @@ def _check_supported(
     path: Path,
 ) -> None:
     """Refuse cards that may change the structure, all at once; note what is left out."""
-    named = materials_named(cards)
+    named = materials_of(cards, *FIELDS)
     unread = []
     for name, cards_of_name in cards.items():
         if name in _READ:
