@@ -21,7 +21,6 @@ def read_equations(deck: Deck, dofs: Dofs) -> Iterator[Equation]:
     """Read all *EQUATION; the first term is the one that is eliminated."""
     number = 0
     for keyword in deck.of("EQUATION"):
-        keyword.check()
         rows = keyword.rows()
         row = 0
         while row < len(rows):
@@ -95,7 +94,6 @@ def read_mpcs(deck: Deck, dofs: Dofs, first_id: int) -> tuple[list[Equation], li
     equations: list[Equation] = []
     rigid: list[RigidCoupling] = []
     for keyword in deck.of("MPC"):
-        keyword.check()
         for row, kind, fields in _definitions(keyword):
             number = first_id + len(equations) + len(rigid)
             if kind == "BEAM":
@@ -314,7 +312,6 @@ def read_rigid_bodies(
     """Read all *RIGID BODY of CalculiX (NSET or ELSET) and Abaqus (PIN NSET, TIE NSET, ELSET)."""
     number = first_id
     for keyword in deck.of("RIGID BODY"):
-        keyword.check()
         groups = _groups(keyword, dofs, elements, by_element)
         if not sum(len(nodes) for nodes, _ in groups):
             keyword.refuse("it names no nodes; give NSET=, ELSET=, PIN NSET= or TIE NSET=")

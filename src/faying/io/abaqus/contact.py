@@ -65,7 +65,6 @@ def _pairs(
     interactions: Mapping[str, Interaction],
     ignored: list[str],
 ) -> list[Pair]:
-    keyword.check()
     name = keyword.required("INTERACTION")
     interaction = named(keyword, name, interactions, "*SURFACE INTERACTION")
     note = f"formulation of *CONTACT PAIR: small sliding, {keyword.choice('TYPE', 'default')}"
@@ -209,7 +208,6 @@ def _clearance(
     keyword: Keyword, pairs: list[Pair], interfaces: tuple[InterfaceSpec, ...]
 ) -> tuple[Pair, InterfaceSpec, float]:
     """Return the pair a *CLEARANCE is of, its interface, and the gap it starts with."""
-    keyword.check()
     if keyword.data:
         keyword.refuse("it must be one VALUE; give other gaps as initial_gap in the study")
     value = parameter(keyword, "VALUE")

@@ -47,7 +47,6 @@ def read_couplings(
     turned: list[Equation] = []
     references: list[int] = []
     for number, (head, members) in enumerate(deck.groups("COUPLING", *MEMBERS), start=first_id):
-        head.check()
         if len(members) != 1:
             head.refuse("expected one *KINEMATIC or *DISTRIBUTING below it")
         (member,) = members
@@ -55,7 +54,6 @@ def read_couplings(
         coupled = find_surface(surfaces, head, head.required("SURFACE"), None)
         nodes = coupled.nodes[coupled.nodes != reference]
         components = _components(member)
-        member.check()
         if member.name == "KINEMATIC":
             translations = tuple(c for c in components if c < 3)
             if head.has("ORIENTATION") and 0 < len(translations) < 3:
@@ -175,7 +173,6 @@ def read_distributing(
         for i, node in zip(block.ids, block.nodes[:, 0], strict=True)
     }
     for keyword in deck.of("DISTRIBUTING COUPLING"):
-        keyword.check()
         members = sets.find(keyword, keyword.required("ELSET")).tolist()
         if len(members) != 1 or members[0] not in reference_of:
             keyword.refuse(f"the set '{keyword.value('ELSET')}' is not one DCOUP3D element")

@@ -12,6 +12,7 @@ import numpy as np
 from faying.exceptions import FormatError, refuse
 from faying.io.abaqus.instances import instantiated
 from faying.io.abaqus.keyword import (
+    PARAMETERS,
     Body,
     Keyword,
     Span,
@@ -201,6 +202,22 @@ class Deck:
             elif keyword.name in members:
                 keyword.refuse(f"it must follow *{head}")
         return iter(groups)
+
+
+_CHECKED_WHERE_READ = frozenset(
+    (
+        *("AMPLITUDE", "ORIENTATION", "EXPANSION", "INITIAL CONDITIONS"),
+        *("FRICTION", "SURFACE BEHAVIOR"),
+    )
+)
+"""Keywords whose parameters matter only where something uses them."""
+
+
+def check_parameters(deck: Deck) -> None:
+    """Refuse parameters that the table has not, of all keywords that are read in any case."""
+    for keyword in deck.keywords:
+        if keyword.name in PARAMETERS and keyword.name not in _CHECKED_WHERE_READ:
+            keyword.check()
 
 
 def read_keyword_deck(path: Path, ignore: frozenset[str] = frozenset()) -> Deck:

@@ -74,7 +74,6 @@ def read_dofs(deck: Deck, nodes: Nodes, sets: NamedSets, rotations: Mapping[int,
     system = np.full(len(nodes.ids), -1)
     transforms = deck.of("TRANSFORM")
     for number, keyword in enumerate(transforms):
-        keyword.check()
         ids = sets.find(keyword, keyword.required("NSET"))
         system[nodes.index(ids, keyword, np.full(len(ids), -1))] = number
         first, second = _points(keyword)

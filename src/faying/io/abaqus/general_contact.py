@@ -93,7 +93,6 @@ def read_listed(
     pairs = []
     chosen, everywhere = _assigned(deck, interactions, surfaces)
     for keyword in deck.of("CONTACT INCLUSIONS"):
-        keyword.check()
         if keyword.has("ALL EXTERIOR"):
             continue
         for row, fields in enumerate(keyword.rows()):
@@ -131,7 +130,6 @@ def _assigned(
     chosen: dict[frozenset[str], Interaction] = {}
     everywhere = None
     for keyword in deck.of("CONTACT PROPERTY ASSIGNMENT"):
-        keyword.check()
         for row, fields in enumerate(keyword.rows()):
             name = fields[2].strip("\"' ").upper() if len(fields) == 3 else ""
             twice = everywhere is not None and not any(fields[:2])

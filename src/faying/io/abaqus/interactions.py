@@ -238,7 +238,6 @@ def read_interactions(deck: Deck) -> dict[str, Interaction]:
     """Read all *SURFACE INTERACTION, by upper-case name."""
     interactions = {}
     for head, members in deck.groups("SURFACE INTERACTION", *MEMBERS):
-        head.check()
         name = head.required("NAME")
         if tied := [member for member in members if _is_tied(member)]:
             stick = [member for member in members if member.name == "FRICTION"]

@@ -91,7 +91,6 @@ def _sections(
             keyword.refuse(
                 "it is not supported; leave it out, and take B33 for beams rigid in shear"
             )
-        keyword.check()
         rows = keyword.rows()
         if keyword.name == "BEAM SECTION":
             material = find_isotropic(materials, keyword)
@@ -227,7 +226,6 @@ def read_springs(
     """Read SPRING1, SPRING2 and SPRINGA; those off the coordinate axes are bushes."""
     stiffness: dict[int, Keyword] = {}
     for keyword in deck.of("SPRING"):
-        keyword.check()
         assign(stiffness, keyword, sets, keyword)
     springs: list[Spring] = []
     bushes: list[Bush] = []
@@ -305,7 +303,6 @@ def read_masses(deck: Deck, elements: Elements, sets: NamedSets) -> Iterator[Poi
     values: dict[int, float] = {}
     inertias: dict[int, Tensor] = {}
     for keyword in deck.of("MASS", "ROTARY INERTIA"):
-        keyword.check()
         if keyword.name == "MASS":
             assign(values, keyword, sets, _mass(keyword))
         else:

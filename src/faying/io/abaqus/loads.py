@@ -113,7 +113,6 @@ def in_force(
         loads = {} if step in deck.perturbations else loads
         new: dict[Key, list[tuple[Value, Keyword]]] = {}
         for keyword in (k for k in deck.of(*names) if k.step == step):
-            keyword.check()
             if keyword.choice("OP") == "NEW":
                 loads = {k: v for k, v in loads.items() if v[0][1].name != keyword.name}
             for key, value in read(keyword):

@@ -55,12 +55,10 @@ def read_materials(deck: Deck, temperature: float | None) -> dict[str, Material]
     """
     materials: dict[str, Material] = {}
     for head, members in deck.groups("MATERIAL", *MEMBERS):
-        head.check()
         name = head.required("NAME")
         elastic, law, density, expansion = None, None, 0.0, None
         for member in members:
             if _is_anisotropic(member):
-                member.check()
                 law = read_law(member, partial(check_constant, member, temperature))
             elif member.name == "ELASTIC":
                 elastic = _elastic(member, temperature)
@@ -117,7 +115,6 @@ def read_expansions(deck: Deck) -> dict[str, Expansion]:
 
 
 def _elastic(keyword: Keyword, temperature: float | None) -> tuple[float, float]:
-    keyword.check()
     rows = keyword.rows()
     _check_rows(keyword, rows, 3, "E, nu")
     modulus = [real(keyword, i, row[0], "Young's modulus") for i, row in enumerate(rows)]
@@ -126,7 +123,6 @@ def _elastic(keyword: Keyword, temperature: float | None) -> tuple[float, float]
 
 
 def _density(keyword: Keyword, temperature: float | None) -> float:
-    keyword.check()
     rows = keyword.rows()
     _check_rows(keyword, rows, 2, "the density")
     values = [real(keyword, i, row[0], "the density") for i, row in enumerate(rows)]

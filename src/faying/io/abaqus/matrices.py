@@ -12,7 +12,7 @@ import scipy.sparse as sp
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.exceptions import FormatError, refuse
 from faying.files.contents import file_bytes
-from faying.io.abaqus.deck import read_keyword_deck
+from faying.io.abaqus.deck import check_parameters, read_keyword_deck
 from faying.io.abaqus.instances import with_distinct_ids
 from faying.io.abaqus.mesh import LINE_TYPES, SOLID_TYPES, read_elements, read_nodes
 from faying.io.abaqus.sets import read_element_sets, read_node_sets
@@ -39,6 +39,7 @@ def read_geometry(path: str | PathLike[str]) -> tuple[Mesh, Mapping[str, FaceSet
         and (keyword.name != "ELEMENT" or keyword.value("TYPE").upper() in supported)
     ]
     deck = replace(deck, keywords=keywords)
+    check_parameters(deck)
     nodes = read_nodes(deck)
     elements = read_elements(deck, nodes)
     by_element = read_element_sets(deck, elements)

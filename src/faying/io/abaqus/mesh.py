@@ -73,7 +73,6 @@ def read_nodes(deck: Deck) -> Nodes:
 def _node_block(
     keyword: Keyword, system: tuple[Matrix, Vector] | None, ignored: list[str]
 ) -> tuple[Indices, Matrix, Indices]:
-    keyword.check()
     if keyword.has("INPUT"):
         keyword.refuse("INPUT= is not supported; use *INCLUDE, INPUT=… below *NODE")
     expected = "id, x, y, z"
@@ -116,7 +115,6 @@ def _cartesian(keyword: Keyword, points: Matrix) -> Matrix:
 
 def _system(keyword: Keyword) -> tuple[Matrix, Vector] | None:
     """Axes (rows) and origin of local coordinates; without data, back to the basic frame."""
-    keyword.check()
     rows = keyword.rows()
     if not rows:
         return None
@@ -237,7 +235,6 @@ def read_elements(deck: Deck, nodes: Nodes) -> Elements:
     solids: list[ElementBlock] = []
     others: dict[str, tuple[ElementBlock, ...]] = {}
     for keyword in deck.of("ELEMENT"):
-        keyword.check()
         if keyword.has("DLOAD"):
             keyword.refuse(
                 "shells that only carry loads (DLOAD) onto the solids beneath them are not "

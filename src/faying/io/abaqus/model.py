@@ -21,7 +21,7 @@ from faying.io.abaqus.couplings import (
     reference_axes,
     with_real_rotations,
 )
-from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.deck import Deck, check_parameters
 from faying.io.abaqus.dofs import Dofs, read_dofs
 from faying.io.abaqus.general_contact import (
     joined_bodies,
@@ -84,6 +84,7 @@ def description(deck: Deck) -> JointDescription:
     ignored = deck.ignored
     deck = materials.without_unused(without_temperatures(deck))
     check_supported(deck)
+    check_parameters(deck)
     deck = replace(deck, keywords=with_distinct_ids(deck.keywords, ignored))
     nodes = read_nodes(deck)
     elements = read_elements(deck, nodes)

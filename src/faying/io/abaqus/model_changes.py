@@ -31,7 +31,6 @@ def without_removed(deck: Deck, elements: Elements, sets: NamedSets) -> tuple[El
     for keyword in (
         change for change in deck.of("MODEL CHANGE") if change.choice("TYPE") == "ELEMENT"
     ):
-        keyword.check()
         for row, fields in enumerate(keyword.rows()):
             for label in (text for text in fields if text):
                 ids = sets.members(keyword, label, row)
@@ -54,7 +53,6 @@ def without_removed_pairs(deck: Deck, pairs: Sequence[Pair]) -> tuple[Deck, list
     for keyword in (
         change for change in deck.of("MODEL CHANGE") if change.choice("TYPE") != "ELEMENT"
     ):
-        keyword.check()
         for row, fields in enumerate(keyword.rows()):
             named = [pair for pair in pairs if _sides(pair) == [text.upper() for text in fields]]
             if not named:

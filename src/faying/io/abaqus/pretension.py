@@ -65,7 +65,6 @@ def read_sections(deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets) -
     """Read all *PRE-TENSION SECTION."""
     sections: list[Section] = []
     for keyword in deck.of("PRE-TENSION SECTION"):
-        keyword.check()
         node = dofs.one(keyword, None, keyword.required("NODE"), "the pretension node")
         if keyword.has("SURFACE") == keyword.has("ELEMENT"):
             keyword.refuse("give either SURFACE= or ELEMENT=")

@@ -117,7 +117,6 @@ def read_element_sets(deck: Deck, elements: Elements) -> NamedSets:
                 key = builder.open(keyword, keyword.required("ELSET"))
                 builder.parts[key].append((keyword, blocks[id(keyword)].ids))
             continue
-        keyword.check()
         key = builder.open(keyword, keyword.required("ELSET"))
         ids, rows = _explicit(keyword, builder, key, deck, element_ids)
         _check_known(ids, rows, element_ids, keyword, "element")
@@ -138,7 +137,6 @@ def read_node_sets(deck: Deck, nodes: Nodes, elements: Elements, by_name: NamedS
                 builder.parts[key].append((keyword, ids + keyword.scope.offset))
             continue
         # FREQUENCY is one of output, which CalculiX passes over here.
-        keyword.check()
         key = builder.open(keyword, keyword.required("NSET"))
         ids, rows = _explicit(keyword, builder, key, deck, nodes.ids)
         _check_known(ids, rows, nodes.ids, keyword, "node")

@@ -66,7 +66,6 @@ def read_shells(
     thicknesses: dict[int, float] = {}
     others = deck.of("SOLID SECTION", "BEAM SECTION", "BEAM GENERAL SECTION")
     for section_number, keyword in enumerate(deck.of("SHELL SECTION"), start=len(others) + 1):
-        keyword.check()
         chosen = np.isin(ids, sets.find(keyword, keyword.required("ELSET")))
         thickness = thicknesses[section_number] = positive(
             keyword, 0, only_line(keyword, range(1, 9), "the thickness")[0], "the thickness"

@@ -156,7 +156,6 @@ def read_solid_sections(
     sections = deck.of("SOLID SECTION")
     more = itertools.count(len(sections) + 1)
     for number, keyword in enumerate(sections, start=1):
-        keyword.check()
         chosen = np.isin(ids, sets.find(keyword, keyword.required("ELSET")))
         again = np.flatnonzero(chosen & (section > 0))
         if again.size:

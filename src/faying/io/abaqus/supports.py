@@ -105,7 +105,6 @@ def _after(
     """
     holds = dict(holds)
     for keyword in (item for item in deck.of("BOUNDARY") if item.step == step):
-        keyword.check()
         if keyword.choice("OP") == "NEW":
             holds = {dof: item for dof, item in holds.items() if item[1].step == step}
         new = {

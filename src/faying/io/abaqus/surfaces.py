@@ -91,7 +91,6 @@ def read_surfaces(
     """
     surfaces: dict[str, DeckSurface] = {}
     for keyword in deck.of("SURFACE"):
-        keyword.check()
         label = keyword.required("NAME")
         name = f"{keyword.scope.name}.{label}" if keyword.scope.name else label
         if not keyword.data:

@@ -64,7 +64,6 @@ def read_temperatures(deck: Deck, dofs: Dofs, amplitudes: Amplitudes) -> Tempera
     for step in range(deck.n_step + 1):
         current = current.copy()
         for keyword in (candidate for candidate in keywords if candidate.step == step):
-            keyword.check()
             if keyword.choice("OP") == "NEW":
                 current = initial.copy()
             factor = amplitudes.factor(keyword, step)

@@ -47,7 +47,6 @@ def read_ties(deck: Deck, surfaces: Surfaces, pairs: Sequence[Pair]) -> list[Tie
         for pair in pairs
     ]
     for keyword in deck.of("TIE"):
-        keyword.check()
         tolerance = None
         if keyword.has("POSITION TOLERANCE"):
             tolerance = parameter(keyword, "POSITION TOLERANCE")
