@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NoReturn
 
 import numpy as np
 import scipy.sparse as sp
@@ -108,6 +109,11 @@ class DamageError(ValueError):
     """What is wrong in a file, and where; the name of the file is added on the way out."""
 
 
+def damaged(text: str) -> NoReturn:
+    """Raise what is wrong in a file."""
+    raise DamageError(text)
+
+
 def chosen_name(names: Sequence[str], letter_name: str) -> str:
     """Return the name of the matrix ``"M"``, ``"C"`` or ``"K"``.
 
@@ -119,8 +125,7 @@ def chosen_name(names: Sequence[str], letter_name: str) -> str:
     for candidates in (exact, names, [name for name in names if name.upper().startswith(letter)]):
         if len(candidates) == 1:
             return candidates[0]
-    message = (
+    damaged(
         f"it holds {', '.join(names) or 'no matrix'}; expected one matrix, or one whose name "
         f"begins with {letter}; write {letter_name} to a file of its own"
     )
-    raise DamageError(message)

@@ -29,6 +29,7 @@ from faying.io.matrix_labels import (
     DamageError,
     LabelledMatrix,
     chosen_name,
+    damaged,
 )
 from faying.io.op4_binary import BinaryFile, looks_binary
 from faying.io.op4_text import TextFile
@@ -85,26 +86,22 @@ def _read(path: Path, letter: str | None) -> dict[str, SparseMatrix]:
 
 def _only(names: list[str], name: str) -> int:
     if names.count(name) > 1:
-        message = f"it holds {names.count(name)} matrices named {name}; write each to its own file"
-        raise DamageError(message)
+        damaged(f"it holds {names.count(name)} matrices named {name}; write each to its own file")
     return names.index(name)
 
 
 def _check_readable(header: Header) -> None:
     matrix_label = f"matrix '{header.name}' ({header.position})"
     if header.kind in COMPLEX:
-        message = f"{matrix_label} is complex; faying needs real matrices: write its real part"
-        raise DamageError(message)
+        damaged(f"{matrix_label} is complex; faying needs real matrices: write its real part")
     if header.form not in FORMS:
         readable = ", ".join(f"{number} ({text})" for number, text in FORMS.items())
-        message = f"{matrix_label} has form {header.form}; readable are {readable}"
-        raise DamageError(message)
+        damaged(f"{matrix_label} has form {header.form}; readable are {readable}")
     if header.form == SYMMETRIC and header.rows != header.columns:
-        message = (
+        damaged(
             f"{matrix_label} is symmetric (form 6) but has {header.rows} rows and "
             f"{header.columns} columns"
         )
-        raise DamageError(message)
 
 
 def _check_strings(header: Header, strings: Strings) -> None:
@@ -115,12 +112,11 @@ def _check_strings(header: Header, strings: Strings) -> None:
     wrong[1:] |= same & (strings.row[1:] < last[:-1])
     if wrong.any():
         first = int(np.flatnonzero(wrong)[0])
-        message = (
+        damaged(
             f"matrix '{header.name}' ({header.position}): column {strings.column[first] + 1} has "
             f"{strings.count[first]} values from row {strings.row[first] + 1} on; expected "
             f"ascending rows from 1 to {header.rows}"
         )
-        raise DamageError(message)
 
 
 def _assembled(file: Op4File, header: Header, strings: Strings) -> SparseMatrix:
@@ -128,8 +124,7 @@ def _assembled(file: Op4File, header: Header, strings: Strings) -> SparseMatrix:
     _check_strings(header, strings)
     values = file.values(header, strings)
     if not np.isfinite(values).all():
-        message = f"matrix '{header.name}' ({header.position}) holds NaN or infinity"
-        raise DamageError(message)
+        damaged(f"matrix '{header.name}' ({header.position}) holds NaN or infinity")
     starts = np.zeros(header.columns + 1, dtype=np.int64)
     np.add.at(starts, strings.column + 1, strings.count)
     rows = spread(strings.row, strings.count)

@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Indices, Vector
-from faying.io.matrix_labels import DamageError
+from faying.io.matrix_labels import damaged
 from faying.io.op4_values import BIG_ROWS, Header, Strings, checked_header, chunks, spread
 
 _HEADER_BYTES = {24: 4, 48: 8}
@@ -33,13 +33,11 @@ class BinaryFile:
             if content[:4] == struct.pack(f"{order}i", length)
         ]
         if not orders:
-            message = (
+            damaged(
                 "it begins like a binary file, but not with an OUTPUT4 header of 24 or 48 bytes"
             )
-            raise DamageError(message)
         if len(content) % 4:
-            message = f"its {len(content)} bytes are no whole number of words; it was cut off"
-            raise DamageError(message)
+            damaged(f"its {len(content)} bytes are no whole number of words; it was cut off")
         self._order, self._size = orders[0]
         self._content = content
         self._words = np.frombuffer(content, dtype=np.uint32)
@@ -78,18 +76,15 @@ class BinaryFile:
             (length,) = self._marker.unpack_from(self._content, position)
             end = position + 4 + length
         if end < position + 4 or end + 4 > len(self._content) or length % 4:
-            message = f"the record at byte {position} does not end within the file; it is damaged"
-            raise DamageError(message)
+            damaged(f"the record at byte {position} does not end within the file; it is damaged")
         if self._marker.unpack_from(self._content, end)[0] != length:
-            message = f"the record at byte {position} does not end with its length {length}"
-            raise DamageError(message)
+            damaged(f"the record at byte {position} does not end with its length {length}")
         return position + 4, end
 
     def _header(self, record: _Record) -> Header:
         start, end = record
         if end - start != 6 * self._size:
-            message = f"expected the header of a matrix at byte {start - 4}"
-            raise DamageError(message)
+            damaged(f"expected the header of a matrix at byte {start - 4}")
         columns, rows, form, kind = self._head.unpack_from(self._content, start)
         # Two words of four letters, or with 64-bit integers of eight, filled up with blanks.
         text = self._content[start + 4 * self._size : end].replace(b"\0", b" ")
@@ -112,23 +107,20 @@ class BinaryFile:
         while True:
             start, end = self._record(position)
             if end - start < 3 * self._size:
-                message = f"the record at byte {position} is too short for a column"
-                raise DamageError(message)
+                damaged(f"the record at byte {position} is too short for a column")
             column, row, length = self._start.unpack_from(self._content, start)
             if column == header.columns + 1:
                 break
             if not last < column <= header.columns:
-                message = (
+                damaged(
                     f"the record at byte {position} is of column {column}; expected one from "
                     f"{last + 1} to {header.columns + 1}"
                 )
-                raise DamageError(message)
             if end - start != (3 + length) * self._size:
-                message = (
+                damaged(
                     f"the record of column {column} at byte {position} says {length} words and "
                     f"holds {(end - start) // self._size - 3}"
                 )
-                raise DamageError(message)
             last = column
             strings.append((column, row, (start + 3 * self._size) // 4, end // 4))
             position = end + 4
@@ -143,8 +135,7 @@ class BinaryFile:
         width = self._words_per_value(header)
         dense = row != 0
         if dense.any() and not dense.all():
-            message = f"matrix '{header.name}' ({header.position}) has dense and sparse columns"
-            raise DamageError(message)
+            damaged(f"matrix '{header.name}' ({header.position}) has dense and sparse columns")
         if dense.all():
             return Strings(
                 column=column,
@@ -163,8 +154,7 @@ class BinaryFile:
         parts: list[tuple[Indices, Indices, Indices, Indices]] = []
         while len(column):
             if (first + heads > stop).any():
-                message = f"matrix '{header.name}' ({header.position}): a string is cut off"
-                raise DamageError(message)
+                damaged(f"matrix '{header.name}' ({header.position}): a string is cut off")
             length, row = self._string_heads(header, first)
             first = first + heads
             words = length * step
@@ -172,10 +162,9 @@ class BinaryFile:
                 bad_column = (
                     int(column[np.flatnonzero((length < 1) | (first + words > stop))[0]]) + 1
                 )
-                message = (
+                damaged(
                     f"matrix '{header.name}': a string of column {bad_column} overruns its record"
                 )
-                raise DamageError(message)
             parts.append((column, row - 1, _whole(header, words, width), first))
             first = first + words
             more = first < stop
@@ -200,6 +189,5 @@ class BinaryFile:
 
 def _whole(header: Header, words: Indices, width: int) -> Indices:
     if (words % width).any() or (words <= 0).any():
-        message = f"matrix '{header.name}' ({header.position}) has a string of half a value"
-        raise DamageError(message)
+        damaged(f"matrix '{header.name}' ({header.position}) has a string of half a value")
     return words // width

@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Indices, Vector
-from faying.io.matrix_labels import DamageError
+from faying.io.matrix_labels import damaged
 from faying.io.nastran.fields import reals
 from faying.io.op4_values import BIG_ROWS, Header, Strings, checked_header, chunks, spread
 
@@ -25,8 +25,7 @@ class TextFile:
 
     def __init__(self, content: bytes) -> None:
         if b"\t" in content or b"\0" in content:
-            message = "it is neither a binary nor a text OUTPUT4 file (it holds tabs or NUL)"
-            raise DamageError(message)
+            damaged("it is neither a binary nor a text OUTPUT4 file (it holds tabs or NUL)")
         plain = re.sub(rb"[ \r]+\n", b"\n", content).rstrip() + b"\n"
         self._letters = np.frombuffer(plain, dtype=np.uint8)
         self._content = plain
@@ -57,8 +56,7 @@ class TextFile:
             if bad.any():
                 first = int(np.flatnonzero(bad)[0])
                 shown = fields[first].decode("latin-1").strip()
-                message = f"line {line[first] + 1}: '{shown}' is not a number"
-                raise DamageError(message)
+                damaged(f"line {line[first] + 1}: '{shown}' is not a number")
             parts.append(values)
         return np.concatenate([*parts, np.empty(0)])
 
@@ -73,16 +71,14 @@ class TextFile:
         if wrong.any():
             wrong_line = int(line[last][np.flatnonzero(wrong)[0]])
             expected = int((position[last][wrong][0] + 1) * width)
-            message = (
+            damaged(
                 f"line {wrong_line + 1} has {self._length[wrong_line]} characters; its values "
                 f"take {expected} ({width} each)"
             )
-            raise DamageError(message)
 
     def _line(self, line: int) -> str:
         if line >= len(self._first):
-            message = f"it ends after line {len(self._first)} within a matrix; it was cut off"
-            raise DamageError(message)
+            damaged(f"it ends after line {len(self._first)} within a matrix; it was cut off")
         start = int(self._first[line])
         return self._content[start : start + int(self._length[line])].decode("latin-1")
 
@@ -111,11 +107,10 @@ class TextFile:
         """Exactly so many integers of fixed width."""
         fields = [text[i : i + width] for i in range(0, max(len(text), 1), width)]
         if len(fields) != count or not all(_INTEGER.fullmatch(field) for field in fields):
-            message = (
+            damaged(
                 f"line {line + 1}: expected {count} integers of {width} columns, found "
                 f"'{text.strip()[:40]}'"
             )
-            raise DamageError(message)
         return [int(field) for field in fields]
 
     def _columns(self, header: Header, line: int) -> tuple[Strings, int]:
@@ -128,14 +123,12 @@ class TextFile:
             if column == header.columns + 1:
                 return self._ended(header, strings, line)
             if not last < column <= header.columns or length < 1:
-                message = (
+                damaged(
                     f"line {line + 1}: column {column} of {length} words; expected one of the "
                     f"columns {last + 1} to {header.columns + 1}"
                 )
-                raise DamageError(message)
             if dense not in (None, row != 0):
-                message = f"line {line + 1}: matrix '{header.name}' has dense and sparse columns"
-                raise DamageError(message)
+                damaged(f"line {line + 1}: matrix '{header.name}' has dense and sparse columns")
             last, dense = column, row != 0
             line += 1
             if dense:
@@ -164,8 +157,7 @@ class TextFile:
                 words, row = packed // BIG_ROWS - 1, packed % BIG_ROWS
                 length -= words + 1
             if words < 1 or words % width or length < 0:
-                message = f"line {line + 1}: a string of {words} words overruns column {column}"
-                raise DamageError(message)
+                damaged(f"line {line + 1}: a string of {words} words overruns column {column}")
             strings.append((column - 1, row - 1, words // width, line + 1))
             line += 1 - (-(words // width) // per_line)
         return line
@@ -176,11 +168,10 @@ class TextFile:
         """Join the strings once the closing record is complete."""
         closing = self._line(line + 1).split()
         if len(closing) != 1:
-            message = (
+            damaged(
                 f"line {line + 2}: matrix '{header.name}' does not close with one value after "
                 f"column {header.columns}"
             )
-            raise DamageError(message)
         column, row, count, start = np.array(strings, dtype=np.int64).reshape(-1, 4).T
         if len(start) and int(start[-1]) >= len(self._first):
             self._line(int(start[-1]))
@@ -193,6 +184,5 @@ def _layout(text: str, line: int) -> tuple[int, int]:
         return _DEFAULT_FORMAT
     match = _FORMAT.fullmatch(text)
     if match is None or not (int(match[1]) > 0 and 1 < int(match[2]) <= 80):
-        message = f"line {line + 1}: '{text}' is no format of values such as 1P,3E23.16"
-        raise DamageError(message)
+        damaged(f"line {line + 1}: '{text}' is no format of values such as 1P,3E23.16")
     return int(match[1]), int(match[2])

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from faying._typing import Indices, Vector
-from faying.io.matrix_labels import DamageError
+from faying.io.matrix_labels import damaged
 
 REAL, COMPLEX = (1, 2), (3, 4)
 """Types of matrices, single and double."""
@@ -81,20 +81,17 @@ def checked_header(header: Header, n_bytes: int) -> Header:
     """Return a header of a known type whose size the file's size can justify."""
     matrix_label = f"matrix '{header.name}' ({header.position})"
     if not (header.name and header.name.isascii() and header.name.isprintable()):
-        message = f"no matrix name at {header.position}, where a header is expected"
-        raise DamageError(message)
+        damaged(f"no matrix name at {header.position}, where a header is expected")
     if header.kind not in (*REAL, *COMPLEX):
-        message = (
+        damaged(
             f"{matrix_label} has type {header.kind}; expected 1 (real single) or 2 (real double)"
         )
-        raise DamageError(message)
     limit = max(UNCHECKED_ROWS, n_bytes)
     if not (0 < header.rows <= limit and 0 < header.columns <= limit):
-        message = (
+        damaged(
             f"{matrix_label} claims {header.rows} rows and {header.columns} columns, which a "
             f"file of {n_bytes} bytes does not hold"
         )
-        raise DamageError(message)
     return header
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import NoReturn
 
 import numpy as np
 
@@ -24,6 +25,11 @@ class UnreadError(Exception):
     """What of a set of temperatures is not read."""
 
 
+def unread(text: str) -> NoReturn:
+    """Raise what of a set of temperatures is not read."""
+    raise UnreadError(text)
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Expansion:
     """Strains of a degree, (6,) of MAT1, MAT9, MAT11, (3,) in the plane of MAT2, MAT8."""
@@ -43,8 +49,7 @@ def check_constant(bulk: BulkData) -> None:
         dependent = {card.integer(0) for card in bulk.cards.get(base, ())}
         for card in bulk.cards.get(name, ()):
             if card.integer(0) in dependent:
-                message = f"{card.where()} at temperatures of TEMPERATURE(BOTH) or (MATERIAL)"
-                raise UnreadError(message)
+                unread(f"{card.where()} at temperatures of TEMPERATURE(BOTH) or (MATERIAL)")
 
 
 def read_expansions(cards: Mapping[str, Cards]) -> dict[int, Expansion]:
@@ -66,8 +71,7 @@ def expansion_of_plate(
     """Return the strains of a degree in the plane of a shell; None where there are none."""
     if card.cards.name == "PSHELL":
         if card.integer(10, 0) in expansions:
-            message = f"{card.where()} with MID4 of a material that expands"
-            raise UnreadError(message)
+            unread(f"{card.where()} with MID4 of a material that expands")
         of_material = expansions.get(card.integer(1))
         return None if of_material is None else replace(of_material, strains=_in_plane(of_material))
     plies = layers(card)
@@ -93,8 +97,7 @@ def expansion_of_plate(
         stiffness[3:, :3] = stiffness[:3, 3:]
         strains = np.linalg.solve(stiffness, np.concatenate([forces, moments]))
         if np.abs(strains[3:]).max() * bottom > SOLVED * np.abs(strains[:3]).max():
-            message = f"{card.where()} of layers that bend when they expand"
-            raise UnreadError(message)
+            unread(f"{card.where()} of layers that bend when they expand")
     return Expansion(strains=np.asarray(strains[:3]), zero=card.real(5, 0.0))
 
 

@@ -20,6 +20,7 @@ from faying.io.nastran.expansions import (
     check_constant,
     expansion_of_plate,
     read_expansions,
+    unread,
 )
 from faying.io.nastran.grids import BulkData
 from faying.io.nastran.materials import PlaneMaterial
@@ -145,16 +146,14 @@ def _deformed(deck: Deck, tightened: Collection[int]) -> Matrix:
             first, second = assembly.beams[i].nodes
             strains[i] += card.real(field + 1) / np.linalg.norm(nodes[second] - nodes[first])
     if not chosen:
-        message = f"DEFORM = {control.deform}, a set the deck does not have,"
-        raise UnreadError(message)
+        unread(f"DEFORM = {control.deform}, a set the deck does not have,")
     return _stretched(assembly, strains, tightened)
 
 
 def _stretched(assembly: Assembly, strains: Vector, tightened: Collection[int]) -> Matrix:
     for i in np.flatnonzero(strains).tolist():
         if assembly.beams[i].id in tightened:
-            message = f"what expands in element {assembly.beams[i].id}, a bolt ({UNSEEN}),"
-            raise UnreadError(message)
+            unread(f"what expands in element {assembly.beams[i].id}, a bolt ({UNSEEN}),")
     return stretching_forces(assembly, strains)
 
 
@@ -187,11 +186,9 @@ def _thermal(deck: Deck, tightened: Collection[int]) -> Matrix:
         without = np.isnan(final.nodes) | (False if initial is None else np.isnan(initial.nodes))
         without &= np.isnan(forces).any(axis=1)
         if not without.any():
-            message = f"temperature set {final.number} with numbers too large"
-            raise UnreadError(message)
+            unread(f"temperature set {final.number} with numbers too large")
         grid = grids.ids[parents[int(without.argmax()), 0]]
-        message = f"GRID {grid} without a temperature in set {' or '.join(map(str, sets))}"
-        raise UnreadError(message)
+        unread(f"GRID {grid} without a temperature in set {' or '.join(map(str, sets))}")
     return forces
 
 
@@ -201,8 +198,7 @@ def _check_others(cards: Mapping[str, Cards], expansions: Mapping[int, Expansion
         used = {card.integer(1, card.integer(0)) for card in cards.get(user, ())}
         for card in cards.get(name, ()):
             if card.integer(0) in used and card.integer(1) in expansions:
-                message = f"{card.where()} of a material that expands"
-                raise UnreadError(message)
+                unread(f"{card.where()} of a material that expands")
 
 
 def _field(bulk: BulkData, number: int, parents: Indices) -> _Field:
@@ -229,8 +225,7 @@ def _field(bulk: BulkData, number: int, parents: Indices) -> _Field:
             if card.integer(0) == number:
                 elements.update(_of_elements(card))
     if not listed and not elements:
-        message = f"temperature set {number}, which the deck does not have,"
-        raise UnreadError(message)
+        unread(f"temperature set {number}, which the deck does not have,")
     return _Field(number=number, nodes=temperatures[parents].mean(axis=1), elements=elements)
 
 
@@ -239,8 +234,7 @@ def _of_elements(card: Card) -> Iterator[tuple[int, float]]:
     rods = card.cards.name == "TEMPRB"
     gradients = range(4, 8) if rods else (3,)
     if any(card.real(field, 0.0) for field in gradients):
-        message = f"{card.where()} with a gradient across the element"
-        raise UnreadError(message)
+        unread(f"{card.where()} with a gradient across the element")
     mean = (card.real(2) + card.real(3)) / 2 if rods else card.real(2)
     # Fields up to the end of the row, and another row of TEMPRB, serve stresses.
     others = [text for text in card.texts[16 if rods else 8 :] if text]
@@ -262,8 +256,7 @@ def _of_solids(
         if expansion is None:
             continue
         if number not in properties:
-            message = f"property {number} (PCOMPS) of a material that expands"
-            raise UnreadError(message)
+            unread(f"property {number} (PCOMPS) of a material that expands")
         system = properties[number].integer(2, 0)
         along = np.eye(3) if system == 0 else np.asarray(bulk.grids.systems.frames[system].axes)
         at_zero = np.full(len(final.nodes), expansion.zero)
