@@ -102,7 +102,10 @@ def read_archive(path: Path, *, materials: Mapping[str, Material]) -> Assembly:
                 for name, ids in [*_components(parts, "node:"), *pairs.items()]
             },
             element_sets={
-                **{f"material {n}": _of_material(blocks, n) for n in numbers},
+                **{
+                    f"material {n}": np.concatenate([b.ids[b.properties == n] for b in blocks])
+                    for n in numbers
+                },
                 **{
                     name: ids[np.isin(ids, np.concatenate([block.ids for block in blocks]))]
                     for name, ids in _components(parts, "element:")
@@ -258,10 +261,6 @@ def _indices(
             indices[rows, start], indices[rows, end], turns=False
         )
     return indices
-
-
-def _of_material(blocks: tuple[CellBlock, ...], number: int) -> Indices:
-    return np.concatenate([block.ids[block.properties == number] for block in blocks])
 
 
 def _material(

@@ -184,7 +184,9 @@ def end_moments(assembly: Assembly, spec: BoltSpec) -> SparseMatrix | None:
         return read_only(sp.csr_array(sp.vstack([section[4:], section[4:]])))
     values, columns = [], []
     for element, node in chain_ends(bolt_chain(assembly, spec)):
-        if not isinstance(element, Beam) or not _is_bent(element):
+        if not isinstance(element, Beam):
+            return None
+        if not max(element.section.inertia_y, element.section.inertia_z) > 0:
             return None
         frames, _ = beam_frames([element], np.diff(nodes[list(element.nodes)], axis=0))
         _, stiffness = beam_matrices([element], nodes)
@@ -194,10 +196,6 @@ def end_moments(assembly: Assembly, spec: BoltSpec) -> SparseMatrix | None:
         columns += [dofs, dofs]
     entries = (np.concatenate(values).ravel(), (np.repeat(np.arange(4), 12), np.ravel(columns)))
     return read_only(sp.csr_array(entries, shape=(4, 6 * len(nodes))))
-
-
-def _is_bent(beam: Beam) -> bool:
-    return max(beam.section.inertia_y, beam.section.inertia_z) > 0
 
 
 def are_carried(moments: SparseMatrix, K: SparseMatrix) -> bool:

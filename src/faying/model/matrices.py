@@ -133,7 +133,8 @@ def used_components(assembly: Assembly) -> Mask:
 def mass_properties(assembly: Assembly) -> MassProperties:
     """Return mass, centre of mass and inertia of an assembly: rᵀ M r, without the mass matrix."""
     nodes = assembly.mesh.nodes
-    origin = _middle(nodes)
+    # Far from the origin the centre's share m r² would bury the inertia in rounding.
+    origin = np.asarray(nodes.mean(axis=0)) if len(nodes) else np.zeros(3)
     total, first, second = mass_moments(assembly, origin)
     rigid = np.zeros((6, 6))
     rigid[:3, :3] = total * np.eye(3)
@@ -148,14 +149,6 @@ def mass_properties(assembly: Assembly) -> MassProperties:
         motion = rigid_body_motions(nodes, origin)
         rigid += motion.T @ (discrete @ motion)
     return _mass_properties(rigid, origin)
-
-
-def _middle(nodes: Matrix) -> Vector:
-    """Return the mean of the nodes.
-
-    Far from the origin the centre's share m r² would bury the inertia in rounding.
-    """
-    return np.asarray(nodes.mean(axis=0)) if len(nodes) else np.zeros(3)
 
 
 def _mass_properties(rigid: Matrix, origin: Vector) -> MassProperties:

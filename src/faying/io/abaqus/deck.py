@@ -3,7 +3,6 @@
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from itertools import zip_longest
 from pathlib import Path
 
@@ -71,10 +70,9 @@ def _keyword(parts: Sequence[Span], head: _Head, following: _Head | None) -> Key
         text += " " + _decoded(line)
         body = [replace(body[k], start=min(stop + 1, body[k].end)), *body[k + 1 :]]
     name, *arguments = _split(text.lstrip("* \t"))
-    place_of = partial(_place, file, begin)
     return Keyword(
         name=keyword_name(name),
-        parameters=dict(_parameters(arguments, place_of)),
+        parameters=dict(_parameters(arguments, lambda: f"{file.name}:{file.line(begin)}")),
         body=Body(spans=tuple(body)),
         file=file,
         begin=begin,
@@ -93,10 +91,6 @@ def _between(parts: Sequence[Span], head: _Head, following: _Head | None) -> lis
         if start < stop:
             between.append(replace(part, start=start, end=stop))
     return between
-
-
-def _place(file: TextFile, begin: int) -> str:
-    return f"{file.name}:{file.line(begin)}"
 
 
 def _is_continuation(line: bytes) -> bool:

@@ -92,14 +92,12 @@ def _changes(keyword: Keyword, locks: frozenset[str]) -> bool:
     if keyword.name == "EQUATION":
         return keyword.has("REMOVE") or keyword.has("REMOVE ALL")
     if keyword.name == "BOUNDARY":
-        return keyword.has("FIXED") and any(_name(row[0]) not in locks for row in keyword.rows())
+        return keyword.has("FIXED") and any(
+            row[0].strip("\"' ").upper() not in locks for row in keyword.rows()
+        )
     if is_from_the_start(keyword):
         return False
     return keyword.name == "MODEL CHANGE" or keyword.name.startswith("CHANGE ")
-
-
-def _name(label: str) -> str:
-    return label.strip("\"' ").upper()
 
 
 def _pretension_nodes(deck: Deck) -> frozenset[str]:

@@ -62,8 +62,9 @@ def _sections(lines: Lines, path: Path) -> Source:
             match = _BEGIN.match(lines.text[i])
             argument = match.group(1).partition(b"$")[0].strip() if match else b""
             if argument or i != begins[0]:
+                shown = lines.text[i].decode("latin-1").strip()[:60]
                 refuse(
-                    f"{lines.where(i)}: '{_shown(lines.text[i])}' starts another bulk data "
+                    f"{lines.where(i)}: '{shown}' starts another bulk data "
                     "section; superelement decks are not supported, merge them into one section"
                 )
     elif any(_CONTROL.match(text) for text in lines.text[:2000]):
@@ -76,10 +77,6 @@ def _sections(lines: Lines, path: Path) -> Source:
 def _matching(text: LineTexts, keyword: bytes, pattern: re.Pattern[bytes]) -> Iterator[int]:
     """Yield the lines that match a pattern, of those that hold its keyword."""
     return (i for i in text.holding(keyword).tolist() if pattern.match(text[i]))
-
-
-def _shown(line: bytes) -> str:
-    return line.decode("latin-1").strip()[:60]
 
 
 _Part = tuple[LineTexts, Indices, int]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from faying._typing import Indices, Matrix
+from faying._typing import Indices
 from faying.exceptions import FormatError, refuse
 from faying.files.atomic import replacing
 from faying.io.left_out import refuse_unwritten
@@ -120,7 +120,8 @@ def _grids(assembly: Assembly) -> Iterator[str]:
     for support in assembly.supports:
         if _turned(support) and support.axes is not None:
             number += 1
-            yield from _system(number, support.axes)
+            x, _, z = support.axes.tolist()
+            yield large("CORD2R", [number, 0, 0.0, 0.0, 0.0, *z, *x])
             if system[support.nodes].any():
                 node = ids[support.nodes[system[support.nodes] != 0][0]]
                 refuse(f"node {node} has supports along several axes; Nastran allows one set")
@@ -135,10 +136,6 @@ def _grids(assembly: Assembly) -> Iterator[str]:
             f"GRID*   {node:<16d}{'':16}{texts[x]}{texts[y]}\n"
             f"*       {texts[z]}{turned or ''}".rstrip()
         )
-
-
-def _system(number: int, axes: Matrix) -> Iterator[str]:
-    yield large("CORD2R", [number, 0, 0.0, 0.0, 0.0, *axes[2].tolist(), *axes[0].tolist()])
 
 
 def _check_turned(assembly: Assembly, nodes: Indices) -> None:
