@@ -220,6 +220,11 @@ class Contact:
                 )
                 raise ModelError(message)
 
+    def check_cases(self) -> None:
+        """Refuse cases that do not follow each other where slip or closure is remembered."""
+        self.check_frictionless()
+        self.check_forgetful("cases that do not follow each other", "solve_path")
+
     def check_proportional(self) -> None:
         """Refuse laws whose closure is not in proportion to their force."""
         for name, law in self.laws.items():

@@ -97,14 +97,22 @@ class GluedPairs:
         points, glued = PointSprings(G=G, components=len(springs)), springs
         if pulled is not None:
             glued = springs * pressed_points(points, springs, structure, pulled)
+        hold = HeldPairs.on_springs if _whole(G) else HeldPairs.for_steps
         return cls(
             points=points,
             structure=structure,
-            glued=HeldPairs.on_springs(points, glued, structure, steps=not _whole(G)),
+            glued=hold(points, glued, structure),
             form_open=partial(_open_pairs, points, springs, between),
         )
 
-    def glued_by(self, springs: Matrix, *, steps: bool = False) -> "GluedPairs":
+    def about(self, springs: Matrix) -> "GluedPairs":
+        """Return the same pairs for steps about other springs (components, n_point).
+
+        These are as of :meth:`glued_by`.
+        """
+        return self._on(HeldPairs.for_steps(self.points, springs, self.structure))
+
+    def glued_by(self, springs: Matrix) -> "GluedPairs":
         """Return the same pairs on other springs (components, n_point) [force/length].
 
         Raises
@@ -112,7 +120,9 @@ class GluedPairs:
         LinAlgError
             If these and the structure do not hold them.
         """
-        held = HeldPairs.on_springs(self.points, springs, self.structure, steps=steps)
+        return self._on(HeldPairs.on_springs(self.points, springs, self.structure))
+
+    def _on(self, held: HeldPairs) -> "GluedPairs":
         return replace(self, glued=held, form_open=partial(getattr, self, "opened"))
 
     @cached_property

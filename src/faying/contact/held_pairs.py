@@ -55,28 +55,36 @@ class HeldPairs:
     compliance: npt.NDArray[Any]
 
     @classmethod
-    def on_springs(
-        cls, points: PointSprings, springs: Matrix, structure: Matrix, *, steps: bool = False
-    ) -> "HeldPairs":
+    def on_springs(cls, points: PointSprings, springs: Matrix, structure: Matrix) -> "HeldPairs":
         """Return a structure Σ on springs (components, n_point) at its points.
-
-        U is in single precision if it is for Newton steps alone, which correct what that leaves.
 
         Raises
         ------
         LinAlgError
             If these and the structure do not hold it.
         """
-        glue = points.of_diagonal(springs)
-        both = structure.astype(np.float32 if steps else np.float64)
-        _add(both, glue)
+        return cls._inverted(points, springs, structure.astype(np.float64), 0.0)
+
+    @classmethod
+    def for_steps(cls, points: PointSprings, springs: Matrix, structure: Matrix) -> "HeldPairs":
+        """Return it as :meth:`on_springs`, for Newton steps, which correct what U lacks.
+
+        U is in single precision where that serves them.
+        """
+        single = structure.astype(np.float32)
         try:
-            compliance = inverse(both, SMALLEST_SINGLE_PIVOT if steps else 0.0, overwrite=True)
+            return cls._inverted(points, springs, single, SMALLEST_SINGLE_PIVOT)
         except LinAlgError:
-            if not steps:
-                raise
             return cls.on_springs(points, springs, structure)
-        return cls(frozen(springs), glue, compliance)
+
+    @classmethod
+    def _inverted(
+        cls, points: PointSprings, springs: Matrix, structure: npt.NDArray[Any], smallest: float
+    ) -> "HeldPairs":
+        """Return them with U in the precision of a structure that may be lost."""
+        glue = points.of_diagonal(springs)
+        _add(structure, glue)
+        return cls(frozen(springs), glue, inverse(structure, smallest, overwrite=True))
 
     def moved_by(self, forces: Vector) -> Vector:
         """Return U times forces (n_relative,)."""

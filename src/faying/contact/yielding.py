@@ -106,7 +106,7 @@ class YieldingContact:
         closed = state.forces[0] > 0
         if self.pairs.whole or not closed.any():
             return self
-        return replace(self, pairs=self.pairs.glued_by(self.laws.springs * closed, steps=True))
+        return replace(self, pairs=self.pairs.about(self.laws.springs * closed))
 
     def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
         """Solve one problem; see :meth:`.IncrementSolver.solve`.

@@ -174,9 +174,9 @@ class Interface(Shown):
 
         Without rows where the law has no tangential component.
         """
-        if self.law.components == 1:
-            return sp.csr_array((0, self.relative_operator.shape[0]))
-        return sp.vstack([self._felt(along) for along in self.tangents]).tocsr()
+        nothing = sp.csr_array((0, self.relative_operator.shape[0]))
+        along = self.tangents[: self.law.components - 1]
+        return sp.vstack([nothing, *map(self._felt, along)]).tocsr()
 
     def _felt(self, directions: Matrix) -> SparseMatrix:
         """Return rows (n_point, n_relative): motion of points along directions (n_point, 3)."""

@@ -106,15 +106,10 @@ def solve_cycles(
     rise = np.arange(1, increments + 1) / increments
     steps = np.arange(1, 2 * increments + 1) / increments
     factors = amplitude * np.concatenate([1 - steps, steps - 1])
-    if system.contact.forgets:
-        start = solve_path(system, [load.scaled(amplitude)])
-        cycle = solve_path(system, scaled_loads(load, factors))
-        energies, stationary = np.zeros(count or 1), True
-    else:
-        rest = solve_path(system, [Load()]) if initial is None else initial
-        start, cycle, energies, stationary = _repeated(
-            system, load, (amplitude * rise, factors), rest, count
-        )
+    rest = solve_path(system, [Load()]) if initial is None else initial
+    start, cycle, energies, stationary = _repeated(
+        system, load, (amplitude * rise, factors), rest, count
+    )
     return Cycles(
         amplitude=amplitude,
         factors=factors,

@@ -38,10 +38,8 @@ def solve_static_cases(system: System, loads: Sequence[Load], name: str = "cases
 
 def solve_static_inputs(system: System, inputs: Matrix, name: str = "cases") -> Solution:
     """Solve many load cases given as inputs (n_case, n_input)."""
-    contact = system.contact
-    contact.check_frictionless()
     require_room(
-        8.0 * len(inputs) * (2 * system.K.shape[0] + 4 * contact.n_points),
+        8.0 * len(inputs) * (2 * system.K.shape[0] + 4 * system.contact.n_points),
         f"solutions of {len(inputs)} load cases",
         "solve fewer at a time",
     )
@@ -122,7 +120,7 @@ def solved_cases(system: Joint, free: Matrix) -> ContactStates:
     from the other else.
     """
     contact, solver = system.contact, system.static_contact.increments
-    contact.check_forgetful("cases that do not follow each other", "solve_path")
+    contact.check_cases()
     shape = (len(free), contact.n_points)
     forces, gaps = np.empty(shape), np.empty(shape)
     iterations, errors = np.empty(len(free), dtype=np.int64), np.zeros(len(free))

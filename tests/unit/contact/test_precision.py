@@ -24,7 +24,7 @@ def test_an_inverse_of_small_pivots_is_in_double_precision(margin, precision):
     plain, _ = joint(0, ELASTIC)
     pairs = GluedPairs.of(plain.contact.rows, plain.laws.springs, ByCompliance(plain.S))
     structure = np.diag(np.r_[np.ones(3 * PAIRS - 1), margin * SMALLEST_SINGLE_PIVOT])
-    held = HeldPairs.on_springs(pairs.points, np.zeros((3, N)), structure, steps=True)
+    held = HeldPairs.for_steps(pairs.points, np.zeros((3, N)), structure)
     assert held.compliance.dtype == precision
     always = HeldPairs.on_springs(pairs.points, np.zeros((3, N)), structure)
     assert always.compliance.dtype == np.float64
