@@ -1,8 +1,8 @@
 """Named contact parameters: pairs of a name and a value on BCTPARM, BCPARA, BCONPRG, ..."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -45,7 +45,6 @@ ICOORD = {"": False, "0": False, "1": True, "2": False, "3": True}
 _WORDS = frozenset(("METHOD",))
 _OTHER_FRICTION = frozenset(("MU", "FRICMOD"))
 _OFFSETS = frozenset(("CINTERF", "OFFSET", "PDEPTH"))
-_GLUE = frozenset(("IGLUE", "TIED"))
 _KINDS_OF_GLUE = 4
 """MSC's kinds of IGLUE differ by moments of shells and by gaps that are closed beforehand."""
 
@@ -109,18 +108,9 @@ def read_parameters(card: Card, first: int, ignored: dict[str, None]) -> Paramet
         zero = numbers.real(value) == 0.0 if value else True
         if name in _OTHER_FRICTION and not zero:
             card.refuse(f"{name} = {value}: {FRICTION_REMEDY}", field)
-        if name == "INIPENE":
-            parameters = replace(parameters, closed_up_to=_chosen(card, field, INIPENE))
-        elif name == "ICOORD":
-            parameters = replace(parameters, within_error=_chosen(card, field, ICOORD))
-        elif name == "ERROR":
-            parameters = replace(parameters, error=card.real(field + 1, 0.0))
-        elif name == "FRIC":
-            parameters = replace(parameters, friction=friction_coefficient(card, field + 1))
-        elif name == "FTYPE":
-            parameters = replace(parameters, slides=_slides(card, field))
-        elif name in _GLUE:
-            parameters = replace(parameters, glued=is_glued(card, field + 1))
+        if name in _READ:
+            attribute, read = _READ[name]
+            parameters = replace(parameters, **{attribute: read(card, field)})
         elif name == "JGLUE":
             refuse_letting_go(card, field + 1)
         elif name in _OTHER_FRICTION:
@@ -171,6 +161,17 @@ def _chosen(card: Card, field: int, choices: Mapping[str, _Choice]) -> _Choice:
         names = ", ".join(filter(None, choices))
         card.refuse(f"{card.text(field)} = {value} is not supported; give one of {names}", field)
     return choices[value]
+
+
+_READ: Mapping[str, tuple[str, Callable[[Card, int], Any]]] = {
+    "INIPENE": ("closed_up_to", lambda card, field: _chosen(card, field, INIPENE)),
+    "ICOORD": ("within_error", lambda card, field: _chosen(card, field, ICOORD)),
+    "ERROR": ("error", lambda card, field: card.real(field + 1, 0.0)),
+    "FRIC": ("friction", lambda card, field: friction_coefficient(card, field + 1)),
+    "FTYPE": ("slides", _slides),
+    **dict.fromkeys(("IGLUE", "TIED"), ("glued", lambda card, field: is_glued(card, field + 1))),
+}
+"""Names to what of :class:`Parameters` they give, and how it is read at the field of the name."""
 
 
 def _pairs(card: Card, first: int) -> list[tuple[str, str, int]]:

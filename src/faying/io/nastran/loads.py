@@ -1,4 +1,4 @@
-"""FORCE, MOMENT, GRAV, RFORCE, PLOAD1, LOAD and others: nodal loads by load set.
+"""SLOAD, GRAV, RFORCE, PLOAD1, LOAD: nodal loads by load set.
 
 MSC Nastran Quick Reference Guide, PLOAD1: TYPE names a component along the basic axes (FX, MX, ...)
 or those of the element (FXE, MXE, ...). Without X2, or where it equals X1, P1 acts at X1 alone;
@@ -168,9 +168,8 @@ def read_loads(bulk: BulkData, structure: Assembly, moving: Moving) -> dict[str,
     """
     places, chosen = structure.mesh.nodes, bulk.control.load
     spoiled = {**moving.unread, **_unsupported(bulk.cards)}
-    nodal = [*_on_grids(bulk), *_on_scalar_points(bulk, spoiled)]
+    nodal = [*read_directed_loads(bulk, structure), *_on_scalar_points(bulk, spoiled)]
     nodal += read_pressures(bulk, structure)
-    nodal += read_directed_loads(bulk, structure)
     loads = [load for part in nodal for load in _by_set(*part)]
     loads += [(number, *_loaded(forces)) for number, forces in moving.by_load.items()]
     along = read_line_loads(bulk.cards, places, structure.beams, spoiled)
@@ -220,24 +219,6 @@ def _loaded(forces: Matrix) -> tuple[Indices, Matrix]:
 def _by_set(sets: Indices, nodes: Indices, forces: Matrix) -> Iterator[_Load]:
     for number in np.unique(sets).tolist():
         yield number, nodes[sets == number], forces[sets == number]
-
-
-def _on_grids(bulk: BulkData) -> Iterator[Part]:
-    """FORCE and MOMENT: a size times a vector along a coordinate system."""
-    for loads, first in (
-        (bulk.cards[n], j) for n, j in (("FORCE", 0), ("MOMENT", 3)) if n in bulk.cards
-    ):
-        nodes = bulk.grids.of_column(loads, 1)
-        vectors = np.stack([loads.reals(j, 0.0) for j in (4, 5, 6)], axis=1)
-        axes = bulk.grids.systems.directions_at(
-            loads, 2, np.arange(len(loads)), bulk.grids.nodes[nodes]
-        )
-        forces = np.zeros((len(loads), 6))
-        forces[:, first : first + 3] = np.einsum(
-            "ni,nij->nj", vectors * loads.reals(3)[:, None], axes
-        )
-        loads.check_finite(forces)
-        yield loads.integers(0), nodes, forces
 
 
 def _on_scalar_points(bulk: BulkData, unread: dict[int, str]) -> Iterator[Part]:

@@ -1,4 +1,4 @@
-"""PLOAD4, PLOAD, PLOAD2 and FORCE1, FORCE2, MOMENT1, MOMENT2: pressures, directed forces.
+"""PLOAD4, PLOAD, PLOAD2 and FORCE, FORCE1, FORCE2, MOMENT, ...: pressures, directed forces.
 
 MSC Nastran Quick Reference Guide, PLOAD4, remarks 2, 3 and 6: pressure is positive inward; P1 acts
 at G1, the others follow counter-clockwise seen from outside; intensities are interpolated
@@ -186,16 +186,29 @@ def _forces(
 
 def read_directed_loads(bulk: BulkData, structure: Assembly) -> Iterator[Part]:
     """Yield load sets (n,), nodes (n,) and forces and moments (n, 6)."""
-    for name, first in (("FORCE1", 0), ("MOMENT1", 3), ("FORCE2", 0), ("MOMENT2", 3)):
-        if name in bulk.cards:
-            vectors = np.zeros((len(bulk.cards[name]), 6))
-            vectors[:, first : first + 3] = _along_grids(bulk.cards[name], bulk.grids)
-            bulk.cards[name].check_finite(vectors)
-            yield bulk.cards[name].integers(0), bulk.grids.of_column(bulk.cards[name], 1), vectors
+    for name, first in ((f"{kind}{n}", j) for n in ("", 1, 2) for j, kind in _VECTORS):
+        if cards := bulk.cards.get(name):
+            directed = _along_grids if name[-1].isdigit() else _along_system
+            vectors = np.zeros((len(cards), 6))
+            vectors[:, first : first + 3] = directed(cards, bulk.grids)
+            cards.check_finite(vectors)
+            yield cards.integers(0), bulk.grids.of_column(cards, 1), vectors
     if "PLOAD" in bulk.cards:
         yield from _on_grids(bulk.cards["PLOAD"], bulk.grids)
     if "PLOAD2" in bulk.cards:
         yield from _along_shells(bulk.cards["PLOAD2"], structure)
+
+
+_VECTORS = ((0, "FORCE"), (3, "MOMENT"))
+"""First component of forces and of moments."""
+
+
+def _along_system(cards: Cards, grids: Grids) -> Matrix:
+    """Vectors (n, 3): a size times a vector along a coordinate system at the grid."""
+    nodes, rows = grids.of_column(cards, 1), np.arange(len(cards))
+    vectors = np.stack([cards.reals(j, 0.0) for j in (4, 5, 6)], axis=1)
+    axes = grids.systems.directions_at(cards, 2, rows, grids.nodes[nodes])
+    return np.asarray(np.einsum("ni,nij->nj", vectors * cards.reals(3)[:, None], axes))
 
 
 def _along_grids(cards: Cards, grids: Grids) -> Matrix:

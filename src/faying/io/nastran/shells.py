@@ -12,7 +12,7 @@ from faying.io.nastran.card_table import place_of
 from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.grids import BulkData, Grids
 from faying.io.nastran.shell_sections import ShellProperty
-from faying.io.nastran.solids import check_distinct, material_of, property_ids
+from faying.io.nastran.solids import check_distinct, material_of, property_ids, used_properties
 from faying.io.straight_sides import StraightSides
 from faying.model.assembly import Beam, BeamSection, Material
 from faying.model.axes import any_across
@@ -67,11 +67,8 @@ def read_shells(
         nodes = _nodes(cards_of_name, kind, bulk.grids, straight)
         check_distinct(cards_of_name, nodes)
         numbers_of = property_ids(cards_of_name)
-        for number, card in zip(*np.unique(numbers_of, return_index=True), strict=True):
-            if number not in properties:
-                text = f"property {number} is not in the deck; define it (PSHELL, PCOMP, ...)"
-                cards_of_name.refuse(card, text, 1)
-            sections[int(number)] = properties[number].section(properties[number].thickness)
+        for number in used_properties(cards_of_name, properties, "PSHELL, PCOMP, ..."):
+            sections[number] = properties[number].section(properties[number].thickness)
         numbers_of = _thick(cards_of_name, kind, numbers_of, properties, sections, by_thickness)
         blocks.append(
             ShellBlock(

@@ -1,6 +1,6 @@
 """CHEXA, CPENTA, CPYRAM, CTETRA, PSOLID and PCOMPS: solids, their materials and formulation."""
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,19 +56,13 @@ def read_solids(
     mean of its ends.
     """
     blocks: list[CellBlock] = []
-    users: dict[int, tuple[Cards, int]] = {}
+    used: dict[int, Material] = {}
+    properties = by_id(bulk.cards, "PSOLID", LAYERED, what="property")
     for name in SOLID_CARDS:
         if name in bulk.cards:
             blocks += _blocks(bulk, bulk.cards[name], name, straight)
-            _note_properties(bulk.cards[name], users)
-    properties = by_id(bulk.cards, "PSOLID", LAYERED, what="property")
-    used: dict[int, Material] = {}
-    for number, (users_cards, card) in users.items():
-        if number not in properties:
-            users_cards.refuse(
-                card, f"property {number} is not in the deck; define it (PSOLID or PCOMPS)", 1
-            )
-        used[number] = _material(properties[number], materials, bulk.grids)
+            for number in used_properties(bulk.cards[name], properties, "PSOLID or PCOMPS"):
+                used[number] = _material(properties[number], materials, bulk.grids)
     bricks = {n for block in blocks if block.kind == "hex8" for n in np.unique(block.properties)}
     _note_schemes(blocks, properties, bulk.ignored)
     return Solids(
@@ -165,10 +159,14 @@ def property_ids(cards: Cards) -> Indices:
     return np.where(cards.given(1), cards.integers(1, 0), cards.integers(0))
 
 
-def _note_properties(cards: Cards, users: dict[int, tuple[Cards, int]]) -> None:
+def used_properties(cards: Cards, properties: Container[int], kinds: str) -> list[int]:
+    """Return the properties that elements name, each once; ``kinds`` could define them."""
     numbers, first = np.unique(property_ids(cards), return_index=True)
-    for number, card in zip(numbers.tolist(), first.tolist(), strict=True):
-        users.setdefault(number, (cards, card))
+    for number, row in zip(numbers.tolist(), first.tolist(), strict=True):
+        if number not in properties:
+            cards.refuse(row, f"property {number} is not in the deck; define it ({kinds})", 1)
+    used: list[int] = numbers.tolist()
+    return used
 
 
 def _material(card: Card, materials: Mapping[int, Material], grids: Grids) -> Material:
