@@ -10,8 +10,10 @@ from pathlib import Path
 import numpy as np
 
 import faying as fy
-from faying.report.figures import plot_error, plot_model, plot_pressure
-from faying.report.style import house_style, new_figure, save
+from faying.joint.picture import plot_model
+from faying.report.figures.maps import plot_pressure
+from faying.report.figures.surface_map import draw_map
+from faying.report.style import ERROR_MAP, house_style, new_figure, save
 from faying.study.results.store import read_results
 from faying.study.results.values import Results
 
@@ -42,7 +44,8 @@ def pressure(results: Results) -> None:
     }
     for axes, (name, error) in zip(others, errors.items(), strict=True):
         largest = float(np.abs(error).max())
-        plot_error(record, error, axes, units, largest=largest)
+        limits, text = (-100 * largest, 100 * largest), "pressure error [%]"
+        draw_map(record, 100 * error, axes, units, colours=ERROR_MAP, limits=limits, label=text)
         axes.set_title(f"{name}, {SHOWN[name]} modes: error up to {largest:.0%}")
     save(figure, FOLDER / "pressure.png")
 

@@ -16,7 +16,8 @@ from programs import MissingProgramError, or_skip
 
 from fake_results import fake_results
 from faying.report.errors import error_table
-from faying.report.figures.entry import FigureEntry
+from faying.report.figures.album import Album, FigureEntry
+from faying.report.figures.model import model_figure
 from faying.report.html import render, render_methods, write_report
 from faying.study.results.interface_surface import nodal_average
 
@@ -64,10 +65,16 @@ def address(results, tmp_path_factory):
     picture = folder / "figures" / "model.png"
     picture.parent.mkdir()
     picture.write_bytes(small_png())
-    entry = FigureEntry(path=picture, title="Model", caption="", section="model", stem="model")
+    entry = FigureEntry(path=picture, title="Model", caption="")
+
+    class Still(Album):
+        def shown(self, *draws, of=None):
+            return [entry] if draws == (model_figure,) else []
+
     path = folder / "report.html"
-    path.write_text(render(results, [entry], folder), encoding="utf-8")
-    (folder / "methods.html").write_text(render_methods(results, [], folder), encoding="utf-8")
+    path.write_text(render(Still(results), folder), encoding="utf-8")
+    methods = render_methods(Album(results), folder)
+    (folder / "methods.html").write_text(methods, encoding="utf-8")
     return path.as_uri()
 
 
@@ -377,7 +384,7 @@ def test_labels_of_bolts_do_not_hide_one_another(browser, results, tmp_path, wid
         for k in range(6)
     }
     page = tmp_path / "report.html"
-    page.write_text(render(replace(results, bolts=bolts), [], tmp_path), encoding="utf-8")
+    page.write_text(render(Album(replace(results, bolts=bolts)), tmp_path), encoding="utf-8")
     opened = Visit(browser, page.as_uri(), viewport={"width": width, "height": WIDTHS[width]})
     boxes = opened.page.evaluate(
         """() => [...document.querySelectorAll(".view-labels, .view-labels span")].map((one) => {
@@ -399,7 +406,7 @@ def test_interfaces_at_rest_alone_are_shown_too(browser, results, tmp_path):
     """Without load cases and bolts there is still the joint as it is."""
     page = tmp_path / "report.html"
     quiet = replace(results, cases={}, bolts={})
-    page.write_text(render(quiet, [], tmp_path), encoding="utf-8")
+    page.write_text(render(Album(quiet), tmp_path), encoding="utf-8")
     opened = Visit(browser, page.as_uri())
     assert opened.part("case").inner_text() == "preload (bolts tightened, no load)"
     assert opened.said == []

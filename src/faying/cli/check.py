@@ -92,8 +92,8 @@ def _picture(loaded: "LoadedModel", model: "Model", path: Path) -> Path:
     """Draw the model into a file."""
     from matplotlib.figure import Figure
 
+    from faying.joint.picture import plot_model
     from faying.model.deck_bolt import bolt_ends
-    from faying.report.figures import plot_model
     from faying.report.style import save
 
     ends = {spec.name: bolt_ends(model.assembly, spec) for spec in loaded.bolts}
@@ -106,7 +106,7 @@ def _picture(loaded: "LoadedModel", model: "Model", path: Path) -> Path:
 def _gap_pictures(model: "Model", out: Path) -> Iterator[Path]:
     """Draw the gaps of interfaces whose surfaces part into a file, where there are such."""
     from faying.reduction.projection import contact_surfaces
-    from faying.report.figures.gap import draw_initial_gaps
+    from faying.report.figures.maps import draw_initial_gaps
     from faying.report.style import save
     from faying.study.results.values import interface_record
     from faying.units import units_of

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from faying.simulation.integrators import named_integrator
 from faying.study.keys.frequency_table import HarmonicForce
 from faying.study.keys.tables import ForceSection, LoadCaseSection, Study
-from faying.study.stages.backbone_cases import cycle_increments
+from faying.study.stages.path_cases import cycle_increments
 
 
 def case_rows(study: Study) -> Iterator[tuple[str, str, str, str]]:

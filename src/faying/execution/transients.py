@@ -51,7 +51,7 @@ def transient_campaign(
     side_by_side
         Loads a worker advances together at most; unless given, :func:`grouped` decides by how many
         there are. Their histories are in memory at once, so that fewer go together where
-        :data:`faying.simulation.side_by_side.HISTORY_BYTES` do not hold them.
+        :data:`faying.simulation.instants.HISTORY_BYTES` do not hold them.
     keep
         Folder in which results are kept as they come, to resume from; see :func:`run_campaign`.
     progress

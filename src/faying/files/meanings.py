@@ -11,8 +11,9 @@ none for text and groups). ``[into n_node]`` are whole numbers that point into t
 
 import inspect
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Container, Iterator, Mapping
+from dataclasses import dataclass, fields, is_dataclass
+from typing import Any, get_args, get_type_hints
 
 _ENTRY = re.compile(
     r"(?P<names>\w+(?:, \w+)*)(?: :(?: (?P<shape>\(.*?\)))?(?: \[(?P<dimension>[^]]*)\])?)?"
@@ -59,6 +60,20 @@ def meanings(kind: type) -> Table:
         )
         raise TypeError(message)
     return {name: said[name] for name in names}
+
+
+def tables_within(*kinds: type, without: Container[type] = ()) -> dict[type, Table]:
+    """Return what dataclasses and all dataclasses in their fields mean, those without excepted."""
+    tables: dict[type, Table] = {}
+    waiting: list[Any] = list(reversed(kinds))
+    while waiting:
+        kind = waiting.pop()
+        if not is_dataclass(kind):
+            waiting += reversed(get_args(kind))
+        elif isinstance(kind, type) and kind not in tables and kind not in without:
+            tables[kind] = meanings(kind)
+            waiting += reversed(get_type_hints(kind).values())
+    return tables
 
 
 def _entries(docstring: str | None) -> Iterator[tuple[str, Meaning]]:

@@ -54,10 +54,10 @@ def check_held(model: Model, remedy: str = REMEDY) -> None:
 
 
 AS_A_WHOLE = (
-    "nothing resists {count} motion(s) of the joint as a whole: inertia balances loads in them, "
+    "no support holds {count} motion(s) of the joint as a whole: inertia balances loads in them, "
     "and modes are counted without them"
 )
-"""Said of every joint that nothing holds: a support may be missing."""
+"""Said of every joint that can move as a whole, as it may be meant to."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -79,16 +79,19 @@ BOUNDARY: Table = {
 }
 """Of a boundary."""
 
-GEOMETRY: dict[type, Table] = {kind: meanings(kind) for kind in (CellBlock, FacePairs)}
-"""Of values that results and models have in common."""
-
 TABLES: dict[type, Table] = {
-    **GEOMETRY,
-    ContactSurface: meanings(ContactSurface),
-    StoredCompliance: meanings(StoredCompliance),
+    **{
+        kind: meanings(kind)
+        for kind in (
+            CellBlock,
+            FacePairs,
+            ContactSurface,
+            StoredCompliance,
+            TangentialRows,
+            WeakSupport,
+        )
+    },
     Boundary: BOUNDARY,
-    TangentialRows: meanings(TangentialRows),
-    WeakSupport: meanings(WeakSupport),
 }
 """Of all values in a file of one model."""
 

@@ -29,8 +29,10 @@ from faying.report.errors import (
     stage_table,
     timing_table,
 )
-from faying.report.figures import write_figures
-from faying.report.figures.entry import FigureEntry
+from faying.report.figures.album import Album
+from faying.report.figures.convergence import convergence_figure
+from faying.report.figures.maps import initial_gap_figure, preload_figure
+from faying.report.figures.model import model_figure, tightening_figure
 from faying.report.methods import (
     FAIR_ERROR,
     GOOD_ERROR,
@@ -72,10 +74,9 @@ def write_report(results: Results, folder: Path) -> Path:
     FormatError
         If a file cannot be written.
     """
-    figures = write_figures(results, folder / "figures")
-    path = folder / "report.html"
-    write_text(path, render(results, figures, folder))
-    write_text(folder / "methods.html", render_methods(results, figures, folder))
+    album, path = Album(results, folder / "figures"), folder / "report.html"
+    write_text(path, render(album, folder))
+    write_text(folder / "methods.html", render_methods(album, folder))
     return path
 
 
@@ -98,12 +99,11 @@ def _folded(parts: Sequence[PartVerdict]) -> list[bool]:
     return [number not in shown for number in range(len(parts))]
 
 
-def render(results: Results, figures: Sequence[FigureEntry], folder: Path) -> str:
+def render(album: Album, folder: Path) -> str:
     """Return the page on the joint as text; it links figures relative to its folder."""
+    results = album.results
     verdict = run_verdict(results)
-    sections = questions(results, figures)
     missing = {name: _missing(results, name) for name in results.interfaces}
-    shown = {entry.path for section in sections for entry in section.figures}
     return _page(
         "report.html.j2",
         results,
@@ -123,29 +123,21 @@ def render(results: Results, figures: Sequence[FigureEntry], folder: Path) -> st
             *(f"could not be computed: {text}" for text in results.omissions),
             *(f"did not converge: {text}" for text in results.warnings if _of_method(text)),
         ],
-        sections=sections,
+        sections=questions(results, album),
         methods=any(case.methods for case in results.cases.values()),
         headline=headline(verdicts(results), results),
         trust=trust(results),
         model=[model_table(results), interface_table(results), bolt_table(results)],
         view=scene(results),
         three=three(),
-        still=[entry for entry in figures if entry.stem == "model"],
-        figures={
-            "preload": [entry for entry in figures if entry.section == "preload"],
-            "more": [
-                entry
-                for entry in figures
-                if entry.section in results.cases
-                and entry.path not in shown
-                and entry.stem != "error"
-            ],
-        },
+        still=album.shown(model_figure),
+        preload=album.shown(initial_gap_figure, preload_figure, tightening_figure),
     )
 
 
-def render_methods(results: Results, figures: Sequence[FigureEntry], folder: Path) -> str:
+def render_methods(album: Album, folder: Path) -> str:
     """Return the page on methods, their errors and cost as text."""
+    results = album.results
     judged = verdicts(results)
     return _page(
         "methods.html.j2",
@@ -170,10 +162,7 @@ def render_methods(results: Results, figures: Sequence[FigureEntry], folder: Pat
         reference=against(results.cases.values()).removeprefix("the "),
         sharpness=sharpness(results),
         estimates=estimate_note(results),
-        figures={
-            "convergence": [entry for entry in figures if entry.section == "convergence"],
-            "errors": [entry for entry in figures if entry.stem == "error"],
-        },
+        convergence=album.shown(convergence_figure),
     )
 
 

@@ -11,9 +11,21 @@ from faying.assessment.clamp_range import ClampRange
 from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.preload_scatter import Spread
 from faying.display.quantities import number, percent, place
-from faying.report.figures.backbone import abscissa, unit_of
-from faying.report.figures.entry import FigureEntry
-from faying.report.figures.frequency import PREFIX
+from faying.report.figures.album import Album, FigureEntry
+from faying.report.figures.backbone import (
+    abscissa,
+    backbone_figure,
+    backbone_slip_figure,
+    unit_of,
+)
+from faying.report.figures.frequency import frequency_figure
+from faying.report.figures.maps import fretting_figure, gap_figure, pressure_figure, slip_figure
+from faying.report.figures.response import (
+    loop_figure,
+    motion_slip_figure,
+    path_figure,
+    response_figure,
+)
 from faying.report.frequency_peaks import measured_table, peak_table
 from faying.report.model_tables import applied_loads
 from faying.report.slip import demand_table, friction_table, most_slip, slip_sentence
@@ -47,27 +59,16 @@ class Section:
     figures: Sequence[FigureEntry] = field(default=())
 
 
-def questions(results: Results, figures: Sequence[FigureEntry]) -> list[Section]:
-    """Return the sections that have something to say, in their order."""
-    assessment = results.assessment
-    sections = [
-        *(() if assessment is None else _of_assessment(results, assessment, figures)),
-        _damping(results, figures),
-        _under_harmonic_loads(results, figures),
-        _load_cases(results, figures),
-    ]
+def questions(results: Results, album: Album) -> list[Section]:
+    """Return the sections that have something to say, in their order, with their pictures."""
+    assessment, sections = results.assessment, list[Section]()
+    if assessment is not None:
+        sections = [_bolts(results, assessment)]
+        sections += [of(results, assessment, album) for of in (_opening, _slip, _pressure)]
+    sections += [of(results, album) for of in (_damping, _under_harmonic_loads, _load_cases)]
     return [
         section for section in sections if section.sentence or any(t.rows for t in section.tables)
     ]
-
-
-def _of_assessment(
-    results: Results, assessment: Assessment, figures: Sequence[FigureEntry]
-) -> Iterator[Section]:
-    yield _bolts(results, assessment)
-    yield _opening(results, assessment, figures)
-    yield _slip(results, assessment, figures)
-    yield _pressure(results, assessment, figures)
 
 
 def _bolts(results: Results, assessment: Assessment) -> Section:
@@ -137,7 +138,7 @@ def clamp_table(areas: Mapping[str, _Area], units: Units) -> Table:
     return described("interface", areas.items(), columns, units)
 
 
-def _opening(results: Results, assessment: Assessment, figures: Sequence[FigureEntry]) -> Section:
+def _opening(results: Results, assessment: Assessment, album: Album) -> Section:
     areas = dict(clamped_areas(results, assessment))
     opened = any(area.opening for area in areas.values())
     widest = max(areas.values(), key=lambda area: area.gap or 0.0, default=None)
@@ -150,7 +151,7 @@ def _opening(results: Results, assessment: Assessment, figures: Sequence[FigureE
             if opened
             else ""
         ),
-        figures=_figures(figures, widest.gap_case, "gap") if widest and widest.gap_case else [],
+        figures=album.shown(gap_figure, of=_drawn(results, widest and widest.gap_case)),
     )
 
 
@@ -205,7 +206,7 @@ def _least_case(factors: Mapping[str, float]) -> str | None:
     return case if case is not None and np.isfinite(factors[case]) else None
 
 
-def _slip(results: Results, assessment: Assessment, figures: Sequence[FigureEntry]) -> Section:
+def _slip(results: Results, assessment: Assessment, album: Album) -> Section:
     demands, paths, notes = demand_table(results), friction_table(results), list[str]()
     if any(
         item.slip is not None and not item.slip.unknown for item in assessment.interfaces.values()
@@ -230,11 +231,11 @@ def _slip(results: Results, assessment: Assessment, figures: Sequence[FigureEntr
         sentence=slip_sentence(results),
         tables=(demands, paths),
         notes=" ".join(notes),
-        figures=_figures(figures, str(worst), "slip") if shown else [],
+        figures=album.shown(slip_figure, of=_drawn(results, worst if shown else None)),
     )
 
 
-def _pressure(results: Results, assessment: Assessment, figures: Sequence[FigureEntry]) -> Section:
+def _pressure(results: Results, assessment: Assessment, album: Album) -> Section:
     units = results.unit_set
 
     def at(name: str) -> str:
@@ -249,16 +250,19 @@ def _pressure(results: Results, assessment: Assessment, figures: Sequence[Figure
         Column("largest average around a node", lambda n: faces[n].max_nodal_pressure, PRESSURE),
         Column("in", lambda name: faces[name].max_nodal_pressure_case),
     )
-    mapped = [figure.section for figure in figures if figure.stem == "pressure"]
-    worst = max(mapped, key=lambda case: results.cases[case].reference.pressure.max(), default=None)
+    mapped = {
+        name: float(case.reference.pressure.max(initial=0.0))
+        for name, case in results.cases.items()
+        if case.times is None and not case.reference.backbones
+    }
     return Section(
         title="Pressure",
         tables=(described("interface", [(name, name) for name in faces], columns, units),),
-        figures=_figures(figures, worst, "pressure") if worst else [],
+        figures=album.shown(pressure_figure, of=_drawn(results, largest(mapped))),
     )
 
 
-def _damping(results: Results, figures: Sequence[FigureEntry]) -> Section:
+def _damping(results: Results, album: Album) -> Section:
     """Return frequency and damping over amplitude, and what cycles take."""
     units = results.unit_set
     curves = {
@@ -287,22 +291,20 @@ def _damping(results: Results, figures: Sequence[FigureEntry]) -> Section:
             "largest slip range", lambda item: float(item.slip_range.max(initial=0.0)), "length"
         ),
     )
-    cases = [item.name for item in results.cases.values() if item.kind in ("backbone", "cycle")]
+    cases = [item for item in results.cases.values() if item.kind in ("backbone", "cycle")]
     return Section(
         title="Damping",
         tables=(
             described("vibration", curves.items(), modes, units),
             described("cycle", cycles.items(), loops, units),
         ),
-        figures=[
-            item
-            for case in cases
-            for item in _figures(figures, case, "backbones", "backbone_slip", "loops", "fretting")
-        ],
+        figures=album.shown(
+            backbone_figure, backbone_slip_figure, loop_figure, fretting_figure, of=cases
+        ),
     )
 
 
-def _under_harmonic_loads(results: Results, figures: Sequence[FigureEntry]) -> Section:
+def _under_harmonic_loads(results: Results, album: Album) -> Section:
     """Return where curves over frequency peak, and what friction does there."""
     records = results.frequencies.values()
     checks = [check.sentence for record in records for check in record.checks]
@@ -311,7 +313,7 @@ def _under_harmonic_loads(results: Results, figures: Sequence[FigureEntry]) -> S
         sentence="; ".join(checks) + "." if checks else "",
         tables=(peak_table(results), measured_table(results)),
         notes=f"By the backbone: {HONEST}." if any(record.expected for record in records) else "",
-        figures=[figure for figure in figures if figure.section.startswith(PREFIX)],
+        figures=album.shown(frequency_figure, of=results.frequencies),
     )
 
 
@@ -319,7 +321,7 @@ def _measured(backbone: Any, index: int, units: Units) -> str:
     return f"{number(float(abscissa(backbone)[index]))} {unit_of(backbone, units)}"
 
 
-def _load_cases(results: Results, figures: Sequence[FigureEntry]) -> Section:
+def _load_cases(results: Results, album: Album) -> Section:
     units = results.unit_set
     loads = applied_loads(results.study_text, units)
     rows = {name: (case, state_of_case(case)) for name, case in results.cases.items()}
@@ -334,15 +336,13 @@ def _load_cases(results: Results, figures: Sequence[FigureEntry]) -> Section:
         Column("largest bolt force", lambda row: _bolt_force(row[1]), "force", 5),
         Column("opened by the load", lambda row: _opened(results, row[0]), "%", 3),
     )
-    moving = [item.name for item in results.cases.values() if item.times is not None]
+    shown = [c for c in results.cases.values() if c.times is not None or c.kind == "path"]
     vibrating = any(case.reference.backbones for case in results.cases.values())
     return Section(
         title="Load cases",
         tables=(described("load case", rows.items(), columns, units),),
         notes="Of vibrations: the joint at rest." if vibrating else "",
-        figures=[
-            item for case in moving for item in _figures(figures, case, "response", "friction")
-        ],
+        figures=album.shown(response_figure, motion_slip_figure, path_figure, of=shown),
     )
 
 
@@ -360,6 +360,7 @@ def _opened(results: Results, case: CaseResult) -> float:
     return 100 * max((item.opened for item in openings if item is not None), default=0.0)
 
 
-def _figures(figures: Sequence[FigureEntry], case: str, *stems: str) -> list[FigureEntry]:
-    """Return pictures of a load case."""
-    return [figure for figure in figures if figure.section == case and figure.stem in stems]
+def _drawn(results: Results, name: str | None) -> list[CaseResult]:
+    """Return a load case to draw; none without a name, or at rest as backbones are."""
+    case = results.cases.get(str(name))
+    return [] if case is None or case.reference.backbones else [case]

@@ -23,10 +23,9 @@ from faying.study.stages.cases import CaseRunner
 from faying.study.stages.frequency_cases import frequency_records
 from faying.study.stages.full_transients import case_groups
 from faying.study.stages.inertia import InertiaWhenNeeded
-from faying.study.stages.kept_models import Kept, Models, kept_models, with_kept
 from faying.study.stages.normal_modes import normal_modes_of
 from faying.study.stages.offline import build_bases, choose_counts, prepare_joint, reduced_models
-from faying.study.stages.record import record
+from faying.study.stages.record import Kept, Models, kept_models, record, with_kept
 from faying.study.stages.reference import reference_of
 from faying.study.stages.run_assessment import assess_run
 from faying.study.stages.validation import validate

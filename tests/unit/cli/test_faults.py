@@ -25,6 +25,7 @@ from faying.exceptions import FormatError, StudyError
 from faying.export.vtk import write_interface_vtu
 from faying.files.lock import held
 from faying.files.names import file_names
+from faying.report.figures.album import Album
 from faying.report.html import render
 from faying.study.judgement.summary import summarize
 from faying.study.keys.schema import read_study
@@ -290,9 +291,9 @@ def test_names_with_markup(tmp_path):
     out = tmp_path / "deep" / "out"
     out.mkdir(parents=True)
     write_results(hostile, out / "results.h5")
-    page = render(read_results(out / "results.h5"), [], out)
+    page = render(Album(read_results(out / "results.h5")), out)
     usual, found = Tags(), Tags()
-    usual.feed(render(results, [], out))
+    usual.feed(render(Album(results), out))
     found.feed(page)
     assert found.found == usual.found
     assert "&lt;script&gt;alert(1)&lt;/script&gt;" in page

@@ -17,24 +17,24 @@ from faying.display.quantities import number, percent, place, seconds
 from faying.exceptions import FormatError
 from faying.files.names import file_names
 from faying.interface.interface import FacePairs
-from faying.joint.picture import frame, name_axes, plot_bodies, title_above
+from faying.joint.picture import frame, name_axes, plot_bodies, plot_model, title_above
 from faying.report import style
-from faying.report.figures import (
-    plot_convergence,
-    plot_error,
-    plot_model,
-    plot_peak_pressure,
+from faying.report.figures.album import Album
+from faying.report.figures.convergence import convergence_figure, plot_convergence
+from faying.report.figures.frequency import phases
+from faying.report.figures.maps import (
+    OPENING_STATES,
+    gap_figure,
+    initial_gap_figure,
     plot_pressure,
     plot_states,
-    write_figures,
+    preload_figure,
+    pressure_figure,
+    summary,
 )
-from faying.report.figures.error import convergence_figure, error_figure, errs, shown_methods
-from faying.report.figures.frequency import phases
-from faying.report.figures.gap import STATES, gap_figure, initial_gap_figure
-from faying.report.figures.preload import model_figure
-from faying.report.figures.pressure import pressure_figure, summary
-from faying.report.figures.response import response_figure
-from faying.report.figures.surface_map import best_plane, outline
+from faying.report.figures.model import model_figure, tightening_figure
+from faying.report.figures.response import plot_peak_pressure, response_figure
+from faying.report.figures.surface_map import best_plane, draw_map, outline
 from faying.report.style import colour, house_style, new_figure
 from faying.study.judgement.step_check import step_check
 from faying.units import units_of
@@ -44,9 +44,18 @@ JOINT = RESULTS.interfaces["joint"]
 MM = units_of("mm-t-s")
 
 
+def album(results, folder):
+    """Draw each kind of picture of the paper."""
+    shown, of = Album(results, folder).shown, results.cases.values()
+    static = [case for case in of if case.times is None]
+    run = (model_figure, preload_figure, tightening_figure, convergence_figure)
+    entries = [*shown(*run), *shown(pressure_figure, of=static), *shown(gap_figure, of=of)]
+    return [*entries, *shown(response_figure, of=[case for case in of if case not in static])]
+
+
 @pytest.fixture(scope="module")
 def entries(tmp_path_factory):
-    return write_figures(RESULTS, tmp_path_factory.mktemp("run") / "figures")
+    return album(RESULTS, tmp_path_factory.mktemp("run") / "figures")
 
 
 @pytest.fixture
@@ -66,13 +75,11 @@ def test_every_picture_of_the_paper_is_drawn(entries):
         "tightening",
         "convergence",
         "case_LC1_pressure",
-        "case_LC1_gap",
-        "case_LC1_error",
         "case_LC2-torsion_pressure",
+        "case_LC1_gap",
         "case_LC2-torsion_gap",
-        "case_LC2-torsion_error",
-        "case_LC2-step_response",
         "case_LC2-step_gap",
+        "case_LC2-step_response",
     ]
 
 
@@ -114,20 +121,21 @@ def test_drawing_leaves_no_global_state():
 @pytest.mark.long
 def test_drawing_needs_no_pyplot():
     """In a process of its own: packages that other tests import bring pyplot themselves."""
-    script = "import sys, faying.report.figures; sys.exit('matplotlib.pyplot' in sys.modules)"
+    script = "import sys, faying.report.html; sys.exit('matplotlib.pyplot' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
 
 
-def test_pressure_scale_starts_at_zero_and_error_scale_is_symmetric():
+def test_pressure_scale_starts_at_zero_and_other_scales_are_as_given():
     axes = plot_pressure(JOINT, JOINT.preload_pressure, panel(), MM)
     (image,) = axes.images
     assert (image.norm.vmin, image.norm.vmax) == (0.0, JOINT.preload_pressure.max())
     assert axes.get_xlabel() == "x [mm]"
     error = np.linspace(-0.3, 0.1, len(JOINT.points))
-    axes = plot_error(JOINT, error, panel(), MM, largest=0.3)
+    limits = (-0.3, 0.3)
+    axes = draw_map(JOINT, error, panel(), MM, colours="RdBu_r", limits=limits, label="error")
     (image,) = axes.images
-    assert (image.norm.vmin, image.norm.vmax) == (-30.0, 30.0)
-    assert image.get_array().min() == pytest.approx(-30.0)
+    assert (image.norm.vmin, image.norm.vmax) == limits
+    assert image.get_array().min() == pytest.approx(-0.3)
 
 
 def colour_at(axes, x, y):
@@ -159,7 +167,7 @@ def test_gap_figure_tells_what_opened_from_what_never_was_pressed():
     for point, state in ((opened, "opened by the load"), (idle, "open before and now")):
         x, y = JOINT.points[point, :2]
         inside = (x + (0.9 if x < 15 else -0.9), y + (0.9 if y < 7 else -0.9))  # off the edges
-        expected = np.array(to_rgb(STATES[state]))
+        expected = np.array(to_rgb(OPENING_STATES[state]))
         assert np.abs(colour_at(axes, *inside) - expected).max() < 0.02
     caption = gap_figure(RESULTS, case).caption
     assert "largest gap 3.00e-3 mm at (30, 0, 5) mm" in caption
@@ -175,9 +183,11 @@ def test_the_initial_gap_is_drawn_where_surfaces_part():
     assert figure.axes[0].get_title(loc="left") == "joint: up to 0.0256 mm before any load"
 
 
-def test_error_map_shows_each_point_in_its_place():
-    error = JOINT.points[:, 0] / 100.0
-    (image,) = plot_error(JOINT, error, panel(), MM, largest=0.3).images
+def test_a_map_shows_each_point_in_its_place():
+    axes = draw_map(
+        JOINT, JOINT.points[:, 0], panel(), MM, colours="RdBu_r", limits=(0.0, 30.0), label="x"
+    )
+    (image,) = axes.images
     left, right, _, _ = image.get_extent()
     values = image.get_array()[image.get_array().shape[0] // 2]
     x = np.linspace(left, right, len(values))
@@ -191,17 +201,6 @@ def test_methods_keep_their_colours():
     for method in RESULTS.cases["LC1"].methods:
         assert colours[method] == colour(method)
     assert axes.get_yscale() == "log"
-
-
-def test_error_maps_take_twenty_modes_or_the_most():
-    case = RESULTS.cases["LC1"]
-    assert [(n, r.joint_modes) for n, r in shown_methods(case)] == [
-        ("jim-a", 20),
-        ("jim-b", 20),
-        ("compliance", 0),
-    ]
-    fewer = replace(case, methods={"jim-b": {5: case.methods["jim-b"][5]}})
-    assert [(n, r.joint_modes) for n, r in shown_methods(fewer)] == [("jim-b", 5)]
 
 
 def test_step_check_sees_a_difference_the_peak_hides():
@@ -311,7 +310,7 @@ def bare(results):
 @pytest.mark.long
 @pytest.mark.parametrize("spoiled", [without_contact, bare])
 def test_empty_and_zero_data_still_make_pictures(spoiled, tmp_path, coarse):
-    for entry in write_figures(spoiled(RESULTS), tmp_path):
+    for entry in album(spoiled(RESULTS), tmp_path):
         assert entry.path.is_file()
 
 
@@ -319,13 +318,13 @@ def test_empty_and_zero_data_still_make_pictures(spoiled, tmp_path, coarse):
 def test_dollar_signs_in_names_are_text(tmp_path, coarse):
     case = replace(RESULTS.cases["LC1"], name="a$b$")
     results = replace(RESULTS, title="$\\frac{$", cases={"a$b$": case})
-    assert len(write_figures(results, tmp_path)) > 4
+    assert len(album(results, tmp_path)) > 4
 
 
 @pytest.mark.long
 def test_case_named_like_a_section_keeps_its_pictures_apart(tmp_path, coarse):
     case = replace(RESULTS.cases["LC1"], name="model", methods={})
-    paths = [e.path for e in write_figures(replace(RESULTS, cases={"model": case}), tmp_path)]
+    paths = [e.path for e in album(replace(RESULTS, cases={"model": case}), tmp_path)]
     assert len(set(paths)) == len(paths)
 
 
@@ -401,7 +400,7 @@ def test_tri6_interface_is_drawn():
 def test_folder_that_cannot_be_made(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(FormatError, match="cannot write figures"):
-        write_figures(RESULTS, tmp_path / "file" / "figures")
+        album(RESULTS, tmp_path / "file" / "figures")
 
 
 @pytest.mark.parametrize(
@@ -434,40 +433,6 @@ def test_numbers_as_text(text, expected):
 def test_file_names_stay_apart():
     names = file_names(["a/b", "a b", "A-B", "///", "jim-a+compliance"])
     assert list(names.values()) == ["a-b", "a-b-2", "A-B-3", "unnamed", "jim-a+compliance"]
-
-
-def off_by(share):
-    """LC1 with methods whose pressures are all too high by a share."""
-    case = RESULTS.cases["LC1"]
-    wrong = case.reference.pressure * (1 + share)
-    return replace(
-        case,
-        methods={
-            name: {
-                count: replace(
-                    result,
-                    response=replace(result.response, pressure=wrong),
-                    accuracy=replace(result.accuracy, max_relative_error=share),
-                )
-                for count, result in sizes.items()
-            }
-            for name, sizes in case.methods.items()
-        },
-    )
-
-
-def test_round_off_is_not_drawn():
-    assert not errs(off_by(1e-13))
-    assert errs(off_by(1e-8))
-
-
-def test_small_errors_are_not_drawn_in_full_colours():
-    drawn = error_figure(RESULTS, off_by(1e-8))
-    bars = [bar for axes in drawn.figure.axes for bar in axes.child_axes]
-    assert bars
-    for axes in bars:
-        assert axes.get_ylim() == pytest.approx((-1.0, 1.0))  # percent
-    assert "max |error| 1.0e-6 %" in drawn.caption
 
 
 def test_caption_of_the_preload_names_both_panels(entries):
@@ -515,7 +480,6 @@ def test_titles_with_long_names_stay_in_the_picture(coarse):
     for drawn in (
         model_figure(replace(RESULTS, title=name)),
         pressure_figure(RESULTS, static),
-        error_figure(RESULTS, static),
         response_figure(RESULTS, step),
     ):
         figure = drawn.figure

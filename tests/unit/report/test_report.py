@@ -15,6 +15,7 @@ from faying.display.quantities import number
 from faying.exceptions import FormatError
 from faying.report import style
 from faying.report.errors import error_table, sharpness, timing_table
+from faying.report.figures.album import Album
 from faying.report.html import render, render_methods, write_report
 from faying.report.methods import headline, meanings, reservations, verdicts
 from faying.report.model_tables import applied_loads
@@ -78,7 +79,7 @@ def methods(written):
 
 
 def section(results, title):
-    return next(one for one in questions(results, []) if one.title == title)
+    return next(one for one in questions(results, Album(results)) if one.title == title)
 
 
 def test_clamp_forces_are_told_around_each_of_several_bolts():
@@ -124,7 +125,7 @@ def test_page_stands_alone(written):
     assert path.name == "report.html"
     # Scripts name a namespace; that they fetch nothing is seen in a browser.
     assert "http" not in re.sub(r"(?s)<script.*?</script>", "", path.read_text(encoding="utf-8"))
-    assert len(page.images) == 7
+    assert len(page.images) == 6
     for image in page.images:
         assert image.startswith("figures/")
         assert (path.parent / unquote(image)).is_file()
@@ -192,11 +193,11 @@ def test_verdict_is_a_row_for_each_bolt_and_interface(written):
     assert "opening 40 %" in table  # it opens at 2.5 times the load
     failed = replace(YIELD, outcome="not met", utilisation=2.5, value=1600.0)
     yielding = replace(RESULTS, assessment=replace(RESULTS.assessment, checks=(failed,)))
-    page = render(yielding, [], WHERE)
+    page = render(Album(yielding), WHERE)
     said = "The joint does not hold: bolt, yield 1600 of 640 MPa, in LC2-step at 3.00e-4 s."
     assert f'<p class="verdict failed">{said}</p>' in page
     assert '"failed": true' in page  # red in the view
-    assert "The joint was not judged" not in render(replace(RESULTS, assessment=None), [], WHERE)
+    assert "The joint was not judged" not in render(Album(replace(RESULTS, assessment=None)), WHERE)
 
 
 def test_what_limits_accuracy_is_said_of_this_joint_alone(written, methods):
@@ -301,7 +302,7 @@ def test_only_what_changes_a_decision_is_red():
         warnings=("LC1: not converged",),
         interfaces=declared(1e4),
     )
-    page = render(doubtful, [], WHERE)
+    page = render(Album(doubtful), WHERE)
     # A sentence, not one for each load case.
     assert page.count("the weak springs upper-lower carry 0.02 of the contact force") == 1
     red = page[page.index('class="verdict doubt"') : page.index('id="joint"')]
@@ -312,7 +313,7 @@ def test_only_what_changes_a_decision_is_red():
         cases={name: held_by_springs(case, 1e-6) for name, case in RESULTS.cases.items()},
         interfaces=declared(800.0),  # as heads over clearance holes
     )
-    page = render(heads, [], WHERE)
+    page = render(Album(heads), WHERE)
     assert 'class="verdict doubt"' not in page
     assert page.index("88% of the declared contact area") > page.index("change no verdict")
 
@@ -400,7 +401,7 @@ def test_coarse_time_step_is_told_first():
     half = replace(case.half_step, pressure=1.4 * case.half_step.pressure)
     results = replace(RESULTS, cases={"LC2-step": replace(case, half_step=half)})
     assert "not converged in time" in headline(verdicts(results), results)
-    page = render(results, [], WHERE)
+    page = render(Album(results), WHERE)
     assert page.index("time step is not fine enough") < page.index('class="view-stage"')
     unchecked = replace(
         RESULTS, cases={"LC2-step": replace(case, half_step=None, half_step_times=None)}
@@ -460,11 +461,11 @@ def test_results_without_methods_make_a_report(tmp_path):
     quiet = replace(
         RESULTS, cases=cases, bolts={}, warnings=(), timings={}, validation=ValidationRecord()
     )
-    page = Page(render(quiet, [], tmp_path))
+    page = Page(render(Album(quiet), tmp_path))
     assert page.images == []
     assert page.text
     assert "No reduced model was compared" in "".join(
-        Page(render_methods(quiet, [], tmp_path)).text
+        Page(render_methods(Album(quiet), tmp_path)).text
     )
 
 
@@ -500,11 +501,18 @@ def test_numbers_stay_with_their_units_and_tables_are_printed_whole(written):
     assert 'loading="lazy"' not in page  # pictures not yet seen would be missing in print
 
 
+def test_what_may_be_meant_is_told_in_grey():
+    """A joint without supports is no mistake, for inertia balances its loads."""
+    page = render(Album(replace(RESULTS, notes=("no support holds 6 motion(s)",))), WHERE)
+    assert '<p class="note wide asked">No support holds 6 motion(s). </p>' in page
+    assert 'class="verdict doubt"' not in page
+
+
 def test_instant_of_the_run_reads_like_one():
     provenance = {"faying": "0.1.0", "date": "2026-11-21T15:34:23+00:00"}
-    page = render(replace(RESULTS, provenance=provenance), [], WHERE)
+    page = render(Album(replace(RESULTS, provenance=provenance)), WHERE)
     assert "faying 0.1.0, 2026-11-21 15:34 UTC<" in page
-    odd = render(replace(RESULTS, provenance={"date": "once"}), [], WHERE)
+    odd = render(Album(replace(RESULTS, provenance={"date": "once"})), WHERE)
     assert ", once<" in odd
 
 

@@ -15,10 +15,11 @@ from faying.cli.outcome import show_outcome
 from faying.display.quantities import number
 from faying.exceptions import ModelError, StudyError
 from faying.report.errors import error_table
-from faying.report.figures import write_figures
+from faying.report.figures.album import Album
 from faying.report.figures.backbone import backbone_figure, backbone_slip_figure, masing_remark
 from faying.report.methods import verdicts
 from faying.report.model_tables import applied_loads
+from faying.report.questions import questions
 from faying.report.slip import slip_sentence
 from faying.study.inputs.load_model import build
 from faying.study.judgement.summary import summarize
@@ -294,7 +295,9 @@ def test_the_report_says_that_vibrations_slip(results, tmp_path):
     assert said.startswith("In vibration the joint slips: ")
     smallest = number(float(one.amplitude[one.energy_per_cycle > 0].min()))
     assert f"mode 2 of ring from amplitude {smallest} mm on" in said
-    drawn = [entry.path.name for entry in write_figures(results, tmp_path)]
+    drawn = [
+        e.path.name for part in questions(results, Album(results, tmp_path)) for e in part.figures
+    ]
     assert "case_ring_backbones.png" in drawn
     assert "case_ring_pressure.png" not in drawn
 

@@ -17,7 +17,9 @@ from faying.display.quantities import number
 from faying.exceptions import FormatError, ModelError, StudyError
 from faying.export.formats import export
 from faying.files.flattening import flattened
-from faying.report.figures.slip import plot_slip_states
+from faying.report.figures.album import Album
+from faying.report.figures.maps import SLIP_STATES
+from faying.report.figures.surface_map import draw_states
 from faying.report.html import write_report
 from faying.report.questions import questions
 from faying.report.slip import demand_table, friction_table, slip_sentence, slipping
@@ -353,7 +355,7 @@ def test_the_joint_is_judged_over_all_increments(results):
     # Sums of a hundred numbers in another order.
     assert joint.least_clamp == pytest.approx((way.pressure @ weights).min(), rel=1e-12)
     assert joint.least_clamp_case == "way"
-    tables = {part.title: part.tables for part in questions(results, [])}
+    tables = {part.title: part.tables for part in questions(results, Album(results))}
     told = cells(tables["Load cases"][0])["way"]
     assert told["largest bolt force [N]"] == number(way.bolt_forces["bolt"].max(), 5)
     assert told["least clamp force of joint [N]"] == number(joint.least_clamp, 5)
@@ -423,7 +425,8 @@ def test_reports_without_slip_say_nothing_of_it(results):
 def test_slip_states_are_drawn_where_they_are(results):
     record, path = results.interfaces["joint"], results.cases["pull"].reference.path
     figure = new_figure(6.0, 4.0)
-    axes = plot_slip_states(record, path.status[-1], figure.subplots(), units_of("mm-t-s"))
+    axes, units = figure.subplots(), units_of("mm-t-s")
+    draw_states(record, path.status[-1], axes, units, SLIP_STATES)
     (image,) = axes.get_images()
     shown = set(np.unique(np.asarray(image.get_array())).tolist())
     assert shown == set(np.unique(path.status[-1]).astype(float).tolist())

@@ -1,6 +1,7 @@
 """Long paths of a study go on where they were interrupted."""
 
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,9 +9,9 @@ import pytest
 import faying as fy
 from faying.execution.checkpoint import Checkpoint
 from faying.simulation.start import last_of
-from faying.study.stages import long_paths
-from faying.study.stages.checkpointed_steps import CheckpointedSteps
-from faying.study.stages.long_paths import follow_path
+from faying.study.stages import path_cases
+from faying.study.stages.books import Books
+from faying.study.stages.path_cases import IncrementalCase, follow_path
 
 LOADS = [fy.Load({"tip.Fx": 600.0 * np.sin(0.4 * one)}) for one in range(1, 12)]
 FIELDS = ("contact_forces", "shear_forces", "shear_slip", "gap", "states", "dissipation")
@@ -25,7 +26,7 @@ def test_an_interrupted_path_goes_on_after_its_last_piece(tmp_path, monkeypatch,
     system = fy.reduce(joint, basis, compliance=True) if reduced else joint
     rest = last_of(fy.solve_path(system, [fy.Load()]))
     expected = fy.solve_path(system, LOADS, initial=rest, name="way")
-    followed, reached, original = [], [], long_paths.follow
+    followed, reached, original = [], [], path_cases.follow
 
     def interrupted(solver, relative, here, part):
         if len(followed) == 8:
@@ -34,13 +35,21 @@ def test_an_interrupted_path_goes_on_after_its_last_piece(tmp_path, monkeypatch,
         followed.extend(part)
         return original(solver, relative, here, part=part)
 
-    monkeypatch.setattr(long_paths, "follow", interrupted)
-    monkeypatch.setattr(long_paths, "INCREMENTS_AT_ONCE", 4)
-    pieces = CheckpointedSteps(Checkpoint(tmp_path), "way full 1")
+    monkeypatch.setattr(path_cases, "follow", interrupted)
+    monkeypatch.setattr(path_cases, "INCREMENTS_AT_ONCE", 4)
+    run = IncrementalCase(
+        case=SimpleNamespace(name="way"),
+        model=joint,
+        system=system,
+        preloaded=rest,
+        books=Books(checkpoint=Checkpoint(tmp_path)),
+        key="way full 1",
+        progress=reached.append,
+    )
     with pytest.raises(KeyboardInterrupt):
-        follow_path(system, LOADS, rest, "way", pieces, reached.append)
-    before = sum(float(pieces.take(name, dict)["seconds"]) for name in kept_names())
-    found, seconds = follow_path(system, LOADS, rest, "way", pieces, reached.append)
+        follow_path(run, LOADS)
+    before = sum(run.piece(path_cases._Increments, name, dict)[1] for name in kept_names())
+    found, seconds = follow_path(run, LOADS)
     assert followed == [*range(8), "stop", *range(8, 11)]
     assert reached == [4, 4, 4, 4, 3]
     assert seconds > before > 0

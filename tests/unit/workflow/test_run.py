@@ -3,6 +3,7 @@
 import json
 import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -26,12 +27,11 @@ from faying.study.stages import (
     full_transients,
     offline,
     record,
-    transient_judge,
     validation,
     worker_tasks,
 )
 from faying.study.stages.books import Books
-from faying.study.stages.kept_preload import check_same_joint
+from faying.study.stages.kept_joint import check_same_joint
 from faying.workflow import run as runs
 from faying.workflow.run import run
 from small_study import BEND, JUMP, NO_REPORT, SMALL_JOINT, TINY_JOINT, reduction, training
@@ -231,8 +231,8 @@ def test_validation_that_fails_is_named_and_costs_no_result(study, tmp_path, mon
     for module, name in (
         (validation, "solve_static_cases"),
         (offline, "certifier"),
-        (transient_judge, "recover_pressure"),
-        (transient_judge, "finer_model"),
+        (case_solution, "recover_pressure"),
+        (case_solution, "finer_model"),
         (cases, "mesh_errors"),
         (runs, "kept_models"),
     ):
@@ -308,7 +308,7 @@ def test_hard_contact_of_quadratic_elements_runs_to_the_end(tmp_path):
 @pytest.mark.long
 def test_an_interrupted_run_resumes_without_solving_again(study, tmp_path, monkeypatch):
     solved = []
-    original, together = case_solution.solve_transient, full_transients.transient_windows
+    original, together = case_solution.steps_of, full_transients.transient_windows
 
     def full(solver, loads, **options):
         solved.extend(load.name for load in loads)
@@ -316,22 +316,17 @@ def test_an_interrupted_run_resumes_without_solving_again(study, tmp_path, monke
 
     monkeypatch.setattr(full_transients, "transient_windows", full)
 
-    def interrupted(system, load, **options):
-        if len(solved) == 2:
+    def counted(system, case, step, *, most=None):
+        if len(solved) == most:
             raise KeyboardInterrupt
-        solved.append(load.name)
-        return original(system, load, **options)
+        solved.append(case.name)
+        return original(system, case, step)
 
-    monkeypatch.setattr(case_solution, "solve_transient", interrupted)
+    monkeypatch.setattr(case_solution, "steps_of", partial(counted, most=2))
     with pytest.raises(KeyboardInterrupt):
         run(study, tmp_path)
     assert not (tmp_path / "results.h5").exists()
-
-    def counted(system, load, **options):
-        solved.append(load.name)
-        return original(system, load, **options)
-
-    monkeypatch.setattr(case_solution, "solve_transient", counted)
+    monkeypatch.setattr(case_solution, "steps_of", counted)
     assert run(study, tmp_path, resume=True).converged
     # Full, craig-bampton, 2 × jim-a, 2 × jim-b, compliance and the half step, each once.
     assert len(solved) == 8
@@ -384,7 +379,7 @@ def test_a_resumed_run_repeats_the_warnings_of_what_it_takes_over(tmp_path, monk
     path.write_text(STUDY.replace(METHODS, '"compliance"'))
     study, original = read_study(path), runs.validate
     monkeypatch.setattr(
-        transient_judge, "recover_pressure", _raise(ValueError("nobody foresaw this"))
+        case_solution, "recover_pressure", _raise(ValueError("nobody foresaw this"))
     )
     monkeypatch.setattr(runs, "validate", _raise(KeyboardInterrupt()))
     with pytest.raises(KeyboardInterrupt):

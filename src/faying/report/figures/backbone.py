@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,12 +14,12 @@ from faying.assessment.backbone import Backbone, amplitude_unit
 from faying.assessment.backbone_band import BackboneBand
 from faying.assessment.measured_curve import MeasuredCurve
 from faying.display.quantities import quantity
-from faying.display.style import heading, plain
-from faying.report.figures.entry import Drawn
-from faying.report.figures.surface_map import draw_map, map_panels
+from faying.display.style import heading
+from faying.report.figures.album import Drawn
+from faying.report.figures.surface_map import Panel, draw_map, map_figure
 from faying.report.style import SLIP_MAP, SMALLEST_DRAWN, new_figure
 from faying.study.keys.measurements import sentence
-from faying.study.results.values import CaseResult, Results
+from faying.study.results.values import CaseResult, InterfaceRecord, Results
 from faying.units import Units, units_of
 
 
@@ -151,7 +152,6 @@ def backbone_figure(results: Results, case: CaseResult) -> Drawn | None:
             "of small vibrations. Right: load over modal displacement, both over their "
             f"amplitudes, the straight line of an elastic joint taken off. {remarks}"
         ).strip(),
-        section=case.name,
     )
 
 
@@ -160,47 +160,51 @@ def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
 
     One row for each mode and interface; None for cases without backbones, or without slip.
     """
-    records = results.rubbing
-    amplitudes = _wanted(results, case)
+    amplitudes, units = _wanted(results, case), results.unit_set
     shown = {mode: _chosen(item, amplitudes) for mode, item in case.reference.backbones.items()}
-    rows = [(mode, name) for mode in shown if shown[mode] for name in records]
+    rows = {
+        f"mode {mode}, {name}": (mode, record)
+        for mode in shown
+        if shown[mode]
+        for name, record in results.rubbing.items()
+    }
     if not rows:
         return None
-    units = results.unit_set
-    columns = max(3, *map(len, shown.values()))
-    figure, panels = map_panels([records[name] for _, name in rows], columns, 13.0, 0.7)
-    for line, (mode, name) in zip(panels, rows, strict=True):
-        record, backbone = records[name], case.reference.backbones[mode]
-        distance = np.asarray(backbone.slip_distance)[:, slice(*record.slice)]
-        for axes in line[len(shown[mode]) :]:
+
+    def panel(column: int, row: str, record: InterfaceRecord, axes: Axes) -> str:
+        mode = rows[row][0]
+        if column >= len(shown[mode]):
             axes.set_axis_off()
-        for axes, index in zip(line, shown[mode], strict=False):
-            largest = float(distance[index].max(initial=0.0))
-            draw_map(
-                record,
-                np.where(distance[index] > SMALLEST_DRAWN * largest, distance[index], np.nan),
-                axes,
-                units,
-                colours=SLIP_MAP,
-                limits=(0.0, largest),
-                label=f"slip in a cycle [{units.length}]",
-            )
-            size = quantity(float(abscissa(backbone)[index]), unit_of(backbone, units))
-            reached = f"{backbone.over} {size}"
-            axes.set_title(plain(f"mode {mode}, {name}: {reached}"), loc="left")
+            return ""
+        backbone, index = case.reference.backbones[mode], shown[mode][column]
+        distance = np.asarray(backbone.slip_distance)[index, slice(*record.slice)]
+        largest = float(distance.max(initial=0.0))
+        draw_map(
+            record,
+            np.where(distance > SMALLEST_DRAWN * largest, distance, np.nan),
+            axes,
+            units,
+            colours=SLIP_MAP,
+            limits=(0.0, largest),
+            label=f"slip in a cycle [{units.length}]",
+        )
+        size = quantity(float(abscissa(backbone)[index]), unit_of(backbone, units))
+        return f"{row}: {backbone.over} {size}"
+
+    columns: list[Panel] = [partial(panel, i) for i in range(max(3, *map(len, shown.values())))]
     which = "the first, the middle and the last amplitude of each mode that slips somewhere"
     if amplitudes:
         which = "the amplitudes computed nearest to those the study names"
-    figure.suptitle(heading(f"{case.name}: where the joint slips, full model"))
+    records = {row: record for row, (_, record) in rows.items()}
+    title = f"{case.name}: where the joint slips, full model"
     return Drawn(
-        figure=figure,
+        figure=map_figure(records, columns, 13.0, 0.7, title),
         stem="backbone_slip",
         title=f"{case.name}: slip over amplitude",
         caption=(
             f"How far contact points slip in a cycle while they are pressed on, at {which}. Grey "
             "does not slip."
         ),
-        section=case.name,
     )
 
 

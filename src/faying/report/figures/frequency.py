@@ -7,16 +7,13 @@ import numpy as np
 from faying._typing import Vector
 from faying.assessment.response_curve import ResponseCurve
 from faying.display.style import heading
-from faying.report.figures.entry import Drawn
+from faying.report.figures.album import Drawn
 from faying.report.style import new_figure
 from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.results.values import Results
 
 MARKS, MARKERS = 60, "^vs"
 """Points of a measured curve that are drawn, about, and how those of each."""
-
-PREFIX = "frequency "
-"""Before the name of a harmonic load, which a load case may bear too."""
 
 
 def frequency_figure(results: Results, name: str) -> Drawn:
@@ -70,7 +67,6 @@ def frequency_figure(results: Results, name: str) -> Drawn:
         stem="response",
         title=f"{name}: amplitude and phase over frequency",
         caption=" ".join(said),
-        section=f"{PREFIX}{name}",
     )
 
 

@@ -1,6 +1,6 @@
-"""Load cases over time (as Fig. 15.7) and from increment to increment."""
+"""Load cases over time (as Fig. 15.7), from increment to increment, and in cycles."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -8,11 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from faying._typing import Matrix, Vector
-from faying.display.quantities import percent, quantity
+from faying.display.quantities import number, percent, quantity
 from faying.display.style import heading, plain
-from faying.report.figures.entry import Drawn
+from faying.report.figures.album import Drawn
 from faying.report.style import REFERENCE, SMALLEST_DRAWN, colour, label, new_figure
-from faying.study.results.path_record import SlipRecord
+from faying.study.results.path_record import CycleRecord, SlipRecord
 from faying.study.results.values import CaseResult, MethodResult, Response, Results
 from faying.units import Units
 
@@ -56,20 +56,25 @@ def _line(name: str, result: MethodResult) -> dict[str, Any]:
     }
 
 
+def _plot_over_time(case: CaseResult, axes: Axes, value: Callable[[Response], Vector]) -> None:
+    """Draw a number of each instant (n_time,), of the reference and of the methods shown."""
+    axes.plot(
+        case.times, value(case.reference), color=REFERENCE, lw=2.6, label=case.reference_model
+    )
+    for name, result in shown_results(case):
+        axes.plot(case.times, value(result.response), **_line(name, result))
+    if case.half_step is not None and case.half_step_times is not None:
+        half = value(case.half_step)
+        axes.plot(case.half_step_times, half, color="0.35", ls=":", lw=1.4, label="half time step")
+
+
 def plot_displacement(case: CaseResult, boundary: str, axes: Axes, units: Units) -> Axes:
     """Draw the largest moving translation of a boundary over time."""
     component = largest_motion(case, boundary)
-    if component is None or case.times is None:
-        return axes
-    exact = case.reference.displacements[boundary][:, component]
-    axes.plot(case.times, exact, color=REFERENCE, lw=2.6, label=case.reference_model)
-    for name, result in shown_results(case):
-        curve = result.response.displacements[boundary][:, component]
-        axes.plot(case.times, curve, **_line(name, result))
-    if case.half_step is not None and case.half_step_times is not None:
-        half = case.half_step.displacements[boundary][:, component]
-        axes.plot(case.half_step_times, half, color="0.35", ls=":", lw=1.4, label="half time step")
-    axes.set_ylabel(f"{plain(boundary)} {case.components[boundary][component]} [{units.length}]")
+    if component is not None and case.times is not None:
+        _plot_over_time(case, axes, lambda solved: solved.displacements[boundary][:, component])
+        label = f"{plain(boundary)} {case.components[boundary][component]}"
+        axes.set_ylabel(f"{label} [{units.length}]")
     return axes
 
 
@@ -83,16 +88,11 @@ def plot_peak_pressure(case: CaseResult, axes: Axes, units: Units) -> Axes:
     """Draw the largest pressure over time; curves far beyond the reference leave the picture."""
     if case.times is None:
         return axes
-    exact = peak_pressure(case.reference)
-    axes.plot(case.times, exact, color=REFERENCE, lw=2.6, label=case.reference_model)
-    for name, result in shown_results(case):
-        axes.plot(case.times, peak_pressure(result.response), **_line(name, result))
-    top = float(exact.max(initial=0.0))
-    if case.half_step is not None and case.half_step_times is not None:
-        half = peak_pressure(case.half_step)
-        axes.plot(case.half_step_times, half, color="0.35", ls=":", lw=1.4, label="half time step")
-        top = max(top, float(half.max(initial=0.0)) / HEADROOM * 1.05)
-    axes.set_ylim(0.0, HEADROOM * top if top > 0 else 1.0)
+    _plot_over_time(case, axes, peak_pressure)
+    top = HEADROOM * float(peak_pressure(case.reference).max(initial=0.0))
+    if case.half_step is not None:
+        top = max(top, 1.05 * float(peak_pressure(case.half_step).max(initial=0.0)))
+    axes.set_ylim(0.0, top if top > 0 else 1.0)
     axes.set_ylabel(f"max pressure [{units.pressure}]")
     return axes
 
@@ -134,7 +134,6 @@ def response_figure(results: Results, case: CaseResult) -> Drawn | None:
         stem="response",
         title=f"{case.name}: response over time",
         caption=_caption(case, units),
-        section=case.name,
     )
 
 
@@ -169,24 +168,23 @@ def path_figure(results: Results, case: CaseResult) -> Drawn | None:
     path = case.reference.path
     if path is None:
         return None
-    units, steps = results.unit_set, np.arange(1.0, len(path.factors) + 1)
+    steps = np.arange(1.0, len(path.factors) + 1)
     figure = new_figure(11.5, 8.6)
     loads, *panels = figure.subplots(4, 1, sharex=True)
     for name, values in zip(path.loads, path.factors.T, strict=True):
         loads.plot(steps, values, marker=".", label=plain(name))
     loads.set_ylabel("load factor")
     loads.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    _plot_friction(path, path.pressure, steps, panels, units, marker=".")
+    taken = _plot_friction(path, path.pressure, steps, panels, results.unit_set, marker=".")
     panels[-1].set_xlabel("increment")
     panels[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
-    for number in np.flatnonzero(path.macroslip):
-        panels[1].axvspan(steps[number] - 0.5, steps[number] + 0.5, color="0.8", zorder=0)
+    for row in np.flatnonzero(path.macroslip):
+        panels[1].axvspan(steps[row] - 0.5, steps[row] + 0.5, color="0.8", zorder=0)
     gross = int(path.macroslip.sum())
     slipped = (
         f" All that touches slips in {gross} of them (grey behind the shares)." if gross else ""
     )
     figure.suptitle(heading(f"{case.name}: increments, full model"))
-    dissipated = quantity(float(path.dissipation.sum()), units.of("force·length"))
     return Drawn(
         figure=figure,
         stem="path",
@@ -195,9 +193,8 @@ def path_figure(results: Results, case: CaseResult) -> Drawn | None:
             f"The full model over the {len(steps)} increments of {case.name}, which begins at the "
             "preloaded joint: load factors, largest pressure and traction, shares of the area "
             "that slip in an increment and stick, and the energy that friction has taken, "
-            f"{dissipated} at the end.{slipped}"
+            f"{taken} at the end.{slipped}"
         ),
-        section=case.name,
     )
 
 
@@ -206,14 +203,12 @@ def motion_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
     record, times = case.reference.friction, case.times
     if record is None or times is None:
         return None
-    units = results.unit_set
     figure = new_figure(11.5, 6.8)
-    panels = list(figure.subplots(3, 1, sharex=True))
-    _plot_friction(record, case.reference.pressure, times, panels, units, marker="")
+    panels, units = list(figure.subplots(3, 1, sharex=True)), results.unit_set
+    taken = _plot_friction(record, case.reference.pressure, times, panels, units, marker="")
     panels[-1].set_xlabel(f"time [{units.time}]")
     panels[-1].set_xlim(times[0], times[-1])
     figure.suptitle(heading(f"{case.name}: friction over time, {case.reference_model}"))
-    dissipated = quantity(float(record.dissipation.sum()), units.of("force·length"))
     gross = int(record.macroslip.sum())
     slipped = f" All that touches slips at {gross} of {len(times)} instants." if gross else ""
     return Drawn(
@@ -224,9 +219,8 @@ def motion_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
             f"{case.reference_model.capitalize()}, from the preloaded joint on: largest pressure "
             "and traction of all contact points, shares of the area with friction that slip and "
             "stick, and the energy that friction has taken, "
-            f"{dissipated} at the end. At the first instant nothing slips yet.{slipped}"
+            f"{taken} at the end. At the first instant nothing slips yet.{slipped}"
         ),
-        section=case.name,
     )
 
 
@@ -238,8 +232,8 @@ def _plot_friction(
     units: Units,
     *,
     marker: str,
-) -> None:
-    """Draw largest pressure and traction, shares that slip and stick, and energy: three panels."""
+) -> str:
+    """Draw largest pressure and traction, shares that slip and stick, and energy; return it."""
     top, shares, energy = panels
     top.plot(along, pressure.max(axis=1, initial=0.0), marker=marker, label="pressure")
     tractions = np.linalg.norm(record.traction, axis=2).max(axis=1, initial=0.0)
@@ -257,3 +251,68 @@ def _plot_friction(
     shares.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     energy.plot(along, np.cumsum(record.dissipation), color=colour("jim-a"), marker=marker)
     energy.set_ylabel(f"energy by friction\n[{units.of('force·length')}]")
+    return quantity(float(record.dissipation.sum()), units.of("force·length"))
+
+
+def plot_loops(case: CaseResult, axes: Axes, units: Units) -> Axes:
+    """Draw the last loop of each amplitude: load factor over the displacement it does work on."""
+    for cycle in case.reference.cycles.values():
+        factors = np.concatenate([[cycle.amplitude], cycle.increments.factors[:, 0]])
+        work = np.concatenate([[cycle.start_work], cycle.increments.load_work])
+        label = f"amplitude {number(cycle.amplitude)}"
+        axes.plot(work, factors, marker=".", ms=3, label=label)
+    axes.set_xlabel(f"load at factor one × displacement along it [{units.of('force·length')}]")
+    axes.set_ylabel("load factor")
+    axes.legend()
+    return axes
+
+
+def plot_energies(case: CaseResult, axes: Axes, units: Units) -> Axes:
+    """Draw the energy per cycle over the amplitude, by slip and as the area of the loop."""
+    cycles = list(case.reference.cycles.values())
+    amplitudes = [cycle.amplitude for cycle in cycles]
+    axes.plot(amplitudes, [cycle.energies[-1] for cycle in cycles], "o-", label="by slip")
+    axes.plot(
+        amplitudes, [cycle.loop_area for cycle in cycles], "x", ms=8, label="area of the loop"
+    )
+    if min(cycle.energies[-1] for cycle in cycles) > 0 and len(cycles) > 1:
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+    axes.set_xlabel("amplitude [load factor]")
+    axes.set_ylabel(f"energy per cycle [{units.of('force·length')}]")
+    axes.legend()
+    return axes
+
+
+def loop_figure(results: Results, case: CaseResult) -> Drawn | None:
+    """Draw the cycles of a case; None for cases without."""
+    cycles = case.reference.cycles
+    if not cycles:
+        return None
+    units = results.unit_set
+    figure = new_figure(13.0, 5.4)
+    left, right = figure.subplots(1, 2)
+    plot_loops(case, left, units)
+    plot_energies(case, right, units)
+    left.set_title("last loop of each amplitude", loc="left")
+    right.set_title("energy per cycle", loc="left")
+    figure.suptitle(heading(f"{case.name}: cycles, full model"))
+    notes = "; ".join(_described(cycle, units) for cycle in cycles.values())
+    return Drawn(
+        figure=figure,
+        stem="loops",
+        title=f"{case.name}: loops and energy per cycle",
+        caption=(
+            "Left: load factor over the displacement that the load does work on, times the load "
+            "at factor one, so that the area of a loop is energy. Right: energy per cycle, by "
+            "slip and by that area, which come together as increments shrink. "
+            f"Amplitude {notes}."
+        ),
+    )
+
+
+def _described(cycle: CycleRecord, units: Units) -> str:
+    """Return amplitude, energy, number of cycles and whether they repeat."""
+    energy = quantity(float(cycle.energies[-1]), units.of("force·length"))
+    repeats = "" if cycle.stationary else ", still changing"
+    return f"{number(cycle.amplitude)}: {energy} after {len(cycle.energies)} cycles{repeats}"

@@ -1,6 +1,7 @@
 """Fields on an interface, drawn in the interface's own plane."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.display.plane import Plane as Plane
 from faying.display.plane import Unrolled as Unrolled
 from faying.display.plane import plane_of, unrolled
+from faying.display.style import heading, plain
 from faying.model.elements import FACES
 from faying.model.outline import outline_of
 from faying.report.style import OPEN_COLOUR, new_figure
@@ -51,16 +53,34 @@ RASTER = 700
 """Pixels along the longer side of a map of contact points."""
 
 
-def map_panels(
-    records: Iterable[InterfaceRecord], columns: int, width: float, room: float
-) -> tuple[Figure, Any]:
-    """Return a figure with a row of maps for each interface, and its axes (n_row, n_column).
+Panel = Callable[[str, InterfaceRecord, Axes], str]
+"""Draws an interface of a name on axes, and returns the title of the map."""
+
+
+def map_figure(
+    records: Mapping[str, InterfaceRecord],
+    panels: Sequence[Panel],
+    width: float,
+    room: float,
+    title: str,
+    states: Mapping[str, str] = MappingProxyType({}),
+) -> Figure:
+    """Return a figure with a row of maps for each interface, and a legend of states below them.
 
     Width and room, for what stands above and below the maps, are in inches.
     """
-    heights = [_height(record, 0.83 * width / columns) for record in records]
+    heights = [_height(record, 0.83 * width / len(panels)) for record in records.values()]
     figure = new_figure(width, max(sum(heights), 2.0) + room)
-    return figure, figure.subplots(len(heights), columns, squeeze=False, height_ratios=heights)
+    rows = figure.subplots(len(heights), len(panels), squeeze=False, height_ratios=heights)
+    for row, (name, record) in zip(rows, records.items(), strict=True):
+        for axes, panel in zip(row, panels, strict=True):
+            axes.set_title(plain(panel(name, record, axes)), loc="left")
+    if title:
+        figure.suptitle(heading(title))
+    if states:
+        handles = [Patch(color=shade, label=state) for state, shade in states.items()]
+        figure.legend(handles=handles, loc="outside lower center", ncols=len(states))
+    return figure
 
 
 def _height(record: InterfaceRecord, width: float) -> float:
@@ -144,12 +164,6 @@ def draw_states(
         record, states.astype(float), axes, plane, ListedColormap([*colours.values()]), scale
     )
     return axes
-
-
-def name_states(figure: Figure, colours: Mapping[str, str]) -> None:
-    """Put a legend of states below their maps."""
-    handles = [Patch(color=shade, label=state) for state, shade in colours.items()]
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(colours))
 
 
 def _draw_points(

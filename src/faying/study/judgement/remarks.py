@@ -29,6 +29,7 @@ def remarks(results: Results) -> list[str]:
     """Return what the console says of a run, a sentence each."""
     steps = {name: step_choice(case) for name, case in results.cases.items()}
     return [
+        *(f"Note: {text}" for text in results.notes),
         *_peaks(results),
         *_backbones(results),
         *_estimates(results),

@@ -7,9 +7,8 @@ from pathlib import Path
 from faying._typing import Indices, Matrix, Vector
 from faying.assessment.envelope import Envelope
 from faying.files.described import Format, new_file, write_members
-from faying.files.meanings import Meaning, Table, meanings
+from faying.files.meanings import Meaning, Table, tables_within
 from faying.interface.surface import ContactSurface
-from faying.reduction.model_fields import GEOMETRY
 from faying.reduction.reduced_model import ReducedModel
 
 
@@ -114,10 +113,7 @@ class SolvedFields:
     envelope: Envelope
 
 
-TABLES: dict[type, Table] = {
-    **GEOMETRY,
-    **{kind: meanings(kind) for kind in (ContactSurface, Envelope, SolvedFields)},
-}
+TABLES = tables_within(ContactSurface, SolvedFields)
 
 ROOT: Table = {
     "name": Meaning("name of the model"),

@@ -311,6 +311,8 @@ class Results:
         Load case name to the normal modes that were chosen for it.
     doubts : (n_doubt,)
         What cannot be right in the units of the study.
+    notes : (n_note,)
+        What is so of the model and may be meant, as motions as a whole that no support holds.
     measurements
         Curves of a test beside backbones.
     frequencies
@@ -343,6 +345,7 @@ class Results:
     assessment: Assessment | None = None
     mode_choices: Mapping[str, NormalModeChoice] = field(default_factory=dict)
     doubts: tuple[str, ...] = field(default=())
+    notes: tuple[str, ...] = field(default=())
     measurements: tuple[MeasuredCurve, ...] = ()
     frequencies: Mapping[str, FrequencyRecord] = field(default_factory=dict)
 

@@ -14,8 +14,8 @@ from faying.exceptions import FayingError
 from faying.execution.checkpoint import Bundles
 from faying.files.flattening import flattened, restored
 
-FAILED = "failed"
-"""Name of the sentences about what failed, beside the arrays of a value."""
+FAILED, SECONDS = "failed", "wall_seconds"
+"""Names of the sentences about what failed, and of the wall time, beside the arrays of a value."""
 
 T = TypeVar("T")
 
@@ -150,13 +150,20 @@ class Books:
 
         With what failed meanwhile, for a run that takes it over does not try again.
         """
+        return self.timed_value(kind, key, compute)[0]
+
+    def timed_value(self, kind: type[T], key: str, compute: Callable[[], T]) -> tuple[T, float]:
+        """Return a value in the same way, and the seconds it took in whichever run."""
         n_failed = len(self.failed)
 
         def arrays() -> dict[str, Matrix]:
-            return flattened(compute()) | {FAILED: np.array(self.failed[n_failed:], dtype=str)}
+            start = clock()
+            members = flattened(compute())
+            failed = np.array(self.failed[n_failed:], dtype=str)
+            return {**members, FAILED: failed, SECONDS: np.asarray(clock() - start)}
 
         with self.timed("checkpoint"):
             bundle = self.checkpoint.bundle(key, arrays)
         repeated: Iterable[str] = map(str, bundle.get(FAILED, ()))
         self.failed.extend(text for text in repeated if text not in self.failed)
-        return restored(kind, bundle)
+        return restored(kind, bundle), float(bundle.get(SECONDS, 0.0))

@@ -1,19 +1,22 @@
-"""One load case of a study, solved by one model."""
+"""One load case of a study, solved by one model, and what is known of its pressures then."""
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
+from faying.assessment.recovery import recover_pressure
+from faying.assessment.transient_error import finer_model, transient_error
 from faying.joint.system import System
-from faying.simulation.divided_steps import divided_steps
+from faying.simulation.divided_steps import DividedSteps
 from faying.simulation.path import solve_static
 from faying.simulation.solution import Solution
-from faying.simulation.transient import solve_transient
 from faying.study.inputs.loads import case_load
 from faying.study.inputs.timing import time_span, time_step
 from faying.study.keys.tables import LoadCaseSection
 from faying.study.results.values import Response
-from faying.study.stages.full_transients import integrator_of
+from faying.study.stages.full_transients import integrator_of, steps_of
 from faying.study.stages.offline import PreparedJoint
+from faying.study.stages.path_cases import rest_state
 
 
 def solve_case(
@@ -34,20 +37,43 @@ def solve_case(
     if case.kind == "static":
         return solve_static(system, load), time.perf_counter() - start
     step, duration = (of(case, joint.period) for of in (time_step, time_span))
-    scheme = integrator_of(case)
-    if case.tolerance is not None:
-        steps = None if like is None else like.substeps
-        solution = divided_steps(
-            system, step=step, tolerance=case.tolerance, integrator=scheme
-        ).solve(load, duration=duration, initial=initial, substeps=steps, progress=progress)
-    else:
-        solution = solve_transient(
-            system,
-            load,
-            step=step / refinement,
-            duration=duration,
-            integrator=scheme,
-            initial=initial,
-            progress=progress,
+    steps = steps_of(system, case, step / refinement)
+    if isinstance(steps, DividedSteps):
+        taken = None if like is None else like.substeps
+        solution = steps.solve(
+            load, duration=duration, initial=initial, substeps=taken, progress=progress
         )
+    else:
+        solution = steps.solve(load, duration=duration, initial=initial, progress=progress)
     return solution, time.perf_counter() - start
+
+
+def judged(
+    joint: PreparedJoint,
+    case: LoadCaseSection,
+    response: Response,
+    solution: Solution,
+    name: str,
+    *,
+    recovered: bool,
+) -> Response:
+    """Return the response of a reduced transient with errors estimated without the full model.
+
+    The name is that of load case and model. Pressures may be recovered from the motion too; what
+    fails is left out.
+    """
+    books, estimate = joint.books, None
+    if recovered:
+        with books.stage("recovery"), books.attempt(f"{name}, recovered pressures"):
+            pressure = recover_pressure(joint.model, solution).pressure
+            response = replace(response, recovered_pressure=pressure)
+    with books.stage("estimated errors"), books.attempt(f"{name}, estimated error"):
+        finer = finer_model(joint.model, solution)
+        estimate = transient_error(
+            finer,
+            solution,
+            case_load(case),
+            integrator=integrator_of(case),
+            initial=rest_state(finer, joint.preload_path, joint.rest),
+        )
+    return replace(response, estimate=estimate)

@@ -30,17 +30,16 @@ from faying.study.results.responses import respond
 from faying.study.results.second_solution import Remedy
 from faying.study.results.values import FULL_MODEL, CaseResult, MethodResult, Response
 from faying.study.stages.books import Books
-from faying.study.stages.case_solution import solve_case
-from faying.study.stages.checkpointed_steps import CheckpointedSteps, IncrementalCase
+from faying.study.stages.case_solution import judged, solve_case
 from faying.study.stages.full_transients import (
     FullTransient,
     full_transients,
-    integrator_of,
     response_key,
 )
 from faying.study.stages.inertia import CURED, InertiaWhenNeeded, remedy_of
 from faying.study.stages.offline import PreparedJoint
 from faying.study.stages.path_cases import (
+    IncrementalCase,
     advances,
     goes_in_increments,
     has_reserve,
@@ -49,7 +48,6 @@ from faying.study.stages.path_cases import (
     rest_state,
 )
 from faying.study.stages.reference import REDUCED, Reference, Solved
-from faying.study.stages.transient_judge import TransientJudge
 
 Models = Mapping[str, Mapping[int, System]]
 
@@ -218,10 +216,6 @@ class CaseRunner:
             return self.joint.certifier
         return None
 
-    @property
-    def _transient_judge(self) -> TransientJudge:
-        return TransientJudge(joint=self.joint)
-
     @cached_property
     def _known_rest(self) -> dict[str, Solution]:
         """Preloaded states of the models, by what these are called; filled as they are needed."""
@@ -331,7 +325,8 @@ class CaseRunner:
                         model=model,
                         system=system,
                         preloaded=self._rest(system, label),
-                        steps=CheckpointedSteps(self.books.checkpoint, key),
+                        books=self.books,
+                        key=key,
                         progress=advance,
                     )
                     response = path_response(run, like)
@@ -343,15 +338,8 @@ class CaseRunner:
                     drawn = like is None and refinement == 1
                     response = respond(solution, model, seconds, moves=drawn)
             if case.transient and refinement == 1 and isinstance(system, ReducedModel):
-                name, judge = f"{case.name}, {label}", self._transient_judge
-                response = judge.judged(
-                    name,
-                    response,
-                    solution,
-                    case_load(case),
-                    integrator_of(case),
-                    recovered=label != REDUCED,
-                )
+                name, recovered = f"{case.name}, {label}", label != REDUCED
+                response = judged(self.joint, case, response, solution, name, recovered=recovered)
             return response
 
         return self.books.value(Response, key, compute)

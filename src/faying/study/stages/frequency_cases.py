@@ -1,8 +1,9 @@
 """Harmonic loads of a study: the curve from the backbone, then harmonics, level by level."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
+from typing import TypeVar
 
 import numpy as np
 
@@ -19,16 +20,22 @@ from faying.assessment.response_curve import (
 )
 from faying.assessment.transient_check import TransientCheck
 from faying.exceptions import ConvergenceError, naming
-from faying.execution.checkpoint import Arrays
-from faying.files.flattening import flattened, restored
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.keys.frequency_rules import shown_place
 from faying.study.keys.frequency_table import FrequencySection
 from faying.study.keys.measurements import measured_responses
 from faying.study.results.frequency_record import FrequencyRecord
-from faying.study.stages.checkpointed_steps import SECONDS, CheckpointedSteps
 from faying.study.stages.offline import PreparedJoint
 from faying.study.stages.path_cases import rest_state
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResonantMode:
+    """The backbone of the mode that is brought to resonance; None where there is none."""
+
+    backbone: Backbone | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -46,16 +53,15 @@ class FrequencyRunner:
     swept: FrequencySection
     joint: PreparedJoint
     rom: ReducedModel | None
-    pieces: CheckpointedSteps
 
     def solve(self) -> FrequencyRecord:
         """Return the responses; what did not converge is in their remarks."""
         with naming(f"frequency '{self.swept.name}'"):
             seconds, backbone, expected = 0.0, None, None
             with self.joint.books.attempt(f"{self.swept.name}, curve from the backbone"):
-                arrays = self.pieces.take("backbone", self._backbone)
-                if "mode" in arrays:
-                    backbone = restored(Backbone, arrays)
+                kept, took = self._piece(ResonantMode, "backbone", self._backbone)
+                backbone = kept.backbone
+                if backbone is not None:
                     expected = backbone_response(
                         self.joint.model,
                         backbone,
@@ -64,18 +70,18 @@ class FrequencyRunner:
                         self.swept.levels,
                         initial=self.joint.rest,
                     )
-                seconds += float(arrays[SECONDS])
+                seconds += took
             curves, checks = [], []
             for level in self.swept.levels:
                 compute = partial(self._level, level)
-                curve, took = self.pieces.value(ResponseCurve, f"level {level}", compute)
+                curve, took = self._piece(ResponseCurve, f"level {level}", compute)
                 curves.append(curve)
                 seconds += took
                 if self.swept.check is not None and len(curve.frequency):
                     with self.joint.books.attempt(f"{self.swept.name}, level {level:g}, transient"):
                         name, compare = f"transient {curve.level}", partial(self._transient, curve)
-                        checks.append(self.pieces.value(TransientCheck, name, compare)[0])
-            still, _ = self.pieces.value(ResponseCurve, "linear", self._linear)
+                        checks.append(self._piece(TransientCheck, name, compare)[0])
+            still, _ = self._piece(ResponseCurve, "linear", self._linear)
         return FrequencyRecord(
             at=self._at,
             response=FrequencyResponse(
@@ -91,6 +97,10 @@ class FrequencyRunner:
             measured=measured_responses(self.joint.study, self.swept, self._at),
             seconds=seconds,
         )
+
+    def _piece(self, kind: type[T], name: str, compute: Callable[[], T]) -> tuple[T, float]:
+        """Return a piece that is kept, or computed and kept, and the seconds that took."""
+        return self.joint.books.timed_value(kind, f"frequency {self.swept.name}, {name}", compute)
 
     @property
     def _at(self) -> str:
@@ -116,7 +126,7 @@ class FrequencyRunner:
                 progress=advance,
             )
 
-    def _backbone(self) -> Arrays:
+    def _backbone(self) -> ResonantMode:
         """Return the backbone of the mode that is brought to resonance; nothing without one."""
         with self.joint.books.stage(f"{self.swept.name}: backbone") as advance:
             resonant = resonance(
@@ -128,13 +138,13 @@ class FrequencyRunner:
                 self.joint.rest,
             )
             if resonant is None:
-                return {}
+                return ResonantMode()
             cycles = list[ModalCycle]()
             for number in range(len(resonant.analysis.levels)):
                 name = f"backbone, amplitude {number + 1}"
                 compute = partial(resonant.analysis.cycle, number)
                 try:
-                    cycle, _ = self.pieces.value(ModalCycle, name, compute)
+                    cycle, _ = self._piece(ModalCycle, name, compute)
                 except ConvergenceError:
                     # The curve then ends below the peak, which its remarks say.
                     if not cycles:
@@ -144,7 +154,7 @@ class FrequencyRunner:
                 advance(1)
                 if resonant.resists(cycle):
                     break
-            return flattened(resonant.analysis.backbone(cycles))
+            return ResonantMode(backbone=resonant.analysis.backbone(cycles))
 
     def _transient(self, curve: ResponseCurve) -> TransientCheck:
         """Return a transient at the peak of a curve."""
@@ -178,11 +188,6 @@ def frequency_records(
 ) -> Mapping[str, FrequencyRecord]:
     """Compute all harmonic loads of a study, by name."""
     return {
-        swept.name: FrequencyRunner(
-            swept=swept,
-            joint=joint,
-            rom=rom,
-            pieces=CheckpointedSteps(joint.books.checkpoint, f"frequency {swept.name}"),
-        ).solve()
+        swept.name: FrequencyRunner(swept=swept, joint=joint, rom=rom).solve()
         for swept in joint.study.frequencies
     }

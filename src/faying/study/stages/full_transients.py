@@ -9,14 +9,15 @@ import numpy as np
 from faying._typing import Indices
 from faying.execution.groups import even_parts, grouped
 from faying.joint.model import Model
+from faying.joint.system import System
 from faying.linalg.memory import require_room
-from faying.simulation.divided_steps import divided_steps
+from faying.simulation.divided_steps import DividedSteps, divided_steps
 from faying.simulation.energy_guard import AT_ONCE
 from faying.simulation.instants import runs_at_once
 from faying.simulation.integrators import Integrator, named_integrator
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import joined, some_states, without_states
-from faying.simulation.stepping import transient_solver
+from faying.simulation.stepping import TransientSolver, transient_solver
 from faying.simulation.transient_windows import Steps, transient_windows
 from faying.study.inputs.loads import case_load
 from faying.study.inputs.timing import instants, time_span, time_step
@@ -80,7 +81,7 @@ def full_transients(
     step /= first.refinement
     n_time = round(duration / step) + 1
     _require_room(joint.model, len(runs), n_time)
-    steps = _steps(joint.model, first.case, step)
+    steps = steps_of(joint.model, first.case, step)
     together = even_parts(runs, runs_at_once(joint.model, n_time, INSTANTS_AT_ONCE + 1))
     responses = [
         response
@@ -102,12 +103,12 @@ def _require_room(model: Model, n_run: int, n_time: int) -> None:
     )
 
 
-def _steps(model: Model, case: LoadCaseSection, step: float) -> Steps:
+def steps_of(system: System, case: LoadCaseSection, step: float) -> DividedSteps | TransientSolver:
     """Return what advances transients like that of a load case."""
     scheme = integrator_of(case)
     if case.tolerance:
-        return divided_steps(model, step=step, tolerance=case.tolerance, integrator=scheme)
-    return transient_solver(model, step=step, integrator=scheme)
+        return divided_steps(system, step=step, tolerance=case.tolerance, integrator=scheme)
+    return transient_solver(system, step=step, integrator=scheme)
 
 
 def _side_by_side(

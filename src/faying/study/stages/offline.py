@@ -34,12 +34,11 @@ from faying.study.inputs.loads import check_loads, is_trained, training_box
 from faying.study.inputs.timing import time_step
 from faying.study.keys.tables import Study
 from faying.study.stages.books import Books
-from faying.study.stages.kept_preload import (
-    Tightened,
+from faying.study.stages.kept_joint import (
+    TightenedPath,
     check_same_joint,
     keep_compliance,
     kept_state,
-    kept_tightening,
 )
 from faying.study.stages.path_cases import rest_state
 from faying.study.stages.training import StepTraining, step_groups, step_loads
@@ -117,10 +116,10 @@ def prepare_joint(study: Study, books: Books | None = None) -> PreparedJoint:
     lost = (losses(study), {}) if study.sticking is None else ({}, losses(study))
     first = "rest" if study.sticking is None else "preload"
     with books.stage("preload"):
-        compute = partial(
-            _tightened, study, model, forces, lost[0], partial(kept_state, checkpoint, first, model)
-        )
-        tightening, path = kept_tightening(checkpoint, "tightening", compute)
+        keep = partial(kept_state, checkpoint, first, model)
+        compute = partial(_tightened, study, model, forces, lost[0], keep)
+        tightened = books.value(TightenedPath, "tightening", compute)
+        tightening, path = tightened.tightening, tightened.loads
         locked = model.with_bolt_forces(tightening.initial_forces)
         state = kept_state(checkpoint, first, locked, lambda: rest_state(locked, path))
     model, preloaded = locked, state
@@ -129,9 +128,8 @@ def prepare_joint(study: Study, books: Books | None = None) -> PreparedJoint:
         tied = with_sticking(model, sticking)
         _condense(tied, books, "compliance of tied parts")
         with books.stage("preload"):
-            again, _ = kept_tightening(
-                checkpoint, "tightening again", lambda: (tighten(tied, forces, losses=lost[1]), ())
-            )
+            compute_again = partial(tighten, tied, forces, losses=lost[1])
+            again = books.value(Tightening, "tightening again", compute_again)
             model = final = tied.with_bolt_forces(again.initial_forces)
             preloaded = kept_state(checkpoint, "rest", final, lambda: solve_static(final))
     return PreparedJoint(
@@ -152,14 +150,20 @@ def _tightened(
     forces: Mapping[str, float],
     lost: Mapping[str, PreloadLoss],
     keep: Callable[[Callable[[], Solution]], Solution],
-) -> Tightened:
+) -> TightenedPath:
     """Tighten bolts along a path, where the way matters and friction acts on it; else without."""
     if model.contact.forgets or not study.friction_during_preload:
-        return tighten(smooth_joint(model), forces, losses=lost), ()
+        return TightenedPath(tightening=tighten(smooth_joint(model), forces, losses=lost))
     path = tighten_with_friction(model, forces, losses=lost)
     # Kept before the path that led there, which need not be followed a second time.
     keep(lambda: last_of(path.rest))
-    return path.tightening, path.loads
+    return TightenedPath(
+        tightening=path.tightening,
+        names=tuple(load.name for load in path.loads),
+        forces=np.array(
+            [[load.bolt_forces[b] for b in path.tightening.bolts] for load in path.loads]
+        ),
+    )
 
 
 def _condense(model: Model, books: Books, key: str) -> None:

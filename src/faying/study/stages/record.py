@@ -1,17 +1,21 @@
-"""From what a run computed to the values it leaves behind."""
+"""From what a run computed to the values it leaves behind: complete models, and results."""
 
 import platform
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 
 import numpy as np
 import scipy
 
 from faying import __version__
+from faying.joint.model import Model
+from faying.joint.system import System
 from faying.model.deck_bolt import bolt_ends
 from faying.model.matrices import mass_properties
 from faying.model.solid_cells import tangled
-from faying.reduction.projection import contact_surfaces
+from faying.reduction.basis import Basis
+from faying.reduction.projection import completed, contact_surfaces, projected
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.preload import open_interfaces
 from faying.study.judgement.model_warnings import unheld, unmeasured
@@ -22,10 +26,47 @@ from faying.study.results.values import BoltRecord, CaseResult, Results, interfa
 from faying.study.stages.offline import PreparedJoint, TrainedBases
 from faying.study.stages.reference import Reference
 
+Models = Mapping[str, Mapping[int, System]]
+Kept = Mapping[str, Mapping[int, ReducedModel]]
+
+ALWAYS = (False, True)
+"""Whether a residual compliance is with the classic basis, of the models kept in any case."""
+
+
+def kept_models(model: Model, models: Models, classic: Basis, title: str) -> Kept:
+    """Return the reduced models of a run that have a basis, the classic ones in any case.
+
+    With all that recovery and exports need, computed once for all of them.
+    """
+    chosen = {
+        (name, count): rom
+        for name, sizes in models.items()
+        for count, rom in sizes.items()
+        if isinstance(rom, ReducedModel)
+    }
+    for compliance in ALWAYS:
+        rom = projected(model, classic, compliance=compliance)
+        if rom.method not in models:
+            chosen[rom.method, 0] = rom
+    models_by_method: dict[str, dict[int, ReducedModel]] = {}
+    for (name, count), rom in zip(chosen, completed(model, list(chosen.values())), strict=True):
+        models_by_method.setdefault(name, {})[count] = replace(rom, name=title)
+    return models_by_method
+
+
+def with_kept(models: Models, recoverable: Kept) -> dict[str, dict[int, System]]:
+    """Return the models of a run with those that are kept in place of what they came from."""
+    return {
+        name: {
+            count: recoverable.get(name, {}).get(count, system) for count, system in sizes.items()
+        }
+        for name, sizes in models.items()
+    }
+
 
 def record(
     joint: PreparedJoint,
-    recoverable: Mapping[str, Mapping[int, ReducedModel]],
+    recoverable: Kept,
     trained: TrainedBases,
     cases: Mapping[str, CaseResult],
     validation: ValidationRecord,
@@ -67,7 +108,6 @@ def record(
         warnings=tuple(warnings),
         omissions=tuple(joint.books.failed),
         doubts=(
-            *unheld(model),
             *open_interfaces(model.contact.slices if tightened else {}, joint.preload.pressure),
             *unmeasured(study, cases),
             *filter(None, [tangled(model.assembly)]),
@@ -75,6 +115,7 @@ def record(
             *bolt_doubts(study, joint.loaded),
             *pressure_doubts(cases, model.assembly.materials, study.units),
         ),
+        notes=tuple(unheld(model)),
         measurements=measured_curves(study),
         validation=validation,
         reduced=recoverable,

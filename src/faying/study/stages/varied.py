@@ -35,8 +35,7 @@ from faying.study.inputs.load_model import (
 from faying.study.keys.parameter_tables import steps_to, value_at
 from faying.study.keys.schema import parse_study, parse_tables
 from faying.study.keys.tables import DEFAULT_NORMAL_MODES, Study
-from faying.study.stages.backbone_cases import cycle_increments
-from faying.study.stages.path_cases import rest_state
+from faying.study.stages.path_cases import cycle_increments, rest_state
 
 Curves = Mapping[tuple[str, int], Backbone]
 """Load case and number of the mode to its backbone."""

@@ -1,6 +1,7 @@
-"""The preloaded joint in the checkpoint of a run: bolts and states, however they were computed."""
+"""The joint in the checkpoint of a run: that it is the same, how it was tightened, its states."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from dataclasses import dataclass
 from hashlib import blake2b
 from typing import Any
 
@@ -9,7 +10,6 @@ import numpy as np
 from faying._typing import Matrix
 from faying.exceptions import StudyError
 from faying.execution.checkpoint import Bundles
-from faying.files.flattening import flattened, restored
 from faying.joint.model import Model
 from faying.joint.structure import Structure
 from faying.joint.system import System
@@ -18,8 +18,32 @@ from faying.simulation.preload import Tightening
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import arrays_of
 
-Tightened = tuple[Tightening, Sequence[Load]]
-"""How bolts were tightened, and the loads of the path by which, if there was one."""
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TightenedPath:
+    """How bolts were tightened, and the loads of the path by which, if there was one.
+
+    Attributes
+    ----------
+    tightening
+    names
+        Of the loads.
+    forces : (n_load, n_bolt) [force]
+        Initial forces of the bolts, load by load.
+    """
+
+    tightening: Tightening
+    names: tuple[str, ...] = ()
+    forces: Matrix | None = None
+
+    @property
+    def loads(self) -> tuple[Load, ...]:
+        """The loads of the path."""
+        rows = [] if self.forces is None else self.forces.tolist()
+        return tuple(
+            Load(name=name, bolt_forces=dict(zip(self.tightening.bolts, row, strict=True)))
+            for name, row in zip(self.names, rows, strict=True)
+        )
 
 
 def check_same_joint(checkpoint: Bundles, model: Model) -> None:
@@ -54,28 +78,6 @@ def keep_compliance(checkpoint: Bundles, key: str, structure: Structure) -> None
 
     for name, matrix in checkpoint.bundle(key, arrays).items():
         structure.take_held(name, matrix)
-
-
-def kept_tightening(
-    checkpoint: Bundles, key: str, compute: Callable[[], Tightened]
-) -> tuple[Tightening, tuple[Load, ...]]:
-    """Return how bolts were tightened as it is kept under a key, or compute and keep it."""
-
-    def arrays() -> dict[str, Matrix]:
-        tightening, loads = compute()
-        forces = [[load.bolt_forces[bolt] for bolt in tightening.bolts] for load in loads]
-        return {
-            **flattened(tightening),
-            "path": np.array(forces, dtype=float).reshape(len(forces), len(tightening.bolts)),
-            "names": np.array([load.name for load in loads], dtype=str),
-        }
-
-    bundle = checkpoint.bundle(key, arrays)
-    tightening = restored(Tightening, bundle)
-    return tightening, tuple(
-        Load(name=name, bolt_forces=dict(zip(tightening.bolts, row, strict=True)))
-        for name, row in zip(bundle["names"].tolist(), bundle["path"].tolist(), strict=True)
-    )
 
 
 def kept_state(
