@@ -12,9 +12,7 @@ from pydantic import BaseModel
 
 from faying.study.keys import (
     frequency_table,
-    measurement_table,
     model_tables,
-    output_tables,
     parameter_tables,
     requirement_tables,
     tables,
@@ -39,8 +37,8 @@ SECTIONS: dict[str, type[BaseModel]] = {
     "[[boundary]]": model_tables.BoundarySection,
     "[[support]]": model_tables.SupportSection,
     "[[mass]]": model_tables.MassSection,
-    "[[measurement]]": measurement_table.MeasurementSection,
-    "[[measurement]] response": measurement_table.ResponseSection,
+    "[[measurement]]": tables.MeasurementSection,
+    "[[measurement]] response": tables.ResponseSection,
     "[[parameter]]": parameter_tables.ParameterSection,
     "[band]": parameter_tables.BandSection,
     "[[frequency]]": frequency_table.FrequencySection,
@@ -50,13 +48,13 @@ SECTIONS: dict[str, type[BaseModel]] = {
     "[reduction]": tables.ReductionSection,
     "[reduction.training]": tables.TrainingSection,
     "[reduction.training] box": tables.BoxSide,
-    "[validation]": output_tables.ValidationSection,
+    "[validation]": tables.ValidationSection,
     "[requirement]": requirement_tables.RequirementSection,
     "[requirement.margins]": requirement_tables.MarginsSection,
     "[requirement] closed_ring": requirement_tables.RingSection,
     "[[load_case]]": tables.LoadCaseSection,
     "[[load_case]] forces": tables.ForceSection,
-    "[output]": output_tables.OutputSection,
+    "[output]": tables.OutputSection,
 }
 """Heading of docs/study-file.md to the table it lists."""
 

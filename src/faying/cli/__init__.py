@@ -6,18 +6,15 @@ from typing import Annotated
 import typer
 
 from faying.cli.check import check
-from faying.cli.demo import demo
 from faying.cli.export import export
 from faying.cli.fit import band, fit
-from faying.cli.init import init
+from faying.cli.init import init, schema
 from faying.cli.recover import recover
 from faying.cli.reduce import reduce
-from faying.cli.report import report
-from faying.cli.run import run
-from faying.cli.schema import schema
+from faying.cli.reports import report, view
+from faying.cli.run import demo, run
 from faying.cli.solve import solve
 from faying.cli.tighten import tighten
-from faying.cli.view import view
 from faying.exceptions import FayingError
 
 BAD_INPUT = 2

@@ -32,18 +32,21 @@ def check(
     from faying.cli.description import described
     from faying.cli.progress import progress_bar
     from faying.joint.bolt_pull import misdirected
-    from faying.joint.diagnosis import REMEDY, REMEDY_BESIDE_SPRINGS, check_held
+    from faying.joint.diagnosis import check_held
     from faying.model.solid_cells import tangled
     from faying.study.inputs.jumps import jump_sentence, load_jumps
     from faying.study.inputs.load_model import load_model
     from faying.study.inputs.loads import check_targets
     from faying.study.inputs.model_preview import model_preview
-    from faying.study.judgement.model_warnings import missing_contact
-    from faying.study.judgement.solid_constants import bolt_doubts, doubts, uneven_seats
+    from faying.study.judgement.model_warnings import (
+        bolt_doubts,
+        doubts,
+        missing_contact,
+        uneven_seats,
+    )
     from faying.study.keys.deck_study import is_bare, study_or_deck
-    from faying.study.keys.naming_tables import naming_tables
     from faying.study.keys.requirement_rules import not_judged
-    from faying.units import units_of
+    from faying.study.keys.schema import naming_tables
 
     checked, bare = study_or_deck(study, ignore or ()), is_bare(study)
     if out is not None:
@@ -65,12 +68,12 @@ def check(
     ]
     # The units of a bare deck are nowhere said.
     materials = loaded.assembly.materials
-    constants = () if bare else [*doubts(materials, loaded.units), *bolt_doubts(checked, loaded)]
+    constants = () if bare else [*doubts(materials, checked.units), *bolt_doubts(checked, loaded)]
     jumps = [
         jump_sentence(
             case.name,
             load_jumps(case, step=case.step),
-            units_of(loaded.units).time,
+            checked.unit_set.time,
             history=case.kind == "history",
         )
         for case in checked.load_cases
@@ -85,7 +88,7 @@ def check(
             console.print(f"Wrote {path}")
     if preview.free.count and not bare:
         # Last, so that what can move is seen in the tables and the picture first.
-        check_held(model, REMEDY if loaded.weak_springs is None else REMEDY_BESIDE_SPRINGS)
+        check_held(model, loaded.remedy)
 
 
 def _picture(loaded: "LoadedModel", model: "Model", path: Path) -> Path:

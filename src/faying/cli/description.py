@@ -2,14 +2,12 @@
 
 import json
 from collections.abc import Iterable, Iterator
-from itertools import compress
 
 import numpy as np
-from rich import box
 from rich.table import Table
-from rich.text import Text
 
 from faying.cli.load_rows import case_rows, frequency_rows
+from faying.cli.tables import text_table
 from faying.contact.laws import Coulomb, Penalty
 from faying.display.facts import MOST_SHOWN
 from faying.interface.interface import Interface
@@ -49,15 +47,15 @@ def described(study: Study, loaded: LoadedModel, preview: ModelPreview) -> Itera
     if model.boundaries:
         yield _boundaries(model)
     if study.load_cases:
-        yield _table("Load cases", ["name", "kind", "loads", "time"], case_rows(study))
+        yield text_table("Load cases", ["name", "kind", "loads", "time"], case_rows(study))
     if study.frequencies:
         columns = ["name", "loads", "levels", "frequencies"]
-        yield _table("Harmonic loads", columns, frequency_rows(study))
+        yield text_table("Harmonic loads", columns, frequency_rows(study))
     if model.assembly.loads:
         yield _deck_loads(study, loaded)
         yield from _unused_loads(study, loaded)
     if model.assembly.ignored:
-        yield _table(
+        yield text_table(
             "Notes on the source",
             ["left out, or taken otherwise"],
             ([text] for text in model.assembly.ignored),
@@ -69,7 +67,7 @@ def _missing(study: Study, preview: ModelPreview) -> Iterator[Table]:
     """Say what a run would still need, and the beginning of a study that says it."""
     if preview.needs:
         columns = ["what a run would still need"]
-        yield _table("Not ready to run", columns, ([need] for need in preview.needs))
+        yield text_table("Not ready to run", columns, ([need] for need in preview.needs))
     lines = []
     if is_bare(study.path):
         lines += ["[model]", f'source = "{study.model.source}"']
@@ -82,23 +80,9 @@ def _missing(study: Study, preview: ModelPreview) -> Iterator[Table]:
         lines += ['minus = "auto"', 'plus = "auto"', f'meshes = "{preview.candidate.meshes}"', ""]
     if lines:
         title = f"A study begins like this ({study.path.stem}.toml)"
-        yield _table(title if is_bare(study.path) else "Add", ["TOML"], ([x] for x in lines[:-1]))
-
-
-def _table(title: str, columns: Iterable[str], rows: Iterable[Iterable[object]]) -> Table:
-    """Return a table without the columns in which nothing stands."""
-    table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD)
-    cells = [list(map(_text, row)) for row in rows]
-    filled = [any(column) for column in zip(*cells, strict=True)]
-    for column in compress(columns, filled):
-        table.add_column(column, overflow="fold")
-    for row in cells:
-        table.add_row(*map(Text, compress(row, filled)))
-    return table
-
-
-def _text(cell: object) -> str:
-    return f"{cell:.6g}" if isinstance(cell, float) else str(cell)
+        yield text_table(
+            title if is_bare(study.path) else "Add", ["TOML"], ([x] for x in lines[:-1])
+        )
 
 
 def _overview(study: Study, model: Model) -> Table:
@@ -122,7 +106,7 @@ def _overview(study: Study, model: Model) -> Table:
         (f"mass [{units[1]}]", weight.mass),
         (f"centre of mass [{units[0]}]", _point(centre.tolist())),
     ]
-    return _table(study.title or study.path.stem, ["model", ""], rows)
+    return text_table(study.title or study.path.stem, ["model", ""], rows)
 
 
 def _factorization(memory: FactorMemory) -> str:
@@ -155,7 +139,7 @@ def _bodies(mesh: Mesh) -> Table:
         nodes = mesh.nodes[label == number]
         low, high = (_point(corner.tolist()) for corner in (nodes.min(axis=0), nodes.max(axis=0)))
         rows.append((name, len(nodes), int((owner == number).sum()), low, high))
-    return _table("Bodies", ["name", "nodes", "elements", "from", "to"], rows)
+    return text_table("Bodies", ["name", "nodes", "elements", "from", "to"], rows)
 
 
 def _materials(assembly: Assembly) -> Table:
@@ -171,7 +155,8 @@ def _materials(assembly: Assembly) -> Table:
         )
         for number, material in assembly.materials.items()
     ]
-    return _table("Materials of solids", ["property", "name", "E", "nu", "rho", "elements"], rows)
+    columns = ["property", "name", "E", "nu", "rho", "elements"]
+    return text_table("Materials of solids", columns, rows)
 
 
 def _connections(assembly: Assembly) -> Table:
@@ -191,7 +176,7 @@ def _connections(assembly: Assembly) -> Table:
         "scalar masses": [len(connection.ends) for connection in assembly.scalar_masses],
     }
     rows = ((name, len(counts), sum(counts)) for name, counts in kinds.items() if counts)
-    return _table("Supports and couplings", ["kind", "number", "nodes or terms"], rows)
+    return text_table("Supports and couplings", ["kind", "number", "nodes or terms"], rows)
 
 
 def _supports(assembly: Assembly) -> dict[str, list[int]]:
@@ -207,7 +192,7 @@ def _supports(assembly: Assembly) -> dict[str, list[int]]:
 def _interfaces(model: Model, title: str) -> Table:
     columns = ["name", "faces", "pairs", "points", "rule", "area", "of declared"]
     columns += ["mean gap", "penalty"]
-    return _table(title, columns, map(_interface, model.interfaces.values()))
+    return text_table(title, columns, map(_interface, model.interfaces.values()))
 
 
 def _friction(model: Model) -> Iterator[Table]:
@@ -217,7 +202,7 @@ def _friction(model: Model) -> Iterator[Table]:
         if isinstance(law := interface.law, Coulomb)
     ]
     if rows:
-        yield _table("Friction", ["interface", "coefficient", "tangential penalty"], rows)
+        yield text_table("Friction", ["interface", "coefficient", "tangential penalty"], rows)
 
 
 def _sides(model: Model) -> Table:
@@ -233,7 +218,7 @@ def _sides(model: Model) -> Table:
         for name, interface in model.interfaces.items()
     )
     columns = ["name", "minus", "plus", "normal, minus to plus", "contact points on"]
-    return _table("Sides of the interfaces", columns, rows)
+    return text_table("Sides of the interfaces", columns, rows)
 
 
 def _signs(interface: Interface) -> tuple[str, str]:
@@ -274,7 +259,7 @@ def _bolts(study: Study, loaded: LoadedModel, model: Model) -> Table:
         )
         for spec in loaded.bolts
     )
-    return _table("Bolts", columns, rows)
+    return text_table("Bolts", columns, rows)
 
 
 def _force_of(loaded: LoadedModel, name: str) -> object:
@@ -303,12 +288,12 @@ def _deck_loads(study: Study, loaded: LoadedModel) -> Table:
             len(load.nodes),
             *(float(force) for force in load.forces.sum(axis=0)[:3]),
             ", ".join(_users(study, name)) or "none",
-            "yes" if name == loaded.selected_load else "",
+            "yes" if name == loaded.source.selected_load else "",
         )
         for name, load in loaded.assembly.loads.items()
     )
     columns = ["name", "nodes", "sum Fx", "sum Fy", "sum Fz", "load cases", "selected by deck"]
-    return _table("Loads of the source", columns, rows)
+    return text_table("Loads of the source", columns, rows)
 
 
 def _users(study: Study, load: str) -> list[str]:
@@ -322,7 +307,7 @@ def _users(study: Study, load: str) -> list[str]:
 def _unused_loads(study: Study, loaded: LoadedModel) -> Iterator[Table]:
     """Say what would apply the loads of the source that no load case does, word for word."""
     unused = [name for name in loaded.assembly.loads if not _users(study, name)]
-    unused.sort(key=lambda name: name != loaded.selected_load)
+    unused.sort(key=lambda name: name != loaded.source.selected_load)
     if not unused:
         return
     lines = []
@@ -331,7 +316,7 @@ def _unused_loads(study: Study, loaded: LoadedModel) -> Iterator[Table]:
         lines += ["[[load_case]]", f"name = {json.dumps(_case_name(study, name))}"]
         lines += ['kind = "static"', f"forces = [{{ deck_load = {text}, value = 1.0 }}]", ""]
     title = "To apply loads of the source that no load case does, paste into the study"
-    yield _table(title, ["TOML"], ([line] for line in lines[:-1]))
+    yield text_table(title, ["TOML"], ([line] for line in lines[:-1]))
 
 
 def _case_name(study: Study, load: str) -> str:
@@ -349,12 +334,12 @@ def _rigid_body_modes(parts: FreeParts) -> Table:
         whole = [("the whole", AS_A_WHOLE.format(count=parts.whole))] if parts.whole else []
         rows = [*parts.parts.items(), *whole] or [("none", "everything is held")]
     title = "Rigid-body modes, contact aside" + (f": {parts.count}" if parts.count else "")
-    return _table(title, ["what", "how"], rows)
+    return text_table(title, ["what", "how"], rows)
 
 
 def _boundaries(model: Model) -> Table:
     rows = (_boundary(boundary) for boundary in model.boundaries.values())
-    return _table("Boundaries", ["name", "nodes", "loads it takes"], rows)
+    return text_table("Boundaries", ["name", "nodes", "loads it takes"], rows)
 
 
 def _boundary(boundary: Boundary) -> tuple[str, str, str]:

@@ -73,8 +73,7 @@ def _checked(
     from rich.console import Console
 
     from faying.cli.progress import progress_bar
-    from faying.study.keys.naming_tables import naming_tables
-    from faying.study.keys.schema import read_study
+    from faying.study.keys.schema import naming_tables, read_study
 
     checked = read_study(study)
     with ExitStack() as stack:
@@ -86,19 +85,20 @@ def _checked(
 
 def _show(fitted: "Identification") -> None:
     """Print values, intervals, correlations and remarks."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
+    from faying.cli.tables import plain_console, text_table
 
-    console = Console(markup=False, highlight=False)
-    table = Table(title="Parameters", box=box.SIMPLE_HEAD, title_justify="left")
-    for column in ("parameter", "value", "95 % interval", *(f"with {n}" for n in fitted.values)):
-        table.add_column(column)
-    for (name, value), row in zip(fitted.values.items(), fitted.correlations, strict=True):
-        low, high = fitted.intervals[name]
-        correlated = (f"{entry:+.2f}" for entry in row)
-        table.add_row(name, f"{value:.4g}", f"{low:.4g} to {high:.4g}", *correlated)
-    console.print(table)
+    columns = ["parameter", "value", "95 % interval", *(f"with {n}" for n in fitted.values)]
+    rows = (
+        (
+            name,
+            f"{value:.4g}",
+            "{:.4g} to {:.4g}".format(*fitted.intervals[name]),
+            *(f"{entry:+.2f}" for entry in row),
+        )
+        for (name, value), row in zip(fitted.values.items(), fitted.correlations, strict=True)
+    )
+    console = plain_console()
+    console.print(text_table("Parameters", columns, rows))
     console.print(
         f"Misfit {fitted.misfit:.3g} times the scatter of the measurements, after {fitted.trials} "
         "backbones."

@@ -1,4 +1,4 @@
-"""``faying init``: a first study of a deck or mesh."""
+"""``faying init``: a first study of a deck or mesh; ``faying schema``: what editors check by."""
 
 from pathlib import Path
 from typing import Annotated
@@ -47,3 +47,10 @@ def init(
         typer.echo(f"It does not run yet: {study.problem}")
     else:
         typer.echo(f"Next: faying check {target}")
+
+
+def schema() -> None:
+    """Print the JSON Schema of study files, for editors."""
+    from faying.study.keys.schema import EDITOR_SCHEMA
+
+    typer.echo(EDITOR_SCHEMA.read_text(encoding="utf-8"), nl=False)

@@ -5,11 +5,10 @@ from pathlib import Path
 from typing import Any
 
 import typer
-from rich import box
 from rich.console import Console
-from rich.table import Table
 
-from faying.study.judgement.remarks import shown_error
+from faying.cli.tables import text_table
+from faying.display.quantities import percent
 from faying.study.results.values import FULL_MODEL
 from faying.workflow.outcome import Outcome
 
@@ -24,16 +23,11 @@ def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> Non
     pressed = {name: case for name, case in cases.items() if case["kind"] != "backbone"} or cases
     full = all(case["reference"]["model"] == FULL_MODEL for case in cases.values())
     of = FULL_MODEL if full else "reference"
-    table = Table(title=f"Largest pressure error over the largest pressure of the {of}")
-    table.add_column("method")
-    table.add_column("joint modes", justify="right")
-    for name in pressed:
-        table.add_column(name, justify="right")
     methods = dict.fromkeys(name for case in cases.values() for name in case["methods"])
-    for method in methods:
-        table.add_row(method, *_row(method, list(pressed.values())))
     if cases:
-        console.print(table)
+        title = f"Largest pressure error over the largest pressure of the {of}"
+        rows = [(method, *_row(method, list(pressed.values()))) for method in methods]
+        console.print(text_table(title, ["method", "joint modes", *pressed], rows))
     for line in summary["remarks"]:
         console.print(line, highlight=False, soft_wrap=True)
     report = out / "report.html"
@@ -46,12 +40,9 @@ def show_verdict(summary: Mapping[str, Any], console: Console) -> None:
     """Print the verdict on the joint: a row for each bolt and interface, and a sentence."""
     verdict = summary["verdict"]
     if verdict["table"]:
-        table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-        for column in verdict["table"][0]:
-            table.add_column(column, overflow="fold")
-        for row in verdict["table"]:
-            table.add_row(*row.values(), style=STYLES[row["verdict"]])
-        console.print(table)
+        rows = [row.values() for row in verdict["table"]]
+        styles = [STYLES[row["verdict"]] for row in verdict["table"]]
+        console.print(text_table(None, verdict["table"][0], rows, styles))
     for text in verdict["advice"]:
         console.print(f"What to do: {text}", highlight=False, soft_wrap=True)
     for text in verdict["open_questions"]:
@@ -84,4 +75,4 @@ def _row(method: str, cases: list[Mapping[str, Any]]) -> list[str]:
     largest = max(sizes, key=int)
     results = [case["methods"].get(method, {}).get(largest) for case in cases]
     errors = (None if entry is None else entry["max_relative_error"] for entry in results)
-    return [largest, *("-" if error is None else shown_error(error) for error in errors)]
+    return [largest, *("-" if error is None else percent(error) for error in errors)]

@@ -67,14 +67,10 @@ def recover(
 
 def _tell(results: "Results", recovered: "RecoveredRecord") -> None:
     """Say what was understood of the history, and the largest pressures."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
-
+    from faying.cli.tables import plain_console, text_table
     from faying.study.stages.recover import peaks
 
-    # Brackets around units and in names are no markup.
-    units, console = results.unit_set, Console(markup=False, highlight=False)
+    units, console = results.unit_set, plain_console()
     modes = f" with {recovered.joint_modes} joint modes" if recovered.joint_modes else ""
     derived = recovered.derivatives
     if "velocities" not in derived and "accelerations" not in derived:
@@ -85,20 +81,21 @@ def _tell(results: "Results", recovered: "RecoveredRecord") -> None:
     )
     names = ", ".join(recovered.loads)
     console.print(f"Boundary forces: {names or 'none'} from the history; all others are zero")
-    table = Table(title="Largest pressures", title_justify="left", box=box.SIMPLE_HEAD)
     where, instant = f"at [{units.length}]", f"time [{units.time}]"
-    force = f"contact force then [{units.force}]"
-    columns = ["interface", f"pressure [{units.pressure}]", where, instant, force]
-    if recovered.traction is not None:
-        columns.append(f"largest traction [{units.pressure}]")
-    for column in columns:
-        table.add_column(column, overflow="fold")
-    for peak in peaks(results, recovered):
-        point = ", ".join(f"{value:.4g}" for value in peak.point)
-        numbers = [f"{value:.5g}" for value in (peak.pressure, peak.time, peak.contact_force)]
-        tractions = [] if peak.traction is None else [f"{peak.traction:.5g}"]
-        table.add_row(peak.interface, numbers[0], f"({point})", *numbers[1:], *tractions)
-    console.print(table)
+    force, traction = f"contact force then [{units.force}]", f"largest traction [{units.pressure}]"
+    columns = ["interface", f"pressure [{units.pressure}]", where, instant, force, traction]
+    rows = [
+        (
+            peak.interface,
+            f"{peak.pressure:.5g}",
+            f"({', '.join(f'{value:.4g}' for value in peak.point)})",
+            f"{peak.time:.5g}",
+            f"{peak.contact_force:.5g}",
+            "" if peak.traction is None else f"{peak.traction:.5g}",
+        )
+        for peak in peaks(results, recovered)
+    ]
+    console.print(text_table("Largest pressures", columns, rows))
 
 
 def _written(

@@ -31,10 +31,9 @@ def reduce(
     """Reduce the model of a study into one file, which `faying solve` needs nothing else with."""
     from rich.console import Console
 
-    from faying.cli.model_sizes import model_sizes
+    from faying.cli.export import model_sizes
     from faying.cli.progress import progress_bar
-    from faying.study.keys.naming_tables import naming_tables
-    from faying.study.keys.schema import read_study
+    from faying.study.keys.schema import naming_tables, read_study
     from faying.workflow.reduce import reduce_study
 
     checked = read_study(study)

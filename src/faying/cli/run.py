@@ -1,9 +1,11 @@
-"""``faying run``: compute a study."""
+"""``faying run`` computes a study; ``faying demo`` the bolted cantilever with every method."""
 
 from contextlib import ExitStack
 from pathlib import Path
 from time import perf_counter
 from typing import Annotated
+
+import typer
 
 from faying.cli.arguments import (
     Resume,
@@ -54,7 +56,7 @@ def _compute(path: Path, out: Path, *, resume: bool, workers: int, scheduler: st
 
     from faying.cli.outcome import end, show_outcome
     from faying.cli.progress import progress_bar
-    from faying.study.keys.naming_tables import naming_tables
+    from faying.study.keys.schema import naming_tables
     from faying.workflow.run import run as run_study
 
     with ExitStack() as stack:
@@ -67,3 +69,12 @@ def _compute(path: Path, out: Path, *, resume: bool, workers: int, scheduler: st
     console = Console(markup=False)
     show_outcome(result.summary, out, console)
     end(result, out, console, "solutions")
+
+
+def demo(
+    out: Annotated[Path, typer.Option(help="Folder for results.")] = Path("faying-demo"),
+    quick: Annotated[bool, typer.Option("--quick", help="A coarse mesh: under a minute.")] = False,
+) -> None:
+    """Run the built-in study: a bolted cantilever, every method, a report."""
+    studies = Path(__file__).parent.parent / "study"
+    compute(studies / ("demo-quick.toml" if quick else "demo.toml"), out, resume=False)

@@ -111,24 +111,19 @@ def solve(
 
 def _show(summary: "Mapping[str, Any]", folder: Path) -> None:
     """Print the worst of every metric."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
+    from faying.cli.tables import plain_console, text_table
 
-    console = Console(markup=False, highlight=False)
+    console = plain_console()
     sets = {"static cases": summary["static"]} if "static" in summary else {}
     sets |= {f"{name}, instants": group for name, group in summary.get("transients", {}).items()}
     for name, group in sets.items():
-        table = Table(title=f"Worst of {group['count']} {name}", box=box.SIMPLE_HEAD)
-        table.title_justify = "left"
-        for column in ("metric", "value", "at"):
-            table.add_column(column, overflow="fold")
-        for metric, worst in group["worst"].items():
+        rows = []
+        for metric, (entry, *_) in ((m, worst) for m, worst in group["worst"].items() if worst):
             unit = summary["metrics"][metric]["unit"]
             label = f"{metric} [{unit}]" if unit not in ("", "1") else metric
-            for entry in worst[:1]:
-                # JSON has no infinity, such as the friction that an open interface would need.
-                value = "infinite" if entry["value"] is None else f"{entry['value']:.5g}"
-                table.add_row(label, value, entry["case"])
-        console.print(table)
+            # JSON has no infinity, such as the friction that an open interface would need.
+            value = "infinite" if entry["value"] is None else f"{entry['value']:.5g}"
+            rows.append((label, value, entry["case"]))
+        title = f"Worst of {group['count']} {name}"
+        console.print(text_table(title, ("metric", "value", "at"), rows))
     console.print(f"Results are in {folder}", soft_wrap=True)

@@ -33,9 +33,7 @@ def tighten(
     from rich.console import Console
 
     from faying.cli.progress import progress_bar
-    from faying.study.keys.naming_tables import naming_tables
-    from faying.study.keys.schema import read_study
-    from faying.units import units_of
+    from faying.study.keys.schema import naming_tables, read_study
     from faying.workflow.tighten import overstressed, plan_of_study, torques_per_force, write_plan
 
     checked = read_study(study)
@@ -44,7 +42,7 @@ def tighten(
         plan = plan_of_study(checked, passes=passes, progress=bar)
     torques = torques_per_force(checked)
     write_plan(plan, target, torques)
-    _show(plan, units_of(checked.units), torques)
+    _show(plan, checked.unit_set, torques)
     used = overstressed(checked, plan)
     if used:
         worst = max(used, key=used.__getitem__)
@@ -58,21 +56,24 @@ def tighten(
 
 def _show(plan: "TighteningPlan", units: "Units", torques: "Mapping[str, float]") -> None:
     """Print the turns, and what the plan gains."""
-    from rich import box
-    from rich.console import Console
-    from rich.table import Table
+    from faying.cli.tables import plain_console, text_table
 
-    console = Console(markup=False, highlight=False)
-    table = Table(title="Tighten in this order", box=box.SIMPLE_HEAD, title_justify="left")
-    for column in ("turn", "pass", "bolt", f"to [{units.force}]", "of its preload"):
-        table.add_column(column, justify="left" if column == "bolt" else "right")
-    if torques:
-        table.add_column(f"by [{units.force}·{units.length}]", justify="right")
-    rows = zip(plan.passes, plan.turned, plan.settings, plan.shares, strict=True)
-    for turn, (of_pass, bolt, setting, share) in enumerate(rows, 1):
-        torque = [f"{setting * torques[bolt]:.5g}"] if bolt in torques else []
-        table.add_row(f"{turn}", f"{of_pass}", bolt, f"{setting:.5g}", f"{share:.1%}", *torque)
-    console.print(table)
+    columns = ["turn", "pass", "bolt", f"to [{units.force}]", "of its preload"]
+    columns.append(f"by [{units.force}·{units.length}]")
+    turns = zip(plan.passes, plan.turned, plan.settings, plan.shares, strict=True)
+    rows = [
+        (
+            turn,
+            of_pass,
+            bolt,
+            f"{setting:.5g}",
+            f"{share:.1%}",
+            f"{setting * torques[bolt]:.5g}" if bolt in torques else "",
+        )
+        for turn, (of_pass, bolt, setting, share) in enumerate(turns, 1)
+    ]
+    console = plain_console()
+    console.print(text_table("Tighten in this order", columns, rows))
     unplanned, reached = plan.reached_unplanned, plan.reached
     console.print(
         f"All bolts end within {abs(reached - 1).max():.2%} of their preloads. One round straight "

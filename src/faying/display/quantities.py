@@ -3,9 +3,7 @@
 import numpy as np
 
 from faying._typing import Vector
-
-ROUND_OFF = 1e-9
-"""Relative errors below this are the rounding of double precision, not a property of a method."""
+from faying.digits import SOLVED
 
 
 def number(value: float, digits: int = 3) -> str:
@@ -51,8 +49,8 @@ def percent(fraction: float) -> str:
     ('4.2 %', '407 %', '< 1e-7 %')
     """
     size = abs(fraction)
-    if 0 < size < ROUND_OFF:
-        return f"< {100 * ROUND_OFF:.0e} %".replace("e-0", "e-")
+    if 0 < size < SOLVED:
+        return f"< {100 * SOLVED:.0e} %".replace("e-0", "e-")
     return f"{number(100 * fraction, 3 if size >= 1 else 2)} %"
 
 

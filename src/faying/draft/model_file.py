@@ -16,7 +16,7 @@ from faying.model.bodies import separated
 from faying.model.description import JointDescription, check_surfaces
 from faying.model.mesh import Mesh
 from faying.sources import SOURCES, SourceKeys
-from faying.study.judgement.solid_constants import doubts
+from faying.study.judgement.model_warnings import doubts
 from faying.study.keys.deck_study import STUDY, check_not_ansys
 
 UNITS = ("mm-t-s", "m-kg-s", "mm-kg-ms", "in-slinch-s")

@@ -17,9 +17,8 @@ from faying import __version__, exceptions
 from faying._typing import Matrix
 from faying.exceptions import CampaignError, FayingError
 from faying.execution.checkpoint import Arrays, Bundles, Checkpoint
-from faying.execution.executor import Executor, LostTasksError, Prepare
+from faying.execution.executor import Executor, LostTasksError, Prepare, SerialExecutor
 from faying.execution.processes import pickled
-from faying.execution.serial import SerialExecutor
 
 
 def run_campaign(

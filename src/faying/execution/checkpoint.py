@@ -13,9 +13,8 @@ import numpy as np
 from faying import __version__
 from faying._typing import Matrix
 from faying.exceptions import FormatError, StudyError
-from faying.files.atomic import remove_left_over, replacing, write_text
+from faying.files.atomic import held, remove_left_over, replacing, write_text
 from faying.files.contents import reason_of
-from faying.files.lock import held
 from faying.files.numpy_archive import read_arrays
 
 Arrays = Mapping[str, Matrix]

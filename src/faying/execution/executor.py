@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 from faying.exceptions import CampaignError
@@ -106,3 +107,21 @@ class LostTasksError(CampaignError):
             "dies without a message where memory runs out: give each more of it"
         )
         super().__init__(message)
+
+
+@dataclass(frozen=True)
+class SerialExecutor:
+    """The reference of all executors: nothing is sent anywhere."""
+
+    @property
+    def n_workers(self) -> int:
+        """Always one: this process."""
+        return 1
+
+    def map(self, prepare: Prepare, tasks: Sequence[Any]) -> Results:
+        """Yield place and result of each task in their order."""
+        if not tasks:
+            return
+        function = prepare()
+        for number, task in enumerate(tasks):
+            yield number, function(task)

@@ -26,9 +26,15 @@ from faying.report.figures.response import (
     path_figure,
     response_figure,
 )
-from faying.report.frequency_peaks import measured_table, peak_table
 from faying.report.model_tables import applied_loads
-from faying.report.slip import demand_table, friction_table, most_slip, slip_sentence
+from faying.report.slip import (
+    demand_table,
+    friction_table,
+    measured_table,
+    most_slip,
+    peak_table,
+    slip_sentence,
+)
 from faying.report.table import FL, PRESSURE, Cell, Column, Table, described, largest
 from faying.study.judgement.comparison import rubbed, state_of_case
 from faying.study.judgement.opening import opening
@@ -151,7 +157,9 @@ def _opening(results: Results, assessment: Assessment, album: Album) -> Section:
             if opened
             else ""
         ),
-        figures=album.shown(gap_figure, of=_drawn(results, widest and widest.gap_case)),
+        figures=album.shown(
+            gap_figure, of=_drawn(results, None if widest is None else widest.gap_case)
+        ),
     )
 
 

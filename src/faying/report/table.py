@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from faying.display.quantities import ROUND_OFF, number
+from faying.digits import SOLVED
+from faying.display.quantities import number
 from faying.units import Units
 
 MARKS = {"good": "✓", "fair": "~", "poor": "✗", "": ""}
@@ -107,8 +108,8 @@ def cell(entry: Entry, column: Column) -> Cell:
     if isinstance(entry, str):
         return Cell(text=entry)
     value = float(entry)
-    if column.dimension == "%" and 0 < abs(value) < 100 * ROUND_OFF:
-        return Cell(text=f"< {100 * ROUND_OFF:.0e}".replace("e-0", "e-"), value=value)
+    if column.dimension == "%" and 0 < abs(value) < 100 * SOLVED:
+        return Cell(text=f"< {100 * SOLVED:.0e}".replace("e-0", "e-"), value=value)
     text = number(value, column.digits) if value % 1 or abs(value) > LARGE else f"{value:.0f}"
     return Cell(text=text.replace("-", "−") if value < 0 else text, value=value)
 

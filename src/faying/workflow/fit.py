@@ -17,9 +17,8 @@ from faying.exceptions import StudyError
 from faying.execution.campaign import run_campaign
 from faying.execution.checkpoint import Checkpoint
 from faying.execution.executor import Executor
-from faying.files.atomic import write_text
+from faying.files.atomic import held, write_text
 from faying.files.csv_rows import write_rows
-from faying.files.lock import held
 from faying.files.names import file_names
 from faying.report.figures.backbone import draw_band, draw_fit
 from faying.study.judgement.summary import plain

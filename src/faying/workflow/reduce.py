@@ -26,7 +26,6 @@ from faying.study.stages.offline import (
     prepare_joint,
     reduced_models,
 )
-from faying.units import units_of
 
 EXACT = "compliance"
 """Method of a file unless another is asked for: static pressures are those of the full model."""
@@ -90,7 +89,7 @@ def reduce_study(
     modes = normal_modes_of(joint)
     trained = build_bases(joint, modes.modes)
     if report is not None:
-        for line in mode_sentences(modes.choices, units_of(study.units)):
+        for line in mode_sentences(modes.choices, study.unit_set):
             report(line)
     bare = reduced_models(joint, trained, choose_counts(joint, trained))
     (rom,) = (model for model in bare[chosen.name].values() if isinstance(model, ReducedModel))

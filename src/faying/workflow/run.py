@@ -19,10 +19,10 @@ from faying.study.results.metric_table import write_frequency_tables
 from faying.study.results.store import write_results
 from faying.study.results.values import CaseResult, Results
 from faying.study.stages.books import Books, ProgressBar
+from faying.study.stages.case_solution import InertiaWhenNeeded
 from faying.study.stages.cases import CaseRunner
 from faying.study.stages.frequency_cases import frequency_records
 from faying.study.stages.full_transients import case_groups
-from faying.study.stages.inertia import InertiaWhenNeeded
 from faying.study.stages.normal_modes import normal_modes_of
 from faying.study.stages.offline import build_bases, choose_counts, prepare_joint, reduced_models
 from faying.study.stages.record import Kept, Models, kept_models, record, with_kept

@@ -28,8 +28,7 @@ from faying.simulation.transient_windows import transient_windows
 from faying.study.inputs.load_set import LoadSet, TimedLoad
 from faying.study.keys.tables import DEFAULT_INCREMENTS
 from faying.study.stages.books import FAILED, Books
-from faying.workflow.solved_cases import SolvedCases
-from faying.workflow.solved_pieces import Demanded, arrays_of, factors_of
+from faying.workflow.solved_cases import Demanded, SolvedCases, arrays_of, factors_of
 
 PIECE_NUMBERS = 2**18
 """Numbers of one field of all cases solved together: 2 MB, of which some twenty are at hand."""

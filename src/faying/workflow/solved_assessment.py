@@ -30,8 +30,7 @@ from faying.study.judgement.margins import NASA, with_margins
 from faying.study.keys.requirement_tables import MarginsSection
 from faying.workflow.deciding_cases import Deciding
 from faying.workflow.solve_cases import CaseSolver
-from faying.workflow.solved_cases import BENDING, OPENS, SLIDES, SolvedCases
-from faying.workflow.solved_pieces import Demanded
+from faying.workflow.solved_cases import BENDING, OPENS, SLIDES, Demanded, SolvedCases
 
 STATIC = ""
 """Name of the static cases among sets of cases."""

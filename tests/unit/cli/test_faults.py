@@ -23,7 +23,7 @@ from faying.cli.interruption import resumable
 from faying.cli.outcome import show_outcome
 from faying.exceptions import FormatError, StudyError
 from faying.export.vtk import write_interface_vtu
-from faying.files.lock import held
+from faying.files.atomic import held
 from faying.files.names import file_names
 from faying.report.figures.album import Album
 from faying.report.html import render

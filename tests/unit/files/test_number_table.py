@@ -6,7 +6,7 @@ import faying as fy
 from faying.exceptions import FormatError
 from faying.files.csv_rows import csv_rows
 from faying.interface.gap_field import read_gap_table
-from faying.study.keys.load_factors import read_load_factors
+from faying.study.keys.load_files import read_load_factors
 from faying.study.stages.imported_history import read_imported_history
 
 ENDLESS = "n" * 200_000

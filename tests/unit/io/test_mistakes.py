@@ -18,8 +18,8 @@ from faying.model.generate import brick_grid
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 from faying.study.inputs.load_model import build, build_loaded, load_model
-from faying.study.judgement.solid_constants import bolt_doubts, doubts, uneven_seats
-from faying.study.keys.history import read_history
+from faying.study.judgement.model_warnings import bolt_doubts, doubts, uneven_seats
+from faying.study.keys.load_files import read_history
 from faying.study.keys.schema import parse_study, read_study
 from faying.workflow.run import run
 from small_abaqus_deck import DECK as ABAQUS

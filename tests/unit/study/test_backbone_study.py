@@ -12,7 +12,7 @@ import faying as fy
 from faying.assessment.backbone import Backbone
 from faying.assessment.modal_cycles import Swing
 from faying.cli.outcome import show_outcome
-from faying.display.quantities import number
+from faying.display.quantities import number, percent
 from faying.exceptions import ModelError, StudyError
 from faying.report.errors import error_table
 from faying.report.figures.album import Album
@@ -210,7 +210,7 @@ def test_backbones_of_methods_are_judged_by_frequency_and_damping(results, finis
     title = next(line for line in shown.getvalue().splitlines() if "joint modes" in line)
     assert "bend" in title
     assert "ring" not in title
-    assert f"frequencies off by at most {frequency:.2%}, damping" in shown.getvalue()
+    assert f"frequencies off by at most {percent(frequency)}, damping" in shown.getvalue()
 
 
 def test_modes_stand_where_other_cases_have_loads():

@@ -10,7 +10,7 @@ from faying.assessment.response_curve import ResponseCurve
 from faying.exceptions import StudyError
 from faying.files.flattening import flattened, restored
 from faying.report.figures.frequency import frequency_figure
-from faying.report.frequency_peaks import measured_table
+from faying.report.slip import measured_table
 from faying.study.judgement.summary import summarize
 from faying.study.keys.schema import parse_study, read_study
 from faying.study.results.store import read_results

@@ -30,7 +30,7 @@ from faying.study.inputs.load_model import build
 from faying.study.inputs.loads import case_load
 from faying.study.judgement.comparison import state_of_case
 from faying.study.judgement.verdict import run_verdict
-from faying.study.keys.load_factors import read_load_factors
+from faying.study.keys.load_files import read_load_factors
 from faying.study.keys.schema import parse_study, read_study
 from faying.study.results.store import read_results
 from faying.study.stages.path_cases import rest_state

@@ -9,9 +9,8 @@ import scipy.sparse as sp
 import faying.study
 from faying.exceptions import FormatError, ModelError, StudyError
 from faying.study.inputs.load_model import build, load_model
-from faying.study.inputs.loads import case_load, training_box
-from faying.study.inputs.timing import time_span, time_step
-from faying.study.keys.history import read_history
+from faying.study.inputs.loads import case_load, time_span, time_step, training_box
+from faying.study.keys.load_files import read_history
 from faying.study.keys.positions import line_numbers
 from faying.study.keys.schema import Study, read_study
 from faying.study.keys.tables import COMPARED

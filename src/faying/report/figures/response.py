@@ -58,11 +58,10 @@ def _line(name: str, result: MethodResult) -> dict[str, Any]:
 
 def _plot_over_time(case: CaseResult, axes: Axes, value: Callable[[Response], Vector]) -> None:
     """Draw a number of each instant (n_time,), of the reference and of the methods shown."""
-    axes.plot(
-        case.times, value(case.reference), color=REFERENCE, lw=2.6, label=case.reference_model
-    )
+    times, name = np.asarray(case.times), case.reference_model
+    axes.plot(times, value(case.reference), color=REFERENCE, lw=2.6, label=name)
     for name, result in shown_results(case):
-        axes.plot(case.times, value(result.response), **_line(name, result))
+        axes.plot(times, value(result.response), **_line(name, result))
     if case.half_step is not None and case.half_step_times is not None:
         half = value(case.half_step)
         axes.plot(case.half_step_times, half, color="0.35", ls=":", lw=1.4, label="half time step")

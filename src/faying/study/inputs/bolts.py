@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from faying.digits import DECK_DIGITS
 from faying.exceptions import StudyError
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.description import JointDescription
@@ -22,9 +23,6 @@ FORCES = (
     "embedding", "relaxation",
 )  # fmt: skip
 """Keys of a bolt that say how it is tightened and judged, not where it is."""
-
-_BALANCED = 1e-6
-"""Sum of opposite forces over the larger of them that is rounding of a deck's digits."""
 
 
 def bolt_entries(study: Study, assembly: Assembly) -> list[dict[str, Any]]:
@@ -139,7 +137,7 @@ def _pull(load: NodalLoads, nodes: list[int]) -> float:
     forces = load.forces[np.isin(load.nodes, nodes), :3]
     sizes = np.linalg.norm(forces, axis=1)
     largest = float(sizes.max(initial=0.0))
-    balanced = np.linalg.norm(forces.sum(axis=0)) <= _BALANCED * largest
+    balanced = np.linalg.norm(forces.sum(axis=0)) <= DECK_DIGITS * largest
     return largest if balanced and np.count_nonzero(sizes) > 1 else 0.0
 
 

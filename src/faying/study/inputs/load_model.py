@@ -1,9 +1,9 @@
 """From a study to what :func:`faying.joint.build.build_model` takes, and to the model."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -21,8 +21,7 @@ from faying.model.deck_bolt import with_unlocked_bolts
 from faying.model.description import JointDescription, check_surfaces
 from faying.model.material import overridden
 from faying.model.parts import part_of
-from faying.model.specs import BoltSpec, BoundarySpec, GapRule, InterfaceSpec, Rayleigh
-from faying.model.temperature import Temperature
+from faying.model.specs import BoltSpec, BoundarySpec, InterfaceSpec, Rayleigh
 from faying.sources import SOURCES, SourceKeys
 from faying.study.inputs.bolts import (
     bolt_entries,
@@ -33,18 +32,14 @@ from faying.study.inputs.bolts import (
     unlocked,
 )
 from faying.study.inputs.loads import check_loads
-from faying.study.inputs.sets import with_study_sets
-from faying.study.inputs.supports import with_study_masses, with_study_supports
+from faying.study.inputs.sets import with_study_masses, with_study_sets, with_study_supports
 from faying.study.keys.consistency import boundary_problems, deck_load_problems
 from faying.study.keys.errors import Problem, nearest, reject
 from faying.study.keys.lap_joint import lap_joint_keywords
-from faying.study.keys.loadings import loadings
+from faying.study.keys.loadings import loadings, temperature_name_problems, temperatures_of
 from faying.study.keys.section import Section
 from faying.study.keys.tables import Study
-from faying.study.keys.temperatures import temperature_name_problems, temperatures_of
 from faying.study.keys.topographies import (
-    CrownSection,
-    TopographySection,
     with_crowns,
     with_topographies,
 )
@@ -54,51 +49,40 @@ Spec = TypeVar("Spec", InterfaceSpec, BoltSpec, BoundarySpec)
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LoadedModel:
-    """Everything a study says about the model, with its source read.
+    """A study with its source read, and what both together make of the model.
 
     Attributes
     ----------
+    study
+    source
+        What the source says itself.
+    assembly, interfaces, bolts, boundaries
+        With the study's own wishes on top.
     preloads : [force]
         Bolt name to its final force.
     initial_forces : [force]
         Bolt name to the initial force it is locked at, of those that have no final one.
-    gap_offsets : [length]
-        Interface name to what is added to its gap: a number, or a file.
-    topographies
-        Interface name to the scans of its surfaces.
-    crowns
-        Interface name to its crowned or hollow surfaces.
-    gap_rules
-        Interface name to what the source makes of the gap of its mesh.
-    deck_loads
-        Loads of the source that the study applies.
-    temperatures
-        Of the parts, by the name of the load that they are.
-    selected_load
-        The load that the source itself applies, in the subcase or step that counts.
-    has_joined_faces
-        Whether faces that touch may be joined already, by ties or where bolts are cut.
-    weak_springs : [force/length]
-        Stiffness of the springs of bodies that contact alone would hold; None without any.
     """
 
+    study: Study
+    source: JointDescription
     assembly: Assembly
     interfaces: tuple[InterfaceSpec, ...]
     bolts: tuple[BoltSpec, ...]
     boundaries: tuple[BoundarySpec, ...]
-    damping: Rayleigh
-    units: str
     preloads: Mapping[str, float]
-    initial_forces: Mapping[str, float] = field(default_factory=dict)
-    gap_offsets: Mapping[str, float | Path] = field(default_factory=dict)
-    topographies: Mapping[str, tuple[TopographySection, ...]] = field(default_factory=dict)
-    crowns: Mapping[str, tuple[CrownSection, ...]] = field(default_factory=dict)
-    gap_rules: Mapping[str, GapRule] = field(default_factory=dict)
-    deck_loads: tuple[str, ...] = ()
-    temperatures: Mapping[str, Temperature] = field(default_factory=dict)
-    selected_load: str | None = None
-    has_joined_faces: bool = False
-    weak_springs: float | Literal["auto"] | None = None
+    initial_forces: Mapping[str, float]
+
+    @property
+    def damping(self) -> Rayleigh:
+        """Damping of the structure."""
+        return Rayleigh(**self.study.damping.model_dump())
+
+    @property
+    def remedy(self) -> str:
+        """What to do about bodies that nothing holds."""
+        springs = self.study.model.weak_springs
+        return REMEDY if springs is None else REMEDY_BESIDE_SPRINGS
 
 
 def load_model(study: Study, source: JointDescription | None = None) -> LoadedModel:
@@ -127,34 +111,17 @@ def load_model(study: Study, source: JointDescription | None = None) -> LoadedMo
     problems = [*boundary_problems(study, names), *deck_load_problems(study, assembly)]
     reject(study.source, [*problems, *temperature_name_problems(study, assembly)])
     forces = preloads(study, described, bolts)
-    deck_loads = [load.deck_load for _, load in loadings(study) if load.deck_load is not None]
     locked = initial_forces(study, described)
     check_no_second_preload(study, assembly, bolts, {**forces, **locked})
-    free = unlocked(study, described, bolts)
     return LoadedModel(
-        assembly=with_unlocked_bolts(assembly, free),
+        study=study,
+        source=described,
+        assembly=with_unlocked_bolts(assembly, unlocked(study, described, bolts)),
         interfaces=interfaces,
         bolts=bolts,
         boundaries=boundaries,
-        damping=Rayleigh(alpha=study.damping.alpha, beta=study.damping.beta),
-        units=study.units,
         preloads=forces,
         initial_forces=locked,
-        gap_offsets=_gap_offsets(study, described),
-        topographies={
-            interface.name: interface.topography
-            for interface in study.interfaces
-            if interface.topography
-        },
-        crowns={
-            interface.name: interface.crown for interface in study.interfaces if interface.crown
-        },
-        gap_rules=_gap_rules(study, described),
-        deck_loads=tuple(dict.fromkeys(deck_loads)),
-        temperatures=temperatures_of(study, assembly),
-        selected_load=described.selected_load,
-        has_joined_faces=described.has_joined_faces,
-        weak_springs=study.model.weak_springs,
     )
 
 
@@ -167,28 +134,35 @@ def build_loaded(loaded: LoadedModel) -> Model:
         As :func:`faying.joint.build.build_model`, if a gap field does not cover its interface, or
         if a load of the deck cannot be applied.
     """
+    study, source = loaded.study, loaded.source
     model = build_model(
         loaded.assembly,
         interfaces=loaded.interfaces,
         bolts=loaded.bolts,
         boundaries=loaded.boundaries,
         damping=loaded.damping,
-        units=loaded.units,
+        units=study.units,
     )
-    if loaded.weak_springs is not None:
-        model = with_weak_springs(model, loaded.weak_springs)
+    if study.model.weak_springs is not None:
+        model = with_weak_springs(model, study.model.weak_springs)
+    gaps = {i.name: i.initial_gap for i in study.interfaces if i.initial_gap is not None}
     mesh = model.assembly.mesh
-    model = model.with_interfaces(
-        {
-            name: with_gap_rule(model.interfaces[name], mesh.nodes, mesh.node_ids, rule)
-            for name, rule in loaded.gap_rules.items()
-        }
-    )
-    model = model.with_interfaces(
-        {name: _with_gap(model, name, offset) for name, offset in loaded.gap_offsets.items()}
-    ).with_deck_loads(*loaded.deck_loads)
-    model = with_crowns(with_topographies(model, loaded.topographies), loaded.crowns)
-    for name, temperature in loaded.temperatures.items():
+    # A gap that the study gives counts instead of the value of a rule.
+    ruled = {
+        name: with_gap_rule(model.interfaces[name], mesh.nodes, mesh.node_ids, rule)
+        for name, rule in source.gap_rules.items()
+        if rule.value is None or name not in gaps
+    }
+    model = model.with_interfaces(ruled)
+    parted = {
+        name: _with_gap(model, name, gap) for name, gap in {**source.initial_gaps, **gaps}.items()
+    }
+    applied = [load.deck_load for _, load in loadings(study) if load.deck_load is not None]
+    model = model.with_interfaces(parted).with_deck_loads(*dict.fromkeys(applied))
+    scans = {i.name: i.topography for i in study.interfaces if i.topography}
+    crowns = {i.name: i.crown for i in study.interfaces if i.crown}
+    model = with_crowns(with_topographies(model, scans), crowns)
+    for name, temperature in temperatures_of(study, loaded.assembly).items():
         with naming(f"temperature '{name}'"):
             model = with_temperature(model, name, temperature)
     return model
@@ -227,7 +201,7 @@ def build(study: Study) -> Model:
     check_interfaces(study, loaded)
     model = build_loaded(loaded)
     check_loads(study, model)
-    check_held(model, REMEDY if loaded.weak_springs is None else REMEDY_BESIDE_SPRINGS)
+    check_held(model, loaded.remedy)
     return model
 
 
@@ -369,22 +343,3 @@ def _refused_overrides(
                 + SOURCES[study.model.source].remedy
             )
             yield study.problem(location, text)
-
-
-def _gap_rules(study: Study, described: JointDescription) -> dict[str, GapRule]:
-    """Return the rules of the source; a gap that the study gives counts instead of its value."""
-    wished = {interface.name for interface in study.interfaces if interface.initial_gap is not None}
-    return {
-        name: rule
-        for name, rule in described.gap_rules.items()
-        if rule.value is None or name not in wished
-    }
-
-
-def _gap_offsets(study: Study, described: JointDescription) -> dict[str, float | Path]:
-    wished = {
-        interface.name: interface.initial_gap
-        for interface in study.interfaces
-        if interface.initial_gap is not None
-    }
-    return {**described.initial_gaps, **wished}

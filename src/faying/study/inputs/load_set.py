@@ -20,11 +20,10 @@ from faying.study.inputs.load_table import (
     renamed_factors,
     table_inputs,
 )
-from faying.study.inputs.loads import case_load
-from faying.study.inputs.timing import time_span, time_step
-from faying.study.keys.ranges import LARGEST, SMALLEST
+from faying.study.inputs.loads import case_load, time_span, time_step
 from faying.study.keys.requirement_tables import RequirementSection
 from faying.study.keys.schema import read_load_cases
+from faying.study.keys.section import LARGEST, SMALLEST
 from faying.study.keys.tables import DEFAULT_INCREMENTS, LoadCaseSection
 
 TABLES = (".csv", ".parquet")

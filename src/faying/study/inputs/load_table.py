@@ -17,7 +17,7 @@ from faying.joint.system import Joint, boundary_slices, initial_bolt_forces
 from faying.model.boundary import FORCE_NAMES
 from faying.study.keys.errors import nearest
 from faying.study.keys.parquet_files import parquet_table
-from faying.study.keys.ranges import LARGEST, LONGEST_NAME, MOST_PRELOAD_FACTOR
+from faying.study.keys.section import LARGEST, LONGEST_NAME, MOST_PRELOAD_FACTOR
 
 NAME = "case"
 """Column with the names of static cases; without it they are numbered from 1."""
@@ -107,7 +107,7 @@ def read_load_table(path: Path) -> LoadTable:
 def renamed_factors(table: LoadTable, joint: Joint) -> tuple[LoadTable, str]:
     """Return a table with the present names of preload factors, and what is to be said of it."""
     old = {OLD_FACTOR: FACTOR} | {f"{OLD_FACTOR}.{n}": f"{FACTOR}.{n}" for n in joint.bolts}
-    there = [name for name in table.columns if name in old and name not in _force_columns(joint)]
+    there = [name for name in table.columns if name in old and name not in force_columns(joint)]
     if not there:
         return table, ""
     said = (
@@ -163,10 +163,11 @@ def table_inputs(table: LoadTable, joint: Joint) -> Matrix:
 def known_columns(joint: Joint) -> list[str]:
     """Return the columns of loads that a table for a joint may have."""
     factors = [FACTOR, *(f"{FACTOR}.{name}" for name in joint.bolts)] if joint.bolts else []
-    return [*_force_columns(joint), *factors]
+    return [*force_columns(joint), *factors]
 
 
-def _force_columns(joint: Joint) -> list[str]:
+def force_columns(joint: Joint) -> list[str]:
+    """Return the names of loads: components of boundaries, and loads of the deck."""
     forces = [
         f"{name}.{FORCE_NAMES[component]}"
         for name, boundary in joint.boundaries.items()

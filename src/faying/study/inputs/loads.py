@@ -1,4 +1,4 @@
-"""From the tables of a study to the loads it computes."""
+"""From the tables of a study to the loads it computes, and to their time steps and lengths."""
 
 import numpy as np
 
@@ -9,14 +9,43 @@ from faying.reduction.normal_modes import NO_MASS
 from faying.reduction.snapshots import LoadBox
 from faying.simulation.load import History, Load
 from faying.study.keys.friction_rules import check_friction
-from faying.study.keys.history import read_history
+from faying.study.keys.load_files import read_history
 from faying.study.keys.requirement_rules import check_requirements
 from faying.study.keys.tables import (
+    DEFAULT_INSTANTS,
     ForceSection,
     LoadCaseSection,
     Study,
+    Timed,
     TrainingSection,
 )
+
+
+def time_step(timed: Timed, period: float) -> float:
+    """Return the time step [time], for a structure with the given longest period [time]."""
+    if timed.step is not None:
+        return timed.step
+    return period / (timed.steps_per_period or DEFAULT_INSTANTS)
+
+
+def time_span(timed: Timed, period: float) -> float:
+    """Return the length [time]; of a history without one, that of its shortest file."""
+    if timed.duration is not None:
+        return timed.duration
+    if timed.periods is None and isinstance(timed, LoadCaseSection):
+        files = [force.file for force in timed.forces if force.file]
+        if files:
+            return min(float(read_history(file).times[-1]) for file in files)
+    # "At least one period of the dominant vibration" (seed §15.3.4.2).
+    return period * (timed.periods or 1.0)
+
+
+def instants(timed: Timed) -> tuple[float, ...]:
+    """Return what is equal of runs with the same step and length, whatever the period is.
+
+    Both grow in proportion to the period or not at all, so two periods tell.
+    """
+    return tuple(of(timed, period) for of in (time_step, time_span) for period in (1.0, 2.0))
 
 
 def case_load(case: LoadCaseSection) -> Load:

@@ -53,7 +53,7 @@ def model_preview(study: Study, loaded: LoadedModel, *, bare: bool) -> ModelPrev
         If the structure cannot be built; and of studies, if a declared interface cannot.
     """
     problem = ""
-    unknown = not loaded.interfaces and not loaded.has_joined_faces
+    unknown = not loaded.interfaces and not loaded.source.has_joined_faces
     candidate = _candidate(loaded.assembly) if unknown else None
     try:
         specs = loaded.interfaces if candidate is None else (candidate,)
@@ -92,7 +92,7 @@ def _structure(loaded: LoadedModel) -> Model:
         bolts=loaded.bolts,
         boundaries=loaded.boundaries,
         damping=loaded.damping,
-        units=loaded.units,
+        units=loaded.study.units,
     )
 
 
@@ -108,7 +108,7 @@ def _needs(
         yield f"contact and bolts that can be built: {problem}"
     if not loaded.interfaces and candidate is None:
         why = "faces found would be those of ties and of cuts through bolts too"
-        why = why if loaded.has_joined_faces else "no bodies touch"
+        why = why if loaded.source.has_joined_faces else "no bodies touch"
         yield (
             f"an interface: none is declared, and {why}; name both sides of one, for models "
             "without contact are read and not computed"
@@ -122,7 +122,7 @@ def _needs(
         )
         yield (
             "supports: something can move, as the rigid-body modes say"
-            f"{springs if loaded.weak_springs is None else ''}"
+            f"{springs if study.model.weak_springs is None else ''}"
         )
     elif free.whole and not study.load_cases and not study.frequencies:
         yield "supports, unless the joint is meant to move as a whole, as it can"

@@ -1,14 +1,20 @@
-"""What of a joint is not as declared: contact area that is missing, bodies that nothing holds."""
+"""What of a joint is not as declared, or cannot be right in the unit set of its study."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 from faying.assessment.weak_share import weak_warnings
 from faying.joint.diagnosis import AS_A_WHOLE, suspension
 from faying.joint.model import Model
+from faying.model.assembly import Material
+from faying.model.generated_bolt import seat_offset
+from faying.model.specs import BoltSpec
+from faying.study.inputs.load_model import LoadedModel
 from faying.study.keys.tables import Study
+from faying.study.keys.threads import threads_of
 from faying.study.results.values import CaseResult, Results
+from faying.units import LENGTHS, MASSES, pascals, units_of
 
 ALMOST_ALL = 0.99
 """Share of a declared area below which something of it was left out: facets follow curves."""
@@ -68,3 +74,139 @@ def barely_held(results: Results) -> list[str]:
         for bodies, share in case.reference.weak_shares.items():
             shares.setdefault(bodies, {})[name] = float(np.max(share))
     return weak_warnings(shares)
+
+
+MODULI = (1e4, 2e12)
+"""Young's moduli [Pa] from gels to beyond diamond (1.2e12)."""
+DENSITIES = (1.0, 3e4)
+"""Densities [kg/m³] from the lightest foams to beyond osmium (2.26e4)."""
+LIGHTEST = 1e6
+"""Young's modulus over the density squared [Pa m⁶/kg²] above that of every solid: foams lose
+stiffness with the square of their density (Gibson and Ashby, Cellular Solids, 1997, ch. 5), balsa
+and honeycombs along their cells have the most, up to 6e5; diamond 1e5, steel 3e3."""
+SOFT_AND_DENSE = (1e9, 3e3)
+"""Young's modulus [Pa] below which and density [kg/m³] above which only rubber filled with metal is
+a solid: the softest metals as dense, thallium and indium, have 8 and 11 GPa (CRC Handbook)."""
+TIGHTENED = (1e6, 3e9)
+"""Stress [Pa] of tightened bolts: a tenth of what nylon bears, and more than any steel does."""
+COHESION = 0.1
+"""Pressure over Young's modulus above which no crystal holds together: its theoretical strength
+(J. Frenkel, Z. Phys. 37 (1926) 572: G/2π in shear, E/16; up to E/10 in tension)."""
+
+
+def doubts(materials: Mapping[int, Material], units: str) -> Iterator[str]:
+    """Yield what cannot be right about material constants; nothing in units that are not known.
+
+    A study in mm-t-s with Pa and kg/m³ runs without complaint and is wrong by powers of ten.
+
+    Examples
+    --------
+    >>> steel = Material(name="steel", youngs_modulus=2.1e11, poissons_ratio=0.3, density=7.85e-9)
+    >>> list(doubts({1: steel}, "mm-t-s"))
+    ["material 'steel': E = 2.1e+11 is 2.1e+17 Pa in mm-t-s, as of no solid; check it and 'units'"]
+    """
+    pascal = pascals(units)
+    if pascal is None:
+        return
+    length, mass, _ = units.split("-")
+    density = MASSES[mass] / LENGTHS[length] ** 3
+    reported = set()
+    for material in materials.values():
+        for name, value, factor, unit, (low, high) in (
+            ("E", material.youngs_modulus, pascal, "Pa", MODULI),
+            ("rho", material.density, density, "kg/m³", DENSITIES),
+        ):
+            if value and not low <= value * factor <= high:
+                reported.add(
+                    f"material '{material.name}': {name} = {value:g} is {value * factor:g} {unit} "
+                    f"in {units}, as of no solid; check it and 'units'"
+                )
+        stiff, heavy = material.youngs_modulus * pascal, material.density * density
+        single = MODULI[0] <= stiff <= MODULI[1] and DENSITIES[0] <= heavy <= DENSITIES[1]
+        together = {
+            "light is that stiff": stiff > LIGHTEST * heavy**2,
+            "dense is that soft": stiff < SOFT_AND_DENSE[0] and heavy > SOFT_AND_DENSE[1],
+        }
+        reported.update(
+            f"material '{material.name}': E is {stiff / 1e9:.3g} GPa and rho {heavy:.3g} kg/m³ "
+            f"in {units}, and no solid that {what}; check them and 'units'"
+            for what, doubtful in together.items()
+            if single and doubtful
+        )
+    yield from sorted(reported)
+
+
+def bolt_doubts(study: Study, loaded: LoadedModel) -> Iterator[str]:
+    """Yield what cannot be right about preloads, of bolts whose section is known."""
+    pascal = pascals(study.units)
+    threads = threads_of(study)
+    low, high = TIGHTENED
+    for spec in loaded.bolts if pascal else ():
+        force = loaded.preloads.get(spec.name, loaded.initial_forces.get(spec.name, 0.0))
+        thread = threads.get(spec.name)
+        area = _section(loaded, spec) if thread is None else np.pi / 4 * thread.diameter**2
+        stress = 0.0 if not area else force / area * (pascal or 1.0)
+        if stress and not low <= stress <= high:
+            yield (
+                f"bolt '{spec.name}': a preload of {force:g} {study.unit_set.force} on "
+                f"{area:.4g} {study.unit_set.of('length²')} is {stress / 1e6:.3g} MPa, as "
+                "of no tightened bolt; check it and 'units'"
+            )
+
+
+SEAT_LEVER = 0.28
+"""Largest bending at rest over preload times the distance of the nodes under a head from the axis.
+
+Measured: 0.21 to 0.28 at 0.8 and 1.5 mm and 0.1 at 0.3 mm on a flange of eight M12 with 24 to 31
+nodes under a head (``docs/how-to/judged_by_hand.md``); 0.04 at 0.6 mm on a lug of two M8 with 35.
+"""
+LARGEST_BENT = 0.05
+"""Bending stress over that of the preload from which it is told: 0.02 to 0.03 is left on that
+flange with twice as many nodes around a hole."""
+
+
+def uneven_seats(loaded: LoadedModel) -> Iterator[str]:
+    """Yield the bolts that the preload may bend for nodes lie unevenly under head or nut."""
+    offsets = {
+        spec.name: (seat_offset(loaded.assembly.mesh, spec), spec.diameter)
+        for spec in loaded.bolts
+        if spec.axis is not None and spec.diameter and spec.washer_radius
+    }
+    # σ_b/σ = (F k e / W) / (F / A) of a round bar.
+    bent = {name: 8 * SEAT_LEVER * off / size for name, (off, size) in offsets.items()}
+    many = [name for name, share in bent.items() if share > LARGEST_BENT]
+    if many:
+        worst = max(many, key=bent.__getitem__)
+        length = loaded.study.unit_set.length
+        yield (
+            f"nodes under head or nut of {', '.join(many)} lie unevenly, on average up to "
+            f"{offsets[worst][0]:.2g} {length} beside the axis ('{worst}'): the preload may bend "
+            f"it by up to {bent[worst]:.0%} of its stress; refine around its hole until bending at "
+            "rest stays, unless the part itself ends there"
+        )
+
+
+def _section(loaded: LoadedModel, spec: BoltSpec) -> float | None:
+    """Return the sectional area of a bolt; None where it is not known."""
+    if spec.diameter is not None:
+        return float(np.pi / 4 * spec.diameter**2)
+    beams = [beam for beam in loaded.assembly.beams if beam.id in (spec.elements or ())]
+    return beams[0].section.area if beams else None
+
+
+def pressure_doubts(
+    cases: Mapping[str, CaseResult], materials: Mapping[int, Material], units: str
+) -> Iterator[str]:
+    """Yield the load case whose contact pressure no solid bears, the largest of them."""
+    stiffest = max((entry.youngs_modulus for entry in materials.values()), default=0.0)
+    peaks = {
+        name: float(entry.reference.pressure.max(initial=0.0)) for name, entry in cases.items()
+    }
+    name = max(peaks, key=peaks.__getitem__, default="")
+    if stiffest and peaks.get(name, 0.0) > COHESION * stiffest:
+        unit = units_of(units).pressure
+        yield (
+            f"load case '{name}': the largest pressure is {peaks[name]:.3g} {unit}, "
+            f"{peaks[name] / stiffest:.0%} of the largest Young's modulus; no solid holds "
+            "together under it, check preloads, loads and 'units'"
+        )

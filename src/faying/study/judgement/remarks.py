@@ -14,15 +14,13 @@ from faying.assessment.transient_error import (
     remedy_hint,
 )
 from faying.display.facts import with_unit
+from faying.display.quantities import percent
 from faying.study.inputs.jumps import jump_sentence
 from faying.study.judgement.comparison import backbone_errors
 from faying.study.judgement.step_check import choice_sentence, step_choice
 from faying.study.results.mode_choice import mode_sentences
 from faying.study.results.second_solution import remedy_sentence, shapes_seconds
 from faying.study.results.values import CaseResult, Results
-
-ROUND_OFF = 1e-7
-"""Errors below are the rounding of double precision and no property of a method."""
 
 
 def remarks(results: Results) -> list[str]:
@@ -39,11 +37,6 @@ def remarks(results: Results) -> list[str]:
         *(f"Doubtful: {said}" for said in jumps(results)),
         *([f"Reference: {results.reference_reason}"] if results.reference_reason else []),
     ]
-
-
-def shown_error(error: float) -> str:
-    """Return an error in percent, as a bound where it is round-off."""
-    return f"< {ROUND_OFF:.0e}".replace("e-0", "e-") if error < ROUND_OFF else f"{error:.2%}"
 
 
 def jumps(results: Results) -> list[str]:
@@ -111,8 +104,8 @@ def _backbones(results: Results) -> Iterator[str]:
             if errors is not None:
                 yield (
                     f"Backbones {name}, {method}: frequencies off by at most "
-                    f"{shown_error(errors.frequency)}, damping ratios by "
-                    f"{shown_error(errors.damping)}"
+                    f"{percent(errors.frequency)}, damping ratios by "
+                    f"{percent(errors.damping)}"
                 )
 
 

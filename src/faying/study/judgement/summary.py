@@ -129,18 +129,6 @@ def timings(results: Results) -> dict[str, Any]:
     """Return wall seconds of the whole run, by stage, and per method."""
     seconds = results.timings
     table: dict[str, Any] = {"run": sum(seconds.values()), "stages": dict(seconds)}
-    table |= {
-        stage: seconds[stage]
-        for stage in (
-            "assembly",
-            "factorization",
-            "compliance",
-            "preload",
-            "normal_modes",
-            "mode_count",
-        )
-        if stage in seconds
-    }
     full = [(case, case.reference) for case in results.cases.values() if case.is_full]
     table["full"] = _per_solution(full)
     names = dict.fromkeys(name for case in results.cases.values() for name in case.methods)
@@ -274,26 +262,21 @@ def _slip(case: CaseResult) -> dict[str, Any]:
     return summary
 
 
+LISTS = (
+    "amplitude", "energy", "frequency", "damping_ratio", "linear_damping", "energy_per_cycle",
+    "macroslip", "stationary", "masing_frequency", "masing_damping", "masing_deviation",
+)  # fmt: skip
+"""What is told of a backbone at each of its amplitudes, as far as it was asked for."""
+
+
 def _backbone(curve: Backbone) -> dict[str, Any]:
-    by_rule = {
-        name: values.tolist()
-        for name in ("masing_frequency", "masing_damping", "masing_deviation")
-        if (values := getattr(curve, name)) is not None
-    }
+    lists = {name: getattr(curve, name) for name in LISTS}
     return {
         "small_frequency": curve.small_frequency,
         "measured_at": curve.measured_at,
-        "amplitude": curve.amplitude.tolist(),
-        "energy": curve.energy.tolist(),
-        "frequency": curve.frequency.tolist(),
-        "damping_ratio": curve.damping_ratio.tolist(),
-        "linear_damping": curve.linear_damping.tolist(),
-        "energy_per_cycle": curve.energy_per_cycle.tolist(),
         "stick_fraction": curve.stick_share.tolist(),
-        "macroslip": curve.macroslip.tolist(),
-        "stationary": curve.stationary.tolist(),
         "remarks": list(curve.remarks),
-        **by_rule,
+        **{name: values.tolist() for name, values in lists.items() if values is not None},
     }
 
 

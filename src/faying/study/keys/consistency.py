@@ -19,15 +19,14 @@ from faying.study.keys.friction_rules import (
     second_laws,
     spare_tangential_penalties,
 )
-from faying.study.keys.history import read_history
 from faying.study.keys.lap_joint import lap_joint_problems
-from faying.study.keys.loadings import loadings, repeated_loads
+from faying.study.keys.load_files import read_history
+from faying.study.keys.loadings import loadings, repeated_loads, temperature_problems
 from faying.study.keys.measurements import measurement_problems
 from faying.study.keys.parameter_rules import parameter_problems
 from faying.study.keys.positions import Location
-from faying.study.keys.ranges import LARGEST_COUNT, MOST_STEPS
+from faying.study.keys.section import LARGEST_COUNT, MOST_STEPS
 from faying.study.keys.tables import LoadCaseSection, Study, Timed
-from faying.study.keys.temperatures import temperature_problems
 
 
 def inconsistencies(study: Study) -> list[Problem]:

@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 
 from faying.joint.lap_joint import STEEL, lap_joint_assembly
 from faying.study.keys.errors import Problem, nearest, translated
-from faying.study.keys.ranges import all_in_range
+from faying.study.keys.section import all_in_range
 from faying.study.keys.tables import Study
 
 ELSEWHERE = {

@@ -1,8 +1,11 @@
-"""All places of a study that name a load."""
+"""All places of a study that name a load, and the temperatures that loads are."""
 
 from collections.abc import Iterator, Sequence
 
-from faying.study.keys.errors import Problem
+from faying.model.assembly import Assembly
+from faying.model.temperature import Temperature
+from faying.sources import SOURCES
+from faying.study.keys.errors import Problem, nearest
 from faying.study.keys.loading_table import Loading
 from faying.study.keys.positions import Location
 from faying.study.keys.tables import Study
@@ -28,3 +31,58 @@ def repeated_loads(study: Study, location: Location, loads: Sequence[Loading]) -
             text = f"{target} is loaded by number {targets.index(target) + 1} already; merge them"
             where: Location = (*location, i)
             yield study.in_table(where, text)
+
+
+def temperature_problems(study: Study) -> Iterator[Problem]:
+    """Find temperatures of matrices, those that no load takes, and loads that take another."""
+    loads = [(key, load) for key, load in loadings(study) if load.temperature is not None]
+    for location, load in loads:
+        if load.temperature not in study.temperatures:
+            remedy = nearest(str(load.temperature), study.temperatures)
+            key: Location = (*location, "temperature")
+            text = f"no [temperature.{load.temperature}]; {remedy}"
+            yield study.problem(key, text)
+    scattered = () if study.preload_scatter is None else study.preload_scatter.temperatures
+    for name in scattered:
+        if name not in study.temperatures:
+            key = ("preload_scatter", "temperatures")
+            text = f"no [temperature.{name}]; {nearest(name, study.temperatures)}"
+            yield study.problem(key, text)
+    used = {load.temperature for _, load in loads} | {*scattered}
+    for name, section in study.temperatures.items():
+        table: Location = ("temperature", name)
+        text = ""
+        if not SOURCES[study.model.source].has_elements:
+            text = "matrices do not tell what expands in them; remove [temperature], or take a mesh"
+        elif section.uniform is None and not section.parts:
+            text = "nothing has a temperature; give 'uniform' or 'parts'"
+        elif name not in used:
+            text = f'no load takes it; add {{ temperature = "{name}", value = 1 }} to forces'
+        if text:
+            yield study.in_table(table, text)
+
+
+def temperature_name_problems(study: Study, assembly: Assembly) -> Iterator[Problem]:
+    """Find temperatures with the name of a load of the deck."""
+    for name in study.temperatures:
+        if name in assembly.loads:
+            table: Location = ("temperature", name)
+            text = f"the deck has a load '{name}' too; give the temperature another name"
+            yield study.in_table(table, text)
+
+
+def temperatures_of(study: Study, assembly: Assembly) -> dict[str, Temperature]:
+    """Return the temperatures by name; parts named by numbers are property ids."""
+    return {
+        name: Temperature(
+            reference=section.reference,
+            uniform=section.uniform,
+            parts={
+                int(part)
+                if part.isdecimal() and part not in assembly.mesh.element_sets
+                else part: temperature
+                for part, temperature in section.parts.items()
+            },
+        )
+        for name, section in study.temperatures.items()
+    }

@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from faying.study.keys.ranges import MOST_SOLVED
 from faying.study.keys.section import (
+    MOST_SOLVED,
     Count,
     Name,
     NotNegative,

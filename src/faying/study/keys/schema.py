@@ -2,16 +2,18 @@
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from faying.exceptions import StudyError
+from faying.exceptions import ModelError, StudyError
 from faying.files.contents import file_text
 from faying.study.keys.consistency import inconsistencies
 from faying.study.keys.errors import Problem, StudySource, reject, translated
+from faying.study.keys.model_tables import BoltSection, BoundarySection, InterfaceSection
 from faying.study.keys.positions import line_numbers
 from faying.study.keys.requirement_tables import RequirementSection
 from faying.study.keys.tables import LoadCaseSection, Study
@@ -164,3 +166,31 @@ def _mistakes(source: StudySource, error: ValidationError) -> list[Problem]:
         for entry in entries
         if entry["type"] != "too_short" or entry["loc"] not in inner
     ]
+
+
+_NAMED = re.compile(r"^(interface|bolt|boundary) '([^']+)'")
+
+
+@contextmanager
+def naming_tables(study: Study) -> Iterator[None]:
+    """Say in front of complaints of interfaces, bolts and boundaries where the study has them.
+
+    The model builder knows their names only; a deck's own have no table in the study.
+    """
+    try:
+        yield
+    except ModelError as error:
+        named = _NAMED.match(str(error))
+        if named is None:
+            raise
+        kind, name = named.groups()
+        tables: Mapping[str, Sequence[InterfaceSection | BoltSection | BoundarySection]] = {
+            "interface": study.interfaces,
+            "bolt": study.bolts,
+            "boundary": study.boundaries,
+        }
+        for number, section in enumerate(tables[kind]):
+            if section.name == name:
+                message = f"{study.source.table((kind, number))}: {error}"
+                raise ModelError(message) from error
+        raise

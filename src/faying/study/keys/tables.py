@@ -5,7 +5,7 @@ What single values must be is said here; what they must be together, in ``consis
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, model_validator
@@ -16,7 +16,6 @@ from faying.simulation.integrators import INTEGRATORS
 from faying.study.keys.errors import Problem, StudySource, refusal, shown
 from faying.study.keys.frequency_table import FrequencySection
 from faying.study.keys.loading_table import Loading
-from faying.study.keys.measurement_table import MeasurementSection
 from faying.study.keys.model_tables import (
     BoltSection,
     BoundarySection,
@@ -29,16 +28,17 @@ from faying.study.keys.model_tables import (
     SupportSection,
     TemperatureSection,
 )
-from faying.study.keys.output_tables import OutputSection, ValidationSection
 from faying.study.keys.parameter_tables import BandSection, ParameterSection
 from faying.study.keys.positions import Location
-from faying.study.keys.ranges import MOST_SOLVED, showable
 from faying.study.keys.requirement_tables import RequirementSection, ScatterSection
 from faying.study.keys.section import (
+    MOST_SOLVED,
     Count,
     CountOrAuto,
+    CountOrNone,
     ExistingFile,
     Name,
+    NotNegative,
     Number,
     Positive,
     PreloadFactors,
@@ -46,8 +46,70 @@ from faying.study.keys.section import (
     StepOrAuto,
     Switch,
     name_in,
+    showable,
 )
-from faying.units import KINDS_OF_UNITS
+from faying.units import KINDS_OF_UNITS, Units, units_of
+
+
+class ResponseSection(Section):
+    """[[measurement.response]]: a frequency response around the mode, at one amplitude."""
+
+    file: ExistingFile
+    amplitude: Positive | None = None
+    level: Positive | None = None
+    factor: Positive = 1.0
+    of: Literal["displacement", "velocity", "acceleration"] = "displacement"
+
+
+class MeasurementSection(Section):
+    """[[measurement]]: see :class:`faying.assessment.measured_curve.MeasuredCurve`."""
+
+    name: Name
+    load_case: Name | None = None
+    mode: Count | None = None
+    frequency: Name | None = None
+    file: ExistingFile | None = None
+    response: tuple[ResponseSection, ...] = ()
+    frequency_scatter: Positive | None = None
+    damping_scatter: Positive | None = None
+
+
+OutputField = Literal["pressure", "gap", "displacement"]
+
+
+class OutputSection(Section):
+    """[output]: what is written."""
+
+    times: tuple[NotNegative, ...] = ()
+    fields: tuple[OutputField, ...] = ("pressure", "gap", "displacement")
+    report: Switch = True
+
+
+def _no_sweep(value: Any) -> Any:
+    if value is not False:
+        message = (
+            "the sweep over the contact stiffness is gone, remove it; the report tells how far "
+            "surfaces penetrate, and 'penalty' in [[interface]] repeats a study with another"
+        )
+        raise refusal(message)
+    return value
+
+
+class ValidationSection(Section):
+    """[validation]: what to find out beyond the load cases.
+
+    Twice as many unseen loads more make the floor under all linear bases.
+    """
+
+    gone: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("box", "preload_factors"),
+        "remove it: searches found milder loads than random ones and are gone",
+    )
+    unseen_loads: CountOrNone = 100
+    penalty_sweep: Annotated[Literal[False], BeforeValidator(_no_sweep)] = False
+    half_step: Switch = True
+    reference: Literal["full", "worst", "none"] | None = None
+
 
 MethodName = Annotated[str, name_in(METHODS)]
 COMPARED = tuple(name for name, method in METHODS.items() if method.compared)
@@ -143,7 +205,7 @@ class ForceSection(Loading):
 
 
 DEFAULT_INSTANTS = 100
-"""Instants of a longest period where a run chooses the time steps between them."""
+"""Time steps of a longest period unless told, and instants where a run chooses the steps."""
 
 DEFAULT_INCREMENTS = 10
 """Increments from the preload to a static load, and of a quarter of a cycle."""
@@ -254,6 +316,11 @@ class Study(Section):
     def text(self) -> str:
         """The study file's text, for the record of a run."""
         return self._source.text
+
+    @property
+    def unit_set(self) -> Units:
+        """Units of all numbers in it."""
+        return units_of(self.units)
 
     @property
     def source(self) -> StudySource:

@@ -21,8 +21,7 @@ from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
 from faying.simulation.solution import Solution
 from faying.study.inputs.jumps import Jump, load_jumps
-from faying.study.inputs.loads import case_load
-from faying.study.inputs.timing import time_span, time_step
+from faying.study.inputs.loads import case_load, time_span, time_step
 from faying.study.judgement.comparison import accuracy, recovered_error, slip_errors
 from faying.study.keys.requirement_rules import requirements_of
 from faying.study.keys.tables import LoadCaseSection
@@ -30,13 +29,18 @@ from faying.study.results.responses import respond
 from faying.study.results.second_solution import Remedy
 from faying.study.results.values import FULL_MODEL, CaseResult, MethodResult, Response
 from faying.study.stages.books import Books
-from faying.study.stages.case_solution import judged, solve_case
+from faying.study.stages.case_solution import (
+    CURED,
+    InertiaWhenNeeded,
+    judged,
+    remedy_of,
+    solve_case,
+)
 from faying.study.stages.full_transients import (
     FullTransient,
     full_transients,
     response_key,
 )
-from faying.study.stages.inertia import CURED, InertiaWhenNeeded, remedy_of
 from faying.study.stages.offline import PreparedJoint
 from faying.study.stages.path_cases import (
     IncrementalCase,

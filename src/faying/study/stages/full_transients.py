@@ -19,8 +19,7 @@ from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import joined, some_states, without_states
 from faying.simulation.stepping import TransientSolver, transient_solver
 from faying.simulation.transient_windows import Steps, transient_windows
-from faying.study.inputs.loads import case_load
-from faying.study.inputs.timing import instants, time_span, time_step
+from faying.study.inputs.loads import case_load, instants, time_span, time_step
 from faying.study.keys.tables import LoadCaseSection
 from faying.study.results.nodal_motion import even_states, motion_in, shown_states
 from faying.study.results.responses import Seen, respond, seen_of

@@ -19,12 +19,14 @@ import h5py
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.digits import SOLVED
 from faying.exceptions import FormatError
 from faying.files.hdf5 import open_hdf5
 from faying.files.number_table import check_times, read_numbers
 from faying.joint.system import Joint, boundary_slices, initial_bolt_forces
 from faying.model.boundary import FORCE_NAMES
 from faying.simulation.frame_motion import FrameMotion
+from faying.study.inputs.load_table import force_columns
 from faying.study.keys.errors import nearest, quoted
 
 MODAL = {"q": "coordinates", "v": "velocities", "a": "accelerations"}
@@ -33,9 +35,6 @@ MODAL = {"q": "coordinates", "v": "velocities", "a": "accelerations"}
 MODAL_COLUMN = re.compile(r"([qva])([1-9]\d*)")
 FRAME = tuple(f"frame.{kind}{axis}" for kind in ("a", "w", "alpha") for axis in "xyz")
 """Acceleration, angular velocity and angular acceleration of supports that move, in their axes."""
-
-ROUND_OFF = 1e-9
-"""Relative difference of forces that may be rounding."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -77,23 +76,14 @@ def read_imported_history(path: Path, joint: Joint) -> ImportedHistory:
     if history.coordinates is None and not history.loads:
         message = (
             f"{path} holds times only; give modal coordinates or boundary forces, as "
-            f"{quoted(_load_names(joint)[:3]) or 'q1'}"
+            f"{quoted(force_columns(joint)[:3]) or 'q1'}"
         )
         raise FormatError(message)
     return history
 
 
-def _load_names(joint: Joint) -> list[str]:
-    at_boundaries = [
-        f"{name}.{FORCE_NAMES[component]}"
-        for name, boundary in joint.boundaries.items()
-        for component in np.unique(boundary.components).tolist()
-    ]
-    return [*at_boundaries, *joint.load_patterns]
-
-
 def _read_csv(path: Path, joint: Joint) -> ImportedHistory:
-    table, names = read_numbers(path, "the history"), _load_names(joint)
+    table, names = read_numbers(path, "the history"), force_columns(joint)
     header = table.names
     _check_header(path, header, names)
     counts = _mode_counts(path, header)
@@ -231,7 +221,7 @@ def _hdf5_loads(
     """Boundary forces by name, from a group of datasets or from an array like a solution's."""
     if isinstance(data, h5py.Dataset):
         return _component_loads(path, _array(path, data), joint, n_time)
-    names, loads = _load_names(joint), {}
+    names, loads = force_columns(joint), {}
     for name in data:
         if name not in names:
             message = f"{path}: unknown boundary force '{name}'; {nearest(name, names)}"
@@ -258,7 +248,7 @@ def _component_loads(path: Path, inputs: Matrix, joint: Joint, n_time: int) -> d
         )
         raise FormatError(message)
     pattern_values = inputs[:, n_boundary:first]
-    if not np.allclose(pattern_values, bolts[: pattern_values.shape[1]], rtol=ROUND_OFF, atol=0.0):
+    if not np.allclose(pattern_values, bolts[: pattern_values.shape[1]], rtol=SOLVED, atol=0.0):
         message = (
             f"{path}: the bolt forces of 'inputs' are not those the bolts of this run are locked "
             f"at ({', '.join(f'{force:g}' for force in bolts)}); run a study with that preload"
@@ -271,7 +261,7 @@ def _component_loads(path: Path, inputs: Matrix, joint: Joint, n_time: int) -> d
             shares = components[:, boundary.components == component]
             total = shares.sum(axis=1)
             even = total[:, None] / shares.shape[1]
-            if np.abs(shares - even).max(initial=0.0) > ROUND_OFF * np.abs(components).max(
+            if np.abs(shares - even).max(initial=0.0) > SOLVED * np.abs(components).max(
                 initial=0.0
             ):
                 message = (

@@ -6,8 +6,7 @@ from functools import cache, partial
 
 from faying.assessment.choose_normal_modes import NormalModeChoice, choose_normal_modes
 from faying.reduction.normal_modes import NormalModes, fixed_interface_normal_modes
-from faying.study.inputs.loads import case_load
-from faying.study.inputs.timing import time_span, time_step
+from faying.study.inputs.loads import case_load, time_span, time_step
 from faying.study.keys.tables import LoadCaseSection
 from faying.study.results.mode_choice import chosen_count
 from faying.study.stages.full_transients import integrator_of

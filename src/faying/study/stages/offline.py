@@ -30,8 +30,7 @@ from faying.simulation.stepping import TransientSolver, transient_solver
 from faying.simulation.without_friction import smooth_joint
 from faying.study.inputs.bolts import losses
 from faying.study.inputs.load_model import LoadedModel, build_loaded, check_interfaces, load_model
-from faying.study.inputs.loads import check_loads, is_trained, training_box
-from faying.study.inputs.timing import time_step
+from faying.study.inputs.loads import check_loads, is_trained, time_step, training_box
 from faying.study.keys.tables import Study
 from faying.study.stages.books import Books
 from faying.study.stages.kept_joint import (

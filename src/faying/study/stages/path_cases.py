@@ -36,7 +36,7 @@ from faying.simulation.path import (
 from faying.simulation.solution import Solution
 from faying.simulation.without_friction import released_state
 from faying.study.inputs.loads import case_load
-from faying.study.keys.load_factors import ALL, read_load_factors
+from faying.study.keys.load_files import ALL, read_load_factors
 from faying.study.keys.tables import DEFAULT_INCREMENTS, LoadCaseSection
 from faying.study.results.nodal_motion import NodalMotion, nodal_motion
 from faying.study.results.path_record import CycleRecord, cycle_record, path_record

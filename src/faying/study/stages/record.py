@@ -18,8 +18,13 @@ from faying.reduction.basis import Basis
 from faying.reduction.projection import completed, contact_surfaces, projected
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.preload import open_interfaces
-from faying.study.judgement.model_warnings import unheld, unmeasured
-from faying.study.judgement.solid_constants import bolt_doubts, doubts, pressure_doubts
+from faying.study.judgement.model_warnings import (
+    bolt_doubts,
+    doubts,
+    pressure_doubts,
+    unheld,
+    unmeasured,
+)
 from faying.study.keys.measurements import measured_curves
 from faying.study.results.validation_record import ValidationRecord
 from faying.study.results.values import BoltRecord, CaseResult, Results, interface_record

@@ -10,8 +10,7 @@ from faying.execution.transients import step_responses
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 from faying.simulation.stepping import TransientSolver
-from faying.study.inputs.loads import training_box
-from faying.study.inputs.timing import time_span, time_step
+from faying.study.inputs.loads import time_span, time_step, training_box
 from faying.study.keys.tables import TrainingSection
 
 

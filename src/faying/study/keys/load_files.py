@@ -1,12 +1,31 @@
-"""Load factors of a path: one column of a csv file for each load, one row for each increment."""
+"""Csv files that load cases name: histories over time, and load factors of a path."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from faying.exceptions import FormatError
-from faying.files.number_table import NumberTable, read_numbers
+from faying.files.number_table import NumberTable, check_times, read_numbers
+from faying.simulation.load import History
 from faying.study.keys.errors import quoted
-from faying.study.keys.ranges import LARGEST, LARGEST_COUNT
+from faying.study.keys.section import LARGEST, LARGEST_COUNT
+
+
+def read_history(path: Path) -> History:
+    """Read a load history: text with two columns separated by a comma, time and value.
+
+    One header line, empty lines and comments after ``#`` are allowed.
+
+    Raises
+    ------
+    FormatError
+        If it cannot be read, or times do not increase; the message names the line.
+    """
+    columns = ("time", "value")
+    table = read_numbers(path, "the load history", unnamed=columns, largest=LARGEST)
+    times, values = table.values.T
+    check_times(path, times, table.place, fewest=2)
+    return History(times=times, values=values)
+
 
 ALL = "factor"
 """Name of the column that multiplies all loads of a case."""

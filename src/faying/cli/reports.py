@@ -1,4 +1,4 @@
-"""``faying view``: open the report of a run."""
+"""``faying report`` and ``faying view``: the report of a finished run, built again or opened."""
 
 import webbrowser
 from pathlib import Path
@@ -7,6 +7,17 @@ from typing import Annotated
 import typer
 
 from faying.exceptions import StudyError
+
+
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a finished run.")],
+) -> None:
+    """Build DIR/report.html and its figures from DIR/results.h5."""
+    from faying.report.html import write_report
+    from faying.study.stages.recover import results_of
+
+    write_report(results_of(folder), folder)
+    typer.echo(f"Wrote {folder / 'report.html'}")
 
 
 def view(
