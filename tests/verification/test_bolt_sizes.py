@@ -14,7 +14,7 @@ from faying.assessment.strength.tightening import (
 )
 from faying.exceptions import ModelError, StudyError
 from faying.study.keys.schema import parse_study
-from faying.study.keys.threads import final_forces, strengths_of, threads_of
+from faying.study.keys.threads import StudyBolts
 from small_study import SMALL_JOINT
 
 
@@ -81,8 +81,11 @@ tightening_factor = 1.6
 
 def test_utilisation_is_that_of_the_largest_preload_and_friction_widens_its_range(tmp_path):
     study = parse_study(SCATTERED + "utilisation = 0.9\n", tmp_path / "joint.toml")
-    thread, spread = threads_of(study)["bolt"], strengths_of(study).ranges["bolt"]
-    (nominal,) = final_forces(study).values()
+    thread, spread = (
+        StudyBolts.of(study).threads["bolt"],
+        StudyBolts.of(study).strengths.ranges["bolt"],
+    )
+    (nominal,) = StudyBolts.of(study).forces.values()
     most = force_of_utilisation(thread, 0.9, "mm-t-s")
     gamma = 0.6 / 2.6
     assert (1 + gamma) * nominal == pytest.approx(most, rel=1e-14)
@@ -130,10 +133,10 @@ def study(folder, keys):
 def test_a_size_brings_measures_and_torque_a_preload(tmp_path):
     keys = f'{AXIS}\nsize = "M8"\ngrade = "8.8"\ntorque = 20e3\n'
     found = study(tmp_path, keys + "thread_friction = 0.12\nhead_friction = 0.12")
-    thread = threads_of(found)["b"]
+    thread = StudyBolts.of(found).threads["b"]
     assert (thread.diameter, thread.pitch) == pytest.approx((8.0, 1.25), rel=1e-14)
     assert thread.bearing == pytest.approx((11.63, 9.0), rel=1e-14)
-    force = final_forces(found)["b"]
+    force = StudyBolts.of(found).forces["b"]
     torque = thread.torque_per_force(np.array([0.12]), np.array([0.12]))[0] * force
     assert torque == pytest.approx(20e3, rel=1e-14)
 
@@ -168,7 +171,7 @@ def test_a_bolt_of_a_source_takes_size_and_strength(tmp_path):
     keys = '5e3\nsize = "M6"\nstrength = { proof = 580.0, yield = 640.0, ultimate = 800.0 }\n'
     text = SMALL_JOINT.replace("5e3\n", keys, 1)
     found = parse_study(text, tmp_path / "joint.toml")
-    assert threads_of(found)["bolt"].proof_stress("mm-t-s") == 640.0
+    assert StudyBolts.of(found).threads["bolt"].proof_stress("mm-t-s") == 640.0
 
 
 @pytest.mark.parametrize(
@@ -176,7 +179,7 @@ def test_a_bolt_of_a_source_takes_size_and_strength(tmp_path):
 )
 def test_heads_and_washers_press_on_their_faces(tmp_path, head, outer):
     text = f'{AXIS}\nsize = "M8"\ngrade = "8.8"\npreload = 1.0\nhead = "{head}"'
-    thread = threads_of(study(tmp_path, text))["b"]
+    thread = StudyBolts.of(study(tmp_path, text)).threads["b"]
     assert thread.bearing == pytest.approx((outer, 9.0), rel=1e-14)
     face = 12.33 if head == "ISO 4762" else 11.63  # the head rubs on its washer
     assert thread.head_diameter == pytest.approx((face + 9.0) / 2, rel=1e-14)

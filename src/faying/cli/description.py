@@ -27,7 +27,7 @@ from faying.study.inputs.model_preview import ModelPreview
 from faying.study.judgement.model_warnings import kept_share
 from faying.study.keys.deck_study import is_bare, quoted
 from faying.study.keys.tables import Study
-from faying.study.keys.threads import forced_bolts
+from faying.study.keys.threads import StudyBolts
 
 
 def described(study: Study, loaded: LoadedModel, preview: ModelPreview) -> Iterator[Table]:
@@ -255,7 +255,7 @@ def _bolts(study: Study, loaded: LoadedModel, model: Model) -> Table:
             _point(np.round(bolt_direction(model.assembly, spec), 4).tolist()),
             float(model.bolts[spec.name].stiffness),
             _force_of(loaded, spec.name),
-            "the study" if spec.name in forced_bolts(study) else "the source",
+            "the study" if spec.name in StudyBolts.of(study).forced else "the source",
         )
         for spec in loaded.bolts
     )

@@ -72,7 +72,7 @@ def solve(
         from faying.study.inputs.load_set import read_loads
         from faying.study.keys.requirement_rules import requirements_of
         from faying.study.keys.schema import stored_requirement
-        from faying.study.keys.threads import stored_strengths
+        from faying.study.keys.threads import StudyBolts
         from faying.workflow.solve import SolveOptions, bolt_loads, solve_loads
 
         if step is not None and not 0 < step < float("inf"):
@@ -89,7 +89,7 @@ def solve(
             certificates=certificates,
             table=table,
             requirements=requirements_of(demanded),
-            strengths=stored_strengths(text, rom.units),
+            strengths=StudyBolts.stored(text, rom.units).strengths,
             margins=demanded.margins,
         )
         with ExitStack() as stack:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from faying import __version__
+from faying.assessment.transient_error import EXACT
 from faying.exceptions import StudyError
 from faying.linalg.threads import one_thread
 from faying.reduction.method import Method
@@ -26,9 +27,6 @@ from faying.study.stages.offline import (
     prepare_joint,
     reduced_models,
 )
-
-EXACT = "compliance"
-"""Method of a file unless another is asked for: static pressures are those of the full model."""
 
 
 @one_thread()

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from faying.assessment.transient_error import REMEDY
+from faying.assessment.transient_error import EXACT, REMEDY
 from faying.execution.checkpoint import results_in
 from faying.execution.executor import Executor
 from faying.files.atomic import write_text
@@ -19,7 +19,6 @@ from faying.study.results.metric_table import write_frequency_tables
 from faying.study.results.store import write_results
 from faying.study.results.values import CaseResult, Results
 from faying.study.stages.books import Books, ProgressBar
-from faying.study.stages.case_solution import InertiaWhenNeeded
 from faying.study.stages.cases import CaseRunner
 from faying.study.stages.frequency_cases import frequency_records
 from faying.study.stages.full_transients import case_groups
@@ -31,7 +30,6 @@ from faying.study.stages.run_assessment import assess_run
 from faying.study.stages.validation import validate
 from faying.study.stages.worker_tasks import compute_pieces
 from faying.workflow.outcome import Outcome
-from faying.workflow.reduce import EXACT
 
 CONFIRMED_CASES = 3
 """Static cases that the full model confirms where it is not the reference of all."""
@@ -102,22 +100,16 @@ def _computed(study: Study, books: Books, executor: Executor | None) -> tuple[Re
         models=models,
         groups=case_groups(study.load_cases, half_step=study.validation.half_step) if full else [],
         reference=reference,
-        inertia=InertiaWhenNeeded(
-            model=joint.model,
-            classic=trained.bases[CLASSIC],
-            books=books,
-            models=models,
-            allowed=study.reduction.inertia,
-        ),
+        classic=trained.bases[CLASSIC],
     )
     solved = {case.name: runner.solve(case) for case in study.load_cases}
     if reference.kind == "worst":
         solved |= _confirmed(study, runner, solved)
     cases = {name: result for name, (result, _) in solved.items()}
     failures = [failure for _, failed in solved.values() for failure in failed]
-    if runner.inertia.built is not None:
+    if runner.built is not None:
         with books.stage("recovery matrices"), books.attempt("matrices for recovery and export"):
-            more: Models = {**bare, REMEDY: {0: runner.inertia.built}}
+            more: Models = {**bare, REMEDY: {0: runner.built}}
             recoverable = kept_models(joint.model, more, trained.bases[CLASSIC], title)
     validation = validate(joint, models, choices)
     exact = recoverable[EXACT][0] if EXACT in recoverable else joint.model

@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,6 @@ from faying import __version__
 from faying.assessment.case_metrics import WEAK_SHARE
 from faying.assessment.joint_verdict import joint_verdict, summarized
 from faying.assessment.requirements import Requirements, check_names
-from faying.assessment.strength.bolt_strengths import BoltStrengths
 from faying.assessment.weak_share import weak_warnings
 from faying.exceptions import StudyError
 from faying.execution.checkpoint import results_in
@@ -27,47 +26,15 @@ from faying.simulation.load import History, Load
 from faying.study.inputs.load_set import LoadSet
 from faying.study.judgement.summary import plain
 from faying.study.keys.errors import nearest
-from faying.study.keys.requirement_tables import MarginsSection
-from faying.study.results.metric_table import TableFormat, check_table_format, write_metrics
+from faying.study.results.metric_table import check_table_format, write_metrics
 from faying.study.results.solved_fields import SolvedFields, write_solved
 from faying.study.stages.books import Books, ProgressBar
 from faying.study.stages.path_cases import rest_state
 from faying.units import Units
 from faying.workflow.outcome import Outcome
-from faying.workflow.solve_cases import CaseSolver
+from faying.workflow.solve_cases import CaseSolver, SolveOptions
 from faying.workflow.solved_assessment import demanded_of, solved_checks
 from faying.workflow.solved_cases import SolvedCases
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SolveOptions:
-    """What to keep, and how.
-
-    Attributes
-    ----------
-    worst
-        Cases of each metric whose fields are kept.
-    named
-        Static cases whose fields are kept as well.
-    certificates
-        Whether static cases are certified, where the model knows the full one's compliance.
-    table
-        Format of the tables of metrics.
-    requirements
-        What must hold.
-    strengths
-        What the strength of bolts is judged by.
-    margins
-        Standard that is demanded of it, with its factors.
-    """
-
-    worst: int = 1
-    named: tuple[str, ...] = ()
-    certificates: bool = True
-    table: TableFormat = "csv"
-    requirements: Requirements = field(default_factory=Requirements)
-    strengths: BoltStrengths = field(default_factory=BoltStrengths)
-    margins: MarginsSection | None = None
 
 
 @one_thread()
@@ -132,17 +99,14 @@ def solve_loads(
     path = tuple(tightening or ()) if rubbing else None
     with results_in(out, _mark(rom, loads, chosen, path), resume=resume) as checkpoint:
         books = Books(progress)
-        named = [loads.names.index(name) for name in chosen.named]
         rest = rest_state(rom, path or ())
         solver = CaseSolver(
             rom=rom,
             loads=loads,
             checkpoint=checkpoint,
             books=books,
-            worst=chosen.worst,
-            chosen=named,
-            certificates=chosen.certificates,
-            demanded=demanded_of(chosen.requirements, chosen.strengths, chosen.margins, rom, rest),
+            options=chosen,
+            demanded=demanded_of(chosen, rom, rest),
             rest=rest,
         )
         if executor is not None:
@@ -152,13 +116,11 @@ def solve_loads(
         assessment, units = None, rom.unit_set
         verdict = joint_verdict((), units, "see the warnings")
         with books.stage("requirements"), books.attempt("requirements"):
-            verdicts, checks = solved_checks(
-                solver, chosen.requirements, chosen.strengths, chosen.margins, static, transients
-            )
+            verdicts, checks = solved_checks(solver, static, transients)
             verdict = joint_verdict(checks, units)
             assessment = {"verdicts": plain([asdict(demand) for demand in verdicts])}
         with books.stage("files"):
-            files = _written(rom, static, transients, named, out, chosen)
+            files = _written(rom, static, transients, solver.named, out, chosen)
         summary = {
             "faying": __version__,
             "model": {"name": rom.name, "method": rom.method, "joint_modes": rom.joint_modes},

@@ -1,7 +1,7 @@
 """Many static cases, or a transient, solved on a reduced model a part at a time."""
 
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -10,7 +10,9 @@ from faying._typing import Indices, Matrix
 from faying.assessment.case_metrics import Metric, bent_bolts, metrics_of
 from faying.assessment.certificate import Certifier, certifier
 from faying.assessment.joint_record import CaseState
+from faying.assessment.requirements import Requirements
 from faying.assessment.slip_metrics import friction_metrics
+from faying.assessment.strength.bolt_strengths import BoltStrengths
 from faying.assessment.strength.preload_ends import state_of
 from faying.exceptions import ConvergenceError, StudyError
 from faying.execution.campaign import run_campaign
@@ -26,7 +28,9 @@ from faying.simulation.static import similar_loads
 from faying.simulation.stepping import transient_solver
 from faying.simulation.transient_windows import transient_windows
 from faying.study.inputs.load_set import LoadSet, TimedLoad
+from faying.study.keys.requirement_tables import MarginsSection
 from faying.study.keys.tables import DEFAULT_INCREMENTS
+from faying.study.results.metric_table import TableFormat
 from faying.study.stages.books import FAILED, Books
 from faying.workflow.solved_cases import Demanded, SolvedCases, arrays_of, factors_of
 
@@ -38,6 +42,37 @@ FEWEST, MOST = 16, 2000
 
 Piece = Indices | TimedLoad
 """Rows of static cases, or a transient."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SolveOptions:
+    """What to keep, and how.
+
+    Attributes
+    ----------
+    worst
+        Cases of each metric whose fields are kept.
+    named
+        Static cases whose fields are kept as well.
+    certificates
+        Whether static cases are certified, where the model knows the full one's compliance.
+    table
+        Format of the tables of metrics.
+    requirements
+        What must hold.
+    strengths
+        What the strength of bolts is judged by.
+    margins
+        Standard that is demanded of it, with its factors.
+    """
+
+    worst: int = 1
+    named: tuple[str, ...] = ()
+    certificates: bool = True
+    table: TableFormat = "csv"
+    requirements: Requirements = field(default_factory=Requirements)
+    strengths: BoltStrengths = field(default_factory=BoltStrengths)
+    margins: MarginsSection | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -54,12 +89,8 @@ class CaseSolver:
         Keeps finished pieces.
     books
         Of the call.
-    worst
-        Cases of each metric whose fields may be wanted.
-    chosen
-        Rows of static cases whose fields are wanted in any case.
-    certificates
-        Whether static cases are certified, where the model knows the full one's compliance.
+    options
+        What to keep, and how.
     demanded
         What requirements judge.
     rest
@@ -70,16 +101,19 @@ class CaseSolver:
     loads: LoadSet
     checkpoint: Checkpoint
     books: Books
-    worst: int
-    chosen: Collection[int]
-    certificates: bool
+    options: SolveOptions
     demanded: Demanded
     rest: Solution
 
     @cached_property
+    def named(self) -> list[int]:
+        """Rows of the static cases whose fields are kept in any case."""
+        return [self.loads.names.index(name) for name in self.options.named]
+
+    @cached_property
     def judge(self) -> Certifier | None:
         """What certifies static cases without friction; None where they are not certified."""
-        if not self.certificates or self.rom.contact.rubbing_interfaces:
+        if not self.options.certificates or self.rom.contact.rubbing_interfaces:
             return None
         with self.books.timed("certificates"), self.books.attempt("certified bounds"):
             return certifier(self.rom.joint)
@@ -176,7 +210,8 @@ class CaseSolver:
                 for numbers, state in solved
             ]
         metrics = self._metrics(static=True)
-        arrays = arrays_of(self.rom, rows, judged, self.demanded, metrics, self.worst, self.chosen)
+        worst = self.options.worst
+        arrays = arrays_of(self.rom, rows, judged, self.demanded, metrics, worst, self.named)
         with self.books.timed("load factors"):
             arrays |= factors_of(rows, judged, self.demanded, self.rest)
         return arrays | {FAILED: np.array(failed, dtype=str)}
@@ -219,7 +254,7 @@ class CaseSolver:
             gain = restart.ledger.gain if restart.ledger else 0.0
         demanded, metrics = replace(self.demanded, areas={}), self._metrics(static=False)
         solver = transient_solver(self.rom, step=load.step, integrator=load.integrator)
-        failed: list[str] = []
+        worst, failed = self.options.worst, list[str]()
         with self.books.stage(name, n_steps(load)) as advance:
             first = 0 if restart is None else restart.done + 1
             advance(max(first - 1, 0))
@@ -236,7 +271,7 @@ class CaseSolver:
                 for (solution,), (end,) in parts:
                     numbers = np.arange(first, first + len(solution.states))
                     solved = [(numbers, solution, None)]
-                    arrays = arrays_of(self.rom, numbers, solved, demanded, metrics, self.worst)
+                    arrays = arrays_of(self.rom, numbers, solved, demanded, metrics, worst)
                     self.checkpoint.put(_piece_key(load, count), arrays)
                     first, count, gain = first + len(numbers), count + 1, solution.energy_gain
                     stand = kept_restart(end) | {"count": np.asarray(count)}

@@ -11,7 +11,7 @@ from faying.assessment.joint_checks import joint_checks
 from faying.assessment.joint_judge import JointJudge, certified_cases, rest_of
 from faying.assessment.joint_record import CaseState
 from faying.assessment.opening import Openings, area_name, areas_that_open
-from faying.assessment.requirements import ClosedRing, Requirements, Verdict
+from faying.assessment.requirements import ClosedRing, Verdict
 from faying.assessment.sealing import Ring, ring_around
 from faying.assessment.slip_demand import slip_coefficients
 from faying.assessment.slip_reserve import SlipReserve, followed_openings
@@ -27,9 +27,8 @@ from faying.simulation.load import InputRow
 from faying.simulation.solution import Solution
 from faying.study.inputs.load_set import LoadSet
 from faying.study.judgement.margins import NASA, with_margins
-from faying.study.keys.requirement_tables import MarginsSection
 from faying.workflow.deciding_cases import Deciding
-from faying.workflow.solve_cases import CaseSolver
+from faying.workflow.solve_cases import CaseSolver, SolveOptions
 from faying.workflow.solved_cases import BENDING, OPENS, SLIDES, Demanded, SolvedCases
 
 STATIC = ""
@@ -39,14 +38,9 @@ ALL_STATIC = "all static cases"
 """Where a range of stress over all of them is from."""
 
 
-def demanded_of(
-    requirements: Requirements,
-    strengths: BoltStrengths,
-    margins: MarginsSection | None,
-    rom: ReducedModel,
-    rest: Solution,
-) -> Demanded:
+def demanded_of(options: SolveOptions, rom: ReducedModel, rest: Solution) -> Demanded:
     """Return what is asked of every case because a requirement judges it."""
+    requirements = options.requirements
     # With friction openings are followed where they are demanded.
     follows = not rom.contact.rubbing_interfaces or requirements.min_opening_factor is not None
     opens = areas_that_open(rom.interfaces, rom.contact.slices, rom.bolts) if follows else {}
@@ -60,26 +54,22 @@ def demanded_of(
         }
     return Demanded(
         rings=dict(_rings(requirements.closed_ring, rom)),
-        areas=_areas(requirements, strengths, margins, rom),
+        areas=_areas(options, rom),
         opens=opens,
         open_below=requirements.open_share,
         pressed={name: points for name, points in near.items() if points.any()},
     )
 
 
-def _areas(
-    requirements: Requirements,
-    strengths: BoltStrengths,
-    margins: MarginsSection | None,
-    rom: ReducedModel,
-) -> dict[str, TangentialRows]:
+def _areas(options: SolveOptions, rom: ReducedModel) -> dict[str, TangentialRows]:
     """Return what is carried along the areas whose slip is judged by sums, by name.
 
     Those around bolts are judged by the margins of a standard alone.
     """
-    judged = slip_coefficients(requirements.slip_friction, rom.contact.smooth_interfaces)
-    judged |= strengths.rubbing(rom.contact)
-    around = margins is not None and margins.standard == NASA
+    given = options.requirements.slip_friction
+    judged = slip_coefficients(given, rom.contact.smooth_interfaces)
+    judged |= options.strengths.rubbing(rom.contact)
+    around = options.margins is not None and options.margins.standard == NASA
     return {
         area_name(rows.interface, rows.bolt): rows
         for rows in rom.tangential
@@ -98,18 +88,15 @@ def _rings(rings: Sequence[ClosedRing], rom: ReducedModel) -> Iterator[tuple[str
 
 def solved_checks(
     solver: CaseSolver,
-    requirements: Requirements,
-    strengths: BoltStrengths,
-    margins: MarginsSection | None,
     static: SolvedCases | None,
     transients: Mapping[str, SolvedCases],
 ) -> tuple[tuple[Verdict, ...], tuple[Check, ...]]:
     """Judge a joint over the cases and instants that decide, and its bolts over all."""
     rom, loads, rubs = solver.rom, solver.loads, bool(solver.rom.contact.rubbing_interfaces)
-    sets = {**({} if static is None else {STATIC: static}), **transients}
+    options, sets = solver.options, {**({} if static is None else {STATIC: static}), **transients}
     decided: dict[int, CaseState] = {}
     if static is not None:
-        deciding = static.deciding(solver.worst)
+        deciding = static.deciding(options.worst)
         decided = solver.followed(deciding) if rubs else static.states(deciding)
     rows = list(decided)
     states = {loads.names[row]: state for row, state in decided.items()}
@@ -119,7 +106,7 @@ def solved_checks(
         clamps = certified_cases(solver.judge, rom, names, loads.inputs[rows], pressure)
         states = {name: replace(states[name], certified=clamps[name]) for name in names}
     for name, cases in transients.items():
-        at = cases.states(cases.deciding(solver.worst))
+        at = cases.states(cases.deciding(options.worst))
         states |= {cases.named(name, row): state for row, state in at.items()}
     if not states:
         message = "no case was solved, so there is nothing to judge"
@@ -141,8 +128,8 @@ def solved_checks(
         exact=rom,
         preloaded=rest_of(solver.rest),
         cases=states,
-        requirements=requirements,
-        strengths=strengths,
+        requirements=options.requirements,
+        strengths=options.strengths,
         attempt=solver.books.attempt,
         loads=() if rubs else _loads(loads, [*rows, *map(loads.names.index, openings)]),
         summed=summed,
@@ -159,7 +146,7 @@ def solved_checks(
         apart = [_told_apart(end, loads) for end in ends]
         stressed = judge.strengthened(assessment, histories, apart, loads.repetitions)
         solved = {*histories, *(load.name for load in judge.loads)}
-        worst = _worst_rows(loads, strengths, apart, stressed.checks)
+        worst = _worst_rows(loads, options.strengths, apart, stressed.checks)
         more = [row for row in sorted(worst) if loads.names[row] not in solved]
         if not more or not (rubs or ends[0].solved):
             break
@@ -170,7 +157,7 @@ def solved_checks(
     assessment = judge.at_ends(assessment, ends)
     assessment = judge.strengthened(assessment, histories, apart, loads.repetitions)
     checks = tuple(_labelled(check, sets) for check in assessment.checks)
-    assessment = with_margins(replace(assessment, checks=checks), judge, margins, summed)
+    assessment = with_margins(replace(assessment, checks=checks), judge, options.margins, summed)
     return assessment.verdicts, joint_checks(assessment, rom.unit_set, reserves)
 
 

@@ -12,7 +12,7 @@ from faying.simulation.tightening_plan import TighteningPlan, tightening_plan
 from faying.simulation.without_friction import smooth_joint
 from faying.study.inputs.load_model import build_loaded, check_interfaces, load_model
 from faying.study.keys.tables import Study
-from faying.study.keys.threads import thread_of, threads_of
+from faying.study.keys.threads import StudyBolts, thread_of
 from faying.study.stages.books import Books, ProgressBar
 
 
@@ -76,7 +76,7 @@ def overstressed(study: Study, plan: TighteningPlan) -> dict[str, float]:
     largest: dict[str, float] = {}
     for bolt, setting in zip(plan.turned, plan.settings.tolist(), strict=True):
         largest[bolt] = max(setting, largest.get(bolt, 0.0))
-    threads = threads_of(study)
+    threads = StudyBolts.of(study).threads
     used = {
         bolt: tightening_stress(threads[bolt], setting)
         / threads[bolt].strengths(study.units).yields

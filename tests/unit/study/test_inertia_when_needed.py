@@ -10,7 +10,7 @@ from faying.linalg.memory import NotEnoughMemoryError
 from faying.report.methods import headline, verdicts
 from faying.study.keys.schema import parse_study
 from faying.study.results.store import read_results
-from faying.study.stages import case_solution
+from faying.study.stages import cases
 from faying.workflow.run import run
 from small_study import TINY_JOINT, reduction, static, step
 
@@ -133,7 +133,7 @@ def test_shapes_that_do_not_fit_cost_no_result(tmp_path, monkeypatch):
         message = "370 shapes of interface and inertia do not fit"
         raise NotEnoughMemoryError(message)
 
-    monkeypatch.setattr(case_solution, "attachment_modes", too_many)
+    monkeypatch.setattr(cases, "attachment_modes", too_many)
     summary, results = outcome(tmp_path)
     said = "jump, compliance+inertia: 370 shapes of interface and inertia do not fit"
     assert summary["warnings"] == [said]

@@ -14,7 +14,7 @@ from faying.simulation.preload_loss import PreloadLoss
 from faying.study.keys.loadings import loadings
 from faying.study.keys.model_tables import BoltSection
 from faying.study.keys.tables import Study
-from faying.study.keys.threads import final_forces, forced_bolts, thread_of
+from faying.study.keys.threads import StudyBolts, thread_of
 
 FORCES = (
     "preload", "initial_force", "torque", "utilisation", "size", "head", "grade", "strength",
@@ -143,7 +143,7 @@ def _pull(load: NodalLoads, nodes: list[int]) -> float:
 
 def initial_forces(study: Study, described: JointDescription) -> dict[str, float]:
     """Return the initial forces that the study, or else the source, locks bolts at, by name."""
-    tightened = final_forces(study)
+    tightened = StudyBolts.of(study).forces
     forces = {n: force for n, force in described.initial_forces.items() if n not in tightened}
     wished = {b.name: b.initial_force for b in study.bolts if b.initial_force is not None}
     return forces | wished
@@ -162,7 +162,7 @@ def unlocked(
     study: Study, described: JointDescription, bolts: Sequence[BoltSpec]
 ) -> list[BoltSpec]:
     """Return the bolts that the source never locks, but for those whose force the study gives."""
-    forced = forced_bolts(study)
+    forced = StudyBolts.of(study).forced
     return [bolt for bolt in bolts if bolt.name in described.unlocked - forced]
 
 
@@ -170,7 +170,7 @@ def preloads(
     study: Study, described: JointDescription, bolts: tuple[BoltSpec, ...]
 ) -> dict[str, float]:
     """Return the final force of every bolt that is not locked at an initial one."""
-    wished = final_forces(study)
+    wished = StudyBolts.of(study).forces
     locked = initial_forces(study, described)
     forces = {**described.preloads, **wished}
     for bolt in bolts:

@@ -12,7 +12,7 @@ from faying.model.generated_bolt import seat_offset
 from faying.model.specs import BoltSpec
 from faying.study.inputs.load_model import LoadedModel
 from faying.study.keys.tables import Study
-from faying.study.keys.threads import threads_of
+from faying.study.keys.threads import StudyBolts
 from faying.study.results.values import CaseResult, Results
 from faying.units import LENGTHS, MASSES, pascals, units_of
 
@@ -139,7 +139,7 @@ def doubts(materials: Mapping[int, Material], units: str) -> Iterator[str]:
 def bolt_doubts(study: Study, loaded: LoadedModel) -> Iterator[str]:
     """Yield what cannot be right about preloads, of bolts whose section is known."""
     pascal = pascals(study.units)
-    threads = threads_of(study)
+    threads = StudyBolts.of(study).threads
     low, high = TIGHTENED
     for spec in loaded.bolts if pascal else ():
         force = loaded.preloads.get(spec.name, loaded.initial_forces.get(spec.name, 0.0))

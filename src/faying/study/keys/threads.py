@@ -2,7 +2,8 @@
 
 import tomllib
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -52,108 +53,6 @@ def thread_of(bolt: BoltSection, units: str) -> Thread | None:
     return replace(thread, bearing=(outer, inner), head_diameter=rubs)
 
 
-def strengths_of(study: Study) -> BoltStrengths:
-    """Return what the strength of the bolts of a study is judged by."""
-    scatter, margins = study.preload_scatter, study.requirement.margins
-    return _strengths(study.bolts, scatter, margins, study.units)
-
-
-def stored_strengths(text: str, units: str) -> BoltStrengths:
-    """Return that of a study that was checked before; its files need not be here."""
-    tables = tomllib.loads(text)
-    scatter = tables.get("preload_scatter")
-    return _strengths(
-        [BoltSection.model_validate(bolt) for bolt in tables.get("bolt", [])],
-        None if scatter is None else ScatterSection.model_validate(scatter),
-        RequirementSection.model_validate(tables.get("requirement", {})).margins,
-        units,
-    )
-
-
-def _strengths(
-    bolts: Sequence[BoltSection],
-    scatter: ScatterSection | None,
-    margins: MarginsSection | None,
-    units: str,
-) -> BoltStrengths:
-    rubs = None if scatter is None else scatter.surface_friction
-    heated = () if scatter is None else scatter.temperatures
-    return BoltStrengths(
-        threads=_threads(bolts, units),
-        ranges=_ranges(bolts, scatter, margins, units),
-        tightened=_final_forces(bolts, scatter, units),
-        temperatures={name: Load({name: 1.0}, name=name) for name in heated},
-        smallest_friction=None if rubs is None else rubs[0],
-    )
-
-
-def threads_of(study: Study) -> dict[str, Thread]:
-    """Return the threads of the bolts of a study whose size and grade it names, by name."""
-    return _threads(study.bolts, study.units)
-
-
-def _threads(bolts: Sequence[BoltSection], units: str) -> dict[str, Thread]:
-    graded = [bolt for bolt in bolts if bolt.thread or bolt.grade or bolt.strength]
-    threads = {bolt.name: thread_of(bolt, units) for bolt in graded}
-    return {name: thread for name, thread in threads.items() if thread is not None}
-
-
-def _ranges(
-    bolts: Sequence[BoltSection],
-    scatter: ScatterSection | None,
-    margins: MarginsSection | None,
-    units: str,
-) -> dict[str, PreloadRange]:
-    losses = _losses(margins)
-    ranges = {}
-    for bolt in bolts:
-        smallest, largest = _of_friction(bolt, scatter, units)
-        ranges[bolt.name] = replace(
-            losses,
-            variation=variation_in(bolt, scatter),
-            least_control=losses.least_control * smallest,
-            most_control=losses.most_control * largest,
-        )
-    return ranges
-
-
-def _of_friction(
-    bolt: BoltSection, scatter: ScatterSection | None, units: str
-) -> tuple[float, float]:
-    """Return the preload of a torque where friction is largest and smallest, over that meant."""
-    thread = thread_of(bolt, units)
-    if scatter is None or scatter.thread_friction is None or scatter.head_friction is None:
-        return 1.0, 1.0
-    if thread is None or thread.head_diameter is None:
-        return 1.0, 1.0
-    in_thread, at_head = np.array([scatter.thread_friction, scatter.head_friction])
-    meant = thread.torque_per_force(in_thread.mean(), at_head.mean())
-    largest, smallest = meant / thread.torque_per_force(in_thread, at_head)
-    return float(smallest), float(largest)
-
-
-def variation_in(bolt: BoltSection, scatter: ScatterSection | None) -> float:
-    """Return Γ of the preload of a bolt, its own or that of all."""
-    if bolt.gamma is not None:
-        return bolt.gamma
-    return variation_of(bolt.tightening_factor or (scatter.tightening_factor if scatter else 1.0))
-
-
-def _losses(margins: MarginsSection | None) -> PreloadRange:
-    """Return what is lost and gained of every preload, by the standard that a study names."""
-    if margins is None:
-        return PreloadRange()
-    low, high = margins.control
-    return PreloadRange(
-        loss=margins.relaxation,
-        creep=margins.creep,
-        gained=margins.thermal_gain,
-        lost=margins.thermal_loss,
-        least_control=low,
-        most_control=high,
-    )
-
-
 def final_force(bolt: BoltSection, units: str, variation: float = 0.0) -> float | None:
     """Return the force that a bolt is tightened to; None where the study does not tell.
 
@@ -172,19 +71,104 @@ def final_force(bolt: BoltSection, units: str, variation: float = 0.0) -> float 
     return bolt.preload
 
 
-def final_forces(study: Study) -> dict[str, float]:
-    """Return the forces that bolts of a study are tightened to, of those that are."""
-    return _final_forces(study.bolts, study.preload_scatter, study.units)
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StudyBolts:
+    """The bolts of a study, how their preloads scatter, and the margins that are demanded."""
 
+    bolts: Sequence[BoltSection]
+    scatter: ScatterSection | None
+    margins: MarginsSection | None
+    units: str
 
-def _final_forces(
-    bolts: Sequence[BoltSection], scatter: ScatterSection | None, units: str
-) -> dict[str, float]:
-    forces = {bolt.name: final_force(bolt, units, variation_in(bolt, scatter)) for bolt in bolts}
-    return {name: force for name, force in forces.items() if force is not None}
+    @classmethod
+    def of(cls, study: Study) -> Self:
+        """Take them from a study."""
+        scatter, margins = study.preload_scatter, study.requirement.margins
+        return cls(bolts=study.bolts, scatter=scatter, margins=margins, units=study.units)
 
+    @classmethod
+    def stored(cls, text: str, units: str) -> Self:
+        """Take them from a study that was checked before; its files need not be here."""
+        tables = tomllib.loads(text)
+        scatter = tables.get("preload_scatter")
+        return cls(
+            bolts=[BoltSection.model_validate(bolt) for bolt in tables.get("bolt", [])],
+            scatter=None if scatter is None else ScatterSection.model_validate(scatter),
+            margins=RequirementSection.model_validate(tables.get("requirement", {})).margins,
+            units=units,
+        )
 
-def forced_bolts(study: Study) -> set[str]:
-    """Return the bolts whose final or initial force the study tells."""
-    locked = {bolt.name for bolt in study.bolts if bolt.initial_force is not None}
-    return {*final_forces(study), *locked}
+    @property
+    def strengths(self) -> BoltStrengths:
+        """What the strength of the bolts is judged by."""
+        scatter = self.scatter or ScatterSection()
+        rubs = scatter.surface_friction
+        return BoltStrengths(
+            threads=self.threads,
+            ranges=self.ranges,
+            tightened=self.forces,
+            temperatures={name: Load({name: 1.0}, name=name) for name in scatter.temperatures},
+            smallest_friction=None if rubs is None else rubs[0],
+        )
+
+    @property
+    def threads(self) -> dict[str, Thread]:
+        """The threads of the bolts whose size and grade are named, by name."""
+        graded = [bolt for bolt in self.bolts if bolt.thread or bolt.grade or bolt.strength]
+        threads = {bolt.name: thread_of(bolt, self.units) for bolt in graded}
+        return {name: thread for name, thread in threads.items() if thread is not None}
+
+    @property
+    def forces(self) -> dict[str, float]:
+        """The forces that bolts are tightened to, of those that are."""
+        forces = {b.name: final_force(b, self.units, self._variation(b)) for b in self.bolts}
+        return {name: force for name, force in forces.items() if force is not None}
+
+    @property
+    def forced(self) -> set[str]:
+        """The bolts whose final or initial force the study tells."""
+        locked = {bolt.name for bolt in self.bolts if bolt.initial_force is not None}
+        return {*self.forces, *locked}
+
+    @property
+    def ranges(self) -> dict[str, PreloadRange]:
+        """How each preload scatters, and what it loses by the standard that is named."""
+        margins, losses = self.margins, PreloadRange()
+        if margins is not None:
+            losses = PreloadRange(
+                loss=margins.relaxation,
+                creep=margins.creep,
+                gained=margins.thermal_gain,
+                lost=margins.thermal_loss,
+                least_control=margins.control[0],
+                most_control=margins.control[1],
+            )
+        ranges = {}
+        for bolt in self.bolts:
+            smallest, largest = self._of_friction(bolt)
+            ranges[bolt.name] = replace(
+                losses,
+                variation=self._variation(bolt),
+                least_control=losses.least_control * smallest,
+                most_control=losses.most_control * largest,
+            )
+        return ranges
+
+    def _variation(self, bolt: BoltSection) -> float:
+        """Return Γ of the preload of a bolt, its own or that of all."""
+        if bolt.gamma is not None:
+            return bolt.gamma
+        shared = self.scatter.tightening_factor if self.scatter else 1.0
+        return variation_of(bolt.tightening_factor or shared)
+
+    def _of_friction(self, bolt: BoltSection) -> tuple[float, float]:
+        """Return the preload of a torque where friction is largest and least, over that meant."""
+        thread, scatter = thread_of(bolt, self.units), self.scatter
+        if scatter is None or scatter.thread_friction is None or scatter.head_friction is None:
+            return 1.0, 1.0
+        if thread is None or thread.head_diameter is None:
+            return 1.0, 1.0
+        in_thread, at_head = np.array([scatter.thread_friction, scatter.head_friction])
+        meant = thread.torque_per_force(in_thread.mean(), at_head.mean())
+        largest, smallest = meant / thread.torque_per_force(in_thread, at_head)
+        return float(smallest), float(largest)

@@ -10,13 +10,16 @@ from faying._typing import Matrix
 from faying.assessment.certificate import Certificate, Certifier, Measure
 from faying.assessment.mesh_error import MeshError, mesh_errors, smoothings
 from faying.assessment.slip_reserve import SlipReserve
-from faying.assessment.transient_error import REMEDY
+from faying.assessment.transient_error import EXACT, REMEDY
 from faying.exceptions import ConvergenceError
 from faying.files.flattening import flattened, restored
 from faying.interface.smoothing import Smoothing
 from faying.joint.system import System
 from faying.model.boundary import DISPLACEMENT_NAMES
+from faying.reduction.attachment import attachment_modes
+from faying.reduction.basis import Basis
 from faying.reduction.methods import METHODS
+from faying.reduction.projection import projected
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
 from faying.simulation.solution import Solution
@@ -26,16 +29,10 @@ from faying.study.judgement.comparison import accuracy, recovered_error, slip_er
 from faying.study.keys.requirement_rules import requirements_of
 from faying.study.keys.tables import LoadCaseSection
 from faying.study.results.responses import respond
-from faying.study.results.second_solution import Remedy
+from faying.study.results.second_solution import PROJECTION, SHAPES, Remedy
 from faying.study.results.values import FULL_MODEL, CaseResult, MethodResult, Response
 from faying.study.stages.books import Books
-from faying.study.stages.case_solution import (
-    CURED,
-    InertiaWhenNeeded,
-    judged,
-    remedy_of,
-    solve_case,
-)
+from faying.study.stages.case_solution import judged, remedy_of, solve_case
 from faying.study.stages.full_transients import (
     FullTransient,
     full_transients,
@@ -58,13 +55,19 @@ Models = Mapping[str, Mapping[int, System]]
 
 @dataclass(eq=False, kw_only=True)
 class CaseRunner:
-    """What all load cases of a run share."""
+    """What all load cases of a run share.
+
+    The classic basis is that of the study's methods. What was ``built`` is the reduced model with
+    inertia at the interface, where a transient asked for it that the study does not name;
+    ``docs/theory/transient_accuracy.md`` says when.
+    """
 
     joint: PreparedJoint
     models: Models
     groups: Sequence[Mapping[str, FullTransient]]
     reference: Reference
-    inertia: InertiaWhenNeeded
+    classic: Basis
+    built: ReducedModel | None = None
 
     @property
     def books(self) -> Books:
@@ -97,9 +100,9 @@ class CaseRunner:
                 compared = self._compared(case, rom, method, count, reference, failures)
                 if compared is not None:
                     methods[method][count] = compared
-        if remedy is None and not self.inertia.named:
+        if remedy is None and REMEDY not in self.models:
             with self.books.attempt(f"{case.name}, {REMEDY}"):
-                remedy = self._with_inertia(case, methods, reference, failures)
+                remedy = self._remedied(case, methods, reference, failures)
         half_step = None
         with self.books.attempt(f"{case.name}, half the time step"):
             half_step = _sound(self._half_step(case, solved))
@@ -164,7 +167,7 @@ class CaseRunner:
             certified_bound=_bound(certificate, "max_relative_error"),
         )
 
-    def _with_inertia(
+    def _remedied(
         self,
         case: LoadCaseSection,
         methods: dict[str, dict[int, MethodResult]],
@@ -172,15 +175,38 @@ class CaseRunner:
         failures: list[str],
     ) -> Remedy | None:
         """Compare with inertia at the interface too, where the estimate asks for it."""
-        first = methods.get(CURED, {}).get(0)
-        if first is None or not self.inertia.wanted(first.response, self._tolerance(case)):
+        first = methods.get(EXACT, {}).get(0)
+        if first is None or not self._is_off(first.response, self._tolerance(case)):
             return None
-        result = self._compared(case, self.inertia.system, REMEDY, 0, reference, failures)
+        result = self._compared(case, self._with_inertia, REMEDY, 0, reference, failures)
         if result is None:
             return None
         methods[REMEDY] = {0: result}
         second = (REMEDY, result.response)
-        return remedy_of((CURED, first.response), second, self._tolerance(case))
+        return remedy_of((EXACT, first.response), second, self._tolerance(case))
+
+    @property
+    def _with_inertia(self) -> System:
+        """The reduced model with inertia at the interface, once for all load cases.
+
+        Notes
+        -----
+        One back-substitution for each contact pair and more, as
+        :func:`~faying.reduction.attachment.attachment_modes`.
+        """
+        if REMEDY in self.models:
+            return self.models[REMEDY][0]
+        if self.built is None:
+            with self.books.stage(SHAPES):
+                basis = attachment_modes(self.joint.model, classic=self.classic)
+            with self.books.stage(PROJECTION):
+                self.built = projected(self.joint.model, basis)
+        return self.built
+
+    def _is_off(self, response: Response, tolerance: float) -> bool:
+        """Say whether the estimated error of a transient is too large to be left as it is."""
+        allowed, estimate = self.joint.study.reduction.inertia, response.estimate
+        return allowed and estimate is not None and estimate.max_relative_error > tolerance
 
     def _jumps(self, case: LoadCaseSection) -> tuple[Jump, ...]:
         if not case.transient:
@@ -268,10 +294,10 @@ class CaseRunner:
             self.reference.name,
         )
         tolerance = self._tolerance(case)
-        if not self.inertia.wanted(first.response, tolerance):
+        if not self._is_off(first.response, tolerance):
             return first
         with self.books.attempt(f"{case.name}, {REMEDY}"):
-            system, label = self.inertia.system, f"{REMEDY}/0"
+            system, label = self._with_inertia, f"{REMEDY}/0"
             response = self._response(case, system, label)
             remedy = remedy_of((first.name, first.response), (REMEDY, response), tolerance)
             if remedy.helped:

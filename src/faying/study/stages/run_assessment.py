@@ -18,7 +18,7 @@ from faying.study.judgement.comparison import state_of_case
 from faying.study.judgement.margins import with_margins
 from faying.study.keys.requirement_rules import requirements_of
 from faying.study.keys.tables import LoadCaseSection, Study
-from faying.study.keys.threads import strengths_of
+from faying.study.keys.threads import StudyBolts
 from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.results.values import CaseResult
 from faying.study.stages.offline import PreparedJoint
@@ -61,7 +61,7 @@ def assess_run(
             preloaded=_bent_in_all(rest_of(joint.rest), states),
             cases=states,
             requirements=requirements_of(study.requirement),
-            strengths=replace(strengths_of(study), tightened=joint.loaded.preloads),
+            strengths=replace(StudyBolts.of(study).strengths, tightened=joint.loaded.preloads),
             attempt=books.attempt,
             loads=smooth,
             followed=[load.name for load in smooth],
