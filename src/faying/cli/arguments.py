@@ -1,6 +1,7 @@
 """Arguments that several commands share."""
 
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,6 +12,8 @@ from faying.exceptions import CampaignError, StudyError
 
 if TYPE_CHECKING:
     from faying.execution import Executor
+    from faying.study.keys.tables import Study
+    from faying.study.stages.books import ProgressBar
 
 StudyPath = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study file.")]
 Resume = Annotated[
@@ -64,3 +67,21 @@ def shared_executor(workers: int, scheduler: str | None, stack: ExitStack) -> "E
         message = "--workers and --scheduler exclude each other; the cluster has its own workers"
         raise CampaignError(message)
     return stack.enter_context(DaskExecutor.connect(scheduler))
+
+
+@contextmanager
+def study_work(
+    path: Path, workers: int = 1, scheduler: str | None = None
+) -> Iterator[tuple["Study", "ProgressBar", "Executor | None"]]:
+    """Read a study, show how far work on it is, and share it among workers."""
+    from rich.console import Console
+
+    from faying.cli.progress import progress_bar
+    from faying.study.keys.schema import naming_tables, read_study
+
+    study = read_study(path)
+    with ExitStack() as stack:
+        executor = shared_executor(workers, scheduler, stack)
+        bar = stack.enter_context(progress_bar(Console(stderr=True)))
+        stack.enter_context(naming_tables(study))
+        yield study, bar, executor

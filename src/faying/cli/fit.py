@@ -1,7 +1,5 @@
 """``faying fit`` and ``faying band``: what a test says of a joint, what ranges leave open."""
 
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,16 +9,13 @@ from faying.cli.arguments import (
     Scheduler,
     StudyPath,
     results_folder,
-    shared_executor,
+    study_work,
     usable_folder,
     workers_for,
 )
 
 if TYPE_CHECKING:
     from faying.assessment.identification import Identification
-    from faying.execution.executor import Executor
-    from faying.study.keys.tables import Study
-    from faying.study.stages.books import ProgressBar
 
 Workers = Annotated[int, workers_for("the backbones")]
 
@@ -38,7 +33,7 @@ def fit(
     from faying.workflow.fit import fit_study
 
     folder = usable_folder(out or Path(f"{study.stem}-fit"))
-    with _checked(study, workers, scheduler) as (checked, bar, executor):
+    with study_work(study, workers, scheduler) as (checked, bar, executor):
         fitted = fit_study(checked, folder, progress=bar, executor=executor)
     _show(fitted)
     typer.echo(f"Results are in {folder}")
@@ -57,30 +52,12 @@ def band(
     from faying.workflow.fit import band_of_study
 
     folder = usable_folder(out or Path(f"{study.stem}-band"))
-    with _checked(study, workers, scheduler) as (checked, bar, executor):
+    with study_work(study, workers, scheduler) as (checked, bar, executor):
         bands = band_of_study(checked, folder, progress=bar, executor=executor)
     for name, covered in bands.items():
         shown = ", ".join(f"{what} {text}" for what, text in covered.facts.items())
         typer.echo(f"{name}: {shown}")
     typer.echo(f"Results are in {folder}")
-
-
-@contextmanager
-def _checked(
-    study: Path, workers: int, scheduler: str | None
-) -> Iterator[tuple["Study", "ProgressBar", "Executor | None"]]:
-    """Read a study, show how far it is, and share its backbones among workers."""
-    from rich.console import Console
-
-    from faying.cli.progress import progress_bar
-    from faying.study.keys.schema import naming_tables, read_study
-
-    checked = read_study(study)
-    with ExitStack() as stack:
-        executor = shared_executor(workers, scheduler, stack)
-        bar = stack.enter_context(progress_bar(Console(stderr=True)))
-        stack.enter_context(naming_tables(checked))
-        yield checked, bar, executor
 
 
 def _show(fitted: "Identification") -> None:

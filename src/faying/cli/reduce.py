@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from faying.cli.arguments import StudyPath
+from faying.cli.arguments import StudyPath, study_work
 
 
 def reduce(
@@ -29,16 +29,11 @@ def reduce(
     ] = True,
 ) -> None:
     """Reduce the model of a study into one file, which `faying solve` needs nothing else with."""
-    from rich.console import Console
-
     from faying.cli.export import model_sizes
-    from faying.cli.progress import progress_bar
-    from faying.study.keys.schema import naming_tables, read_study
     from faying.workflow.reduce import reduce_study
 
-    checked = read_study(study)
     target = out or Path(f"{study.stem}.faying")
-    with progress_bar(Console(stderr=True)) as bar, naming_tables(checked):
+    with study_work(study) as (checked, bar, _):
         rom = reduce_study(
             checked,
             target,

@@ -1,6 +1,5 @@
 """``faying run`` computes a study; ``faying demo`` the bolted cantilever with every method."""
 
-from contextlib import ExitStack
 from pathlib import Path
 from time import perf_counter
 from typing import Annotated
@@ -12,7 +11,7 @@ from faying.cli.arguments import (
     Scheduler,
     StudyPath,
     results_folder,
-    shared_executor,
+    study_work,
     usable_folder,
     workers_for,
 )
@@ -36,39 +35,28 @@ def compute(
     path: Path, out: Path, *, resume: bool, workers: int = 1, scheduler: str | None = None
 ) -> None:
     """Run the study of a file into a folder and exit with 1 if something did not converge."""
-    with resumable(["faying", "run", str(path), "--out", str(out)], out):
-        _compute(path, out, resume=resume, workers=workers, scheduler=scheduler)
-
-
-def _compute(path: Path, out: Path, *, resume: bool, workers: int, scheduler: str | None) -> None:
     since = perf_counter()  # importing what computes takes a second
-    from faying.study.keys.schema import read_study
+    with resumable(["faying", "run", str(path), "--out", str(out)], out):
+        from rich.console import Console
 
-    study = read_study(path)
-    if not study.load_cases and not study.frequencies:
-        message = (
-            f"{path.name} has neither [[load_case]] nor [[frequency]]; add one, there is nothing "
-            "to compute"
-        )
-        raise StudyError(message)
-    usable_folder(out)
-    from rich.console import Console
+        with study_work(path, workers, scheduler) as (study, bar, executor):
+            if not study.load_cases and not study.frequencies:
+                message = (
+                    f"{path.name} has neither [[load_case]] nor [[frequency]]; add one, there is "
+                    "nothing to compute"
+                )
+                raise StudyError(message)
+            usable_folder(out)
+            from faying.workflow.run import run as run_study
 
-    from faying.cli.outcome import end, show_outcome
-    from faying.cli.progress import progress_bar
-    from faying.study.keys.schema import naming_tables
-    from faying.workflow.run import run as run_study
+            result = run_study(
+                study, out, resume=resume, progress=bar, executor=executor, since=since
+            )
+        from faying.cli.outcome import end, show_outcome
 
-    with ExitStack() as stack:
-        executor = shared_executor(workers, scheduler, stack)
-        progress = stack.enter_context(progress_bar(Console(stderr=True)))
-        stack.enter_context(naming_tables(study))
-        result = run_study(
-            study, out, resume=resume, progress=progress, executor=executor, since=since
-        )
-    console = Console(markup=False)
-    show_outcome(result.summary, out, console)
-    end(result, out, console, "solutions")
+        console = Console(markup=False)
+        show_outcome(result.summary, out, console)
+        end(result, out, console, "solutions")
 
 
 def demo(

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from faying.cli.arguments import StudyPath
+from faying.cli.arguments import StudyPath, study_work
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -30,15 +30,10 @@ def tighten(
 
     The order is that of the bolts in the study.
     """
-    from rich.console import Console
-
-    from faying.cli.progress import progress_bar
-    from faying.study.keys.schema import naming_tables, read_study
     from faying.workflow.tighten import overstressed, plan_of_study, torques_per_force, write_plan
 
-    checked = read_study(study)
     target = out or Path(f"{study.stem}-plan.csv")
-    with progress_bar(Console(stderr=True)) as bar, naming_tables(checked):
+    with study_work(study) as (checked, bar, _):
         plan = plan_of_study(checked, passes=passes, progress=bar)
     torques = torques_per_force(checked)
     write_plan(plan, target, torques)

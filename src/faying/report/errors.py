@@ -1,6 +1,6 @@
 """The page on methods: errors in each load case and beyond, what bounds are worth, and cost."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -67,20 +67,21 @@ def error_table(case: CaseResult) -> Table:
     """Return the errors of every method and size in one load case."""
     if case.reference.backbones:
         return backbone_error_table(case)
-    rows = {
-        label(name, count): result
-        for name, sizes in case.methods.items()
-        for count, result in sorted(sizes.items())
-    }
-    return described("method", rows.items(), ERRORS, NO_UNITS)
+    return described("method", _by_size(case.methods), ERRORS, NO_UNITS)
+
+
+def _by_size(methods: Mapping[str, Mapping[int, Any]]) -> Iterator[tuple[str, Any]]:
+    """Yield what belongs to methods of all sizes, by what these are called."""
+    for name, sizes in methods.items():
+        for count, result in sorted(sizes.items()):
+            yield label(name, count), result
 
 
 def backbone_error_table(case: CaseResult) -> Table:
     """Return how far the backbones of every method are from those of the full model."""
     rows = {
-        label(name, count): (errors, result)
-        for name, sizes in case.methods.items()
-        for count, result in sorted(sizes.items())
+        name: (errors, result)
+        for name, result in _by_size(case.methods)
         if (errors := backbone_errors(result.response, case.reference)) is not None
     }
     columns = (
@@ -94,16 +95,12 @@ def backbone_error_table(case: CaseResult) -> Table:
 def load_space_table(results: Results) -> Table:
     """Return errors at unseen loads; no rows without a load space."""
     record = results.validation.load_space
-    rows = {
-        label(name, count): result
-        for name, sizes in (record.methods.items() if record else ())
-        for count, result in sorted(sizes.items())
-    }
+    rows = _by_size(record.methods if record else {})
     columns = (
         Column("median load's max error", lambda space: _share(space.median_error), "%", 3),
         Column("worst load's max error", lambda space: _judged(space.worst_error), "%"),
     )
-    return described("method", rows.items(), columns, NO_UNITS)
+    return described("method", rows, columns, NO_UNITS)
 
 
 def choice_table(results: Results) -> Table:

@@ -8,7 +8,7 @@ import numpy as np
 
 from faying.display.quantities import quantity
 from faying.interface.surface import curve_of
-from faying.report.table import Column, Table, described, table
+from faying.report.table import Column, Table, described
 from faying.study.judgement.model_warnings import kept_share
 from faying.study.results.values import InterfaceRecord, Results
 from faying.units import Units
@@ -29,7 +29,7 @@ def model_table(results: Results) -> Table:
         *_normal_modes(results),
         ("units", f"{results.units}: forces in {units.force}, pressures in {units.pressure}"),
     ]
-    return table(("model", ""), rows)
+    return described("model", rows, (Column("", lambda text: text),), units)
 
 
 def _factorization(results: Results) -> Iterator[tuple[str, str]]:

@@ -118,15 +118,6 @@ LARGE = 1e6
 """Whole numbers beyond are shown with their leading digits alone."""
 
 
-def table(columns: Iterable[str], rows: Iterable[Iterable[str | Cell]]) -> Table:
-    """Return a table of texts and cells."""
-    cells = tuple(
-        tuple(item if isinstance(item, Cell) else Cell(text=item) for item in row) for row in rows
-    )
-    heads = tuple(columns)
-    return Table(columns=heads, rows=cells, names=heads)
-
-
 def graded(fraction: float, grade: str, digits: int = 3) -> Cell:
     """Return a share in percent with its grade."""
     text = cell(100 * fraction, Column("", lambda row: row, "%", digits)).text
