@@ -77,7 +77,7 @@ class Table:
 def described(
     head: str, rows: Iterable[tuple[str, Any]], columns: Iterable[Column], units: Units
 ) -> Table:
-    """Return a table of named rows, without columns in which nothing stands.
+    """Return a table of named rows, without columns in which nothing stands; names alone are none.
 
     ``head`` is that of the first column, which has the names.
     """
@@ -86,6 +86,7 @@ def described(
     filled = [
         (definition, values) for definition, values in entries if any(v is not None for v in values)
     ]
+    named = named if filled else []
     heads, names = [head], [head]
     for column, _ in filled:
         unit = units.of(column.dimension)

@@ -118,6 +118,7 @@ def test_numbers_stand_in_columns_with_their_unit_above():
     assert table.rows[0][1].value == 9962.25
     assert table.rows[1][1].text == "−2"
     assert table.rows[1][3].text == "< 1e-7"  # round-off
+    assert described("bolt", [("b", 0.0)], columns[2:3], MM).rows == ()  # names alone
 
 
 def test_page_stands_alone(written):
