@@ -73,7 +73,8 @@ def solve(
         from faying.study.keys.requirement_rules import requirements_of
         from faying.study.keys.schema import stored_requirement
         from faying.study.keys.threads import StudyBolts
-        from faying.workflow.solve import SolveOptions, bolt_loads, solve_loads
+        from faying.workflow.solve import bolt_loads, solve_loads
+        from faying.workflow.solve_cases import SolveOptions
 
         if step is not None and not 0 < step < float("inf"):
             message = f"--step is {step:g}; give a positive time"

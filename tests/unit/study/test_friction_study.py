@@ -303,9 +303,9 @@ def test_a_run_that_was_stopped_ends_with_the_same_numbers(study, finished, tmp_
     calls, cycled, reserved = [], [], []
     follow, cycle = path_cases.follow_path, path_cases.solve_cycles
 
-    def followed(system, loads, initial, name, *more):
-        calls.append(name)
-        return follow(system, loads, initial, name, *more)
+    def followed(run, loads):
+        calls.append(run.case.name)
+        return follow(run, loads)
 
     def interrupted(system, load, amplitude, *more, **options):
         cycled.append(amplitude)

@@ -31,7 +31,8 @@ from faying.study.results.store import read_results
 from faying.workflow import deciding_cases, solve_cases
 from faying.workflow.reduce import reduce_study
 from faying.workflow.run import run
-from faying.workflow.solve import SolveOptions, solve_loads
+from faying.workflow.solve import solve_loads
+from faying.workflow.solve_cases import SolveOptions
 from small_study import BEND, JUMP, NO_REPORT, PULL, SMALL_JOINT, UNCHECKED, reduction
 
 LOADS = BEND + PULL + JUMP

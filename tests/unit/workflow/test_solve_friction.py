@@ -18,7 +18,8 @@ from faying.study.keys.schema import read_study
 from faying.study.results.store import read_results
 from faying.workflow.reduce import reduce_study
 from faying.workflow.run import run
-from faying.workflow.solve import SolveOptions, bolt_loads, solve_loads
+from faying.workflow.solve import bolt_loads, solve_loads
+from faying.workflow.solve_cases import SolveOptions
 from small_study import BEND, NO_REPORT, TINY_JOINT, UNCHECKED, reduction, static, step
 
 LOADS = BEND + static("pull", "Fx", 1500.0) + step("jump", "Fx", 900.0).replace("0.5", "0.25")
