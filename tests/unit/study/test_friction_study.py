@@ -370,9 +370,10 @@ def test_the_report_says_first_what_slips(results, tmp_path):
     assert page.count("The joint slips: ") == 1
     assert "macroslip" in slips
     names = {path.stem for path in (tmp_path / "figures").iterdir()}
-    assert {"case_pull_slip", "case_pull_path", "case_way_slip", "case_way_path"} <= names
-    assert {"case_shake_slip", "case_shake_loops", "case_shake_fretting"} <= names
+    assert {"case_way_path", "case_shake_loops", "case_shake_fretting"} <= names
     assert "case_shake_path" not in names
+    (drawn,) = (name for name in names if name.endswith("_slip"))  # where most slips
+    assert drawn.removeprefix("case_").removesuffix("_slip") in slips
     rows = cells(friction_table(results))
     assert set(rows) == {"pull", "way", "shake"}
     reserve = results.cases["pull"].reserve
