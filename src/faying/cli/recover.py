@@ -67,10 +67,10 @@ def recover(
 
 def _tell(results: "Results", recovered: "RecoveredRecord") -> None:
     """Say what was understood of the history, and the largest pressures."""
-    from faying.cli.tables import plain_console, text_table
-    from faying.study.stages.recover import peaks
+    from faying.cli.tables import plain_console, shown
+    from faying.study.stages.recover import peak_table
 
-    units, console = results.unit_set, plain_console()
+    console = plain_console()
     modes = f" with {recovered.joint_modes} joint modes" if recovered.joint_modes else ""
     derived = recovered.derivatives
     if "velocities" not in derived and "accelerations" not in derived:
@@ -81,21 +81,7 @@ def _tell(results: "Results", recovered: "RecoveredRecord") -> None:
     )
     names = ", ".join(recovered.loads)
     console.print(f"Boundary forces: {names or 'none'} from the history; all others are zero")
-    where, instant = f"at [{units.length}]", f"time [{units.time}]"
-    force, traction = f"contact force then [{units.force}]", f"largest traction [{units.pressure}]"
-    columns = ["interface", f"pressure [{units.pressure}]", where, instant, force, traction]
-    rows = [
-        (
-            peak.interface,
-            f"{peak.pressure:.5g}",
-            f"({', '.join(f'{value:.4g}' for value in peak.point)})",
-            f"{peak.time:.5g}",
-            f"{peak.contact_force:.5g}",
-            "" if peak.traction is None else f"{peak.traction:.5g}",
-        )
-        for peak in peaks(results, recovered)
-    ]
-    console.print(text_table("Largest pressures", columns, rows))
+    console.print(shown("Largest pressures", peak_table(results, recovered)))
 
 
 def _written(

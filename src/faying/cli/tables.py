@@ -8,6 +8,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from faying.display.table import Table as DescribedTable
+
 
 def plain_console() -> Console:
     """Return a console for which brackets, around units and in names, are no markup."""
@@ -31,6 +33,11 @@ def text_table(
     for row, style in zip(cells, named, strict=False):
         table.add_row(*map(Text, compress(row, filled)), style=style)
     return table
+
+
+def shown(title: str, table: DescribedTable) -> Table:
+    """Return a table that is described by its columns."""
+    return text_table(title, table.columns, ([cell.text for cell in row] for row in table.rows))
 
 
 def _text(cell: object) -> str:

@@ -51,24 +51,23 @@ def tighten(
 
 def _show(plan: "TighteningPlan", units: "Units", torques: "Mapping[str, float]") -> None:
     """Print the turns, and what the plan gains."""
-    from faying.cli.tables import plain_console, text_table
+    from faying.cli.tables import plain_console, shown
+    from faying.display.table import FL, Column, described
 
-    columns = ["turn", "pass", "bolt", f"to [{units.force}]", "of its preload"]
-    columns.append(f"by [{units.force}·{units.length}]")
-    turns = zip(plan.passes, plan.turned, plan.settings, plan.shares, strict=True)
-    rows = [
-        (
-            turn,
-            of_pass,
-            bolt,
-            f"{setting:.5g}",
-            f"{share:.1%}",
-            f"{setting * torques[bolt]:.5g}" if bolt in torques else "",
-        )
-        for turn, (of_pass, bolt, setting, share) in enumerate(turns, 1)
-    ]
+    def torque(turn: int) -> float | None:
+        per_force = torques.get(plan.turned[turn])
+        return None if per_force is None else float(plan.settings[turn] * per_force)
+
+    columns = (
+        Column("pass", lambda turn: plan.passes[turn]),
+        Column("bolt", lambda turn: plan.turned[turn]),
+        Column("to", lambda turn: plan.settings[turn], "force", 5),
+        Column("of its preload", lambda turn: 100 * plan.shares[turn], "%", 4),
+        Column("by", torque, FL, 5),
+    )
+    turns = [(str(turn + 1), turn) for turn in range(len(plan.turned))]
     console = plain_console()
-    console.print(text_table("Tighten in this order", columns, rows))
+    console.print(shown("Tighten in this order", described("turn", turns, columns, units)))
     unplanned, reached = plan.reached_unplanned, plan.reached
     console.print(
         f"All bolts end within {abs(reached - 1).max():.2%} of their preloads. One round straight "

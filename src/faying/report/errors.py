@@ -7,9 +7,9 @@ import numpy as np
 
 from faying.assessment.transient_error import OBSERVED_ON, OBSERVED_RATIOS, TRACTIONS_OBSERVED
 from faying.display.quantities import number, percent
+from faying.display.table import Cell, Column, Table, described, graded
 from faying.report.methods import GOOD_ERROR, grade
 from faying.report.style import SMALLEST_DRAWN, label
-from faying.report.table import Cell, Column, Table, described, graded
 from faying.study.judgement.comparison import backbone_errors
 from faying.study.judgement.remarks import hint
 from faying.study.judgement.summary import timings

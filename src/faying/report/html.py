@@ -18,6 +18,7 @@ from faying.assessment.joint_verdict import (
     shown_quantity,
     verdict_rows,
 )
+from faying.display.table import MARKS, Column, Table, described
 from faying.files.atomic import write_text
 from faying.report.errors import (
     choice_table,
@@ -45,7 +46,6 @@ from faying.report.methods import (
 )
 from faying.report.model_tables import bolt_table, interface_table, model_table
 from faying.report.questions import questions
-from faying.report.table import MARKS, Column, Table, described
 from faying.report.trust import trust
 from faying.report.view.scene import own, scene, three
 from faying.study.judgement.model_warnings import barely_held, kept_share, missing_contact

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from faying.display.quantities import quantity
+from faying.display.table import Column, Table, described
 from faying.interface.surface import curve_of
-from faying.report.table import Column, Table, described
 from faying.study.judgement.model_warnings import kept_share
 from faying.study.results.values import InterfaceRecord, Results
 from faying.units import Units

@@ -11,6 +11,7 @@ from faying.assessment.clamp_range import ClampRange
 from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.preload_scatter import Spread
 from faying.display.quantities import number, percent, place
+from faying.display.table import FL, PRESSURE, Cell, Column, Table, described, largest
 from faying.report.figures.album import Album, FigureEntry
 from faying.report.figures.backbone import (
     abscissa,
@@ -35,7 +36,6 @@ from faying.report.slip import (
     peak_table,
     slip_sentence,
 )
-from faying.report.table import FL, PRESSURE, Cell, Column, Table, described, largest
 from faying.study.judgement.comparison import rubbed, state_of_case
 from faying.study.judgement.opening import opening
 from faying.study.results.values import CaseResult, InterfaceRecord, Results

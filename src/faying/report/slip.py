@@ -12,8 +12,8 @@ from faying.assessment.slip import SLIP, STICK
 from faying.assessment.slip_demand import SMALLEST_FRICTION, SlipDemand
 from faying.assessment.slip_reserve import SlipReserve
 from faying.display.quantities import number, percent, place, quantity
+from faying.display.table import FL, PRESSURE, Cell, Column, Table, described, largest
 from faying.report.figures.backbone import abscissa, unit_of
-from faying.report.table import FL, PRESSURE, Cell, Column, Table, described, largest
 from faying.study.judgement.comparison import increments, rubbed
 from faying.study.results.path_record import SlipRecord
 from faying.study.results.values import CaseResult, InterfaceRecord, Results

@@ -12,6 +12,7 @@ import pytest
 import faying as fy
 from fake_results import YIELD, fake_results
 from faying.display.quantities import number
+from faying.display.table import Column, described
 from faying.exceptions import FormatError
 from faying.report import style
 from faying.report.errors import error_table, sharpness, timing_table
@@ -20,7 +21,6 @@ from faying.report.html import render, render_methods, write_report
 from faying.report.methods import headline, meanings, reservations, verdicts
 from faying.report.model_tables import applied_loads
 from faying.report.questions import clamp_table, clamped_areas, questions
-from faying.report.table import Column, described
 from faying.report.trust import trust
 from faying.study.results.validation_record import ValidationRecord
 from faying.units import units_of

@@ -16,6 +16,7 @@ from faying.assessment.recovery import (
     balanced_accelerations,
     recover_pressure,
 )
+from faying.display.quantities import number
 from faying.exceptions import FormatError, ModelError, StudyError
 from faying.reduction.recovery import recovery_operator
 from faying.study.keys.schema import read_study
@@ -148,7 +149,7 @@ def test_a_modal_csv_gives_the_pressures_of_memory(
     instant, _ = np.unravel_index(expected.pressure.argmax(), expected.pressure.shape)
     row = next(line for line in out.splitlines() if line.strip().startswith("joint"))
     assert f"{largest:.5g}" in row
-    assert f"{solution.times[instant]:.5g}" in row
+    assert number(float(solution.times[instant]), 5) in row
     picture = (folder / "recovered_motion_joint.vtu").read_text()
     assert "pressure [MPa]" in picture
     assert "TimeValue" in picture

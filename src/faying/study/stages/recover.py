@@ -1,6 +1,6 @@
 """Recover pressures from the history of another program with what a finished run left behind."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -14,6 +14,7 @@ from faying.assessment.imported_recovery import (
     recover_from_modal,
 )
 from faying.assessment.recovery import Recovered
+from faying.display.table import PRESSURE, Column, Table, described
 from faying.exceptions import StudyError
 from faying.reduction.model_writer import MOST_PORTS
 from faying.reduction.reduced_model import ReducedModel
@@ -58,30 +59,6 @@ class RecoverOptions:
     derivatives: Derivatives | None = None
     step: float | None = None
     integrator: Integrator | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Peak:
-    """The largest pressure on an interface.
-
-    Attributes
-    ----------
-    point
-        Where, (x, y, z).
-    time
-        When.
-    contact_force
-        Total normal force of the interface at that instant.
-    traction
-        The largest on the interface over time; None without friction.
-    """
-
-    interface: str
-    pressure: float
-    point: tuple[float, ...]
-    time: float
-    contact_force: float
-    traction: float | None = None
 
 
 def recover(results: Results, path: Path, options: RecoverOptions) -> RecoveredRecord:
@@ -152,21 +129,43 @@ def results_of(folder: Path | str) -> Results:
     return read_results(path)
 
 
-def peaks(results: Results, recovered: RecoveredRecord) -> Iterator[Peak]:
-    """Find the largest pressure, and traction, on every interface."""
-    vectors = recovered.traction
-    size = None if vectors is None else np.linalg.norm(vectors, axis=-1)
-    for name, interface in results.interfaces.items():
-        pressure = recovered.pressure[:, slice(*interface.slice)]
-        row, column = np.unravel_index(int(pressure.argmax()), pressure.shape)
-        yield Peak(
-            interface=name,
-            pressure=float(pressure[row, column]),
-            point=tuple(interface.points[column].tolist()),
-            time=float(recovered.times[row]),
-            contact_force=float(recovered.contact_force[name][row]),
-            traction=None if size is None else float(size[:, slice(*interface.slice)].max()),
-        )
+def peak_table(results: Results, recovered: RecoveredRecord) -> Table:
+    """Return the largest pressure, and traction, on every interface, when and where."""
+    vectors, units = recovered.traction, results.unit_set
+
+    def largest(name: str) -> tuple[int, int]:
+        pressure = recovered.pressure[:, slice(*results.interfaces[name].slice)]
+        instant, point = np.unravel_index(int(pressure.argmax()), pressure.shape)
+        return int(instant), int(point)
+
+    def place(name: str) -> str:
+        point = results.interfaces[name].points[peaks[name][1]].tolist()
+        return f"({', '.join(f'{value:.4g}' for value in point)})"
+
+    def pressure(name: str) -> float:
+        instant, point = peaks[name]
+        return float(recovered.pressure[instant, results.interfaces[name].slice[0] + point])
+
+    def traction(name: str) -> float | None:
+        points = slice(*results.interfaces[name].slice)
+        if vectors is None:
+            return None
+        return float(np.linalg.norm(vectors[:, points], axis=-1).max())
+
+    peaks = {name: largest(name) for name in results.interfaces}
+    columns = (
+        Column("pressure", pressure, PRESSURE, 5),
+        Column(f"at [{units.length}]", place),
+        Column("time", lambda name: recovered.times[peaks[name][0]], "time", 5),
+        Column(
+            "contact force then",
+            lambda name: recovered.contact_force[name][peaks[name][0]],
+            "force",
+            5,
+        ),
+        Column("largest traction", traction, PRESSURE, 5),
+    )
+    return described("interface", [(name, name) for name in peaks], columns, units)
 
 
 def peak_fields(results: Results, recovered: RecoveredRecord, interface: str) -> dict[str, Matrix]:

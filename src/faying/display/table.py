@@ -1,4 +1,4 @@
-"""Tables of a report: columns that say what they hold, in which unit, and how it is read off a row.
+"""Tables: columns that say what they hold, in which unit, and how it is read off a row.
 
 One description makes the head, the text of a cell and the number that a csv file gets.
 """
