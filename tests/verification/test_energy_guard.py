@@ -12,7 +12,7 @@ import faying as fy
 from faying.cli import app
 from faying.exceptions import ConvergenceError
 from faying.model.bolt import Bolt
-from faying.simulation.energy_guard import MOST_GAIN, audited, opened
+from faying.simulation.energy_guard import MOST_GAIN, EnergyGuard
 from faying.simulation.instants import Instants
 from faying.simulation.integrators import Motion
 from faying.simulation.stepping import transient_solver
@@ -127,8 +127,17 @@ def test_every_step_is_looked_at():
     start = Motion(*np.zeros((5, 2)), contact=np.zeros(1))
     history = Instants.empty(1, 30, system)
     history.velocities[0, 7] = 1.0
-    begun = opened(system, start)
-    found = audited(begun, system, start, np.zeros((31, 2)), history, step=0.1, force_weight=1.0)
+    guard = EnergyGuard(
+        system=system,
+        step=0.1,
+        force_weight=1.0,
+        loads=["still"],
+        starts=[start],
+        ledgers=[None],
+        inputs=np.zeros((1, 31, 2)),
+        history=history,
+    )
+    (found,) = guard.audit()
     assert found.gain == pytest.approx(1.0, rel=0.01)  # of what was stored at rest a share counts
 
 

@@ -8,7 +8,6 @@ over the order of the scheme, is its error: ``docs/theory/time_integration.md``.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -23,7 +22,7 @@ from faying.simulation.restart import Restart
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import joined, some_states
 from faying.simulation.start import begun
-from faying.simulation.stepping import TransientSolver, transient_solver
+from faying.simulation.stepping import TransientSolver
 from faying.simulation.transient_windows import transient_windows
 
 MOST_HALVINGS = 6
@@ -50,27 +49,6 @@ Tried = tuple[Solution, Restart]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class StepLength:
-    """Steps of one length; those that no interval needs are not factorized."""
-
-    system: System
-    scheme: Integrator
-    step: float
-    compiled: bool
-
-    @cached_property
-    def solver(self) -> TransientSolver:
-        """What takes steps of this length."""
-        return transient_solver(
-            self.system,
-            step=self.step,
-            integrator=self.scheme,
-            compiled=self.compiled,
-            warn=False,
-        )
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
 class DividedSteps:
     """Transients of a system whose steps are divided as their pressures need it.
 
@@ -86,7 +64,7 @@ class DividedSteps:
         Largest sum over the whole duration of the errors of its intervals, over the largest
         pressure so far.
     lengths
-        Of the steps of intervals in 1, 2, 4, … steps.
+        What takes steps of intervals in 1, 2, 4, … steps; what none needs is not factorized.
     given : (n_time,) or None
         Steps that lead to each instant; chosen unless given.
     """
@@ -95,7 +73,7 @@ class DividedSteps:
     scheme: Integrator
     step: float
     tolerance: float
-    lengths: tuple[StepLength, ...]
+    lengths: tuple[TransientSolver, ...]
     given: Indices | None = None
 
     def solve(
@@ -208,7 +186,7 @@ class DividedSteps:
 
     def _tried(self, load: Load, restart: Restart, level: int) -> Tried:
         """Integrate over one interval in 2 to the power ``level`` steps."""
-        count, solver = 2**level, self.lengths[level].solver
+        count, solver = 2**level, self.lengths[level]
         start = replace(restart, done=restart.done * count)
         first = start.done
         (part,), (end,) = solver.advanced(
@@ -232,7 +210,13 @@ def divided_steps(
         raise ModelError(message)
     scheme = ImplicitEuler() if integrator is None else integrator
     lengths = (
-        StepLength(system=system, scheme=scheme, step=step / 2**level, compiled=bool(compiled))
+        TransientSolver(
+            system=system,
+            scheme=scheme,
+            step=step / 2**level,
+            compiled=bool(compiled),
+            warn=False,
+        )
         for level in range(MOST_HALVINGS + 1)
     )
     return DividedSteps(

@@ -59,62 +59,6 @@ class EnergyLedger:
         return self.gain <= MOST_GAIN
 
 
-def opened(system: System, start: Motion) -> EnergyLedger:
-    """Begin the ledger of a transient where it stands."""
-    normal, shear = system.contact.parts(start.contact[None])
-    _, energy = _stored(system, start.u[None], start.v[None], normal, shear)
-    return EnergyLedger(stored=float(energy[0]))
-
-
-def audited(
-    ledger: EnergyLedger,
-    system: System,
-    start: Motion,
-    inputs: Matrix,
-    history: Instants,
-    *,
-    step: float,
-    force_weight: float,
-) -> EnergyLedger:
-    """Go on with the ledger of one transient over a piece of it.
-
-    Inputs (1 + n_time, n_input) are those at the start, the instant before the piece, and of its
-    instants, which the history has alone. ``force_weight`` is that of the forces at the end of a
-    step in its balance, with which they do its work.
-
-    Notes
-    -----
-    In exact time integration kinetic, strain and contact energy change by the work of the loads
-    less what damping and friction take. Damping takes ΔuᵀC Δu/h in a step, the least that it can.
-    """
-    u = start.u
-    with np.errstate(over="ignore", invalid="ignore"):
-        for first in range(0, len(inputs) - 1, AT_ONCE):
-            chunk = slice(first, first + AT_ONCE)
-            states, velocities = history.states[0, chunk], history.velocities[0, chunk]
-            moves = np.diff(np.vstack([u, states]), axis=0)
-            earlier_inputs, later_inputs = inputs[:-1][chunk], inputs[1:][chunk]
-            means = force_weight * later_inputs + (1 - force_weight) * earlier_inputs
-            done = (means * input_displacements(system, moves)).sum(axis=1)
-            work = ledger.work + np.cumsum(done)
-            lost = 2 * half_form(system.C, moves) / step + history.dissipation[0, chunk]
-            spent = ledger.spent + np.cumsum(lost)
-            shear, forces = history.shear[0, chunk], history.forces[0, chunk]
-            kinetic, energy = _stored(system, states, velocities, forces, shear)
-            moved = np.maximum(np.maximum.accumulate(np.abs(work) + kinetic), ledger.moved)
-            gain = energy - ledger.stored - (work - spent)
-            shares = gain / (moved + FELT_ENERGY_SHARE * ledger.stored + np.finfo(float).tiny)
-            ledger = EnergyLedger(
-                stored=ledger.stored,
-                work=float(work[-1]),
-                spent=float(spent[-1]),
-                moved=float(moved[-1]),
-                gain=float(np.max(np.nan_to_num(shares, nan=np.inf), initial=ledger.gain)),
-            )
-            u = states[-1]
-    return ledger
-
-
 ABSURD = 1e100
 """Loads from which numbers overflow whatever integrates them."""
 
@@ -127,7 +71,8 @@ class EnergyGuard:
     ----------
     system, step
     force_weight
-        Of the integrator.
+        Of the forces at the end of a step in the balance of the integrator, with which they do its
+        work.
     loads
         Names.
     starts, ledgers
@@ -184,16 +129,45 @@ class EnergyGuard:
             raise
 
     def _audited(self, case: int, n_time: int) -> EnergyLedger:
-        start, ledger = self.starts[case], self.ledgers[case]
-        return audited(
-            opened(self.system, start) if ledger is None else ledger,
-            self.system,
-            start,
-            self.inputs[case, : n_time + 1],
-            self.history.of_case(case).instants(0, n_time),
-            step=self.step,
-            force_weight=self.force_weight,
-        )
+        """Go on with the ledger of one transient over some instants of the piece.
+
+        Notes
+        -----
+        In exact time integration kinetic, strain and contact energy change by the work of the loads
+        less what damping and friction take. Damping takes ΔuᵀC Δu/h in a step, the least that it
+        can.
+        """
+        system, weight, start = self.system, self.force_weight, self.starts[case]
+        ledger, inputs = self.ledgers[case], self.inputs[case, : n_time + 1]
+        history, u = self.history.of_case(case).instants(0, n_time), start.u
+        if ledger is None:
+            normal, shear = system.contact.parts(start.contact[None])
+            _, energy = _stored(system, start.u[None], start.v[None], normal, shear)
+            ledger = EnergyLedger(stored=float(energy[0]))
+        with np.errstate(over="ignore", invalid="ignore"):
+            for first in range(0, n_time, AT_ONCE):
+                chunk = slice(first, first + AT_ONCE)
+                states, velocities = history.states[0, chunk], history.velocities[0, chunk]
+                moves = np.diff(np.vstack([u, states]), axis=0)
+                means = weight * inputs[1:][chunk] + (1 - weight) * inputs[:-1][chunk]
+                done = (means * input_displacements(system, moves)).sum(axis=1)
+                work = ledger.work + np.cumsum(done)
+                lost = 2 * half_form(system.C, moves) / self.step + history.dissipation[0, chunk]
+                spent = ledger.spent + np.cumsum(lost)
+                shear, forces = history.shear[0, chunk], history.forces[0, chunk]
+                kinetic, energy = _stored(system, states, velocities, forces, shear)
+                moved = np.maximum(np.maximum.accumulate(np.abs(work) + kinetic), ledger.moved)
+                gain = energy - ledger.stored - (work - spent)
+                shares = gain / (moved + FELT_ENERGY_SHARE * ledger.stored + np.finfo(float).tiny)
+                ledger = EnergyLedger(
+                    stored=ledger.stored,
+                    work=float(work[-1]),
+                    spent=float(spent[-1]),
+                    moved=float(moved[-1]),
+                    gain=float(np.max(np.nan_to_num(shares, nan=np.inf), initial=ledger.gain)),
+                )
+                u = states[-1]
+        return ledger
 
 
 def warn_of_gain(name: str, earlier: EnergyLedger | None, later: EnergyLedger) -> None:

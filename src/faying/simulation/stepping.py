@@ -72,21 +72,10 @@ def transient_solver(
     One factorization and the compliance of a step, (M7) of ``docs/theory/method.md``;
     :meth:`TransientSolver.solve` then has only the steps left to do.
     """
-    check_times(step, step)
-    system.contact.check_forgetful("time steps", "solve_path")
-    if compiled:
-        check_compiler()
     scheme = ImplicitEuler() if integrator is None else integrator
-    effective = factorize(scheme.effective_matrix(system, step))
-    return TransientSolver(
-        system=system,
-        scheme=scheme,
-        step=step,
-        effective=effective,
-        condensed=_condense_step(system, scheme, effective),
-        compiled=compiled,
-        warn=warn,
-    )
+    solver = TransientSolver(system=system, scheme=scheme, step=step, compiled=compiled, warn=warn)
+    _ = solver.condensed
+    return solver
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -100,10 +89,6 @@ class TransientSolver:
     scheme
         Integrator.
     step : [time]
-    effective
-        Factorization of its effective matrix.
-    condensed
-        Contact problem of one step.
     compiled
         Whether steps are compiled; None decides by their number.
     warn
@@ -113,10 +98,26 @@ class TransientSolver:
     system: System
     scheme: Integrator
     step: float
-    effective: Factorization
-    condensed: CondensedContact
     compiled: bool | None = None
     warn: bool = True
+
+    def __post_init__(self) -> None:
+        check_times(self.step, self.step)
+        self.system.contact.check_forgetful("time steps", "solve_path")
+        if self.compiled:
+            check_compiler()
+
+    @cached_property
+    def effective(self) -> Factorization:
+        """Factorization of the effective matrix."""
+        return factorize(self.scheme.effective_matrix(self.system, self.step))
+
+    @cached_property
+    def condensed(self) -> CondensedContact:
+        """Contact problem of one step: compliance P A⁻¹ Pᵀ times the weight of the new forces."""
+        contact, weight = self.system.contact, self.scheme.force_weight
+        compliance = relative_compliance(contact, self.effective, weight)
+        return CondensedContact(contact=contact, compliance=compliance)
 
     def solve(
         self,
@@ -323,16 +324,6 @@ class TransientSolver:
         u, v, a, force = np.split(motion, 4)
         end = Motion(u, v, a, force, here.motion.lagging, history.forces[0, first + n - 1])
         return Restart(done=here.done + n, motion=end, contact=state)
-
-
-def _condense_step(
-    system: System, scheme: Integrator, effective: Factorization
-) -> CondensedContact:
-    """Compliance of one time step, P A⁻¹ Pᵀ times the weight of the new forces."""
-    return CondensedContact(
-        contact=system.contact,
-        compliance=relative_compliance(system.contact, effective, scheme.force_weight),
-    )
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from faying.exceptions import ModelError
 
 @final
 @dataclass(frozen=True)
-class GasketClosure(Curve):
+class GasketClosure(TableClosure):
     """p(c) by a table up to the largest closure so far, and along a straight line back from there.
 
     The line has the slope of the table at that closure, and ends where pressure does: the gasket
@@ -22,28 +22,19 @@ class GasketClosure(Curve):
 
     Attributes
     ----------
-    closures : (n,) [length]
-        Rising. Pressure begins at the first, negative where it does before the surfaces meet.
-    pressures : (n,) [force/length²]
-        Rising from zero.
     unloading : (n,) [force/length³]
         Slope of the line from each of the rows; linear in between, constant beyond the last.
 
     Raises
     ------
     ModelError
-        If closures and pressures are none of a :class:`TableClosure`, slopes are not as many, or a
-        line would lie above the table.
+        If there is no such table, slopes are not as many, or a line would lie above the table.
     """
 
-    closures: tuple[float, ...]
-    pressures: tuple[float, ...]
     unloading: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        loading = self.loading
-        for column in ("closures", "pressures"):
-            object.__setattr__(self, column, getattr(loading, column))
+        super().__post_init__()
         object.__setattr__(self, "unloading", tuple(map(float, self.unloading)))
         if len(self.unloading) != len(self.closures):
             message = (
@@ -69,21 +60,6 @@ class GasketClosure(Curve):
         return "gasket"
 
     @property
-    def loading(self) -> TableClosure:
-        """The table."""
-        return TableClosure(self.closures, self.pressures)
-
-    @property
-    def named_pressure(self) -> float:
-        """The last pressure."""
-        return self.pressures[-1]
-
-    @property
-    def stiffness(self) -> float:
-        """The steepest slope of the table [force/length³]."""
-        return self.loading.stiffness
-
-    @property
     def remembers(self) -> bool:
         """The largest closure so far."""
         return True
@@ -91,14 +67,6 @@ class GasketClosure(Curve):
     def after(self, deepest: Vector) -> "ClosedGasket":
         """Return the law of points (n_point,) that have been closed so far [length]."""
         return ClosedGasket(gasket=self, deepest=deepest)
-
-    def pressure_of(self, closure: Vector) -> tuple[Vector, Vector]:
-        """Return p and dp/dc of the table."""
-        return self.loading.pressure_of(closure)
-
-    def closure_of(self, pressure: Vector) -> tuple[Vector, Vector]:
-        """Return c and dc/dp of the table."""
-        return self.loading.closure_of(pressure)
 
 
 @final

@@ -1,7 +1,6 @@
 """Pressure over closure by a table, as gaskets and layers are measured."""
 
 from dataclasses import dataclass
-from typing import final
 
 import numpy as np
 
@@ -10,7 +9,6 @@ from faying.contact.laws.curve import Curve
 from faying.exceptions import ModelError
 
 
-@final
 @dataclass(frozen=True)
 class TableClosure(Curve):
     """p(c) linear between the rows of a table, its last slope going on beyond the last row.
@@ -36,21 +34,21 @@ class TableClosure(Curve):
             object.__setattr__(self, column, tuple(map(float, getattr(self, column))))
         if len(self.closures) != len(self.pressures) or len(self.closures) < 2:
             message = (
-                f"closure 'table': {len(self.closures)} closures and {len(self.pressures)} "
+                f"closure '{self.name}': {len(self.closures)} closures and {len(self.pressures)} "
                 "pressures; give two rows or more with both"
             )
             raise ModelError(message)
         if self.pressures[0] != 0:
             message = (
-                f"closure 'table': the first pressure is {self.pressures[0]:g}; begin with the "
-                "closure at which it is still 0"
+                f"closure '{self.name}': the first pressure is {self.pressures[0]:g}; begin with "
+                "the closure at which it is still 0"
             )
             raise ModelError(message)
         rises = np.diff([self.closures, self.pressures]) > 0
         if not rises.all():
             row = int(np.argmin(rises.all(axis=0)))
             message = (
-                f"closure 'table': after closure {self.closures[row]:g} with pressure "
+                f"closure '{self.name}': after closure {self.closures[row]:g} with pressure "
                 f"{self.pressures[row]:g} comes {self.closures[row + 1]:g} with "
                 f"{self.pressures[row + 1]:g}; both must rise from row to row"
             )
