@@ -128,7 +128,7 @@ def test_what_a_deck_cannot_say_is_refused_by_name(tmp_path):
     eye = np.eye(1)
     block = MatrixBlock(M=eye, K=eye, nodes=[0], components=[0])
     given = JointDescription(assembly=Assembly(mesh=assembly.mesh, matrices=block))
-    refused(given, tmp_path, "holds matrices from another program")
+    refused(given, tmp_path, "has matrices from another program")
     refused(replace(good, preloads={"M6": 1.0}), tmp_path, "no bolt 'M6' to preload")
     (spec,) = good.interfaces
     mortar = replace(spec, meshes="non-matching")

@@ -190,5 +190,5 @@ def test_nothing_is_left_behind_when_writing_fails(tmp_path: Path) -> None:
         write_deck(everything(), tmp_path / "no" / "a.bdf")
     eye = np.eye(1)
     block = MatrixBlock(M=eye, K=eye, nodes=[0], components=[0])
-    with pytest.raises(FormatError, match="holds matrices"):
+    with pytest.raises(FormatError, match="has matrices from another program"):
         write_deck(replace(empty, matrices=block), path)

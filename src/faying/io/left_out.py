@@ -8,10 +8,12 @@ of the words of :data:`IGNORABLE`; without that, and all else, is refused: every
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
+from os import PathLike
 from pathlib import Path
 from types import MappingProxyType
 
 from faying.exceptions import FormatError, refuse
+from faying.files.atomic import replacing
 from faying.model.assembly import Assembly
 
 IGNORABLE: Mapping[str, str] = MappingProxyType(
@@ -128,7 +130,8 @@ def checked_ignore(words: Iterable[str]) -> frozenset[str]:
 
 def refuse_unwritten(assembly: Assembly) -> None:
     """Refuse an assembly with elements that no deck writer knows."""
-    kinds = {
+    kinds: Mapping[str, Collection[object]] = {
+        "matrices from another program": [m for m in [assembly.matrices] if m is not None],
         "shells": assembly.shells,
         "bushes": assembly.bushes,
         "scalar masses": assembly.scalar_masses,
@@ -145,3 +148,13 @@ def refuse_unwritten(assembly: Assembly) -> None:
             f"the assembly has {' and '.join(unwritten)}, which faying reads but does not write; "
             "export the reduced model instead, or write solids, beams, springs and couplings alone"
         )
+
+
+def write_whole(path: str | PathLike[str], text: str) -> None:
+    """Write a deck, which appears complete or not at all."""
+    try:
+        with replacing(Path(path)) as temporary:
+            temporary.write_text(text, encoding="ascii", errors="replace")
+    except OSError as error:
+        message = f"'{path}' cannot be written: {error.strerror}"
+        raise FormatError(message) from error

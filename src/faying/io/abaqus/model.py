@@ -45,6 +45,11 @@ from faying.io.abaqus.loads import (
     read_concentrated,
     read_distributed,
 )
+from faying.io.abaqus.materials import (
+    read_temperatures,
+    thermal_forces,
+    without_temperatures,
+)
 from faying.io.abaqus.mesh import (
     LINE_TYPES,
     SHELL_TYPES,
@@ -64,11 +69,6 @@ from faying.io.abaqus.shells import Shells, read_shells
 from faying.io.abaqus.solid_sections import formulation, note_controls, read_solid_sections
 from faying.io.abaqus.supports import read_supports
 from faying.io.abaqus.surfaces import DeckSurface, face_sets, find_surface, read_surfaces
-from faying.io.abaqus.temperatures import (
-    read_temperatures,
-    thermal_forces,
-    without_temperatures,
-)
 from faying.io.abaqus.ties import read_ties, with_ties
 from faying.io.left_out import Occurrence
 from faying.io.moved_supports import moved_note, with_moved_supports

@@ -3,13 +3,11 @@
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from os import PathLike
-from pathlib import Path
 
 import numpy as np
 
 from faying._typing import Indices
-from faying.exceptions import FormatError, refuse
-from faying.files.atomic import replacing
+from faying.exceptions import refuse
 from faying.io.abaqus.written_nodes import (
     Term,
     WrittenNodes,
@@ -21,7 +19,7 @@ from faying.io.abaqus.written_nodes import (
     written_nodes,
 )
 from faying.io.abaqus.written_steps import WrittenBeam, contact_lines, step_lines, written_beam
-from faying.io.left_out import refuse_unwritten
+from faying.io.left_out import refuse_unwritten, write_whole
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.cells import CellBlock
 from faying.model.deck_bolt import bolt_axis_element
@@ -71,21 +69,9 @@ def write_deck(
     """
     assembly = description.assembly
     refuse_unwritten(assembly)
-    if assembly.matrices is not None:
-        refuse(
-            "the assembly holds matrices from another program, which an input deck cannot "
-            "express; export the reduced model instead"
-        )
     cases = assembly.loads if loads is None else loads
     lines = _lines(description, cases, modes, title or assembly.name)
-    path = Path(path)
-    text = "\n".join(lines) + "\n"
-    try:
-        with replacing(path) as temporary:
-            temporary.write_text(text, encoding="ascii", errors="replace")
-    except OSError as error:
-        message = f"'{path}' cannot be written: {error.strerror}"
-        raise FormatError(message) from error
+    write_whole(path, "\n".join(lines) + "\n")
 
 
 def _lines(
