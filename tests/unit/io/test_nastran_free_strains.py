@@ -148,6 +148,7 @@ PLATE = (
 QUADS = "".join(
     f"CQUAD4,{n},1,{a},{a + 1},{a + 4},{a + 3},THETA\n" for n, a in enumerate((1, 2, 4, 5), 1)
 )
+THICK = QUADS.replace("THETA", "0.\n,,,.7,.7,.7,.7", 1)
 EIGHT = "CQUAD8,1,1,1,3,9,7,2,6\n,8,4\n"
 MAT8 = "MAT8,1,140000.,9000.,.3,5000.,4000.,3000.,1.6-9\n,1.-5,3.-5,20.\n"
 
@@ -157,6 +158,7 @@ MAT8 = "MAT8,1,140000.,9000.,.3,5000.,4000.,3000.,1.6-9\n,1.-5,3.-5,20.\n"
     [
         (QUADS, STEEL[STEEL.index("MAT1") :], (ALPHA, ALPHA, 0)),
         (EIGHT, STEEL[STEEL.index("MAT1") :], (ALPHA, ALPHA, 0)),
+        (THICK, STEEL[STEEL.index("MAT1") :], (ALPHA, ALPHA, 0)),
         (QUADS, MAT8, (1e-5, 3e-5, 0)),
         (QUADS.replace("THETA", "90."), MAT8, (3e-5, 1e-5, 0)),
         # 45°: the mean along both axes, and γxy = a1 - a2.

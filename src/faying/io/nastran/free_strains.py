@@ -25,6 +25,8 @@ from faying.io.nastran.expansions import (
 from faying.io.nastran.grids import BulkData
 from faying.io.nastran.materials import PlaneMaterial
 from faying.io.nastran.reader import TEMPERATURES, UNREAD_TEMPERATURES, Deck
+from faying.io.nastran.shells import SHELL_CARDS
+from faying.io.nastran.solids import property_ids
 from faying.io.nastran.supports import ALWAYS
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.body_forces import (
@@ -289,11 +291,12 @@ def _of_shells(
         change = final.of_elements(block.ids, block.nodes)
         if initial is not None:
             change = change - initial.of_elements(block.ids, block.nodes)
-        for number in np.unique(block.properties).tolist():
+        properties = _of_deck(cards, block.ids)
+        for number in np.unique(properties).tolist():
             expansion = expansion_of_plate(plates[number], expansions, laws)
             if expansion is None:
                 continue
-            members: Mask = np.asarray(block.properties == number)
+            members: Mask = np.asarray(properties == number)
             degrees = change[members] - (expansion.zero if initial is None else 0.0)
             same = (
                 np.isclose(expansion.strains[0], expansion.strains[1], rtol=1e-12)
@@ -319,6 +322,17 @@ def _of_shells(
 
 
 _PLATES = ("PSHELL", "PCOMP", "PCOMPG")
+
+
+def _of_deck(cards: Mapping[str, Cards], ids: Indices) -> Indices:
+    """Return the properties (n,) of shells in the deck; here thicknesses have their own."""
+    shells = [cards[name] for name in SHELL_CARDS if name in cards]
+    known, properties = (
+        np.concatenate([read(these) for these in shells])
+        for read in (lambda these: these.integers(0), property_ids)
+    )
+    order = np.argsort(known)
+    return np.asarray(properties[order[np.searchsorted(known, ids, sorter=order)]])
 
 
 def _material_axes(assembly: Assembly, block: ShellBlock, which: Mask) -> Matrix:
