@@ -85,6 +85,8 @@ def main() -> None:
     study = read_study(options.study)
     loaded = load_model(study)
     model = build_loaded(loaded)
+    if options.budget:
+        model = model.with_dense_budget(int(options.budget))
     case = next(one for one in study.load_cases if one.kind == "static")
     load = case_load(case)
     forces = {bolt.name: float(bolt.preload) for bolt in study.bolts}
@@ -181,6 +183,7 @@ def parse() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("study", type=Path)
     parser.add_argument("--friction", type=float, default=0.0)
+    parser.add_argument("--budget", type=float, help="dense budget [bytes]")
     parser.add_argument("--steps", type=int, default=5)
     parser.add_argument("--factor", type=float, default=1.0)
     parser.add_argument("--backbone", type=float, nargs=3, metavar=("LEAST", "MOST", "COUNT"))

@@ -1,7 +1,7 @@
 """The structure between its pairs, by its compliance S or by its stiffness Σ = S⁻¹.
 
 Reduced models know S. Σ of a full model is a Schur complement, and S is its inverse, which is
-formed where something asks for it.
+formed where something asks for it. Of many pairs sparse factors give products.
 """
 
 from collections.abc import Callable
@@ -14,6 +14,7 @@ import numpy as np
 from faying._typing import Matrix, Vector, frozen
 from faying.linalg.cholesky import inverse
 from faying.linalg.compressed import Compliance
+from faying.linalg.sparse_stiffness import SparseStiffness
 
 REGULAR = 1e-11
 """Smallest over largest squared pivot of S from which it has an inverse worth using.
@@ -80,4 +81,30 @@ class ByStiffness:
         return self.form_compliance()
 
 
-BetweenPairs: TypeAlias = ByCompliance | ByStiffness
+@final
+@dataclass(frozen=True, eq=False)
+class BySubstitution:
+    """A structure with more pairs than matrices between them have room for.
+
+    Attributes
+    ----------
+    stiffness
+        Σ, by sparse factors.
+    moved_by
+        Returns S p (n_relative, ...) [length] of forces between the pairs, by substitution.
+    form_compliance
+        Returns S, compressed.
+    """
+
+    stiffness: SparseStiffness
+    moved_by: Callable[[Matrix], Matrix]
+    form_compliance: Callable[[], Compliance]
+
+    @cached_property
+    def compliance(self) -> Compliance:
+        """S (n_relative, n_relative) [length/force]."""
+        return self.form_compliance()
+
+
+DenseBetweenPairs: TypeAlias = ByCompliance | ByStiffness
+BetweenPairs: TypeAlias = DenseBetweenPairs | BySubstitution

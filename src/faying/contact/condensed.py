@@ -9,7 +9,12 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Matrix, SparseMatrix, Vector
-from faying.contact.between_pairs import BetweenPairs, ByCompliance, ByStiffness
+from faying.contact.between_pairs import (
+    BetweenPairs,
+    ByCompliance,
+    ByStiffness,
+    BySubstitution,
+)
 from faying.contact.compressed_space import CompressedSpace
 from faying.contact.contact import Contact
 from faying.contact.dense_points import DensePoints
@@ -22,6 +27,7 @@ from faying.linalg.budget import pairs_fit
 from faying.linalg.compressed import Compliance, CompressedCompliance, smooth_compliance
 from faying.linalg.factorization import Factorization
 from faying.linalg.partial import compressed_port_compliance, port_compliance
+from faying.linalg.sparse_stiffness import SparseStiffness
 
 _log = logging.getLogger("faying")
 
@@ -68,9 +74,9 @@ class CondensedContact:
     def between(self) -> BetweenPairs:
         """The structure between pairs, residual compliance included."""
         residual, known = self.contact.residual_compliance, self.compliance
-        if isinstance(known, ByStiffness) and residual is None:
+        if isinstance(known, ByStiffness | BySubstitution) and residual is None:
             return known
-        compliance = known.compliance if isinstance(known, ByCompliance | ByStiffness) else known
+        compliance = known.compliance if isinstance(known, BetweenPairs) else known
         if isinstance(residual, CompressedCompliance):
             # Only reduced models have residuals, and their own compliance is smooth.
             return ByCompliance(residual.added(cast("CompressedCompliance", compliance)))
@@ -82,11 +88,6 @@ class CondensedContact:
     def total(self) -> Compliance:
         """Compliance between pairs with the residual compliance, dense or compressed."""
         return self.between.compliance
-
-    @property
-    def _compressed(self) -> bool:
-        known = isinstance(self.between, ByStiffness)
-        return not known and isinstance(self.total, CompressedCompliance)
 
     @cached_property
     def space(self) -> DensePoints | CompressedSpace:
@@ -115,14 +116,18 @@ class CondensedContact:
         ModelError
             If that is compressed, and contact has friction or curves.
         """
-        if self._compressed or not self.contact.yields:
+        if not self.contact.yields or isinstance(self._known, CompressedCompliance):
             return self._for_forces("joints with hard contact", "a penalty there")
-        between = self.between
-        _ = _finite(
-            between.stiffness
-            if isinstance(between, ByStiffness)
-            else cast("Matrix", between.compliance)
-        )
+        if isinstance(between := self.between, BySubstitution):
+            _log.info(
+                "%d contact points on %d relative displacements: dense matrices exceed the dense "
+                "budget of %.2g bytes, so every increment is solved with sparse factors",
+                self.contact.n_points,
+                self.contact.relative_operator.shape[0],
+                self.contact.dense_budget,
+            )
+        else:
+            _ = _finite(cast("Matrix", self._known))
         try:
             return YieldingContact.of(self.contact, between, self.pulled)
         except la.LinAlgError:
@@ -130,6 +135,12 @@ class CondensedContact:
                 "solutions for forces, as where the compliance between pairs is singular,",
                 "the full model or compliance=True",
             )
+
+    @property
+    def _known(self) -> Compliance | SparseStiffness:
+        """Σ where it is known, else S."""
+        between = self.between
+        return between.compliance if isinstance(between, ByCompliance) else between.stiffness
 
     def _for_forces(self, what: str, instead: str) -> IncrementSolver:
         """Return the solver of problems of forces, which refuses laws that remember."""

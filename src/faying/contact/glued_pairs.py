@@ -21,7 +21,7 @@ import numpy as np
 from scipy.linalg import LinAlgError
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
-from faying.contact.between_pairs import BetweenPairs
+from faying.contact.between_pairs import DenseBetweenPairs
 from faying.contact.held_pairs import (
     HeldPairs,
     anchored_pairs,
@@ -73,7 +73,7 @@ class GluedPairs:
         cls,
         G: SparseMatrix | Matrix,
         springs: Matrix,
-        between: BetweenPairs,
+        between: DenseBetweenPairs,
         pulled: Vector | None = None,
     ) -> "GluedPairs":
         """Return the pairs of a structure.
@@ -276,7 +276,9 @@ class _Changed:
         return None if taken is None else (self.moved_by(system.rows, taken), factors)
 
 
-def _open_pairs(points: PointSprings, springs: Matrix, between: BetweenPairs) -> HeldPairs | None:
+def _open_pairs(
+    points: PointSprings, springs: Matrix, between: DenseBetweenPairs
+) -> HeldPairs | None:
     if _whole(points.G):
         return None
     return anchored_pairs(points, springs, cast("Matrix", between.compliance))

@@ -16,14 +16,13 @@ the bounds of the last normal ones, which is convex again (Tresca).
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any, Protocol
 
 import numpy as np
 
 from faying._typing import Mask, Matrix, SparseMatrix, Vector
-from faying.contact.glued_pairs import GluedPairs
 from faying.contact.increment import Increment
 from faying.contact.laws_at_points import LawsAtPoints
-from faying.contact.pair_factors import Factors, WholeFactors
 from faying.exceptions import ConvergenceError
 
 ROUND_OFF = 2e-15
@@ -60,6 +59,46 @@ SLIP_ON_SCALE = 1.0 + 1e-9
 """What tangential displacements are scaled by, so that points at their bound slip on at first."""
 
 
+class Held(Protocol):
+    """Pairs on springs at their points."""
+
+    @property
+    def springs(self) -> Matrix:
+        """K₀ (components, n_point) [force/length]."""
+        ...
+
+    def moved_by(self, forces: Vector) -> Vector:
+        """Return (Σ + Gᵀ K₀ G)⁻¹ b of forces (n_relative,)."""
+        ...
+
+
+class Pairs(Protocol):
+    """What Newton's method asks of the structure between the pairs."""
+
+    @property
+    def G(self) -> SparseMatrix | Matrix:
+        """Displacements at the points (components n_point, n_relative), component by component."""
+        ...
+
+    @property
+    def transposed(self) -> SparseMatrix | Matrix:
+        """Gᵀ, which takes forces at the points to the pairs."""
+        ...
+
+    @property
+    def glued(self) -> Held:
+        """The pairs where points are closed and stick."""
+        ...
+
+    def resisted(self, displacements: Vector) -> Vector:
+        """Return Σ w of displacements w (n_relative,)."""
+        ...
+
+    def step(self, K: Matrix, right: Vector, enough: float, factors: Any = None) -> tuple[Any, Any]:
+        """Return d of (Σ + Gᵀ K G) d = b, and what the next step takes as factors."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class _State:
     """Where Newton's method stands: displacements, structure's forces, points, laws."""
@@ -87,7 +126,7 @@ class _State:
 
 def solve_yielding(
     laws: LawsAtPoints,
-    pairs: GluedPairs,
+    pairs: Pairs,
     free: Vector,
     offset: Matrix,
     start: Increment | None = None,
@@ -110,7 +149,7 @@ def solve_yielding(
     pulled = np.zeros(len(free)) if pull is None else pull
     state = _begun(laws, pairs, free, law_offset, start, pulled)
     steps, short, bounded, formed = 0, 0, False, False
-    factors: Factors | WholeFactors | None = None
+    factors = None
     previous = np.inf
     while steps < MOST_STEPS and short < MOST_SHORT and np.isfinite(state.left):
         if steps_ended(state.left, previous) and not formed:
@@ -165,7 +204,7 @@ def steps_ended(left: float | Vector, previous: float | Vector) -> bool | Mask:
 
 def _formed(
     laws: LawsAtPoints,
-    pairs: GluedPairs,
+    pairs: Pairs,
     free: Vector,
     offset: Matrix,
     state: _State,
@@ -180,7 +219,7 @@ def _formed(
 
 def _begun(
     laws: LawsAtPoints,
-    pairs: GluedPairs,
+    pairs: Pairs,
     free: Vector,
     offset: Matrix,
     start: Increment | None,

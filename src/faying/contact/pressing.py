@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.contact.between_pairs import BetweenPairs
+from faying.contact.between_pairs import BetweenPairs, BySubstitution
 from faying.contact.compressed_space import CompressedSpace
 from faying.contact.contact import Contact
 from faying.contact.dense_points import DensePoints
@@ -91,9 +91,9 @@ def dense_compliance(contact: Contact, between: BetweenPairs) -> Matrix:
     Raises
     ------
     ModelError
-        If it is compressed.
+        If it does not fit into memory.
     """
-    if isinstance(between.compliance, CompressedCompliance):
+    if isinstance(between, BySubstitution) or isinstance(between.compliance, CompressedCompliance):
         message = (
             f"friction and curves at {contact.n_points} points need a dense compliance between "
             "pairs; raise the budget with model.with_dense_budget, or take a coarser interface"

@@ -7,12 +7,13 @@ With U = (Σ + B₀)⁻¹, made with the points closed that most of the cases be
 """
 
 from dataclasses import dataclass
-from typing import TypeGuard, final
+from typing import TypeGuard, cast, final
 
 import numpy as np
 from scipy.linalg import LinAlgError, lapack
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying.contact.glued_pairs import GluedPairs
 from faying.contact.increment import IncrementSolver
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_descent import (
@@ -24,6 +25,7 @@ from faying.contact.newton_descent import (
     SOLVED,
     steps_ended,
 )
+from faying.contact.sparse_pairs import SparsePairs
 from faying.contact.yielding import YieldingContact
 
 FEWEST = 8
@@ -33,6 +35,8 @@ FEWEST = 8
 def side_by_side(solver: IncrementSolver, count: int) -> TypeGuard[YieldingContact]:
     """Say whether so many cases are solved by :func:`solve_similar`."""
     if not isinstance(solver, YieldingContact) or solver.shapes is not None or count < FEWEST:
+        return False
+    if isinstance(solver.pairs, SparsePairs):
         return False
     return solver.contact.forgets and solver.contact.proportional
 
@@ -51,16 +55,17 @@ def solve_similar(
     ConvergenceError
         If a case is not solved side by side, nor alone.
     """
-    laws, G, S, y_f = solver.laws, solver.pairs.G, solver.S, free.T
+    whole = cast("GluedPairs", solver.pairs)
+    laws, G, S, y_f = solver.laws, whole.G, solver.S, free.T
     initial = solver.contact.initial_gap[:, None]
     z = G @ moved.T + initial
     springs = laws.springs * (np.count_nonzero(z <= 0, axis=1) > len(free) / 2)
     try:
-        pairs = solver.pairs.glued_by(springs)
+        pairs = whole.glued_by(springs)
     except LinAlgError:  # these points hold nothing
         springs = laws.springs
-        pairs = solver.pairs.glued_by(springs)
-    p, pressed = solver.pairs.structure @ (moved.T - y_f), np.zeros_like(z)
+        pairs = whole.glued_by(springs)
+    p, pressed = whole.structure @ (moved.T - y_f), np.zeros_like(z)
     floor = np.maximum(
         SMALLEST_FORCE_SHARE * np.abs(p).max(axis=0, initial=0.0), np.finfo(float).tiny
     )

@@ -12,7 +12,7 @@ other points do stay as they are.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import final
+from typing import cast, final
 
 import numpy as np
 import scipy.sparse as sp
@@ -20,8 +20,10 @@ import scipy.sparse as sp
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
+from faying.contact.glued_pairs import GluedPairs
 from faying.contact.increment import IncrementSolver
 from faying.contact.laws_at_points import LawsAtPoints
+from faying.contact.sparse_pairs import SparsePairs
 from faying.contact.yielding import YieldingContact
 from faying.exceptions import ModelError
 
@@ -70,12 +72,19 @@ class StuckPoints:
                 "give it a penalty"
             )
             raise ModelError(message)
+        if isinstance(solver, YieldingContact) and isinstance(solver.pairs, SparsePairs):
+            message = (
+                f"vibration about a state takes dense matrices between {len(moved)} relative "
+                "displacements, which exceed the dense budget; raise it with "
+                "model.with_dense_budget, or take a coarser interface"
+            )
+            raise ModelError(message)
         k, closed = contact.components, forces[0] > 0
         yields = LawsAtPoints(contact=contact).closure(forces)[1][:k]
         sprung = closed & (yields > 0)
         springs = np.where(sprung, 1.0 / np.where(sprung, yields, 1.0), 0.0)
         if isinstance(solver, YieldingContact) and solver.shapes is None:
-            compliance = solver.pairs.glued_by(springs).glued.compliance
+            compliance = cast("GluedPairs", solver.pairs).glued_by(springs).glued.compliance
         else:
             block = (contact.rows.T @ sp.diags_array(springs.ravel()) @ contact.rows).tocsr()
             compliance = np.linalg.solve(np.eye(len(moved)) + solver.S @ block, solver.S)

@@ -8,13 +8,14 @@ import numpy as np
 from scipy.linalg import LinAlgError, lapack
 
 from faying._typing import Matrix, Vector
-from faying.contact.between_pairs import BetweenPairs, ByCompliance
+from faying.contact.between_pairs import BetweenPairs, ByCompliance, BySubstitution
 from faying.contact.contact import Contact
 from faying.contact.frictional import FrictionalContact
 from faying.contact.glued_pairs import GluedPairs
 from faying.contact.increment import Increment, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_descent import solve_yielding
+from faying.contact.sparse_pairs import SparsePairs
 from faying.exceptions import ConvergenceError, ModelError
 
 STIFFEST = 1e4
@@ -44,7 +45,7 @@ class YieldingContact:
 
     contact: Contact
     between: BetweenPairs
-    pairs: GluedPairs
+    pairs: GluedPairs | SparsePairs
     shapes: Matrix | None = None
 
     @classmethod
@@ -59,13 +60,16 @@ class YieldingContact:
             If points are so stiff that displacements have too few digits to tell forces.
         """
         springs = LawsAtPoints(contact=contact).springs
+        if isinstance(between, BySubstitution):
+            many = SparsePairs.of(contact.rows, springs, between.stiffness)
+            glue = many.points.of_diagonal(springs).diagonal()
+            _check_stiffness(glue, between.stiffness.diagonal)
+            return cls(contact=contact, between=between, pairs=many)
         try:
             pairs = GluedPairs.of(contact.rows, springs, between, pulled)
         except LinAlgError:
             return cls._of_singular(contact, springs, between)
-        if (pairs.glued.glue.diagonal() > STIFFEST * np.diag(pairs.structure)).any():
-            message = "contact is far stiffer than the structure"
-            raise LinAlgError(message)
+        _check_stiffness(pairs.glued.glue.diagonal(), np.diag(pairs.structure))
         return cls(contact=contact, between=between, pairs=pairs)
 
     @classmethod
@@ -75,9 +79,7 @@ class YieldingContact:
         """Return the solver of rigid bodies, or of a basis of fewer modes than pairs."""
         shapes = _shapes(cast("Matrix", between.compliance))
         G = np.asarray(contact.rows @ shapes)
-        if (springs.ravel() * (G * G).sum(axis=1) > STIFFEST).any():
-            message = "contact is far stiffer than the structure"
-            raise LinAlgError(message)
+        _check_stiffness(springs.ravel() * (G * G).sum(axis=1), 1.0)
         pairs = GluedPairs.of(G, springs, ByCompliance(np.eye(shapes.shape[1])))
         return cls(contact=contact, between=between, pairs=pairs, shapes=shapes)
 
@@ -103,10 +105,10 @@ class YieldingContact:
         n³ multiplications for n relative displacements; increments of a flange took 0.6 of the
         time.
         """
-        closed = state.forces[0] > 0
-        if self.pairs.whole or not closed.any():
+        closed, pairs = state.forces[0] > 0, self.pairs
+        if isinstance(pairs, SparsePairs) or pairs.whole or not closed.any():
             return self
-        return replace(self, pairs=self.pairs.about(self.laws.springs * closed))
+        return replace(self, pairs=pairs.about(self.laws.springs * closed))
 
     def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
         """Solve one problem; see :meth:`.IncrementSolver.solve`.
@@ -123,7 +125,7 @@ class YieldingContact:
         try:
             increment = self._solved(free, offset, start)
         except ConvergenceError:
-            if self.contact.remembers:
+            if self.contact.remembers or isinstance(self.pairs, SparsePairs):
                 raise
             return FrictionalContact(contact=self.contact, S=self.S).solve(free, offset, start)
         return replace(increment, moved=displaced(self, free, increment.forces))
@@ -138,10 +140,18 @@ class YieldingContact:
         if start is not None:
             pressed = self.contact.at_pairs(start.forces[0], start.forces[1:])
             start = replace(start, moved=self.shapes.T @ pressed)
-        nothing, identity = np.zeros(self.shapes.shape[1]), ByCompliance(self.pairs.structure)
+        identity = ByCompliance(cast("GluedPairs", self.pairs).structure)
+        nothing = np.zeros(self.shapes.shape[1])
         return solve_yielding(
             self.laws, self.pairs, nothing, moved, start, moved_by=identity.moved_by
         )
+
+
+def _check_stiffness(contact: Vector, structure: Vector | float) -> None:
+    """Refuse contact that is far stiffer than the structure."""
+    if (contact > STIFFEST * structure).any():
+        message = "contact is far stiffer than the structure"
+        raise LinAlgError(message)
 
 
 def _shapes(S: Matrix) -> Matrix:

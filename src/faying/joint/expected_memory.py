@@ -7,7 +7,7 @@ from faying._typing import Mask, Matrix
 from faying.joint.model import Model
 from faying.joint.structure import Structure
 from faying.linalg.backends import chosen_backend, estimate_memory
-from faying.linalg.budget import DENSE_COPIES
+from faying.linalg.budget import DENSE_COPIES, SPARSE_FACTORS
 from faying.linalg.memory import FactorMemory
 from faying.linalg.pardiso import FEW_PORTS
 from faying.model.assembly import Assembly
@@ -67,13 +67,13 @@ def expected_memory(model: Model) -> FactorMemory:
     factors = FactorMemory(
         backend=backend, order=n_dof, factor=factor, peak=int(_PEAK_MEMORY * factor), counted=False
     )
+    if not model.structure.is_kept_whole:
+        return factors.beside(SPARSE_FACTORS)
     return factors.with_ports(*_between_pairs(model.structure, factor))
 
 
 def _between_pairs(structure: Structure, factor: int) -> tuple[float, float]:
     """Estimate what elimination of all but the pairs takes, and matrices between these."""
-    if not structure.is_kept_whole:
-        return 0.0, 0.0
     n_relative = int(structure.relative_operator.shape[0])
     dense = 8.0 * DENSE_COPIES * n_relative**2
     if n_relative <= FEW_PORTS:

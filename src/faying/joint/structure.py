@@ -8,12 +8,17 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
-from faying.contact.between_pairs import ByCompliance, ByStiffness
+from faying.contact.between_pairs import (
+    BetweenPairs,
+    ByCompliance,
+    ByStiffness,
+    BySubstitution,
+)
 from faying.digits import ROUND_OFF
 from faying.joint.free_matrices import FreeMatrices
 from faying.joint.system import PortCompliance
 from faying.linalg.backends import estimate_memory, estimate_port_memory
-from faying.linalg.budget import default_budget, pairs_fit
+from faying.linalg.budget import SPARSE_FACTORS, default_budget, pairs_fit
 from faying.linalg.cholesky import inverse
 from faying.linalg.compressed import Compliance, plus, symmetrized
 from faying.linalg.factorization import (
@@ -26,6 +31,7 @@ from faying.linalg.factorization import (
 from faying.linalg.memory import FactorMemory
 from faying.linalg.partial import compressed_port_compliance, port_stiffness
 from faying.linalg.relief import balanced, supported, supports
+from faying.linalg.sparse_stiffness import SparseStiffness
 from faying.linalg.substitution import dense, solved_gram
 
 
@@ -180,12 +186,12 @@ class Structure:
     def factor_memory(self) -> FactorMemory:
         """What the factorization of K_ii takes, by its pattern alone.
 
-        The peak includes the dense compliances between pairs.
+        The peak includes the dense matrices between pairs, or factors in their place.
         """
         K = self.interior_stiffness
         factors = estimate_memory(K)
         if not self.is_kept_whole:
-            return factors
+            return factors.beside(SPARSE_FACTORS)
         return factors.with_ports(*estimate_port_memory(K, self._held_ports))
 
     @property
@@ -343,19 +349,27 @@ class Structure:
         columns += others @ core @ moved.T
         inputs += others @ core @ others.T
         smooth = np.hstack([seen, moved]), la.block_diag(condensed, core)
-        stiffness, P = self._free_stiffness, self.relative_operator
         return PortCompliance(
-            pairs=ByCompliance(plus(self.held_compliance, *smooth))
-            if stiffness is None
-            else ByStiffness(
-                stiffness,
-                lambda forces: P @ self.solve(P.T @ forces),
-                lambda: plus(self.held_compliance, *smooth),
-            ),
+            pairs=self._between_pairs(lambda: plus(self.held_compliance, *smooth)),
             contact_columns=columns,
             input_rows=symmetrized(inputs),
             n_boundary=len(self.boundary),
         )
+
+    def _between_pairs(self, form_compliance: Callable[[], Compliance]) -> BetweenPairs:
+        """Return what is between the pairs with the boundary free, in the form that is known."""
+        P = self.relative_operator
+
+        def moved_by(forces: Matrix) -> Matrix:
+            return np.asarray(P @ self.solve(P.T @ forces))
+
+        if (stiffness := self._free_stiffness) is not None:
+            return ByStiffness(stiffness, moved_by, form_compliance)
+        if not self.is_kept_whole and not self.rigid_motions.shape[1]:
+            sparse = SparseStiffness.of(self.supported_stiffness, P)
+            if sparse is not None:
+                return BySubstitution(sparse, moved_by, form_compliance)
+        return ByCompliance(form_compliance())
 
     @property
     def _free_stiffness(self) -> Matrix | None:

@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
-from faying.contact.between_pairs import BetweenPairs, ByCompliance
+from faying.contact.between_pairs import BetweenPairs, ByCompliance, BySubstitution
 from faying.contact.condensed import CondensedContact, ContactSolver
 from faying.contact.contact import Contact
 from faying.joint.load_pattern import LoadPattern, pattern_forces
@@ -82,7 +82,11 @@ class PortCompliance:
 
     def per_contact(self, forces: Matrix) -> Matrix:
         """Return the displacements of all ports (..., n_port) under forces (..., n_relative)."""
-        inner = (self.relative @ np.asarray(forces).T).T
+        forces = np.asarray(forces)
+        if isinstance(self.pairs, BySubstitution):
+            inner = self.pairs.moved_by(forces.T).T
+        else:
+            inner = (self.relative @ forces.T).T
         return np.concatenate([inner, forces @ self.contact_columns.T], axis=-1)
 
     def per_input(self, forces: Matrix) -> Matrix:

@@ -1,4 +1,4 @@
-"""How much memory dense matrices may take before compressed ones replace them."""
+"""How much memory dense matrices may take before sparse factors or compressed ones replace them."""
 
 from faying.linalg.memory import physical_memory
 
@@ -12,6 +12,9 @@ Measured on the roof of 4296 rows while its bolts are tightened with friction: s
 compliance, boundary held and free, inverses with points closed and open, the three that change
 without the springs of bolts, factors of a step and scratch. Forming contact takes four, paths ten.
 """
+
+SPARSE_FACTORS = 2
+"""Factors beside those of K in place of dense matrices: of glued pairs, and of closed points."""
 
 POINT_COPIES = 2
 """Dense matrices between contact points alive at once: H and its factors."""

@@ -69,6 +69,17 @@ def factorize(A: SparseMatrix | Matrix, *, backend: str | None = None) -> Matrix
     return factorize_condensed(whole, np.diag(whole))
 
 
+def factorize_definite(A: SparseMatrix) -> MatrixFactorization:
+    """Factorize a sparse matrix, whose softest motion is not looked for.
+
+    Raises
+    ------
+    NotDefiniteError
+        If it is not positive definite.
+    """
+    return BACKENDS[chosen_backend(None)].factorize(A)
+
+
 def _factorize_sparse(A: SparseMatrix, backend: Backend) -> MatrixFactorization:
     try:
         factorization = backend.factorize(A)

@@ -141,6 +141,10 @@ class FactorMemory:
     counted: bool
     one_by_one: bool = False
 
+    def beside(self, count: int) -> "FactorMemory":
+        """Add as many more factors that are as large, held at once."""
+        return replace(self, peak=self.peak + count * self.factor)
+
     def with_ports(self, elimination: float, dense: float) -> "FactorMemory":
         """Add what ports take beside the factors, as it will be made.
 

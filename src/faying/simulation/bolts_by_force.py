@@ -21,6 +21,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.contact.glued_pairs import GluedPairs
 from faying.contact.increment import Increment
 from faying.contact.newton_descent import solve_yielding
+from faying.contact.sparse_pairs import SparsePairs
 from faying.contact.yielding import YieldingContact
 from faying.exceptions import ConvergenceError
 from faying.joint.system import Joint
@@ -150,7 +151,7 @@ class BoltsByForce:
         return np.array([every[bolt].stiffness for bolt in self.bolts])
 
     @cached_property
-    def _loosened(self) -> tuple[GluedPairs, Matrix, Matrix]:
+    def _loosened(self) -> tuple[GluedPairs | SparsePairs, Matrix, Matrix]:
         """The pairs without the springs of the known bolts, z and M."""
         pairs = cast("YieldingContact", self.joint.static_contact.increments).pairs
         ports, bolts = self.joint.port_compliance, self.bolts

@@ -7,11 +7,13 @@ from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
+from typing import cast
 
 import numpy as np
 
 from faying._typing import Mask, Matrix, Vector
 from faying.contact.condensed import CondensedContact
+from faying.contact.glued_pairs import GluedPairs
 from faying.contact.point_springs import padded_rows
 from faying.contact.state import ContactState
 from faying.contact.yielding import YieldingContact
@@ -146,7 +148,11 @@ class CompiledSteps:
             solver = self.solver
             if len(self.supported) == MOST_SETS:
                 del self.supported[next(iter(self.supported))]
-            E = solver.pairs.glued_by(solver.laws.springs * closed).glued.compliance
+            E = (
+                cast("GluedPairs", solver.pairs)
+                .glued_by(solver.laws.springs * closed)
+                .glued.compliance
+            )
             Y = solver.shapes
             self.supported[key] = E.copy() if Y is None else np.ascontiguousarray(Y @ E @ Y.T)
         return self.supported[key]

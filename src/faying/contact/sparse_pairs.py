@@ -1,0 +1,205 @@
+"""Pairs too many for matrices between them, on the springs of points that are closed and stick.
+
+A Newton step (Σ + B) d = b is solved with sparse factors (F15) of springs B₀ from an earlier step,
+U = (Σ + B₀)⁻¹, and GMRES for what has changed since,
+
+    (I + (B − B₀) U) m = (B − B₀) U b,   d = U (b − m),                                    (F7)
+
+until that takes as long as to factorize the springs of this step. Factors are of symmetric springs:
+what tangential forces owe to a change of pressure is left to GMRES.
+"""
+
+import threading
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import final
+
+import numpy as np
+
+from faying._typing import Matrix, SparseMatrix, Vector
+from faying.contact.point_springs import PointSprings
+from faying.exceptions import ConvergenceError
+from faying.linalg.gmres import corrected
+from faying.linalg.interface import MatrixFactorization
+from faying.linalg.singular import NotDefiniteError
+from faying.linalg.sparse_stiffness import SparseStiffness
+
+ACCURATE, LOOSE = 1e-8, 1e-2
+"""Relative residuals of a step's system."""
+
+MOST_CORRECTIONS = 20
+"""Products of GMRES; 70 take as long as a factorization, by which later steps gain as well.
+
+A cold case of 3228 points on a cylinder took 4.6 factorizations with 20, 6.2 with 60.
+"""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class SparseFactors:
+    """Factors of the structure on springs at its points.
+
+    Attributes
+    ----------
+    K : (n_point, components, components) [force/length]
+    springs : (n_relative, n_relative) [force/length]
+        B.
+    factor
+        Of A + Qᵀ B Q (F15).
+    across
+        z and M of :meth:`SparsePairs.loosened`.
+    moved_across : (n_relative, n_spring)
+        (Σ + B)⁻¹ zᵀ.
+    """
+
+    K: Matrix
+    springs: SparseMatrix
+    factor: MatrixFactorization
+    across: tuple[Matrix, Matrix]
+    moved_across: Matrix
+
+
+@dataclass(eq=False)
+class _Latest:
+    """The factors that were made last: there is room for few at once."""
+
+    factors: SparseFactors | None = None
+    turn: threading.RLock = field(default_factory=threading.RLock)
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SparsePairs:
+    """Solves (Σ + Gᵀ K G) d = b.
+
+    Attributes
+    ----------
+    points
+        G, displacements at the points (components n_point, n_relative).
+    structure
+        Σ.
+    springs : (components, n_point) [force/length]
+        Of points that are closed and stick.
+    across : (n_spring, n_relative), (n_spring, n_spring)
+        z and M of :meth:`loosened`.
+    """
+
+    points: PointSprings
+    structure: SparseStiffness
+    springs: Matrix
+    across: tuple[Matrix, Matrix]
+    _latest: _Latest = field(default_factory=_Latest)
+
+    @classmethod
+    def of(cls, G: SparseMatrix, springs: Matrix, structure: SparseStiffness) -> "SparsePairs":
+        """Return the pairs of a structure; arguments are as of :meth:`.GluedPairs.of`."""
+        return cls(
+            points=PointSprings(G=G, components=len(springs)),
+            structure=structure,
+            springs=springs,
+            across=(np.zeros((0, G.shape[1])), np.zeros((0, 0))),
+        )
+
+    @property
+    def G(self) -> SparseMatrix | Matrix:
+        """Displacements at the points (components n_point, n_relative), component by component."""
+        return self.points.G
+
+    @property
+    def transposed(self) -> SparseMatrix | Matrix:
+        """Gᵀ, which takes forces at the points to the pairs."""
+        return self.points.transposed
+
+    @property
+    def glued(self) -> "SparsePairs":
+        """The pairs with all points closed and stuck, by their springs."""
+        return self
+
+    def resisted(self, displacements: Vector) -> Vector:
+        """Return Σ w of displacements w (n_relative,)."""
+        shapes, yields = self.across
+        taken = shapes.T @ np.linalg.solve(yields, shapes @ displacements)
+        return np.asarray(self.structure.times(displacements) - taken)
+
+    def loosened(self, shapes: Matrix, yields: Matrix) -> "SparsePairs":
+        """Return the pairs less springs across them, as :meth:`.GluedPairs.loosened`."""
+        return replace(self, across=(shapes, yields))
+
+    def moved_by(self, forces: Vector) -> Vector:
+        """Return what forces (n_relative,) move pairs whose points are closed and stick."""
+        with self._latest.turn:
+            return self._moved_by(self._factors(self._stuck), forces)
+
+    def step(
+        self, K: Matrix, right: Vector, enough: float, factors: SparseFactors | None = None
+    ) -> tuple[Vector, SparseFactors]:
+        """Return d and the factors used; arguments are as of :meth:`.GluedPairs.step`.
+
+        Where GMRES fails with factors of these springs, d is that of the symmetric ones, with which
+        friction bounds stay as they are.
+        """
+        enough = float(np.clip(enough, ACCURATE, LOOSE)) * float(np.linalg.norm(right))
+        with self._latest.turn:
+            if factors is not None:
+                factors = self._factors(factors.K)
+                moved = self._corrected(factors, K, right, enough)
+                if moved is not None:
+                    return moved, factors
+            factors = self._factors(_symmetric(K))
+            moved = self._corrected(factors, K, right, enough)
+            return self._moved_by(factors, right) if moved is None else moved, factors
+
+    def _corrected(
+        self, factors: SparseFactors, K: Matrix, right: Vector, enough: float
+    ) -> Vector | None:
+        """Return d by (F7), up to a residual [force]; None where that takes too many products."""
+        moved = self._moved_by(factors, right)
+        change = self.points.between_pairs(K) - factors.springs
+        taken = corrected(
+            lambda forces: forces + change @ self._moved_by(factors, forces),
+            lambda forces: forces,
+            np.asarray(change @ moved),
+            enough,
+            MOST_CORRECTIONS,
+        )
+        if taken is None or not taken.any():
+            return None if taken is None else moved
+        return self._moved_by(factors, right - taken)
+
+    def _moved_by(self, factors: SparseFactors, forces: Vector) -> Vector:
+        """Return U b of forces (n_relative,), less the springs across the pairs."""
+        moved, more = self.structure.moved_by(factors.factor, forces), factors.moved_across
+        shapes, yields = self.across
+        shared = np.linalg.solve(yields - shapes @ more, shapes @ moved)
+        return np.asarray(moved + more @ shared)
+
+    def _factors(self, K: Matrix) -> SparseFactors:
+        """Return factors of springs K, made anew unless they are the latest."""
+        latest = self._latest.factors
+        if latest is None or not np.array_equal(latest.K, K):
+            latest = self._latest.factors = None  # before others take as much memory
+            springs = self.points.between_pairs(K)
+            try:
+                factor = self.structure.on_springs(springs)
+            except NotDefiniteError as error:
+                message = f"a Newton step cannot be solved: {error}"
+                raise ConvergenceError(message) from None
+        elif latest.across is self.across:
+            return latest
+        else:
+            springs, factor = latest.springs, latest.factor
+        moved = self.structure.moved_by(factor, self.across[0].T)
+        self._latest.factors = SparseFactors(K, springs, factor, self.across, moved)
+        return self._latest.factors
+
+    @cached_property
+    def _stuck(self) -> Matrix:
+        """K of points that are closed and stick."""
+        return np.asarray(self.springs.T[:, :, None] * np.eye(len(self.springs)))
+
+
+def _symmetric(K: Matrix) -> Matrix:
+    """Return springs whose tangential forces owe nothing to pressure."""
+    symmetric = K.copy()
+    symmetric[:, 1:, 0] = symmetric[:, 0, 1:] = 0.0
+    return np.asarray((symmetric + symmetric.transpose(0, 2, 1)) / 2)
