@@ -253,9 +253,10 @@ class _Changed:
         alike = previous is not None and np.array_equal(rows, previous.rows)
         if previous is not None and alike and np.array_equal(self.columns, previous.columns):
             return replace(previous, block=self.block[rows])
-        between = np.empty((len(self.columns), len(rows)))
+        compliance = self.reference.compliance
+        between = np.empty((len(self.columns), len(rows)), dtype=compliance.dtype)
         for first in range(0, len(between), IN_CACHE):
-            strip = self.reference.compliance[self.columns[first : first + IN_CACHE]]
+            strip = compliance[self.columns[first : first + IN_CACHE]]
             between[first : first + IN_CACHE] = strip.take(rows, axis=1)
         return PairSystem(rows, self.columns, self.block[rows], between)
 

@@ -34,6 +34,12 @@ SOLVED = 1e-9
 QUADRATIC = 0.05
 """Residual of a step's system, over the residual that it begins with, per what this is itself."""
 
+FORMED = 1e-4
+"""Residual over the largest force from which what steps summed up is formed once more.
+
+Where weak springs hold bodies Σ and S agree to 1e-8, of which so much is left in what follows.
+"""
+
 SMALLEST_FORCE_SHARE = 1e-4
 """Part of what would hold all points closed below which the largest force is no measure."""
 
@@ -152,15 +158,10 @@ def solve_yielding(
     factors = None
     previous = np.inf
     while steps < MOST_STEPS and short < MOST_SHORT and np.isfinite(state.left):
-        if steps_ended(state.left, previous) and not formed:
-            # What Newton's method summed up step by step is formed once more, by S or by Σ.
-            # Beside rigid motions on weak springs this alone balances forces to round-off, and
-            # what a residual leaves there moves bodies far: at 3e-6 a roof's began anew.
-            if moved_by is None:
-                state = replace(state, p=pairs.resisted(state.y - free) + pulled)
-            else:
-                state = _formed(laws, pairs, free, law_offset, state, moved_by)
-            formed, previous = True, np.inf
+        if not formed and state.left <= FORMED:
+            # What Newton's method summed up step by step is formed once more, by S or by Σ: S
+            # beside rigid motions on weak springs leaves 1e-5, which later steps take away.
+            state, formed = _formed(laws, pairs, free, law_offset, state, pulled, moved_by), True
         if steps_ended(state.left, previous):
             break
         previous = state.left
@@ -208,13 +209,15 @@ def _formed(
     free: Vector,
     offset: Matrix,
     state: _State,
-    moved_by: Callable[[Vector], Vector],
+    pull: Vector,
+    moved_by: Callable[[Vector], Vector] | None,
 ) -> _State:
-    """Return the state in which the pairs are where the forces of one move them."""
-    pressed = pairs.transposed @ state.forces.ravel()
-    y = free + moved_by(pressed)
+    """Return the state in which pairs and the structure's forces tell each other."""
+    if moved_by is None:
+        return replace(state, p=pairs.resisted(state.y - free) + pull)
+    y = free + moved_by(state.p - pull)
     z = _at(pairs.G, y, offset)
-    return _State(y, pressed, z, *laws.respond(z), pairs.transposed, state.least)
+    return _State(y, state.p, z, *laws.respond(z), pairs.transposed, state.least)
 
 
 def _begun(

@@ -76,7 +76,8 @@ class PairSystem:
 
     def times(self, solution: Vector) -> Vector:
         """Return its product with a vector."""
-        return np.asarray(solution + self.block @ (self.between @ solution))
+        moved = self.between @ solution.astype(self.between.dtype, copy=False)
+        return np.asarray(solution + self.block @ moved)
 
     def factorized(self, precision: type[np.floating[Any]]) -> LU:
         """Return its factors."""
