@@ -9,7 +9,15 @@ from typing import Any, final
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import LinAlgError, blas, cho_factor, cho_solve, lapack, solve_triangular
+from scipy.linalg import (
+    LinAlgError,
+    blas,
+    cho_factor,
+    cho_solve,
+    eigh,
+    lapack,
+    solve_triangular,
+)
 
 from faying._typing import Matrix, SparseMatrix, Vector, frozen
 from faying.contact.point_springs import PointSprings
@@ -91,15 +99,18 @@ class HeldPairs:
         return symmetric_product(self.compliance, forces)
 
     def loosened(self, structure: Matrix, shapes: Matrix, yields: Matrix) -> "HeldPairs":
-        """Return them, of a structure Σ, less springs (:meth:`GluedPairs.loosened`), in double.
+        """Return them, of a structure Σ, less springs (:meth:`GluedPairs.loosened`).
 
-        These may hold all but a little of what a part resists.
+        In double where these hold all but a little of what a part resists.
         """
         moved = np.array([self.moved_by(shape) for shape in shapes]).T
         left = shapes.T - structure @ moved - self.glue @ moved
         moved += np.array([self.moved_by(column) for column in left.T]).T
         core = yields - shapes @ moved
-        more = moved @ cho_solve(cho_factor((core + core.T) / 2), moved.T)
+        core = (core + core.T) / 2
+        more = moved @ cho_solve(cho_factor(core), moved.T)
+        if eigh(core, yields, eigvals_only=True)[0] > SMALLEST_SINGLE_PIVOT:
+            more = more.astype(self.compliance.dtype)
         return replace(self, compliance=self.compliance + more)
 
 
@@ -113,6 +124,8 @@ def change_from(springs: Matrix, K: Matrix) -> Matrix:
 
 def anchored_pairs(points: PointSprings, springs: Matrix, S: Matrix) -> HeldPairs:
     """Return a structure held at the points that move most, as long as these move far.
+
+    It serves steps alone, in single precision.
 
     Cholesky's method with pivots finds them, and takes what they hold out of S.
     """
@@ -131,7 +144,8 @@ def anchored_pairs(points: PointSprings, springs: Matrix, S: Matrix) -> HeldPair
     felt = np.asarray(points.G[rows] @ S)
     core = np.diag(1.0 / anchors.ravel()[rows]) + np.asarray(points.G[rows] @ felt.T)
     half = solve_triangular(np.linalg.cholesky((core + core.T) / 2), felt, lower=True)
-    return HeldPairs(anchors, points.of_diagonal(anchors), S - half.T @ half if chosen else S)
+    compliance = (S - half.T @ half if chosen else S).astype(np.float32)
+    return HeldPairs(anchors, points.of_diagonal(anchors), compliance)
 
 
 def symmetric_product(matrix: npt.NDArray[Any], vector: Vector) -> Vector:
