@@ -8,42 +8,21 @@ from dataclasses import replace
 from functools import partial
 
 from faying.model.elements.elsewhere import Elsewhere
-from faying.model.elements.face_kind import QUAD8
-from faying.model.elements.hex8 import CORNERS, WHOLE
+from faying.model.elements.hex8 import HEX8, WHOLE
 from faying.model.elements.quadrature import hexahedron
-from faying.model.elements.solid_element import SolidElement
+from faying.model.elements.solid_element import SolidElement, mid_sided
 
-MIDSIDES = (
-    (0.5, 0.0, 0.0),
-    (1.0, 0.5, 0.0),
-    (0.5, 1.0, 0.0),
-    (0.0, 0.5, 0.0),
-    (0.0, 0.0, 0.5),
-    (1.0, 0.0, 0.5),
-    (1.0, 1.0, 0.5),
-    (0.0, 1.0, 0.5),
-    (0.5, 0.0, 1.0),
-    (1.0, 0.5, 1.0),
-    (0.5, 1.0, 1.0),
-    (0.0, 0.5, 1.0),
-)
+_NODES, _FACES = mid_sided(HEX8, "01 12 23 30 04 15 26 37 45 56 67 74")
 
 HEX20 = SolidElement(
     kind="hex20",
-    reference_nodes=CORNERS + MIDSIDES,  # type: ignore[arg-type]  # frozen into an array
+    reference_nodes=_NODES,
     n_corners=8,
     shape_functions="ElementHexS2",
     stiffness_quadrature=partial(hexahedron, 5),
     # Degree 2 + 2 from N Nᵀ and 2 from det J of straight edges, in each coordinate.
     mass_quadrature=partial(hexahedron, 7),
-    faces=(
-        (QUAD8, (0, 3, 2, 1, 11, 10, 9, 8)),
-        (QUAD8, (4, 5, 6, 7, 16, 17, 18, 19)),
-        (QUAD8, (0, 1, 5, 4, 8, 13, 16, 12)),
-        (QUAD8, (1, 2, 6, 5, 9, 14, 17, 13)),
-        (QUAD8, (2, 3, 7, 6, 10, 15, 18, 14)),
-        (QUAD8, (3, 0, 4, 7, 11, 12, 19, 15)),
-    ),
+    faces=_FACES,
     elsewhere=Elsewhere(
         nastran="CHEXA",
         nastran_scheme=("THREE", "FULL"),

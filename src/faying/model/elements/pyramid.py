@@ -16,9 +16,9 @@ import scipy.special
 
 from faying._typing import Matrix, Vector, frozen
 from faying.model.elements.elsewhere import Elsewhere
-from faying.model.elements.face_kind import QUAD4, QUAD8, TRI3, TRI6
+from faying.model.elements.face_kind import QUAD4, TRI3
 from faying.model.elements.quadrature import Quadrature
-from faying.model.elements.solid_element import SolidElement
+from faying.model.elements.solid_element import SolidElement, mid_sided
 
 CORNERS = ((-1.0, -1.0, 0.0), (1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 BASE: Matrix = np.array(CORNERS)[:4, :2]
@@ -90,16 +90,7 @@ PYRAMID5 = SolidElement(
 )
 
 
-MIDSIDES = (
-    (0.0, -1.0, 0.0),
-    (1.0, 0.0, 0.0),
-    (0.0, 1.0, 0.0),
-    (-1.0, 0.0, 0.0),
-    (-0.5, -0.5, 0.5),
-    (0.5, -0.5, 0.5),
-    (0.5, 0.5, 0.5),
-    (-0.5, 0.5, 0.5),
-)
+_NODES, _FACES = mid_sided(PYRAMID5, "01 12 23 30 04 14 24 34")
 
 
 def _quadratic_shapes(points: Matrix) -> tuple[Matrix, Matrix]:
@@ -159,18 +150,12 @@ def _edges(points: Matrix) -> tuple[Matrix, Matrix]:
 
 PYRAMID13 = SolidElement(
     kind="pyramid13",
-    reference_nodes=CORNERS + MIDSIDES,  # type: ignore[arg-type]  # frozen into an array
+    reference_nodes=_NODES,
     n_corners=5,
     shape_functions=_quadratic_shapes,
     stiffness_quadrature=partial(pyramid, 3),
     mass_quadrature=partial(pyramid, 4),
-    faces=(
-        (QUAD8, (0, 3, 2, 1, 8, 7, 6, 5)),
-        (TRI6, (0, 1, 4, 5, 10, 9)),
-        (TRI6, (1, 2, 4, 6, 11, 10)),
-        (TRI6, (2, 3, 4, 7, 12, 11)),
-        (TRI6, (3, 0, 4, 8, 9, 12)),
-    ),
+    faces=_FACES,
     elsewhere=Elsewhere(nastran="CPYRAM", abaqus={}, meshio="pyramid13", vtk=27),
     brick_cells=(),
 )

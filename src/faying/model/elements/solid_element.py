@@ -3,12 +3,13 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 
 from faying._typing import Matrix, frozen
 from faying.model.elements.elsewhere import Elsewhere
-from faying.model.elements.face_kind import FaceKind
+from faying.model.elements.face_kind import QUAD8, TRI6, FaceKind
 from faying.model.elements.quadrature import Quadrature
 
 Face = tuple[FaceKind, tuple[int, ...]]
@@ -72,6 +73,27 @@ class SolidElement:
     def n_nodes(self) -> int:
         """Number of nodes."""
         return len(self.reference_nodes)
+
+
+_CURVED = {"tri3": TRI6, "quad4": QUAD8}
+
+
+def mid_sided(linear: SolidElement, edges: str) -> tuple[Matrix, tuple[Face, ...]]:
+    """Return nodes and faces of an element with a node in the middle of each edge.
+
+    Edges name their corners by two digits, in the order of their middle nodes.
+    """
+    ends = [(int(edge[0]), int(edge[1])) for edge in edges.split()]
+    corners = linear.reference_nodes
+    middle = {frozenset(pair): len(corners) + k for k, pair in enumerate(ends)}
+    faces = tuple(
+        (
+            _CURVED[face.name],
+            (*local, *(middle[frozenset(pair)] for pair in pairwise((*local, local[0])))),
+        )
+        for face, local in linear.faces
+    )
+    return np.vstack([corners, corners[np.array(ends)].mean(axis=1)]), faces
 
 
 def shape_values(element: SolidElement, points: Matrix) -> Matrix:

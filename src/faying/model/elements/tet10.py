@@ -6,35 +6,22 @@ Mid-side nodes 4-9 lie on the edges 0-1, 1-2, 2-0, 0-3, 1-3, 2-3.
 from functools import partial
 
 from faying.model.elements.elsewhere import Elsewhere
-from faying.model.elements.face_kind import TRI6
 from faying.model.elements.quadrature import tetrahedron
-from faying.model.elements.solid_element import SolidElement
-from faying.model.elements.tet4 import CORNERS, SIXTHS
+from faying.model.elements.solid_element import SolidElement, mid_sided
+from faying.model.elements.tet4 import SIXTHS, TET4
 
-MIDSIDES = (
-    (0.5, 0.0, 0.0),
-    (0.5, 0.5, 0.0),
-    (0.0, 0.5, 0.0),
-    (0.0, 0.0, 0.5),
-    (0.5, 0.0, 0.5),
-    (0.0, 0.5, 0.5),
-)
+_NODES, _FACES = mid_sided(TET4, "01 12 20 03 13 23")
 
 TET10 = SolidElement(
     kind="tet10",
-    reference_nodes=CORNERS + MIDSIDES,  # type: ignore[arg-type]  # frozen into an array
+    reference_nodes=_NODES,
     n_corners=4,
     shape_functions="ElementTetP2",
     stiffness_quadrature=partial(tetrahedron, 2),
     # Order 4 would do for straight edges, but that rule has a negative weight, and the mass of a
     # curved element must stay positive definite.
     mass_quadrature=partial(tetrahedron, 5),
-    faces=(
-        (TRI6, (0, 2, 1, 6, 5, 4)),
-        (TRI6, (0, 1, 3, 4, 8, 7)),
-        (TRI6, (1, 2, 3, 5, 9, 8)),
-        (TRI6, (2, 0, 3, 6, 7, 9)),
-    ),
+    faces=_FACES,
     elsewhere=Elsewhere(
         nastran="CTETRA",
         abaqus={"C3D10": "", "C3D10M": "taken as the plain ten-node tetrahedron"},

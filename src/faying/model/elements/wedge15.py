@@ -10,22 +10,11 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.model.elements.elsewhere import Elsewhere
-from faying.model.elements.face_kind import QUAD8, TRI6
 from faying.model.elements.quadrature import wedge
-from faying.model.elements.solid_element import SolidElement
-from faying.model.elements.wedge6 import CORNERS, HALVES
+from faying.model.elements.solid_element import SolidElement, mid_sided
+from faying.model.elements.wedge6 import HALVES, WEDGE6
 
-MIDSIDES = (
-    (0.5, 0.0, 0.0),
-    (0.5, 0.5, 0.0),
-    (0.0, 0.5, 0.0),
-    (0.0, 0.0, 0.5),
-    (1.0, 0.0, 0.5),
-    (0.0, 1.0, 0.5),
-    (0.5, 0.0, 1.0),
-    (0.5, 0.5, 1.0),
-    (0.0, 0.5, 1.0),
-)
+_NODES, _FACES = mid_sided(WEDGE6, "01 12 20 03 14 25 34 45 53")
 
 _BARYCENTRIC_GRADIENTS = np.array([[-1.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 _NEXT = np.array([1, 2, 0])
@@ -69,20 +58,14 @@ def serendipity_wedge(points: Matrix) -> tuple[Matrix, Matrix]:
 
 WEDGE15 = SolidElement(
     kind="wedge15",
-    reference_nodes=CORNERS + MIDSIDES,  # type: ignore[arg-type]  # frozen into an array
+    reference_nodes=_NODES,
     n_corners=6,
     shape_functions=serendipity_wedge,
     # The nine points of C3D15: exact for constant strain and free of spurious modes.
     stiffness_quadrature=partial(wedge, 2, 5),
     # Degree 2 + 2 from N Nᵀ and 2 from det J of straight edges, in the triangle and along the axis.
     mass_quadrature=partial(wedge, 6, 7),
-    faces=(
-        (TRI6, (0, 2, 1, 8, 7, 6)),
-        (TRI6, (3, 4, 5, 12, 13, 14)),
-        (QUAD8, (0, 1, 4, 3, 6, 10, 12, 9)),
-        (QUAD8, (1, 2, 5, 4, 7, 11, 13, 10)),
-        (QUAD8, (2, 0, 3, 5, 8, 9, 14, 11)),
-    ),
+    faces=_FACES,
     elsewhere=Elsewhere(
         nastran="CPENTA",
         nastran_scheme=("THREE", "FULL"),
