@@ -10,6 +10,7 @@ import faying as fy
 from faying.exceptions import FormatError
 from faying.io.nastran import read_joint
 from faying.model.description import JointDescription
+from refusals import refuses
 
 # Two unit cubes on top of each other, nodes 1-8 and 11-18; a beam 91-92 beside them.
 CUBES = "".join(
@@ -77,8 +78,7 @@ def test_simcenter_selection_follows_case_control(read: Read) -> None:
     assert [name for name, *_ in sides(second)] == ["contact-31-6"]
     with pytest.raises(FormatError, match="selects BCSET = 5, but the contact sets are 4, 44, 8"):
         read(*cards, control="BCSET = 5")
-    with pytest.raises(FormatError, match="no subcase 3; subcases are 1, 2"):
-        read(*cards, control=subcases, subcase=3)
+    refuses("no subcase 3; subcases are 1, 2", read, *cards, control=subcases, subcase=3)
 
 
 def test_rows_of_one_set_are_pairs(read: Read) -> None:
@@ -125,8 +125,7 @@ def test_sides_of_bricks_as_contact_bodies(read: Read) -> None:
         (("1,S2", "99,S2"), "element 99 is no CHEXA"),
         (("FACE", "NODE"), "behind FACE"),
     ):
-        with pytest.raises(FormatError, match=message):
-            read(surfaces.replace(*change) + pairs)
+        refuses(message, read, surfaces.replace(*change) + pairs)
 
 
 def friction(joint: JointDescription) -> float:
@@ -230,14 +229,11 @@ def test_what_changes_the_physics_is_refused_by_name(read: Read, cards, message)
 def test_glue_and_tables_that_are_not_selected_do_no_harm(read: Read) -> None:
     joint = read(SIMCENTER, "BGSET,1,5,6", control="BCSET = 4")
     assert any("BGSET" in note for note in joint.assembly.ignored)
-    with pytest.raises(FormatError, match="count twice"):
-        read(SIMCENTER, "BGSET,1,5,6", control="BCSET = 4\nBGSET = 1")
+    refuses("count twice", read, SIMCENTER, "BGSET,1,5,6", control="BCSET = 4\nBGSET = 1")
     with pytest.raises(FormatError, match="selects BGSET = 3, but the glue sets are 1, 2"):
         read(FACES, "BGSET,1,5,6", "BGADD,2,1", control="BGSET = 3")
-    with pytest.raises(FormatError, match="BCONTACT = AUTO"):
-        read(MSC, control="BCONTACT = AUTO,PGLUE")
-    with pytest.raises(FormatError, match="selects BCONTACT = 4"):
-        read(MSC, control="BCONTACT = 4")
+    refuses("BCONTACT = AUTO", read, MSC, control="BCONTACT = AUTO,PGLUE")
+    refuses("selects BCONTACT = 4", read, MSC, control="BCONTACT = 4")
 
 
 def test_contact_of_all_bodies_finds_what_touches(read: Read) -> None:
@@ -286,8 +282,7 @@ def test_penetrations_are_reset(tmp_path: Path) -> None:
         at_corner = interface.point_shape[:, interface.pairs[:, 0] == 4].toarray()[:, 0]
         np.testing.assert_allclose(interface.initial_gap, lowest * at_corner, atol=1e-9)
     path.write_text(sunk + SIMCENTER + "BCTPARM,4,INIPENE,7\n")
-    with pytest.raises(FormatError, match="INIPENE = 7 is not supported; give one of 0, 1, 2, 3"):
-        read_joint(path)
+    refuses("INIPENE = 7 is not supported; give one of 0, 1, 2, 3", read_joint, path)
 
 
 def test_triangles_and_quadrilaterals_in_one_region(tmp_path: Path) -> None:
@@ -306,11 +301,9 @@ def test_triangles_and_quadrilaterals_in_one_region(tmp_path: Path) -> None:
     assert "bsurfs:5" in read_joint(path).assembly.mesh.node_sets
     # With a second brick's side in between, the nodes of the region would span that too.
     path.write_text(text.replace("BSURFS,5,,,,1,5,6,7", "BSURFS,5,,,,1,5,6,7\n,1,2,3,1"))
-    with pytest.raises(FormatError, match="divide it into one region per kind"):
-        read_joint(path)
+    refuses("divide it into one region per kind", read_joint, path)
     path.write_text(text.replace("BSURFS,5,,,,1,5,6,7", "BSURFS,5,,,,1,2,3,7"))
-    with pytest.raises(FormatError, match="inside a body"):
-        read_joint(path)
+    refuses("inside a body", read_joint, path)
 
 
 def test_bolts_and_their_forces(read: Read) -> None:
@@ -325,8 +318,7 @@ def test_bolts_and_their_forces(read: Read) -> None:
     assert unloaded.preloads == {}
     assert any("selects none by BOLTLD" in note for note in unloaded.assembly.ignored)
     assert read(*sets).preloads == {}
-    with pytest.raises(FormatError, match="selects BOLTLD = 5, but the sets"):
-        read(*sets, control="BOLTLD = 5")
+    refuses("selects BOLTLD = 5, but the sets", read, *sets, control="BOLTLD = 5")
 
 
 PRESSURES = (
@@ -397,15 +389,13 @@ def test_corner_intensities_follow_the_right_hand_rule_from_g1(tmp_path: Path) -
 def test_pressures_that_make_no_sense(tmp_path: Path, load, message) -> None:
     path = tmp_path / "a.bdf"
     path.write_text(PRESSURES + HEXA + load + "\n")
-    with pytest.raises(FormatError, match=message):
-        read_joint(path)
+    refuses(message, read_joint, path)
 
 
 def test_ranges_with_steps(read: Read) -> None:
     joint = read("BSURF,5,1,THRU,7,BY,2")
     assert joint.assembly.mesh.element_sets["bsurf:5"].tolist() == [1]
-    with pytest.raises(FormatError, match="BY 0"):
-        read("BSURF,5,1,THRU,7,BY,0")
+    refuses("BY 0", read, "BSURF,5,1,THRU,7,BY,0")
 
 
 def test_combinations_of_subcases(read: Read) -> None:
@@ -419,9 +409,6 @@ def test_combinations_of_subcases(read: Read) -> None:
     joint = read(BOLT, control=steps)
     assert joint.preloads == {"bolt-1": 5000.0}
     assert "case control requests STEP after the first" in joint.assembly.ignored
-    with pytest.raises(FormatError, match="SUBCASE = 'ONE'; expected an id"):
-        read(BOLT, control="SUBCASE ONE")
-    with pytest.raises(FormatError, match="BOLTLD = 'X'; expected the number of a set"):
-        read(BOLT, control="BOLTLD = X")
-    with pytest.raises(FormatError, match="SUBCASE 1 is already at"):
-        read(BOLT, control="SUBCASE 1\nSUBCASE 1")
+    refuses("SUBCASE = 'ONE'; expected an id", read, BOLT, control="SUBCASE ONE")
+    refuses("BOLTLD = 'X'; expected the number of a set", read, BOLT, control="BOLTLD = X")
+    refuses("SUBCASE 1 is already at", read, BOLT, control="SUBCASE 1\nSUBCASE 1")
