@@ -82,5 +82,5 @@ def quick_demo(tmp_path_factory):
     study = read_study(demo)
     assert run(
         study.model_copy(update={"output": study.output.model_copy(update={"report": False})}), out
-    ).converged
+    )["converged"]
     return out

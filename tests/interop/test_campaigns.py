@@ -434,7 +434,7 @@ def study(tmp_path_factory):
 @pytest.fixture(scope="module")
 def one_worker(study, tmp_path_factory):
     out = tmp_path_factory.mktemp("one-worker")
-    assert run(study, out, executor=ProcessExecutor(1)).converged
+    assert run(study, out, executor=ProcessExecutor(1))["converged"]
     return numbers(out / "results.h5")
 
 
@@ -454,7 +454,7 @@ def numbers(path):
 
 @pytest.mark.long
 def test_a_study_has_the_same_results_whoever_computes_it(executor, study, one_worker, tmp_path):
-    assert run(study, tmp_path, executor=executor).converged
+    assert run(study, tmp_path, executor=executor)["converged"]
     found = numbers(tmp_path / "results.h5")
     assert len(found) > 50
     same(found, one_worker)
@@ -462,7 +462,7 @@ def test_a_study_has_the_same_results_whoever_computes_it(executor, study, one_w
 
 @pytest.mark.long
 def test_a_study_has_the_results_of_workers_in_this_process(study, one_worker, tmp_path):
-    assert run(study, tmp_path).converged
+    assert run(study, tmp_path)["converged"]
     same(numbers(tmp_path / "results.h5"), one_worker, OF_A_BASIS)
 
 
@@ -494,7 +494,7 @@ def test_an_interrupted_study_resumes_with_what_workers_have_finished(study, tmp
     counts = []
     with pytest.raises(KeyboardInterrupt):
         run(study, tmp_path, executor=Stopping())
-    assert run(study, tmp_path, executor=Counting(), resume=True).converged
+    assert run(study, tmp_path, executor=Counting(), resume=True)["converged"]
     assert counts == [3]  # of five groups
 
 

@@ -68,7 +68,7 @@ def alone(rom, loads, tmp_path_factory):
     out = tmp_path_factory.mktemp("alone")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(solve_cases, "MOST", 20)
-        assert solve_loads(rom, loads, out).converged
+        assert solve_loads(rom, loads, out)["converged"]
     return out
 
 
@@ -113,7 +113,7 @@ def test_processes_give_what_this_process_gives(rom, loads, alone, tmp_path):
             pass
 
     done = solve_loads(rom, loads, tmp_path, executor=ProcessExecutor(2), progress=Bar())
-    assert done.converged
+    assert done["converged"]
     assert not (tmp_path / "unfinished").exists()
     assert ["workers", 130, 130] in seen  # 50 cases and twice 40 steps
     same(tmp_path, alone)
@@ -161,7 +161,7 @@ def test_a_case_without_solution_costs_no_other_of_a_worker(rom, loads, tmp_path
     monkeypatch.setattr(solve_cases, "solve_ramps", failing)
     static = replace(loads, transients=())
     done = solve_loads(rom, static, tmp_path, executor=SerialExecutor())
-    assert done.summary["not_converged"] == ["n4: did not settle"]
+    assert done["not_converged"] == ["n4: did not settle"]
 
 
 def test_workers_that_cannot_take_part_are_refused(rom, loads, tmp_path):

@@ -77,7 +77,7 @@ for path, out in zip(paths[::2], paths[1::2], strict=True):
     study = read_study(path)
     quiet = study.output.model_copy(update={"report": False})
     with threadpool_limits(1):
-        assert run(study.model_copy(update={"output": quiet}), out).converged
+        assert run(study.model_copy(update={"output": quiet}), out)["converged"]
 """
 """Runs one after the other in one process, without reports, which compute nothing."""
 

@@ -270,7 +270,7 @@ def test_studies_name_it(tmp_path):
     """Reduced, compared, kept with the results and handed over like the others."""
     (tmp_path / "study.toml").write_text(STUDY, encoding="utf-8")
     out = tmp_path / "out"
-    assert run(read_study(tmp_path / "study.toml"), out).converged
+    assert run(read_study(tmp_path / "study.toml"), out)["converged"]
     found = json.loads((out / "summary.json").read_text(encoding="utf-8"))
     errors = {
         name: sizes["0"]["max_relative_error"]

@@ -10,7 +10,6 @@ from rich.console import Console
 from faying.cli.tables import text_table
 from faying.display.quantities import percent
 from faying.study.results.values import FULL_MODEL
-from faying.workflow.outcome import Outcome
 
 STYLES = {"met": "", "not met": "bold red", "unknown": "yellow"}
 """How a row of the verdict is written."""
@@ -50,21 +49,21 @@ def show_verdict(summary: Mapping[str, Any], console: Console) -> None:
     console.print(verdict["sentence"], highlight=False, soft_wrap=True)
 
 
-def end(done: Outcome, out: Path, console: Console, solved: str) -> None:
+def end(summary: Mapping[str, Any], out: Path, console: Console, solved: str) -> None:
     """Print warnings and the verdict, and exit by them.
 
     The status is 1 where something did not converge, 3 of a joint that does not hold, or of which
     what is demanded is not known.
     """
-    for warning in done.summary["warnings"]:
+    for warning in summary["warnings"]:
         typer.echo(f"Warning: {warning}", err=True)
-    if not done.converged:
+    if not summary["converged"]:
         message = f"Some {solved} did not converge; {out / 'summary.json'} names them"
         typer.echo(message, err=True)
-    show_verdict(done.summary, console)
-    if not done.converged:
+    show_verdict(summary, console)
+    if not summary["converged"]:
         raise typer.Exit(1)
-    if not done.summary["verdict"]["holds"]:
+    if not summary["verdict"]["holds"]:
         raise typer.Exit(3)
 
 

@@ -49,14 +49,14 @@ def compute(
             usable_folder(out)
             from faying.workflow.run import run as run_study
 
-            result = run_study(
+            summary = run_study(
                 study, out, resume=resume, progress=bar, executor=executor, since=since
             )
         from faying.cli.outcome import end, show_outcome
 
         console = Console(markup=False)
-        show_outcome(result.summary, out, console)
-        end(result, out, console, "solutions")
+        show_outcome(summary, out, console)
+        end(summary, out, console, "solutions")
 
 
 def demo(

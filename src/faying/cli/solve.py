@@ -96,7 +96,7 @@ def solve(
         with ExitStack() as stack:
             executor = shared_executor(workers, scheduler, stack)
             bar = stack.enter_context(progress_bar(Console(stderr=True), remaining=True))
-            result = solve_loads(
+            summary = solve_loads(
                 rom,
                 load_set,
                 folder,
@@ -106,8 +106,8 @@ def solve(
                 progress=bar,
                 executor=executor,
             )
-    _show(result.summary, folder)
-    end(result, folder, Console(markup=False), "cases")
+    _show(summary, folder)
+    end(summary, folder, Console(markup=False), "cases")
 
 
 def _show(summary: "Mapping[str, Any]", folder: Path) -> None:

@@ -29,7 +29,6 @@ from faying.study.stages.reference import reference_of
 from faying.study.stages.run_assessment import assess_run
 from faying.study.stages.validation import validate
 from faying.study.stages.worker_tasks import compute_pieces
-from faying.workflow.outcome import Outcome
 
 CONFIRMED_CASES = 3
 """Static cases that the full model confirms where it is not the reference of all."""
@@ -46,8 +45,8 @@ def run(
     progress: ProgressBar | None = None,
     executor: Executor | None = None,
     since: float | None = None,
-) -> Outcome:
-    """Compute a study and leave its results in a folder.
+) -> Mapping[str, Any]:
+    """Compute a study, leave its results in a folder, and return what ``summary.json`` says.
 
     Parameters
     ----------
@@ -72,15 +71,14 @@ def run(
         # Libraries are loaded for it, which a full disk makes talk: the folder is tried before.
         with books.timed("libraries"):
             limits.enter_context(one_thread())
-        results, converged = _computed(study, books, executor)
+        results = _computed(study, books, executor)
         _write_files(study, results, out, books)
         # Once more, for what the report took is known only now.
-        summary = _write_summary(replace(results, timings=books.account()), out)
-    return Outcome(converged=converged, summary=summary)
+        return _write_summary(replace(results, timings=books.account()), out)
 
 
-def _computed(study: Study, books: Books, executor: Executor | None) -> tuple[Results, bool]:
-    """Compute everything, and say whether all of it converged."""
+def _computed(study: Study, books: Books, executor: Executor | None) -> Results:
+    """Compute everything."""
     if executor is not None:
         compute_pieces(study, executor, books)
     joint = prepare_joint(study, books)
@@ -121,7 +119,7 @@ def _computed(study: Study, books: Books, executor: Executor | None) -> tuple[Re
     results = replace(
         results, frequencies=frequencies, assessment=assessment, mode_choices=chosen.choices
     )
-    return replace(results, timings=books.account()), not failures
+    return replace(results, timings=books.account())
 
 
 def _confirmed(study: Study, runner: CaseRunner, solved: Solved) -> Solved:

@@ -31,7 +31,6 @@ from faying.study.results.solved_fields import SolvedFields, write_solved
 from faying.study.stages.books import Books, ProgressBar
 from faying.study.stages.path_cases import rest_state
 from faying.units import Units
-from faying.workflow.outcome import Outcome
 from faying.workflow.solve_cases import CaseSolver, SolveOptions
 from faying.workflow.solved_assessment import demanded_of, solved_checks
 from faying.workflow.solved_cases import SolvedCases
@@ -48,8 +47,8 @@ def solve_loads(
     resume: bool = False,
     progress: ProgressBar | None = None,
     executor: Executor | None = None,
-) -> Outcome:
-    """Solve loads on a reduced model, without the full one.
+) -> Mapping[str, Any]:
+    """Solve loads on a reduced model, without the full one; return what ``summary.json`` says.
 
     Parameters
     ----------
@@ -133,7 +132,7 @@ def solve_loads(
             "timings": books.account(),
         }
         write_text(out / "summary.json", json.dumps(summary, indent=2) + "\n")
-    return Outcome(converged=not summary["not_converged"], summary=summary)
+    return summary
 
 
 def bolt_loads(path: Sequence[Mapping[str, float]]) -> list[Load]:

@@ -16,6 +16,7 @@ def runner(monkeypatch):
     """A stand-in for the runner that records its calls and reports convergence as told."""
     calls = []
     summary = {
+        "converged": True,
         "load_cases": {},
         "remarks": [],
         "warnings": [],
@@ -23,16 +24,15 @@ def runner(monkeypatch):
         "timings": {"stages": {}},
         "verdict": {"holds": True, "sentence": "", "advice": [], "open_questions": [], "table": []},
     }
-    result = SimpleNamespace(converged=True, summary=summary)
 
     def run(study, out, *, resume, progress, executor, since):
         calls.append((study, out, resume))
-        return result
+        return summary
 
     module = ModuleType("faying.workflow.run")
     module.run = run
     monkeypatch.setitem(sys.modules, "faying.workflow.run", module)
-    return SimpleNamespace(calls=calls, result=result)
+    return SimpleNamespace(calls=calls, result=summary)
 
 
 def test_start_up_imports_nothing_heavy():
@@ -78,7 +78,7 @@ def test_bad_study_is_one_message_and_no_traceback(tmp_path):
 
 
 def test_what_could_not_be_validated_is_said_and_changes_no_status(call, runner, tmp_path):
-    runner.result.summary["warnings"] = ["unseen loads: it met what nobody foresaw"]
+    runner.result["warnings"] = ["unseen loads: it met what nobody foresaw"]
     status, _, err = call("run", EXAMPLE, "--out", tmp_path / "results")
     assert status == 0
     assert "Warning: unseen loads: it met what nobody foresaw" in err
@@ -101,7 +101,7 @@ def test_run_names_its_folder_after_the_study(call, monkeypatch, runner, tmp_pat
 
 
 def test_missing_convergence_is_status_1(call, runner, tmp_path):
-    runner.result.converged = False
+    runner.result["converged"] = False
     status, _, err = call("run", EXAMPLE, "--out", tmp_path)
     assert status == 1
     assert "summary.json" in err

@@ -251,7 +251,7 @@ def test_statics_need_no_mass(deck, tmp_path):
     for name, change in (("heavy", ("", "")), ("light", (",7.8-9", ""))):
         path = deck(*change)
         path.write_text(path.read_text() + static)
-        summary = run(read_study(path), tmp_path / name).summary
+        summary = run(read_study(path), tmp_path / name)
         found[name] = summary["load_cases"]["blow"]
         assert (summary["model"]["mass"] > 0) == (name == "heavy")
     for name in ("max_pressure", "contact_force"):
@@ -370,7 +370,7 @@ def test_a_run_says_what_no_solid_bears(tmp_path):
     case += 'forces = [{ boundary = "tip", component = "Fz", value = 1.0 }]\n'
     case += "[output]\nreport = false\n"
     study = parse_study(STUDY.replace("1e3", "1e8") + case, tmp_path / "study.toml")
-    said = run(study, tmp_path / "out").summary["warnings"]
+    said = run(study, tmp_path / "out")["warnings"]
     assert any("as of no tightened bolt" in text for text in said)
     assert any("load case 'rest': the largest pressure is" in text for text in said)
 

@@ -90,7 +90,7 @@ def finished(tmp_path_factory, bars):
     folder = tmp_path_factory.mktemp("study")
     (folder / "ring.toml").write_text(STUDY)
     out = folder / "out"
-    assert run(read_study(folder / "ring.toml"), out, progress=bars).converged
+    assert run(read_study(folder / "ring.toml"), out, progress=bars)["converged"]
     return out
 
 
@@ -164,7 +164,7 @@ def test_a_backbone_that_was_stopped_goes_on_after_its_last_amplitude(
     study, bars = read_study(finished.parent / "ring.toml"), Bars()
     with pytest.raises(KeyboardInterrupt):
         run(study, tmp_path)
-    assert run(study, tmp_path, resume=True, progress=bars).converged
+    assert run(study, tmp_path, resume=True, progress=bars)["converged"]
     # Six by the full model and six by the reduced one, each once.
     assert len(computed) == 12
     assert bars.reached["ring full"] == 6
@@ -363,7 +363,7 @@ def test_what_the_model_does_not_have_is_refused(tmp_path, old, new, match):
 def test_a_mode_that_is_still_where_amplitudes_are_measured_is_left_out_by_name(tmp_path):
     text = STUDY.replace('"tip"', '"tip.ry"').replace("[0.001, 0.1, 3]", "[1e-5, 1e-4, 2]")
     (tmp_path / "ring.toml").write_text(text)
-    summary = run(read_study(tmp_path / "ring.toml"), tmp_path / "out").summary
+    summary = run(read_study(tmp_path / "ring.toml"), tmp_path / "out")
     assert list(summary["load_cases"]["ring"]["backbones"]) == ["1"]
     (said,) = [text for text in summary["warnings"] if "is left out" in text]
     assert said.startswith("load case 'ring': mode 2 is left out: it leaves 'tip.ry' still")

@@ -97,7 +97,7 @@ def test_an_interface_that_stays_open_is_named(study, tmp_path, caplog):
     """A gap of 1 mm under a bolt beside stiff springs, which 5 kN do not close."""
     beside = ("CELAS2,43", "CELAS2,44,1.+5,5,3,11,3\nCELAS2,43")
     apart = study(beside, more='[[interface]]\nname = "contact-1-2"\ninitial_gap = 1.0\n')
-    summary = run(apart, tmp_path / "out").summary
+    summary = run(apart, tmp_path / "out")
     said = "is open everywhere after tightening: no bolt presses it"
     assert said in caplog.text
     assert any(said in warning for warning in summary["warnings"])
@@ -124,7 +124,7 @@ def test_initial_force_is_what_the_joint_relaxes(study, tmp_path):
     joint = prepared(locked)
     assert joint.model.bolts["M6"].initial_force == initial
     assert joint.preload.bolt_force("M6") == pytest.approx(5e3, rel=1e-9)  # round-off of K
-    summary = run(locked, tmp_path / "out").summary
+    summary = run(locked, tmp_path / "out")
     assert summary["bolts"]["M6"]["initial_force"] == initial
     assert summary["bolts"]["M6"]["preload"] == pytest.approx(5e3, rel=1e-9)
 

@@ -32,7 +32,7 @@ def study(tmp_path, step=AUTO, reference="full"):
 @pytest.mark.long
 @pytest.mark.parametrize("reference", ["full", "none"])
 def test_they_are_chosen_by_the_reference_and_told(tmp_path, reference):
-    assert run(study(tmp_path, reference=reference), tmp_path / "out").converged
+    assert run(study(tmp_path, reference=reference), tmp_path / "out")["converged"]
     case = json.loads((tmp_path / "out" / "summary.json").read_text())["load_cases"]["push"]
     steps = case["steps"]
     assert steps["met"]

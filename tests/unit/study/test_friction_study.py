@@ -108,7 +108,7 @@ def study(tmp_path_factory):
 @pytest.fixture(scope="module")
 def finished(study, tmp_path_factory):
     out = tmp_path_factory.mktemp("finished")
-    assert run(study, out).converged
+    assert run(study, out)["converged"]
     return out
 
 
@@ -614,7 +614,7 @@ report = false
 """
     )
     study = read_study(write(tmp_path, text))
-    assert run(study, tmp_path / "out").converged
+    assert run(study, tmp_path / "out")["converged"]
     found = read_results(tmp_path / "out" / "results.h5")
     assert found.omissions == ()
     model = build(study).with_bolt_forces({"bolt": found.bolts["bolt"].initial_force})

@@ -34,7 +34,7 @@ def text(modes=4, reference="full", line="", report="false"):
 def outcome(folder, **options):
     """Summary and results of a run."""
     out = folder / "out"
-    assert run(parse_study(text(**options), folder / "joint.toml"), out).converged
+    assert run(parse_study(text(**options), folder / "joint.toml"), out)["converged"]
     return json.loads((out / "summary.json").read_text()), read_results(out / "results.h5")
 
 
@@ -107,7 +107,7 @@ def test_the_mark_is_the_stated_tolerance(tmp_path):
     content = text(line="transient_tolerance = 0.001", reference="none")
     assert jump in content
     study = parse_study(content.replace(jump, f"{jump}\ntolerance = 0.5"), tmp_path / "joint.toml")
-    assert run(study, tmp_path / "out").converged
+    assert run(study, tmp_path / "out")["converged"]
     cases = json.loads((tmp_path / "out" / "summary.json").read_text())["load_cases"]
     assert (cases["jump"]["tolerance"], cases["push"]["tolerance"]) == (0.5, 0.001)
     assert 0.03 < cases["jump"]["methods"]["compliance"]["0"]["estimated_max_relative_error"] < 0.5

@@ -24,7 +24,7 @@ NASA = 'standard = "nasa-std-5020b"\nFF = 1.1\nFS_u = 1.4\nFS_y = 1.25\nFS_sep =
 @pytest.mark.long
 def test_a_run_tells_the_margins_of_its_standard(tmp_path):
     text = STUDY.replace("FACTORS", NASA).replace("REPETITIONS", "repetitions = 1e6")
-    summary = run(parse_study(text, tmp_path / "joint.toml"), tmp_path / "out").summary
+    summary = run(parse_study(text, tmp_path / "joint.toml"), tmp_path / "out")
     results = read_results(tmp_path / "out" / "results.h5")
     found = {one.quantity: one for one in results.assessment.checks}
     margins = {"MS_u", "ultimate, combined", "MS_y", "MS_sep", "MS_slip"}

@@ -59,7 +59,7 @@ def test_a_run_tells_how_far_it_is_off(study, tmp_path):
     text = STUDY.replace("[2, 1]", "[1]").replace("[0.001, 0.1, 3]", "[0.001, 0.01, 2]")
     (tmp_path / "ring.toml").write_text(text + TABLE)
     assert read.measurements[0].mode == 1
-    summary = run(read_study(tmp_path / "ring.toml"), tmp_path / "out").summary
+    summary = run(read_study(tmp_path / "ring.toml"), tmp_path / "out")
     found = summary["measurements"]["hammer"]
     assert found["amplitude"] == [0.002, 0.02]
     assert found["computed_frequency"][1] is None  # the backbone ends at 0.01

@@ -38,7 +38,7 @@ JUMP = step("jump", "Fz", -100.0, TIMES)
 
 def computed(text, folder):
     """Summary and results of a run."""
-    assert run(parse_study(text, folder / "joint.toml"), folder / "out").converged
+    assert run(parse_study(text, folder / "joint.toml"), folder / "out")["converged"]
     summary = json.loads((folder / "out" / "summary.json").read_text())
     return summary, read_results(folder / "out" / "results.h5")
 
@@ -125,7 +125,7 @@ def test_a_resumed_run_takes_the_number_over(chosen, tmp_path, monkeypatch):
         with pytest.raises(KeyboardInterrupt):
             run(study, tmp_path / "out")
     monkeypatch.setattr(normal_modes, "choose_normal_modes", stopped)
-    assert run(study, tmp_path / "out", resume=True).converged
+    assert run(study, tmp_path / "out", resume=True)["converged"]
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["normal_mode_choice"] == chosen[0]["normal_mode_choice"]
     results = read_results(tmp_path / "out" / "results.h5")

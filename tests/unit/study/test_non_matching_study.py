@@ -55,7 +55,7 @@ def finished(tmp_path_factory):
     folder = tmp_path_factory.mktemp("apart")
     path = folder / "apart.toml"
     path.write_text(STUDY)
-    assert run(read_study(path), folder / "out").converged
+    assert run(read_study(path), folder / "out")["converged"]
     return folder / "out"
 
 
@@ -117,7 +117,7 @@ def test_matching_meshes_record_no_coverage(tmp_path):
     )
     path = tmp_path / "alike.toml"
     path.write_text(text)
-    assert run(read_study(path), tmp_path / "out").converged
+    assert run(read_study(path), tmp_path / "out")["converged"]
     joint = read_results(tmp_path / "out" / "results.h5").interfaces["joint"]
     assert joint.face_coverage is None
     assert joint.overlap is None

@@ -56,7 +56,7 @@ def folder(tmp_path_factory):
     """A finished run."""
     folder = tmp_path_factory.mktemp("recover")
     (folder / "STUDY.toml").write_text(STUDY)
-    assert run(read_study(folder / "STUDY.toml"), folder / "out").converged
+    assert run(read_study(folder / "STUDY.toml"), folder / "out")["converged"]
     return folder / "out"
 
 
@@ -381,7 +381,7 @@ report = false
 def test_two_curved_interfaces_come_back(tmp_path):
     (tmp_path / "STUDY.toml").write_text(CURVED)
     study = read_study(tmp_path / "STUDY.toml")
-    assert run(study, tmp_path / "out").converged
+    assert run(study, tmp_path / "out")["converged"]
     results = results_of(tmp_path / "out")
     model = prepare_joint(study).model
     n_pair = sum(len(joint.pairs) for joint in model.interfaces.values())

@@ -128,7 +128,7 @@ def test_size_decides_where_the_study_does_not(tmp_path, monkeypatch):
     n_dof = model.structure.n_dof
     assert reference.reference_kind(open_study, model) == ("full", "")
     monkeypatch.setattr(reference, "FULL_UP_TO", n_dof - 1)
-    done = run(open_study, tmp_path / "out").summary
+    done = run(open_study, tmp_path / "out")
     assert done["reference"]["kind"] == "worst"
     assert f"{n_dof} free degrees of freedom" in done["reference"]["reason"]
     asked = study(tmp_path, 'reference = "full"')

@@ -40,7 +40,7 @@ def outcome(folder, requirement, thread=""):
         "5e3\n", f"5e3\n{thread}\n", 1
     )
     study = parse_study(text, folder / "joint.toml")
-    summary = run(study, folder / "out").summary
+    summary = run(study, folder / "out")
     return summary, read_results(folder / "out" / "results.h5")
 
 

@@ -59,7 +59,7 @@ def study(tmp_path_factory):
 @pytest.fixture(scope="module")
 def finished(study, tmp_path_factory) -> Path:
     out = tmp_path_factory.mktemp("finished")
-    assert run(study, out).converged
+    assert run(study, out)["converged"]
     return out
 
 
@@ -117,7 +117,7 @@ def test_every_second_of_a_run_is_in_a_stage(study, tmp_path, monkeypatch):
     # Processor time, for what else runs on the machine must not decide.
     monkeypatch.setattr(books, "clock", time.process_time)
     start = time.process_time()
-    timings = run(study, tmp_path).summary["timings"]
+    timings = run(study, tmp_path)["timings"]
     taken = time.process_time() - start
     assert sum(timings["stages"].values()) == pytest.approx(timings["run"], rel=1e-12)
     assert timings["run"] == pytest.approx(taken, rel=0.02)
@@ -150,7 +150,7 @@ def test_work_that_may_take_long_is_in_a_stage(study, tmp_path, monkeypatch):
     for module, name in WORK:
         monkeypatch.setattr(module, name, slow(getattr(module, name)))
     monkeypatch.setattr(books, "clock", lambda: now[0])
-    timings = run(study, tmp_path).summary["timings"]
+    timings = run(study, tmp_path)["timings"]
     assert timings["run"] == now[0] >= len(WORK)
     assert timings["stages"]["other"] == 0
 
@@ -199,7 +199,7 @@ def test_a_study_may_leave_the_time_step_unchecked(tmp_path):
             "[[load_case]]", "[validation]\nhalf_step = false\n\n[[load_case]]", 1
         ).replace(METHODS, '"compliance"')
     )
-    assert run(read_study(path), tmp_path / "out").converged
+    assert run(read_study(path), tmp_path / "out")["converged"]
     jump = read_results(tmp_path / "out" / "results.h5").cases["jump"]
     assert jump.half_step is None
     assert jump.half_step_times is None
@@ -219,9 +219,9 @@ def test_a_time_step_check_that_fails_costs_no_result(study, tmp_path, monkeypat
 
     monkeypatch.setattr(cases, "full_transients", fragile)
     outcome = run(study, tmp_path)
-    assert outcome.converged
-    assert outcome.summary["warnings"] == ["jump, half the time step: did not settle"]
-    assert outcome.summary["load_cases"]["jump"]["methods"]["compliance"]["0"]
+    assert outcome["converged"]
+    assert outcome["warnings"] == ["jump, half the time step: did not settle"]
+    assert outcome["load_cases"]["jump"]["methods"]["compliance"]["0"]
 
 
 @pytest.mark.long
@@ -240,9 +240,9 @@ def test_validation_that_fails_is_named_and_costs_no_result(study, tmp_path, mon
     ):
         monkeypatch.setattr(module, name, broken)
     outcome = run(study, tmp_path)
-    assert outcome.converged
+    assert outcome["converged"]
     results = read_results(tmp_path / "results.h5")
-    assert outcome.summary["warnings"] == list(results.omissions)
+    assert outcome["warnings"] == list(results.omissions)
     said = "\n".join(results.omissions)
     for extra in (
         "unseen loads: ValueError: nobody foresaw this",
@@ -279,10 +279,10 @@ def test_a_solution_without_contact_is_kept_though_nothing_compares_with_it(
     monkeypatch.setattr(cases, "respond", open_)
     outcome = run(study, tmp_path)
     assert "bend, compliance with 0 joint modes, comparison: the reference" in "\n".join(
-        outcome.summary["warnings"]
+        outcome["warnings"]
     )
-    assert outcome.summary["load_cases"]["bend"]["reference"]["max_pressure"] == 0.0
-    assert outcome.summary["load_cases"]["jump"]["methods"]["compliance"]["0"]
+    assert outcome["load_cases"]["bend"]["reference"]["max_pressure"] == 0.0
+    assert outcome["load_cases"]["jump"]["methods"]["compliance"]["0"]
 
 
 def test_workers_leave_a_piece_without_solution_to_the_run(study, tmp_path, monkeypatch):
@@ -303,8 +303,8 @@ def test_hard_contact_of_quadratic_elements_runs_to_the_end(tmp_path):
     path = tmp_path / "hard.toml"
     path.write_text(text)
     outcome = run(read_study(path), tmp_path / "out")
-    assert outcome.converged
-    assert outcome.summary["warnings"] == []
+    assert outcome["converged"]
+    assert outcome["warnings"] == []
 
 
 @pytest.mark.long
@@ -329,7 +329,7 @@ def test_an_interrupted_run_resumes_without_solving_again(study, tmp_path, monke
         run(study, tmp_path)
     assert not (tmp_path / "results.h5").exists()
     monkeypatch.setattr(case_solution, "steps_of", counted)
-    assert run(study, tmp_path, resume=True).converged
+    assert run(study, tmp_path, resume=True)["converged"]
     # Full, craig-bampton, 2 × jim-a, 2 × jim-b, compliance and the half step, each once.
     assert len(solved) == 8
     assert not (tmp_path / "unfinished").exists()
@@ -387,7 +387,7 @@ def test_a_resumed_run_repeats_the_warnings_of_what_it_takes_over(tmp_path, monk
     with pytest.raises(KeyboardInterrupt):
         run(study, tmp_path)
     monkeypatch.setattr(runs, "validate", original)
-    warnings = run(study, tmp_path, resume=True).summary["warnings"]
+    warnings = run(study, tmp_path, resume=True)["warnings"]
     failed = "jump, compliance/0, recovered pressures: ValueError: nobody foresaw this"
     assert warnings == [failed]
 
@@ -416,10 +416,10 @@ def test_a_method_that_does_not_converge_is_recorded_and_the_rest_kept(
 
     monkeypatch.setattr(case_solution, "solve_static", fragile)
     outcome = run(study, tmp_path)
-    assert not outcome.converged
-    assert len(outcome.summary["not_converged"]) == 2
-    assert "bend, jim-a with 2 joint modes" in outcome.summary["not_converged"][0]
-    assert set(outcome.summary["load_cases"]["bend"]["methods"]["jim-a"]) == {"4"}
+    assert not outcome["converged"]
+    assert len(outcome["not_converged"]) == 2
+    assert "bend, jim-a with 2 joint modes" in outcome["not_converged"][0]
+    assert set(outcome["load_cases"]["bend"]["methods"]["jim-a"]) == {"4"}
 
 
 def _raise(error: BaseException):
@@ -437,7 +437,7 @@ def test_hard_contact_with_a_training_box(tmp_path):
     text = text.replace('"jim-a", "jim-b", "compliance", "nmf"', '"compliance"')
     path = tmp_path / "hard.toml"
     path.write_text(text)
-    assert run(read_study(path), tmp_path).converged
+    assert run(read_study(path), tmp_path)["converged"]
     load_space = read_results(tmp_path / "results.h5").validation.load_space
     assert load_space is not None
     assert (

@@ -89,14 +89,14 @@ def largest_difference(found, expected) -> float:
 @pytest.mark.parametrize(("method", "size"), [("compliance", 0), ("jim-a", 2)])
 def test_results_are_those_of_a_run(study, tmp_path, method, size):
     out = tmp_path / "run"
-    assert run(study, out).converged
+    assert run(study, out)["converged"]
     cases = read_results(out / "results.h5").cases
     reduce_study(study, tmp_path / "one.faying", method=method)
     (tmp_path / "loads.toml").write_text(LOADS)
     rom = fy.read_reduced_model(tmp_path / "one.faying")
     loads = read_loads(tmp_path / "loads.toml", rom)
     options = SolveOptions(named=("bend", "pull"))
-    assert solve_loads(rom, loads, tmp_path / "solved", options).converged
+    assert solve_loads(rom, loads, tmp_path / "solved", options)["converged"]
     with h5py.File(tmp_path / "solved" / "fields.h5") as file:
         names = file["static/names"].asstr()[()].tolist()
         for name in ("bend", "pull"):
@@ -203,8 +203,8 @@ def test_case_that_does_not_converge_is_named_and_costs_no_other(rom, tmp_path, 
 
     monkeypatch.setattr(solve_cases, "solve_ramps", failing)
     done = solve_loads(rom, loads, tmp_path / "out")
-    assert not done.converged
-    assert done.summary["not_converged"] == ["n4: did not settle"]
+    assert not done["converged"]
+    assert done["not_converged"] == ["n4: did not settle"]
     peaks = np.array(table(tmp_path / "out" / "metrics.csv")["max_pressure.joint"], dtype=float)
     assert np.flatnonzero(np.isnan(peaks)).tolist() == [4]
 
@@ -340,7 +340,7 @@ def test_preload_factors_keep_their_old_name_for_now(rom, tmp_path):
     assert np.array_equal(old.inputs, new.inputs)
     assert not new.remarks
     assert "old.csv: column 'preload' is a factor on the initial force" in old.remarks[0]
-    summary = solve_loads(rom, old, tmp_path / "out").summary
+    summary = solve_loads(rom, old, tmp_path / "out")
     assert old.remarks[0] in summary["warnings"]
 
 
@@ -560,7 +560,7 @@ def test_requirements_are_those_that_an_assessment_judges(rom, tmp_path):
     loads = read_loads(path, rom)
     wanted = requirements_of(loads.requirement)
     options = SolveOptions(requirements=wanted)
-    summary = solve_loads(rom, loads, tmp_path / "out", options).summary
+    summary = solve_loads(rom, loads, tmp_path / "out", options)
     found = summary["assessment"]["verdicts"]
     # Each requirement is a check of the table, which says of it what the verdict does.
     checks = [check for part in summary["verdict"]["parts"] for check in part["checks"]]
@@ -621,7 +621,7 @@ def test_strength_is_judged_over_all_cases(rom, tmp_path):
     loads = read_loads(path, rom)
     thread = Thread(diameter=3.0, pitch=0.5, grade="4.6", friction=0.12)
     options = SolveOptions(strengths=BoltStrengths(threads={"bolt": thread}))
-    summary = solve_loads(rom, loads, tmp_path / "out", options).summary
+    summary = solve_loads(rom, loads, tmp_path / "out", options)
     each = [fy.Load({"tip.Fz": force}, name=name) for name, force in (("a", -10.0), ("b", -150.0))]
     expected = fy.assess(rom, each, threads={"bolt": thread}, paths=False).checks
     bolt = summary["verdict"]["parts"][0]
@@ -649,7 +649,7 @@ def test_fatigue_and_the_ends_of_preloads_are_judged_over_all_cases(rom, tmp_pat
     )
     margins = MarginsSection(standard="nasa-std-5020b", FS_u=1.4)
     options = SolveOptions(strengths=strengths, margins=margins)
-    summary = solve_loads(rom, read_loads(path, rom), tmp_path / "out", options).summary
+    summary = solve_loads(rom, read_loads(path, rom), tmp_path / "out", options)
     each = [fy.Load({"tip.Fz": force}, name=name) for name, force in forces.items()]
     scatter = fy.PreloadScatter(tightening_factor=1.6, samples=1)
     threads = {"bolt": thread}
@@ -671,7 +671,7 @@ def test_histories_are_counted_where_load_cases_say_how_often_they_come(rom, tmp
     path.write_text((case + forces).replace("NAME", "often") + LOADS)
     thread = Thread(diameter=2.0, pitch=0.4, grade="8.8")
     options = SolveOptions(strengths=BoltStrengths(threads={"bolt": thread}))
-    summary = solve_loads(rom, read_loads(path, rom), tmp_path / "out", options).summary
+    summary = solve_loads(rom, read_loads(path, rom), tmp_path / "out", options)
     found = {check["quantity"]: check for check in summary["verdict"]["parts"][0]["checks"]}
     counted = found["fatigue, Miner's sum"]
     assert counted["case"] == "often"
@@ -720,7 +720,7 @@ def test_histories_are_judged_too(model_file, tmp_path):
     rom = fy.read_reduced_model(model_file)
     read = read_loads(loads, rom)
     options = SolveOptions(requirements=requirements_of(read.requirement))
-    summary = solve_loads(rom, read, tmp_path / "out", options).summary
+    summary = solve_loads(rom, read, tmp_path / "out", options)
     clamp = summary["assessment"]["verdicts"][0]
     worst = summary["transients"]["jump"]["worst"]["clamp_force.joint"][0]
     # One sum over pressures, the other over forces: round-off.
@@ -792,7 +792,7 @@ def test_many_loads_have_the_verdict_of_a_run(tmp_path):
     """At both ends of the scatter, at a temperature and counted, from TOML and from a table."""
     study, model = tmp_path / "two.toml", str(tmp_path / "two.faying")
     study.write_text(TWO_BOLTS)
-    expected = run(read_study(study), tmp_path / "run").summary["verdict"]
+    expected = run(read_study(study), tmp_path / "run")["verdict"]
     runner = CliRunner()
     done = runner.invoke(app, ["reduce", str(study), "--out", model])
     assert done.exit_code == 0, done.output

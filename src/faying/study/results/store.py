@@ -1,23 +1,7 @@
 """Results in one self-describing HDF5 file, readable without faying.
 
-Layout
-------
 The file mirrors :class:`faying.study.results.values.Results` in the manner of
-:mod:`faying.files.hdf5`::
-
-    /                                  attributes: format, format_version, faying, title, units,
-                                       description, unit_of_force, unit_of_pressure
-    /study_text, /title, /units        text
-    /nodes, /node_ids, /body           mesh; /blocks/0/{kind, nodes, ids, properties}, /blocks/1 …
-    /interfaces/NAME/…                 points, weights, averaging, faces/0/{kind, minus, plus}, …
-    /bolts/NAME/…                      preload, initial_force, history
-    /cases/NAME/…                      kind, times, components/BOUNDARY
-    /cases/NAME/reference/…            pressure, gap, displacements/BOUNDARY, bolt_forces/BOLT, …
-    /cases/NAME/methods/METHOD/N/…     N joint modes: n_modes, response/…, accuracy/…
-    /cases/NAME/half_step/…            as reference
-    /ports/…                           compliance between ports, interpolation, boundaries
-    /reduced/METHOD/N/…                mass, damping, stiffness, recovery matrices, …
-    /timings/…, /provenance/…          numbers and text by name
+:mod:`faying.files.described`; ``python docs/stored_groups.py`` prints its groups.
 """
 
 from dataclasses import replace
