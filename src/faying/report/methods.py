@@ -1,6 +1,5 @@
 """Which methods can be trusted for pressure, by their errors on the load cases of a run."""
 
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
@@ -286,9 +285,9 @@ def _undetermined(results: Results) -> list[str]:
 def _fewer_modes(results: Results) -> list[str]:
     """Return the methods whose training gave fewer joint modes than the study asks for."""
     try:
-        asked = tomllib.loads(results.study_text)["reduction"]["joint_modes"]
+        asked = results.study_tables["reduction"]["joint_modes"]
         highest = max(count for count in asked if isinstance(count, int))
-    except (tomllib.TOMLDecodeError, KeyError, TypeError, ValueError):
+    except (KeyError, TypeError, ValueError):
         return []
     counts = {
         method: max(sizes)

@@ -1,6 +1,5 @@
 """Tables of the model itself: size, interfaces, bolts as tightened; and the loads of a study."""
 
-import tomllib
 from collections.abc import Iterator
 from typing import Any
 
@@ -114,15 +113,15 @@ def bolt_table(results: Results) -> Table:
     return described("bolt", results.bolts.items(), columns, results.unit_set)
 
 
-def applied_loads(study_text: str, units: Units) -> dict[str, str]:
+def applied_loads(results: Results) -> dict[str, str]:
     """Return the loads of each load case as the study states them; empty where it cannot be read.
 
     Results of a study that a later version wrote still make a report.
     """
     try:
-        cases = tomllib.loads(study_text).get("load_case", [])
-        return {case["name"]: _applied(case, units) for case in cases}
-    except (tomllib.TOMLDecodeError, KeyError, TypeError, AttributeError):
+        cases = results.study_tables.get("load_case", [])
+        return {case["name"]: _applied(case, results.unit_set) for case in cases}
+    except (KeyError, TypeError, AttributeError):
         return {}
 
 

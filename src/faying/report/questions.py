@@ -331,7 +331,7 @@ def _measured(backbone: Any, index: int, units: Units) -> str:
 
 def _load_cases(results: Results, album: Album) -> Section:
     units = results.unit_set
-    loads = applied_loads(results.study_text, units)
+    loads = applied_loads(results)
     rows = {name: (case, state_of_case(case)) for name, case in results.cases.items()}
     columns = (
         Column("kind", lambda row: row[0].kind),

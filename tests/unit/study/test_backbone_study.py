@@ -25,7 +25,6 @@ from faying.study.inputs.load_model import build
 from faying.study.judgement.summary import summarize
 from faying.study.keys.schema import parse_study, read_study
 from faying.study.results.store import read_results
-from faying.units import units_of
 from faying.workflow.run import run
 
 STUDY = """
@@ -213,10 +212,10 @@ def test_backbones_of_methods_are_judged_by_frequency_and_damping(results, finis
     assert f"frequencies off by at most {percent(frequency)}, damping" in shown.getvalue()
 
 
-def test_modes_stand_where_other_cases_have_loads():
+def test_modes_stand_where_other_cases_have_loads(results):
     pull = '[[load_case]]\nname = "pull"\nkind = "static"\n'
     pull += 'forces = [{ boundary = "tip", component = "Fx", value = 2.0 }]\n'
-    stated = applied_loads(STUDY + pull, units_of("mm-t-s"))
+    stated = applied_loads(replace(results, study_text=STUDY + pull))
     assert stated == {"ring": "modes 2, 1", "pull": "tip Fx = 2 N"}
 
 

@@ -16,7 +16,6 @@ from faying.study.inputs.load_model import build, load_model
 from faying.study.keys.schema import read_study
 from faying.study.results.store import read_results
 from faying.study.stages.recover import RecoverOptions, recover
-from faying.units import units_of
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 LOADS = """\
@@ -223,8 +222,8 @@ def test_pictures_need_no_loads(results, tmp_path):
     assert export(results, "vtk", out=tmp_path / "pictures")
 
 
-def test_report_names_the_load():
-    stated = applied_loads(STUDY, units_of("mm-t-s"))
+def test_report_names_the_load(results):
+    stated = applied_loads(results)
     assert stated == {
         "one": "1 × deck load 8",
         "both": "deck load 8 from factor.csv, tip Fz = −20 N",

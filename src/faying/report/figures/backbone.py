@@ -1,6 +1,5 @@
 """Modes over their amplitude: frequency, damping, measured ones beside them, loops, slip."""
 
-import tomllib
 from collections.abc import Sequence
 from functools import partial
 
@@ -210,10 +209,7 @@ def backbone_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
 
 def _wanted(results: Results, case: CaseResult) -> list[float]:
     """Return the amplitudes whose maps the study wants; none where it does not say."""
-    try:
-        cases = tomllib.loads(results.study_text).get("load_case", [])
-    except tomllib.TOMLDecodeError:
-        return []
+    cases = results.study_tables.get("load_case", [])
     return next((entry.get("maps", []) for entry in cases if entry.get("name") == case.name), [])
 
 

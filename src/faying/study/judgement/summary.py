@@ -17,7 +17,7 @@ from faying.study.judgement.model_warnings import barely_held, missing_contacts
 from faying.study.judgement.opening import opening
 from faying.study.judgement.remarks import remarks
 from faying.study.judgement.step_check import step_check, step_choice
-from faying.study.judgement.verdict import required, run_verdict
+from faying.study.judgement.verdict import run_verdict
 from faying.study.keys.measurements import compared
 from faying.study.results.mode_choice import chosen_count, mode_sentences
 from faying.study.results.path_record import CycleRecord
@@ -72,7 +72,7 @@ def summarize(results: Results) -> dict[str, Any]:
             name: frequency_figures(record) for name, record in results.frequencies.items()
         },
         "assessment": None if results.assessment is None else plain(asdict(results.assessment)),
-        "requirements": required(results.study_text),
+        "requirements": list(results.study_tables.get("requirement", {})),
         "verdict": plain(summarized(run_verdict(results))),
         "remarks": remarks(results),
         "validation": _validation(results.validation),

@@ -1,6 +1,5 @@
 """The verdict on the joint of a run, with the instants that decide."""
 
-import tomllib
 from dataclasses import replace
 
 import numpy as np
@@ -17,21 +16,13 @@ def run_verdict(results: Results) -> JointVerdict:
     if assessment is None:
         reasons = [text for text in results.omissions if text.startswith("joint assessment")]
         missing = "; ".join(reasons) or "see the warnings"
-        demanded = bool(required(results.study_text))
+        demanded = results.study_tables.get("requirement")
         return joint_verdict((), units, missing if demanded else "")
     reserves = {
         name: case.reserve for name, case in results.cases.items() if case.reserve is not None
     }
     checks = joint_checks(assessment, units, reserves)
     return joint_verdict((_timed(check, results) for check in checks), units)
-
-
-def required(study_text: str) -> list[str]:
-    """Return the requirements that a study names."""
-    try:
-        return list(tomllib.loads(study_text).get("requirement", {}))
-    except tomllib.TOMLDecodeError:
-        return []
 
 
 def _timed(check: Check, results: Results) -> Check:

@@ -1,7 +1,9 @@
 """What a run leaves behind, as plain values; ``store`` beside it keeps them in HDF5."""
 
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from typing import Any
 
 from faying._typing import Indices, Matrix, Vector
 from faying.assessment.accuracy import Accuracy
@@ -353,6 +355,14 @@ class Results:
     def rubbing(self) -> Mapping[str, InterfaceRecord]:
         """The interfaces with friction."""
         return {name: face for name, face in self.interfaces.items() if face.friction > 0}
+
+    @property
+    def study_tables(self) -> Mapping[str, Any]:
+        """Tables of the study file as TOML gives them; none of a text that is none."""
+        try:
+            return tomllib.loads(self.study_text)
+        except tomllib.TOMLDecodeError:
+            return {}
 
     @property
     def unit_set(self) -> Units:
