@@ -10,8 +10,8 @@ import faying.study
 from faying.exceptions import FormatError, ModelError, StudyError
 from faying.study.inputs.load_model import build, load_model
 from faying.study.inputs.loads import case_load, time_span, time_step, training_box
+from faying.study.keys.errors import line_of
 from faying.study.keys.load_files import read_history
-from faying.study.keys.positions import line_numbers
 from faying.study.keys.schema import Study, read_study
 from faying.study.keys.tables import COMPARED
 
@@ -230,16 +230,18 @@ def test_line_numbers_of_every_kind_of_toml():
         ]
     )
     tomllib.loads(text)
-    lines = line_numbers(text)
-    assert lines["a", "b"] == 1
-    assert lines["text",] == 2
-    assert lines["list", 0] == 6
-    assert lines["list", 1, "x", 1] == 8
-    assert lines["list", 1, "y"] == 8
-    assert lines["t", 0, "k"] == 11
-    assert lines["t", 1, "u", 0, "quoted key"] == 15
-    assert lines["v",] == 16
-    assert ("not", "a", "table") not in lines
+    lines = {
+        ("a", "b"): 1,
+        ("text",): 2,
+        ("list", 0): 6,
+        ("list", 1, "x", 1): 8,
+        ("list", 1, "y"): 8,
+        ("t", 0, "k"): 11,
+        ("t", 1, "u", 0, "quoted key"): 15,
+        ("v",): 16,
+        ("not", "a", "table"): None,
+    }
+    assert {location: line_of(text, location) for location in lines} == lines
 
 
 HISTORIES = [

@@ -11,14 +11,13 @@ from faying.exceptions import ModelError, StudyError
 from faying.model.assembly import Assembly, PointMass
 from faying.model.mesh import Mesh
 from faying.model.supports import nodes_of_set, with_held_nodes
-from faying.study.keys.errors import nearest
+from faying.study.keys.errors import Location, nearest
 from faying.study.keys.model_tables import (
     DisplacementComponent,
     MassSection,
     NamedSet,
     SupportSection,
 )
-from faying.study.keys.positions import Location
 from faying.study.keys.tables import Study
 
 

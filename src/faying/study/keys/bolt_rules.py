@@ -4,8 +4,7 @@ from collections.abc import Iterator
 
 from faying.exceptions import ModelError
 from faying.sources import SOURCES
-from faying.study.keys.errors import Problem, quoted
-from faying.study.keys.positions import Location
+from faying.study.keys.errors import Location, Problem, quoted
 from faying.study.keys.tables import Study
 from faying.study.keys.threads import final_force, thread_of
 

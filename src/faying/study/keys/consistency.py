@@ -11,7 +11,7 @@ from faying.reduction.methods import METHODS
 from faying.simulation.integrators import DAMPED
 from faying.sources import SOURCES, Source
 from faying.study.keys.bolt_rules import bolt_problems, margin_problems
-from faying.study.keys.errors import Problem, nearest, quoted
+from faying.study.keys.errors import Location, Problem, nearest, quoted
 from faying.study.keys.frequency_rules import frequency_problems
 from faying.study.keys.friction_rules import (
     increment_problems,
@@ -24,7 +24,6 @@ from faying.study.keys.load_files import read_history
 from faying.study.keys.loadings import loadings, repeated_loads, temperature_problems
 from faying.study.keys.measurements import measurement_problems
 from faying.study.keys.parameter_rules import parameter_problems
-from faying.study.keys.positions import Location
 from faying.study.keys.section import LARGEST_COUNT, MOST_STEPS
 from faying.study.keys.tables import LoadCaseSection, Study, Timed
 

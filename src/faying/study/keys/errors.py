@@ -1,5 +1,8 @@
 """From what is wrong in a study file to one message for the person who wrote it."""
 
+import re
+import tomllib
+from bisect import bisect_left
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -10,7 +13,9 @@ from pydantic_core import PydanticCustomError
 
 from faying.display.facts import MOST_SHOWN
 from faying.exceptions import StudyError
-from faying.study.keys.positions import Location
+
+Location = tuple[str | int, ...]
+"""Keys and zero-based array indices from the top of a file, e.g. ``("bolt", 0, "preload")``."""
 
 OWN_TYPE = "faying"
 """Type of the validation errors whose text is already meant for people."""
@@ -41,10 +46,15 @@ EXPECTED = {
 
 @dataclass(frozen=True)
 class Problem:
-    """One mistake: where, and what is wrong with what remedy."""
+    """One mistake: where, and what is said before and behind that.
+
+    Where in the file a key or table stands is looked for when it is told.
+    """
 
     location: Location
-    text: str
+    behind: str
+    before: str = ""
+    of_table: bool = False
 
 
 @dataclass(frozen=True)
@@ -53,7 +63,11 @@ class StudySource:
 
     path: Path
     text: str
-    lines: Mapping[Location, int]
+
+    def told(self, problem: Problem) -> str:
+        """Return a mistake with where it is."""
+        where = self.table if problem.of_table else self.place
+        return f"{problem.before}{where(problem.location)}{problem.behind}"
 
     def place(self, location: Location) -> str:
         """Say where a location is, as in "'preload' in [[bolt]] number 1 of S.toml (line 3)"."""
@@ -68,11 +82,66 @@ class StudySource:
         return f"{words} (line {line})" if line else words
 
     def _line(self, location: Location) -> int | None:
+        """Return the line of a table, key or entry, or of what it would stand in."""
         while location:
-            if location in self.lines:
-                return self.lines[location]
+            line = line_of(self.text, location)
+            if line is not None:
+                return line
             location = location[:-1]
         return None
+
+
+def line_of(text: str, location: Location) -> int | None:
+    r"""Return the line (from 1) on which a table, key or entry of a TOML text begins.
+
+    It is the first at whose end the text before has it: tomllib reports no lines. None of what is
+    not there.
+
+    Examples
+    --------
+    >>> line_of("[[bolt]]\nname = 'M6'\n", ("bolt", 0, "name"))
+    2
+    """
+    lines = text.split("\n")
+
+    def is_there(count: int) -> bool:
+        tables: Any = _begun("\n".join(lines[:count]))
+        for step in location:
+            try:
+                tables = tables[step]
+            except (LookupError, TypeError):
+                return False
+        return True
+
+    if not is_there(len(lines)):
+        return None
+    return bisect_left(range(1, len(lines) + 1), True, key=is_there) + 1
+
+
+_OPENING = re.compile(
+    r'"""(?:\\.|[^\\])*?(?:"{3,5}|\Z)'
+    r"|'''.*?(?:'{3,5}|\Z)"
+    r'|"(?:\\.|[^"\\\n])*"|#[^\n]*|[\[\]{}]'
+    r"|'[^'\n]*'",
+    re.DOTALL,
+)
+"""Texts and comments, and the brackets outside of them."""
+
+
+def _begun(text: str) -> dict[str, Any]:
+    """Return the tables of the beginning of a TOML text, in which lists may still be open."""
+    closing = []
+    for token in _OPENING.findall(text):
+        if token in ("[", "{"):
+            closing.append("]" if token == "[" else "}")
+        elif token in ("]", "}"):
+            closing.pop()
+        elif token[:3] in ('"""', "'''") and (len(token) < 6 or not token.endswith(token[:3])):
+            closing.append(token[:3])
+    try:
+        return tomllib.loads("\n".join([text, "".join(reversed(closing))]))
+    except tomllib.TOMLDecodeError:
+        return {}
 
 
 def nearest(word: str, words: Iterable[str]) -> str:
@@ -111,7 +180,7 @@ def reject(source: StudySource, problems: Sequence[Problem]) -> None:
     """Raise one :class:`StudyError` for all problems; return if there are none."""
     if not problems:
         return
-    lines = [problem.text for problem in problems[:MOST_SHOWN]]
+    lines = list(map(source.told, problems[:MOST_SHOWN]))
     if len(problems) > MOST_SHOWN:
         lines.append(f"... and {len(problems) - MOST_SHOWN} more")
     if len(lines) > 1:
@@ -122,25 +191,23 @@ def reject(source: StudySource, problems: Sequence[Problem]) -> None:
     raise StudyError("\n".join(lines))
 
 
-def translated(source: StudySource, error: Mapping[str, Any]) -> Problem:
+def translated(error: Mapping[str, Any]) -> Problem:
     """Turn one entry of pydantic's ``ValidationError.errors()`` into a problem."""
     location: Location = tuple(error["loc"])
     kind, value, context = str(error["type"]), error["input"], error.get("ctx", {})
     if kind == UNKNOWN_KEY:
-        location = (*location, context["key"])
-        return Problem(location, f"unknown key {source.place(location)}; {context['remedy']}")
+        return Problem((*location, context["key"]), f"; {context['remedy']}", "unknown key ")
     if kind == "missing":
-        table = source.table(location[:-1])
-        return Problem(location, f"missing key '{location[-1]}' in {table}; add it")
-    where = source.place(location)
+        missing = f"missing key '{location[-1]}' in "
+        return Problem(location[:-1], "; add it", missing, of_table=True)
     if kind == OWN_TYPE:
-        return Problem(location, f"{where}: {error['msg']}")
+        return Problem(location, f": {error['msg']}")
     if kind == "literal_error":
         choices = context["expected"].replace(" or ", ", ").split(", ")
         names = [name.strip("'") for name in choices]
-        return Problem(location, f"{where}: {one_of(value, names)}")
+        return Problem(location, f": {one_of(value, names)}")
     expected = _expectation(kind, context, str(error["msg"]))
-    return Problem(location, f"{where}: found {shown(value)}, expected {expected}")
+    return Problem(location, f": found {shown(value)}, expected {expected}")
 
 
 def shown(value: object) -> str:

@@ -9,10 +9,9 @@ from faying.exceptions import FayingError
 from faying.joint.model import Model
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES
 from faying.simulation.load import harmonic_inputs
-from faying.study.keys.errors import Problem, nearest
+from faying.study.keys.errors import Location, Problem, nearest
 from faying.study.keys.frequency_table import FrequencySection
 from faying.study.keys.loadings import repeated_loads
-from faying.study.keys.positions import Location
 from faying.study.keys.tables import Study
 
 

@@ -9,10 +9,9 @@ from faying.joint.model import Model
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.reduction.methods import METHODS
 from faying.sources import SOURCES
-from faying.study.keys.errors import Problem, nearest, quoted, reject
+from faying.study.keys.errors import Location, Problem, nearest, quoted, reject
 from faying.study.keys.frequency_rules import frequencies_of
 from faying.study.keys.load_files import ALL, read_load_factors
-from faying.study.keys.positions import Location
 from faying.study.keys.section import MOST_PRELOAD_FACTOR
 from faying.study.keys.tables import LoadCaseSection, Study
 from faying.study.keys.threads import thread_of

@@ -36,18 +36,15 @@ def lap_joint_problems(study: Study) -> Iterator[Problem]:
         return
     for name in study.materials:
         if name != STEEL.name:
-            table = study.source.table(("material", name))
-            text = f"{table}: the lap joint is of '{STEEL.name}'; rename the table"
-            yield Problem(("material", name), text)
+            remedy = f"the lap joint is of '{STEEL.name}'; rename the table"
+            yield study.in_table(("material", name), remedy)
     schema = _schema()
     for name in study.model.lap_joint:
         location = ("model", "lap_joint", name)
         if name in ELSEWHERE:
-            text = f"{study.source.place(location)}: it belongs in {ELSEWHERE[name]}; move it"
-            yield Problem(location, text)
+            yield study.problem(location, f"it belongs in {ELSEWHERE[name]}; move it")
         elif name not in schema.model_fields:
-            remedy = nearest(name, schema.model_fields)
-            yield Problem(location, f"unknown key {study.source.place(location)}; {remedy}")
+            yield Problem(location, f"; {nearest(name, schema.model_fields)}", "unknown key ")
         try:
             all_in_range(study.model.lap_joint[name])
         except PydanticCustomError as error:
@@ -57,8 +54,7 @@ def lap_joint_problems(study: Study) -> Iterator[Problem]:
         schema.model_validate_json(_json(study), strict=True)
     except ValidationError as error:
         for entry in error.errors(include_url=False):
-            problem = {**entry, "loc": ("model", "lap_joint", *entry["loc"])}
-            yield translated(study.source, problem)
+            yield translated({**entry, "loc": ("model", "lap_joint", *entry["loc"])})
 
 
 def _schema() -> type[BaseModel]:

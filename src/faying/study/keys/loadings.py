@@ -5,9 +5,8 @@ from collections.abc import Iterator, Sequence
 from faying.model.assembly import Assembly
 from faying.model.temperature import Temperature
 from faying.sources import SOURCES
-from faying.study.keys.errors import Problem, nearest
+from faying.study.keys.errors import Location, Problem, nearest
 from faying.study.keys.loading_table import Loading
-from faying.study.keys.positions import Location
 from faying.study.keys.tables import Study
 
 

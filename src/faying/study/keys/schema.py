@@ -14,7 +14,6 @@ from faying.files.contents import file_text
 from faying.study.keys.consistency import inconsistencies
 from faying.study.keys.errors import Problem, StudySource, reject, translated
 from faying.study.keys.model_tables import BoltSection, BoundarySection, InterfaceSection
-from faying.study.keys.positions import line_numbers
 from faying.study.keys.requirement_tables import RequirementSection
 from faying.study.keys.tables import LoadCaseSection, Study
 
@@ -53,7 +52,7 @@ def parse_study(text: str, path: Path) -> Study:
     StudyError
         As :func:`read_study`.
     """
-    return parse_tables(_tables(text, path), StudySource(path.resolve(), text, line_numbers(text)))
+    return parse_tables(_tables(text, path), StudySource(path.resolve(), text))
 
 
 def read_load_cases(
@@ -74,7 +73,7 @@ def read_load_cases(
     """
     text = _text(Path(path))
     tables = _tables(text, Path(path))
-    source = StudySource(Path(path).resolve(), text, line_numbers(text))
+    source = StudySource(Path(path).resolve(), text)
     if "model" not in tables:
         allowed = ["title", "load_case", "requirement"]
         unknown = [key for key in tables if key not in allowed]
@@ -122,7 +121,7 @@ def parse_tables(tables: Mapping[str, Any], source: StudySource) -> Study:
     try:
         study = Study.model_validate(tables, context=source)
     except ValidationError as error:
-        reject(source, _mistakes(source, error))
+        reject(source, _mistakes(error))
         raise
     reject(source, inconsistencies(study))
     return study
@@ -154,7 +153,7 @@ def _text(path: Path) -> str:
     raise StudyError(message)
 
 
-def _mistakes(source: StudySource, error: ValidationError) -> list[Problem]:
+def _mistakes(error: ValidationError) -> list[Problem]:
     """Translate a validation error, without the consequences of mistakes in other ones.
 
     A list whose entries are refused counts as too short as well.
@@ -162,7 +161,7 @@ def _mistakes(source: StudySource, error: ValidationError) -> list[Problem]:
     entries = error.errors(include_url=False)
     inner = {entry["loc"][:depth] for entry in entries for depth in range(len(entry["loc"]))}
     return [
-        translated(source, dict(entry))
+        translated(dict(entry))
         for entry in entries
         if entry["type"] != "too_short" or entry["loc"] not in inner
     ]

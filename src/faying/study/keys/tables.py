@@ -13,7 +13,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, model_
 from faying.assessment.transient_error import LARGE_ERROR
 from faying.reduction.methods import METHODS
 from faying.simulation.integrators import INTEGRATORS
-from faying.study.keys.errors import Problem, StudySource, refusal, shown
+from faying.study.keys.errors import Location, Problem, StudySource, refusal, shown
 from faying.study.keys.frequency_table import FrequencySection
 from faying.study.keys.loading_table import Loading
 from faying.study.keys.model_tables import (
@@ -29,7 +29,6 @@ from faying.study.keys.model_tables import (
     TemperatureSection,
 )
 from faying.study.keys.parameter_tables import BandSection, ParameterSection
-from faying.study.keys.positions import Location
 from faying.study.keys.requirement_tables import RequirementSection, ScatterSection
 from faying.study.keys.section import (
     MOST_SOLVED,
@@ -329,11 +328,11 @@ class Study(Section):
 
     def problem(self, location: Location, text: object) -> Problem:
         """Return what is wrong with the value of a key."""
-        return Problem(location, f"{self._source.place(location)}: {text}")
+        return Problem(location, f": {text}")
 
     def in_table(self, location: Location, text: object) -> Problem:
         """Return what is wrong with a table."""
-        return Problem(location, f"{self._source.table(location)}: {text}")
+        return Problem(location, f": {text}", of_table=True)
 
     def problems(self, table: Location, wrong: Mapping[str, str]) -> Iterator[Problem]:
         """Yield what is wrong with keys of a table."""
