@@ -2,12 +2,9 @@
 
 from functools import partial
 
-import numpy as np
-
-from faying._typing import Matrix, Vector
-from faying.contact.increment import Increment, displaced
+from faying._typing import Matrix
 from faying.joint.system import Joint
-from faying.simulation.path import PathStep, contact_along, state_of
+from faying.simulation.path import contact_along, path_at, state_of
 from faying.simulation.solution import Solution
 from faying.simulation.static import ContactStates
 
@@ -23,26 +20,5 @@ def solve_increments(model: Joint, free: Matrix, begin: Solution | None) -> Cont
     ConvergenceError
         If an increment is not solved even when it is divided.
     """
-    return contact_along(model, free, partial(_begun, model, free[0], begin))
-
-
-def _begun(model: Joint, free: Vector, begin: Solution | None) -> PathStep:
-    contact, solver = model.contact, model.static_contact.increments
-    slip, forces = np.zeros((2, contact.n_points)), np.zeros((3, contact.n_points))
-    deepest = None
-    if begin is not None:
-        first = state_of(begin, 0)
-        forces[: 1 + len(first.shear_forces)] = [first.contact_forces, *first.shear_forces]
-        slip[: len(first.shear_slip)], deepest = first.shear_slip, first.deepest
-    return PathStep(
-        relative=free,
-        increment=Increment(
-            forces=forces,
-            slack=np.zeros_like(forces),
-            moved=displaced(solver, free, forces),
-            iterations=0,
-            residual=0.0,
-            deepest=deepest,
-        ),
-        slip=slip,
-    )
+    first = None if begin is None else state_of(begin, 0)
+    return contact_along(model, free, partial(path_at, model, free[0], first))

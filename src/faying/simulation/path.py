@@ -196,22 +196,33 @@ def path_start(system: System, initial: Solution | None) -> PathStep:
     ModelError
         If that has other contact points, or carries what the joint does not have.
     """
-    n, ports = system.contact.n_points, system.port_compliance
-    forces, slip = np.zeros((3, n)), np.zeros((2, n))
-    moved = np.zeros(ports.n_relative)
-    nothing = Increment(
-        forces=forces, slack=np.zeros((3, n)), moved=moved, iterations=0, residual=0.0
-    )
     if initial is None:
-        return PathStep(relative=moved, increment=nothing, slip=slip)
-    relative, last = moved_alone(system, carried_inputs(system, initial)), last_of(initial)
-    forces[: 1 + len(last.shear_forces)] = [last.contact_forces, *last.shear_forces]
-    slip[: len(last.shear_slip)] = last.shear_slip
-    moved = displaced(system.static_contact.increments, relative, forces)
-    begun = replace(nothing, forces=forces, moved=moved, deepest=last.deepest)
+        return path_at(system, np.zeros(system.port_compliance.n_relative), None)
+    relative = moved_alone(system, carried_inputs(system, initial))
     begins = initial.states.ndim == 1 or len(initial.states) == 1
     previous = None if begins else path_start(system, state_of(initial, -2))
-    return PathStep(relative=relative, increment=begun, slip=slip, previous=previous)
+    return replace(path_at(system, relative, last_of(initial)), previous=previous)
+
+
+def path_at(joint: Joint, relative: Vector, state: Solution | None) -> PathStep:
+    """Return where a path stands at one state, or before anything pressed or slipped.
+
+    Its load alone moves the pairs by (n_relative,) [length].
+    """
+    n, deepest = joint.contact.n_points, None
+    forces, slip = np.zeros((3, n)), np.zeros((2, n))
+    if state is not None:
+        forces[: 1 + len(state.shear_forces)] = [state.contact_forces, *state.shear_forces]
+        slip[: len(state.shear_slip)], deepest = state.shear_slip, state.deepest
+    increment = Increment(
+        forces=forces,
+        slack=np.zeros((3, n)),
+        moved=displaced(joint.static_contact.increments, relative, forces),
+        iterations=0,
+        residual=0.0,
+        deepest=deepest,
+    )
+    return PathStep(relative=relative, increment=increment, slip=slip)
 
 
 def follow(
