@@ -2,12 +2,11 @@
 
 import logging
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -61,11 +60,12 @@ def check_compiler() -> None:
 
 
 @cache
-def import_loop() -> Callable[..., int]:
-    """Return the compiled loop, announcing that it may have to be compiled."""
+def import_loop() -> Any:
+    """Return the module of compiled steps, announcing that it may have to be compiled."""
     begin = time.perf_counter()
     _log.info("compiling the time steps of reduced models, once per installation")
-    loop: Callable[..., int] = import_module(LOOP).advance
+    loop: Any = import_module(LOOP)
+    loop.compile_steps()
     _log.info("time steps compiled, or read from the cache, in %.1f s", time.perf_counter() - begin)
     return loop
 
@@ -113,20 +113,21 @@ class CompiledSteps:
             if done or closed is None or not self._near(closed, guess):
                 closed = guess.copy()
             instants = slice(first + done, first + len(applied))
-            steps = loop(
-                **self.model,
-                E=self._supported(closed),
-                inside=closed,
-                applied=applied[done:],
-                most_changed=int(MOST_CHANGED * len(self.model["to_pairs"])),
-                motion=motion,
-                guess=guess,
-                states=history.states[0, instants],
-                velocities=history.velocities[0, instants],
-                accelerations=history.accelerations[0, instants],
-                contact_forces=history.forces[0, instants],
-                slacks=history.gaps[0, instants],
-                systems=history.iterations[0, instants],
+            steps = loop.advance(
+                loop.Model(**self.model),
+                loop.Held(self._supported(closed), closed),
+                applied[done:],
+                int(MOST_CHANGED * len(self.model["to_pairs"])),
+                motion,
+                guess,
+                loop.Histories(
+                    history.states[0, instants],
+                    history.velocities[0, instants],
+                    history.accelerations[0, instants],
+                    history.forces[0, instants],
+                    history.gaps[0, instants],
+                    history.iterations[0, instants],
+                ),
             )
             done += steps
             renewals = 0 if steps else renewals + 1

@@ -9,9 +9,11 @@ sides since, + where one has closed, − where one has opened,
 What that cannot settle ends the loop and is left to the solver in Python: points that change sides
 in large numbers, and what round-off spoils.
 
-Importing this module compiles it, or reads what was compiled before. Everything is in one file
+The first call compiles, or reads what was compiled before. Everything is in one file
 because numba keeps what it compiled as long as that file does not change.
 """
+
+from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -33,12 +35,66 @@ CLOSED = 1e-11
 RENEWAL = 1_000_000
 """What a new E costs beside its n³ multiplications, in multiplications."""
 
-SIGNATURE = (
-    "int64(float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1],"
-    " float64[:,::1], float64[:,::1], int64[:,::1], float64[:,::1], float64[::1], float64[::1],"
-    " float64[:,::1], boolean[::1], float64[:,::1], int64, float64[::1], boolean[::1],"
-    " float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], float64[:,::1], int64[::1])"
-)
+
+class Model(NamedTuple):
+    """What all steps of a reduced model have in common.
+
+    Attributes
+    ----------
+    start, applied_to_free : (n, 4 n), (n, n)
+        Free displacement per motion (u, v, a, f) at the start of a step and per external force.
+    to_pairs, from_pairs : (n_pair, n), (n, n_pair)
+        Relative displacements P, and displacements per relative force.
+    pairs_to_states : (n, n_pair)
+        Pᵀ.
+    newmark : (2, 6)
+        Velocity and acceleration per u, v, a, f at the start and u, f at the end of a step.
+    S : (n_pair, n_pair)
+        Compliance between pairs.
+    columns, values : (n_point, 4)
+        Rows of N.
+    springs, initial_gap : (n_point,)
+        k and the gap of the unloaded joint.
+    """
+
+    start: Matrix
+    applied_to_free: Matrix
+    to_pairs: Matrix
+    from_pairs: Matrix
+    pairs_to_states: Matrix
+    newmark: Matrix
+    S: Matrix
+    columns: Indices
+    values: Matrix
+    springs: Vector
+    initial_gap: Vector
+
+
+class Held(NamedTuple):
+    """Pairs on the springs of the points inside (n_point,): E (n_pair, n_pair)."""
+
+    E: Matrix
+    inside: Mask
+
+
+class Histories(NamedTuple):
+    """What is written, one row a step."""
+
+    states: Matrix
+    velocities: Matrix
+    accelerations: Matrix
+    contact_forces: Matrix
+    slacks: Matrix
+    systems: Indices
+
+
+class Met(NamedTuple):
+    """Points that have changed sides since E was: their slots, N_c E and N_c E N_cᵀ."""
+
+    slots: Indices
+    points: Indices
+    seen: Matrix
+    corner: Matrix
 
 
 @numba.njit(cache=True)
@@ -63,53 +119,40 @@ def share_out(columns: Indices, values: Matrix, points: Vector, pairs: Vector) -
 
 
 @numba.njit(cache=True)
-def meet(
-    E: Matrix,
-    columns: Indices,
-    values: Matrix,
-    point: int,
-    slots: Indices,
-    met: Indices,
-    seen: Matrix,
-    corner: Matrix,
-) -> None:
-    """Note N_c E and N_c E N_cᵀ of a point that changes sides for the first time since E was."""
-    slot = len(met)
-    slots[point] = slot
-    row = seen[slot]
+def meet(model: Model, held: Held, point: int, known: int, met: Met) -> None:
+    """Note a point that changes sides for the first time since E was, after those known."""
+    columns, values = model.columns, model.values
+    met.slots[point] = known
+    met.points[known] = point
+    row = met.seen[known]
     row[:] = 0.0
     for j in range(columns.shape[1]):
         if values[point, j] != 0.0:
-            row += values[point, j] * E[columns[point, j]]
-    for a in range(slot + 1):
-        point_met, total = met[a] if a < slot else point, 0.0
+            row += values[point, j] * held.E[columns[point, j]]
+    for a in range(known + 1):
+        point_met, total = met.points[a], 0.0
         for j in range(columns.shape[1]):
             total += values[point_met, j] * row[columns[point_met, j]]
-        corner[a, slot] = corner[slot, a] = total
+        met.corner[a, known] = met.corner[known, a] = total
 
 
 @numba.njit(cache=True)
 def move(
-    E: Matrix,
-    inside: Mask,
-    columns: Indices,
-    values: Matrix,
-    k: Vector,
+    model: Model,
+    held: Held,
     gap: Vector,
     changed: Indices,
     active: Mask,
-    slots: Indices,
-    seen: Matrix,
-    corner: Matrix,
-    pressed: Vector,
-    pairs: Vector,
+    met: Met,
     moved: Vector,
 ) -> bool:
-    """Write y for gaps without contact forces; say whether that is regular."""
+    """Write y for gaps without contact forces to ``moved``; say whether that is regular."""
+    columns, values, k = model.columns, model.values, model.springs
+    pressed, pairs = np.empty(len(gap)), np.empty(len(moved))
     for i in range(len(gap)):
-        pressed[i] = -gap[i] * k[i] if inside[i] else 0.0
+        pressed[i] = -gap[i] * k[i] if held.inside[i] else 0.0
     share_out(columns, values, pressed, pairs)
-    np.dot(E, pairs, moved)
+    np.dot(held.E, pairs, moved)
     n = len(changed)
     if n == 0:
         return True
@@ -117,7 +160,7 @@ def move(
     for a in range(n):
         p = changed[a]
         for b in range(n):
-            core[a, b] = corner[slots[p], slots[changed[b]]]
+            core[a, b] = met.corner[met.slots[p], met.slots[changed[b]]]
         core[a, a] += 1.0 / k[p] if active[p] else -1.0 / k[p]
         missing[a] = -gap[p]
         for j in range(columns.shape[1]):
@@ -127,56 +170,24 @@ def move(
     except Exception:  # all that numba can tell
         return False
     for a in range(n):
-        moved += forces[a] * seen[slots[changed[a]]]
+        moved += forces[a] * met.seen[met.slots[changed[a]]]
     return True
 
 
-@numba.njit(SIGNATURE, cache=True)
+@numba.njit(cache=True)
 def advance(
-    start: Matrix,
-    applied_to_free: Matrix,
-    to_pairs: Matrix,
-    from_pairs: Matrix,
-    pairs_to_states: Matrix,
-    newmark: Matrix,
-    S: Matrix,
-    columns: Indices,
-    values: Matrix,
-    springs: Vector,
-    initial_gap: Vector,
-    E: Matrix,
-    inside: Mask,
+    model: Model,
+    held: Held,
     applied: Matrix,
     most_changed: int,
     motion: Vector,
     guess: Mask,
-    states: Matrix,
-    velocities: Matrix,
-    accelerations: Matrix,
-    contact_forces: Matrix,
-    slacks: Matrix,
-    systems: Indices,
+    histories: Histories,
 ) -> int:
     """Advance a transient until a step does not settle, or a new E pays; return the steps done.
 
     Parameters
     ----------
-    start, applied_to_free : (n, 4 n), (n, n)
-        Free displacement per motion (u, v, a, f) at the start of a step and per external force.
-    to_pairs, from_pairs : (n_pair, n), (n, n_pair)
-        Relative displacements P, and displacements per relative force.
-    pairs_to_states : (n, n_pair)
-        Pᵀ.
-    newmark : (2, 6)
-        Velocity and acceleration per u, v, a, f at the start and u, f at the end of a step.
-    S : (n_pair, n_pair)
-        Compliance between pairs.
-    columns, values : (n_point, 4)
-        Rows of N.
-    springs, initial_gap : (n_point,)
-        k and the gap of the unloaded joint.
-    E, inside
-        And the points on whose springs it is.
     applied : (n_step, n)
         External forces.
     most_changed
@@ -186,24 +197,28 @@ def advance(
     guess : (n_point,)
         Points in contact; moved on. Where points have changed sides in larger numbers than E is
         good for, those that were tried last.
-    states, velocities, accelerations, contact_forces, slacks, systems
-        Histories to be written, one row a step.
     """
+    columns, values, springs, S = model.columns, model.values, model.springs, model.S
+    inside = held.inside
     n_step, n = applied.shape
     n_point, n_pair = len(springs), len(S)
     pairs, moved, relative = np.empty(n_pair), np.empty(n_pair), np.empty(n_pair)
-    gap, at_points, pressed = np.empty(n_point), np.empty(n_point), np.empty(n_point)
+    gap, at_points = np.empty(n_point), np.empty(n_point)
     forces, slack = np.empty(n_point), np.empty(n_point)
     active, ends, last = guess.copy(), np.empty((2, n)), np.empty(n_point)
     spent, renewal = 0, n_pair**3 + RENEWAL
-    room, n_known = 2 * most_changed + 2, 0
-    slots, met = np.full(n_point, -1), np.empty(room, dtype=np.int64)
-    seen, corner = np.empty((room, n_pair)), np.empty((room, room))
+    most_met, n_known = 2 * most_changed + 2, 0
+    met = Met(
+        np.full(n_point, -1),
+        np.empty(most_met, dtype=np.int64),
+        np.empty((most_met, n_pair)),
+        np.empty((most_met, most_met)),
+    )
     for step in range(n_step):
-        free = start @ motion + applied_to_free @ applied[step]
-        np.dot(to_pairs, free, relative)
+        free = model.start @ motion + model.applied_to_free @ applied[step]
+        np.dot(model.to_pairs, free, relative)
         interpolate(columns, values, relative, gap)
-        gap += initial_gap
+        gap += model.initial_gap
         size = np.abs(gap).max()
         if not size < np.inf:
             return step
@@ -216,18 +231,14 @@ def advance(
             if len(changed) > most_changed:
                 guess[:] = active
                 return step
-            if n_known + len(changed) > room:
-                slots[:] = -1
+            if n_known + len(changed) > most_met:
+                met.slots[:] = -1
                 n_known = 0
             for p in changed:
-                if slots[p] < 0:
-                    meet(E, columns, values, p, slots, met[:n_known], seen, corner)
-                    met[n_known] = p
+                if met.slots[p] < 0:
+                    meet(model, held, p, n_known, met)
                     n_known += 1
-            if not move(
-                E, inside, columns, values, springs, gap, changed, active, slots, seen, corner,
-                pressed, pairs, moved
-            ):  # fmt: skip
+            if not move(model, held, gap, changed, active, met, moved):
                 return step
             interpolate(columns, values, moved, at_points)
             settled = True
@@ -253,10 +264,7 @@ def advance(
                 previous = left
                 left = missing / max(strongest, missing) if missing > 0.0 else 0.0
                 if left > CLOSED:
-                    if not move(
-                        E, inside, columns, values, springs, slack, changed, active, slots, seen,
-                        corner, pressed, pairs, moved
-                    ):  # fmt: skip
+                    if not move(model, held, slack, changed, active, met, moved):
                         return step
                     interpolate(columns, values, moved, at_points)
                     for i in range(n_point):
@@ -275,26 +283,45 @@ def advance(
         if not settled:
             return step
         for i in range(n_point):
-            contact_forces[step, i] = forces[i] = max(forces[i], 0.0)
-            slacks[step, i] = slack[i] = 0.0 if active[i] else max(slack[i], 0.0)
+            histories.contact_forces[step, i] = forces[i] = max(forces[i], 0.0)
+            histories.slacks[step, i] = slack[i] = 0.0 if active[i] else max(slack[i], 0.0)
         share_out(columns, values, forces, pairs)
-        u, f = free + from_pairs @ pairs, applied[step] + pairs_to_states @ pairs
+        u = free + model.from_pairs @ pairs
+        f = applied[step] + model.pairs_to_states @ pairs
         before_it = motion.reshape(4, n)
         for order in range(2):
-            share = newmark[order]
+            share = model.newmark[order]
             ends[order] = share[4] * u + share[5] * f
             for part in range(4):
                 ends[order] += share[part] * before_it[part]
-        states[step], velocities[step], accelerations[step] = u, ends[0], ends[1]
+        histories.states[step] = u
+        histories.velocities[step], histories.accelerations[step] = ends[0], ends[1]
         before_it[0], before_it[1], before_it[2], before_it[3] = u, ends[0], ends[1], f
         for i in range(n_point):
             now = slack[i] - forces[i] / springs[i]
             # A point whose gap closes or opens at this rate is foreseen; a jump costs a system.
             guess[i] = 2 * now - (last[i] if step else now) < 0
             last[i] = now
-        systems[step] = count
+        histories.systems[step] = count
         # What the changed points of this step cost; they may stay what they are for long.
         spent += len(changed) * (len(changed) ** 2 + 2 * n_pair)
         if spent > renewal:
             return step + 1
     return int(n_step)
+
+
+def compile_steps() -> None:
+    """Compile the loop, or read what was compiled before, by no step of a model of nothing."""
+    nothing, none, inside = np.zeros((0, 0)), np.zeros(0), np.zeros(0, dtype=np.bool_)
+    columns, counts = np.zeros((0, 0), dtype=np.int64), np.zeros(0, dtype=np.int64)
+    newmark = np.zeros((2, 6))
+    matrices = (nothing, nothing, nothing, nothing, nothing, newmark, nothing)
+    advance(
+        Model(*matrices, columns, nothing, none, none),
+        Held(nothing, inside),
+        nothing,
+        0,
+        none,
+        inside,
+        Histories(nothing, nothing, nothing, nothing, nothing, counts),
+    )
