@@ -1,7 +1,9 @@
 """One check of a bolt or an interface: how much of what it bears is used, and what decides."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, final
+
+import numpy as np
 
 Outcome = Literal["met", "not met", "unknown"]
 """What a check says."""
@@ -53,7 +55,7 @@ class Check:
     part: str
     kind: PartKind
     quantity: str
-    outcome: Outcome
+    outcome: Outcome = "unknown"
     utilisation: float | None = None
     value: float | None = None
     limit: float | None = None
@@ -65,6 +67,28 @@ class Check:
     source: str = ""
     required: bool = False
     bound: bool = False
+
+    def at_most(self, value: float, limit: float) -> "Check":
+        """Return the check that a value does not exceed a limit."""
+        return replace(
+            self,
+            outcome="met" if value <= limit else "not met",
+            utilisation=value / limit if limit > 0 else None,
+            value=value,
+            limit=limit,
+        )
+
+    def at_least(self, value: float, limit: float) -> "Check":
+        """Return the check that a value reaches a limit; no case decides one that is infinite."""
+        finite = bool(np.isfinite(value))
+        return replace(
+            self,
+            outcome="met" if value >= limit else "not met",
+            utilisation=limit / value if value > 0 else np.inf,
+            value=value if finite else None,
+            limit=limit,
+            case=self.case if finite else "",
+        )
 
 
 def worst_check(checks: tuple[Check, ...]) -> Check | None:

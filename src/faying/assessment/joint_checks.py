@@ -5,10 +5,11 @@ loads themselves: where the study demands no more, the limit is one times the lo
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from faying.assessment.check import Check, PartKind, worst_check
+from faying.assessment.check import Check, Outcome, worst_check
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
 from faying.assessment.requirements import Verdict
 from faying.assessment.slip_reserve import SlipReserve
@@ -77,7 +78,7 @@ def _bolt_checks(
     loosened = [check for check in found.loosened if (check.kind, check.part) == ("bolt", name)]
     yield from strength
     if not strength:
-        yield _unknown(name, "bolt", "yield", NO_THREAD)
+        yield Check(part=name, kind="bolt", quantity="yield", reason=NO_THREAD)
     shared = [
         place
         for place in bolt.clamp_around
@@ -87,9 +88,7 @@ def _bolt_checks(
         check
         for place in shared
         for check in clamp_loss(
-            name,
-            "bolt",
-            f"clamp loss at {place}",
+            Check(part=name, kind="bolt", quantity=f"clamp loss at {place}"),
             bolt.clamp_around[place].preload,
             bolt.clamp_around[place].least,
             bolt.clamp_around[place].least_case,
@@ -98,14 +97,17 @@ def _bolt_checks(
     yield from _most_used([*clamps, *losses])
     demand = demands.get("min_opening_factor", ())
     openings = [
-        _least_factor(name, "bolt", f"opening at {place}", factors, demand)
+        _least_factor(
+            Check(part=name, kind="bolt", quantity=f"opening at {place}"), factors, demand
+        )
         for place, factors in bolt.opening_around.items()
         if factors and bolt.clamp_around[place].preload > 0
     ]
     yield from _most_used([*loosened, *openings])
     for verdict in demands.get("no_opening_within", ()):
         if verdict.place == name:
-            yield _judged(verdict, "bolt", f"pressed within {verdict.limit:g} {units.length}")
+            quantity = f"pressed within {verdict.limit:g} {units.length}"
+            yield _judged(Check(part=name, kind="bolt", quantity=quantity), verdict)
 
 
 def _local_slip(
@@ -123,7 +125,7 @@ def _local_slip(
                 f"S_G {demand.safety[case]:.2f} around it in {case}, {least:.2f} of the interface: "
                 "what slips there others carry, which friction of the interface would tell"
             )
-            yield _unknown(name, "bolt", f"slip at {place}", reason)
+            yield Check(part=name, kind="bolt", quantity=f"slip at {place}", reason=reason)
 
 
 def _interface_checks(
@@ -134,15 +136,19 @@ def _interface_checks(
     units: Units,
 ) -> Iterator[Check]:
     clamps = [demand for demand in demands.get("min_clamp_force", ()) if demand.place == name]
-    if clamps:
-        (clamp,) = clamps
-        used = clamp.limit / clamp.value if clamp.value > 0 else np.inf
-        yield _judged(clamp, "interface", "clamp force", used, units.force)
-    else:
+    for clamp in clamps:
+        check = Check(
+            part=name,
+            kind="interface",
+            quantity="clamp force",
+            unit=units.force,
+            case=clamp.case,
+            required=True,
+        )
+        yield check.at_least(clamp.value, clamp.limit)
+    if not clamps:
         yield from clamp_loss(
-            name,
-            "interface",
-            "clamp loss",
+            Check(part=name, kind="interface", quantity="clamp loss"),
             interface.preload,
             interface.least_clamp,
             interface.least_clamp_case,
@@ -157,25 +163,37 @@ def _interface_checks(
     }
     for requirement, (quantity, value, case) in pressures.items():
         for demand in demands.get(requirement, ()):
-            yield _at_most(name, quantity, case, value, demand.limit, units.pressure)
+            check = Check(
+                part=name,
+                kind="interface",
+                quantity=quantity,
+                unit=units.pressure,
+                case=case,
+                required=True,
+            )
+            yield check.at_most(value, demand.limit)
     for ring in demands.get("closed_ring", ()):
         if ring.place == name:
-            share = ring.limit / ring.value if ring.value > 0 and ring.limit > 0 else None
-            yield _judged(ring, "interface", "pressure on the ring", share, units.pressure)
+            yield Check(
+                part=name,
+                kind="interface",
+                quantity="pressure on the ring",
+                outcome="met" if ring.met else "not met",
+                utilisation=ring.limit / ring.value if ring.value > 0 and ring.limit > 0 else None,
+                value=ring.value,
+                limit=ring.limit,
+                unit=units.pressure,
+                case=ring.case,
+                required=True,
+            )
     factors = demands.get("min_opening_factor", ())
-    if interface.preload > 0 or any(demand.met is None for demand in factors):
-        yield from _opening(name, interface, factors)
-    yield from _slip(name, interface, demands, reserves)
-
-
-def _opening(
-    name: str, interface: InterfaceAssessment, demands: Sequence[Verdict]
-) -> Iterator[Check]:
-    unknown = [one for one in demands if one.met is None]
+    unknown = [demand.reason for demand in factors if demand.met is None]
+    opening = Check(part=name, kind="interface", quantity="opening")
     if unknown:
-        yield _unknown(name, "interface", "opening", unknown[0].reason, required=True)
-    elif interface.opening:
-        yield _least_factor(name, "interface", "opening", interface.opening, demands)
+        yield replace(opening, reason=unknown[0], required=True)
+    elif interface.preload > 0 and interface.opening:
+        yield _least_factor(opening, interface.opening, factors)
+    yield from _slip(name, interface, demands, reserves)
 
 
 def _slip(
@@ -186,116 +204,66 @@ def _slip(
 ) -> Iterator[Check]:
     """Yield slip by sums of forces, and sliding as a load is followed with friction."""
     safety, sliding = demands.get("min_slip_safety", ()), demands.get("min_sliding_factor", ())
-    unknown = [one for one in safety if one.met is None and one.place in ("", name)]
-    slip = interface.slip
+    unknown = [one.reason for one in safety if one.met is None and one.place in ("", name)]
+    slip, check = interface.slip, Check(part=name, kind="interface", quantity="slip")
     if unknown:
-        yield _unknown(name, "interface", "slip", unknown[0].reason, required=True)
+        yield replace(check, reason=unknown[0], required=True)
     elif slip is not None and slip.safety and (safety or not reserves):
-        yield _least_factor(name, "interface", "slip", slip.safety, safety, unit="")
+        yield _least_factor(check, slip.safety, safety, unit="")
     elif slip is not None and not reserves and not slip.safety:
         if slip.coefficient is None:
-            yield _unknown(name, "interface", "slip", NO_COEFFICIENT)
+            yield replace(check, reason=NO_COEFFICIENT)
         elif slip.unknown:
-            yield _unknown(name, "interface", "slip", slip.unknown)
+            yield replace(check, reason=slip.unknown)
         else:
-            yield _least_factor(
-                name, "interface", "slip", dict.fromkeys(slip.needed_friction, np.inf), safety
-            )
-    unknown = [one for one in sliding if one.met is None]
+            none = dict.fromkeys(slip.needed_friction, np.inf)
+            yield _least_factor(check, none, safety)
+    unknown = [demand.reason for demand in sliding if demand.met is None]
+    check = Check(part=name, kind="interface", quantity="sliding")
     if unknown:
-        yield _unknown(name, "interface", "sliding", unknown[0].reason, required=True)
+        yield replace(check, reason=unknown[0], required=True)
     elif reserves:
-        yield _sliding(name, reserves, sliding)
+        yield _sliding(check, reserves, sliding)
 
 
-def _sliding(name: str, reserves: Mapping[str, SlipReserve], demands: Sequence[Verdict]) -> Check:
+def _sliding(
+    check: Check, reserves: Mapping[str, SlipReserve], demands: Sequence[Verdict]
+) -> Check:
     """Judge the factors at which an interface slides, or up to which its joint was followed."""
     factors = {
         case: one.gross_slip
         for case, one in reserves.items()
-        if one.gross_slip is not None and one.slides == name
+        if one.gross_slip is not None and one.slides == check.part
     }
     if factors:
-        return _least_factor(name, "interface", "sliding", factors, demands)
+        return _least_factor(check, factors, demands)
     followed = {
         case: one.largest if one.gross_slip is None else one.gross_slip
         for case, one in reserves.items()
     }
-    check = _least_factor(name, "interface", "sliding", followed, demands)
-    if check.outcome == "met":
-        return check
-    reached = f"it holds up to {check.value:.3g} times {check.case}, where the path ends"
-    return _unknown(name, "interface", "sliding", reached, required=check.required)
+    held = _least_factor(check, followed, demands)
+    if held.outcome == "met":
+        return held
+    reached = f"it holds up to {held.value:.3g} times {held.case}, where the path ends"
+    return replace(check, reason=reached, required=held.required)
 
 
 def _least_factor(
-    part: str,
-    kind: PartKind,
-    quantity: str,
-    factors: Mapping[str, float],
-    demands: Sequence[Verdict],
-    unit: str = TIMES_LOAD,
+    check: Check, factors: Mapping[str, float], demands: Sequence[Verdict], unit: str = TIMES_LOAD
 ) -> Check:
     """Judge the least of the factors that load cases may be multiplied by."""
     limit = max((demand.limit for demand in demands), default=1.0)
     case = min(factors, key=factors.__getitem__)
-    factor = factors[case]
-    finite = bool(np.isfinite(factor))
-    return Check(
-        part=part,
-        kind=kind,
-        quantity=quantity,
-        outcome="met" if factor >= limit else "not met",
-        utilisation=limit / factor if factor > 0 else np.inf,
-        value=factor if finite else None,
-        limit=limit,
-        unit=unit,
-        case=case if finite else "",
-        required=bool(demands),
-    )
+    judged = replace(check, unit=unit, case=case, required=bool(demands))
+    return judged.at_least(factors[case], limit)
 
 
-def _at_most(part: str, quantity: str, case: str, value: float, limit: float, unit: str) -> Check:
-    return Check(
-        part=part,
-        kind="interface",
-        quantity=quantity,
-        outcome="met" if value <= limit else "not met",
-        utilisation=value / limit if limit > 0 else None,
-        value=value,
-        limit=limit,
-        unit=unit,
-        case=case,
-        required=True,
-    )
-
-
-def _judged(
-    verdict: Verdict, kind: PartKind, quantity: str, used: float | None = None, unit: str = ""
-) -> Check:
-    """Return a requirement on one bolt or interface as a check of it."""
+def _judged(check: Check, verdict: Verdict) -> Check:
+    """Return a requirement that says yes or no as a check."""
     if verdict.met is None:
-        return _unknown(verdict.place, kind, quantity, verdict.reason, required=True)
-    return Check(
-        part=verdict.place,
-        kind=kind,
-        quantity=quantity,
-        outcome="met" if verdict.met else "not met",
-        utilisation=used,
-        value=verdict.value if unit else None,
-        limit=verdict.limit if unit else None,
-        unit=unit,
-        case=verdict.case,
-        required=True,
-    )
-
-
-def _unknown(
-    part: str, kind: PartKind, quantity: str, reason: str, *, required: bool = False
-) -> Check:
-    return Check(
-        part=part, kind=kind, quantity=quantity, outcome="unknown", reason=reason, required=required
-    )
+        return replace(check, reason=verdict.reason, required=True)
+    outcome: Outcome = "met" if verdict.met else "not met"
+    return replace(check, outcome=outcome, case=verdict.case, required=True)
 
 
 def _most_used(checks: Sequence[Check]) -> Iterator[Check]:

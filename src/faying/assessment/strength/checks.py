@@ -74,7 +74,7 @@ class _Largest:
     case: str
     row: int
 
-    def check(self, bolt: str, quantity: str, limit: float, **others: object) -> Check:
+    def check(self, bolt: str, quantity: str, limit: float, unit: str, source: str) -> Check:
         """Return the check that this value does not exceed a limit."""
         times = self.end.cases[self.case].times
         timed = times is not None and self.row < len(times)
@@ -82,16 +82,14 @@ class _Largest:
             part=bolt,
             kind="bolt",
             quantity=quantity,
-            outcome="met" if self.value <= limit else "not met",
-            utilisation=self.value / limit,
-            value=self.value,
-            limit=limit,
+            unit=unit,
             case=self.case,
             instant=float(times[self.row]) if timed and times is not None else None,
             scatter=self.end.name,
+            source=source,
             bound=self._bounds(bolt),
         )
-        return replace(check, **others)  # type: ignore[arg-type]
+        return check.at_most(self.value, limit)
 
     def _bounds(self, bolt: str) -> bool:
         """Say whether no preload within the scatter gives more.
@@ -118,18 +116,15 @@ def _tightening_check(bolt: str, thread: Thread, ends: Sequence[PreloadEnd], uni
     """Judge tension and torsion while the bolt is tightened."""
     end = max(ends, key=lambda end: end.preload(bolt))
     stress, limit = tightening_stress(thread, end.preload(bolt)), thread.strengths(units).yields
-    return Check(
+    check = Check(
         part=bolt,
         kind="bolt",
         quantity="tightening",
-        outcome="met" if stress <= limit else "not met",
-        utilisation=stress / limit,
-        value=stress,
-        limit=limit,
         unit=units_of(units).pressure,
         scatter=end.name,
         source="σ_red,M over R_p0.2 (VDI symbols)",
     )
+    return check.at_most(stress, limit)
 
 
 STRESSED = "take a larger size, a higher grade, or relieve the bolt"
@@ -203,26 +198,21 @@ def _fatigue_checks(
     """Judge load cases that are counted by Miner's sum, all others together by their amplitude."""
     limit = endurance(thread, units)
     if not is_rated(thread, units):
-        yield Check(
-            part=bolt, kind="bolt", quantity="fatigue", outcome="unknown", reason=UNRATED,
-        )  # fmt: skip
+        yield Check(part=bolt, kind="bolt", quantity="fatigue", reason=UNRATED)
         return
     sums = [_damage(bolt, thread, end, repetitions, limit) for end in ends]
     if any(case in repetitions for case in ends[0].cases):
         worst = max(range(len(ends)), key=lambda row: sums[row][1])
         case, total, end = sums[worst]
-        yield Check(
+        check = Check(
             part=bolt,
             kind="bolt",
             quantity="fatigue, Miner's sum",
-            outcome="met" if total <= 1 else "not met",
-            utilisation=total,
-            value=total,
-            limit=1.0,
             case=case,
             scatter=end,
             source=MINER,
         )
+        yield check.at_most(total, 1.0)
     uncounted = [case for case in ends[0].cases if case not in repetitions]
     if uncounted:
         yield _endurance_check(bolt, thread, ends, uncounted, units, limit)
@@ -244,23 +234,20 @@ def _endurance_check(
     worst = int(np.argmax(amplitudes))
     amplitude, end = amplitudes[worst], ends[worst]
     amplitude_of = {case: largest_amplitude(_stresses(bolt, thread, end, case)) for case in cases}
-    endures = amplitude <= limit
-    cycles = ENDURANCE_CYCLES * (limit / max(amplitude, limit)) ** EXPONENT
-    borne = f"{float(f'{cycles:.1g}'):.0f}"
-    return Check(
+    check = Check(
         part=bolt,
         kind="bolt",
         quantity="fatigue",
-        outcome="met" if endures else "unknown",
-        utilisation=amplitude / limit if endures else None,
-        value=amplitude,
-        limit=limit,
         unit=units_of(units).pressure,
         case=max(amplitude_of, key=amplitude_of.__getitem__),
         scatter=end.name,
-        reason="" if endures else f"borne {borne} times: {UNCOUNTED}",
         source=FATIGUE,
-    )
+    ).at_most(amplitude, limit)
+    if check.outcome == "met":
+        return check
+    cycles = ENDURANCE_CYCLES * (limit / amplitude) ** EXPONENT
+    borne = f"borne {float(f'{cycles:.1g}'):.0f} times: {UNCOUNTED}"
+    return replace(check, outcome="unknown", utilisation=None, reason=borne)
 
 
 def _damage(

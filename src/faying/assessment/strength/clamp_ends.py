@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from faying._typing import Vector
-from faying.assessment.check import Check, PartKind
+from faying.assessment.check import Check
 from faying.assessment.strength.preload_ends import PreloadEnd
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import surroundings
@@ -32,23 +32,19 @@ def clamp_checks(
             continue
         force, end, case, tightened = smallest
         if name not in limits:
-            for check in clamp_loss(name, "interface", "clamp loss", tightened, force, case):
-                yield replace(check, scatter=end)
+            loss = Check(part=name, kind="interface", quantity="clamp loss", scatter=end)
+            yield from clamp_loss(loss, tightened, force, case)
             continue
-        limit = limits[name]
-        yield Check(
+        check = Check(
             part=name,
             kind="interface",
             quantity="clamp force",
-            outcome="met" if force >= limit else "not met",
-            utilisation=limit / force if force > 0 else np.inf,
-            value=force,
-            limit=limit,
             unit=units_of(units).force,
             case=case,
             scatter=end,
             required=True,
         )
+        yield check.at_least(force, limits[name])
     shared = len(bolts) > 1
     for (interface, bolt), points in surroundings(surfaces, bolts).items() if shared else ():
         span = slice(*surfaces[interface].slice)
@@ -56,8 +52,8 @@ def clamp_checks(
         if smallest is not None:
             force, end, case, tightened = smallest
             quantity = f"clamp loss at {interface}"
-            for check in clamp_loss(bolt, "bolt", quantity, tightened, force, case):
-                yield replace(check, scatter=end)
+            loss = Check(part=bolt, kind="bolt", quantity=quantity, scatter=end)
+            yield from clamp_loss(loss, tightened, force, case)
 
 
 def _smallest(
@@ -75,16 +71,12 @@ def _smallest(
     return force, name, case, float(end.rest.pressure[0, span] @ weights)
 
 
-def clamp_loss(
-    part: str, kind: PartKind, quantity: str, preload: float, smallest: float, case: str
-) -> Iterator[Check]:
+def clamp_loss(check: Check, preload: float, smallest: float, case: str) -> Iterator[Check]:
     """Judge how much of the clamp force of the preload is lost, where there is any."""
     if preload > 0:
         lost = max(1.0 - smallest / preload, 0.0)
-        yield Check(
-            part=part,
-            kind=kind,
-            quantity=quantity,
+        yield replace(
+            check,
             outcome="met" if smallest > 0 else "not met",
             utilisation=lost,
             value=100 * lost,

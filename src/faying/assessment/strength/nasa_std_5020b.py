@@ -226,14 +226,14 @@ def _combined_check(
     """Judge (20) or (22) with the shear that acts along the interfaces around a bolt."""
     threaded = factors.shear_plane == "thread"
     source = f"NASA-STD-5020B 4.4.4 ({22 if threaded else 20}), preload included, F_su = 0.6 F_tu"
+    check = Check(
+        part=bolt, kind="bolt", quantity="ultimate, combined", source=source, required=True
+    )
     crossed = [demand for (_, name), demand in sheared.items() if name == bolt]
     unknown = [demand.unknown for demand in crossed if demand.unknown]
     if unknown or not crossed:
         reason = unknown[0] if unknown else "the shear of the bolt is not told from the others'"
-        return Check(
-            part=bolt, kind="bolt", quantity="ultimate, combined", outcome="unknown",
-            reason=reason, source=source, required=True,
-        )  # fmt: skip
+        return replace(check, reason=reason)
     area = thread.minor_area if threaded else np.pi / 4 * thread.diameter**2
     tensions = np.asarray(factored.solution.bolt_force(bolt))[1:]
     bent = np.zeros_like(tensions)
@@ -253,19 +253,8 @@ def _combined_check(
         ]
     )
     worst = int(sums.argmax())
-    return Check(
-        part=bolt,
-        kind="bolt",
-        quantity="ultimate, combined",
-        outcome="met" if sums[worst] <= 1 else "not met",
-        utilisation=float(sums[worst]),
-        value=float(sums[worst]),
-        limit=1.0,
-        case=factored.names[worst],
-        scatter=factored.end,
-        source=source,
-        required=True,
-    )
+    decided = replace(check, case=factored.names[worst], scatter=factored.end)
+    return decided.at_most(float(sums[worst]), 1.0)
 
 
 def _separation_checks(

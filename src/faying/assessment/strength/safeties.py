@@ -39,12 +39,6 @@ def with_safeties(checks: Iterable[Check], demanded: Safeties) -> Iterator[Check
         if safety is None or check.value is None or check.limit is None:
             yield check
             continue
-        limit = check.limit / safety
-        judged = check.outcome != "unknown"
-        yield replace(
-            check,
-            outcome="unknown" if not judged else "met" if check.value <= limit else "not met",
-            utilisation=check.value / limit if judged else None,
-            limit=limit,
-            required=True,
-        )
+        judged = replace(check, required=True).at_most(check.value, check.limit / safety)
+        unknown = check.outcome == "unknown"
+        yield replace(judged, outcome="unknown", utilisation=None) if unknown else judged
