@@ -6,8 +6,12 @@ from faying.assessment.accuracy import Accuracy
 from faying.assessment.check import Check
 from faying.assessment.choose_joint_modes import JointModeChoice
 from faying.assessment.choose_normal_modes import NormalModeChoice
-from faying.assessment.clamp_range import ClampRange
-from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
+from faying.assessment.joint_record import (
+    Assessment,
+    BoltAssessment,
+    ClampRange,
+    InterfaceAssessment,
+)
 from faying.assessment.mesh_error import MeshError
 from faying.interface.interface import FacePairs
 from faying.model.cells import CellBlock

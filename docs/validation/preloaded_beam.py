@@ -16,7 +16,7 @@ from full_beam import SOFT, deck
 
 import faying as fy
 from faying._typing import SparseMatrix, Vector
-from faying.assessment.stuck_stiffness import stuck_stiffness
+from faying.assessment.stuck_modes import stuck_stiffness
 from faying.linalg.relief import factorize_relieved
 from faying.model.elements import stiffness
 from faying.model.elements.geometry import determinants

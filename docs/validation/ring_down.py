@@ -16,7 +16,7 @@ import scipy.linalg as la
 import faying as fy
 from faying._typing import Matrix, Vector
 from faying.assessment.ring_down import Decay
-from faying.assessment.stuck_stiffness import stuck_stiffness
+from faying.assessment.stuck_modes import stuck_stiffness
 from faying.joint.load_pattern import LoadPattern
 
 CASES = ((1, (0.1, 0.25, 0.5), 3), (2, (0.015, 0.03, 0.05), 5), (3, (0.003, 0.01, 0.02), 6))

@@ -9,8 +9,6 @@ from faying.assessment.certificate import certify as certify
 from faying.assessment.choose_joint_modes import choose_joint_modes as choose_joint_modes
 from faying.assessment.choose_normal_modes import choose_normal_modes as choose_normal_modes
 from faying.assessment.energy import energy_balance as energy_balance
-from faying.assessment.frequencies import count_frequencies_below as count_frequencies_below
-from faying.assessment.frequencies import preloaded_frequencies as preloaded_frequencies
 from faying.assessment.frequency_response import frequency_response as frequency_response
 from faying.assessment.identification import identify as identify
 from faying.assessment.imported_recovery import (
@@ -33,6 +31,8 @@ from faying.assessment.sensitivity import sensitivity as sensitivity
 from faying.assessment.slip_reserve import slip_reserve as slip_reserve
 from faying.assessment.strength.margins import torque_tests as torque_tests
 from faying.assessment.strength.thread import Thread as Thread
+from faying.assessment.stuck_modes import count_frequencies_below as count_frequencies_below
+from faying.assessment.stuck_modes import preloaded_frequencies as preloaded_frequencies
 from faying.assessment.transient_error import transient_error as transient_error
 from faying.assessment.tresca import certify_increments as certify_increments
 from faying.contact.dense_points import contact_problem as contact_problem
@@ -54,7 +54,6 @@ from faying.model.specs import Rayleigh as Rayleigh
 from faying.model.temperature import Temperature as Temperature
 from faying.reduction.attachment import attachment_modes as attachment_modes
 from faying.reduction.basis import Basis as Basis
-from faying.reduction.compliance import interface_compliance as interface_compliance
 from faying.reduction.craig_bampton import craig_bampton as craig_bampton
 from faying.reduction.jim_a import jim_a as jim_a
 from faying.reduction.jim_b import jim_b as jim_b
@@ -62,6 +61,7 @@ from faying.reduction.mode_count import count_modes_below as count_modes_below
 from faying.reduction.model_reader import read_reduced_model as read_reduced_model
 from faying.reduction.projection import full_displacement as full_displacement
 from faying.reduction.projection import reduce as reduce
+from faying.reduction.recovery import interface_compliance as interface_compliance
 from faying.reduction.recovery import recovery_operator as recovery_operator
 from faying.reduction.reduced_model import ReducedModel as ReducedModel
 from faying.reduction.snapshots import LoadBox as LoadBox

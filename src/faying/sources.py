@@ -142,8 +142,7 @@ def _of_deck(
     damping: Rayleigh | None,
 ) -> Model:
     """Build what a deck describes; what is given replaces what the deck says."""
-    from faying.interface.gap_field import with_gap_offset
-    from faying.interface.gap_rule import with_gap_rule
+    from faying.interface.gap_field import with_gap_offset, with_gap_rule
 
     sides = described.interfaces or AUTO if interfaces is None else interfaces
     if sides is AUTO and described.has_joined_faces:

@@ -9,6 +9,7 @@ import pytest
 
 import faying as fy
 from faying.assessment.opening import opening_factors
+from faying.assessment.strength.checks import Safeties, with_safeties
 from faying.assessment.strength.margins import (
     SHANK,
     contact_margin,
@@ -17,7 +18,6 @@ from faying.assessment.strength.margins import (
     torque_tests,
 )
 from faying.assessment.strength.nasa_std_5020b import DesignFactors, margin_checks
-from faying.assessment.strength.safeties import Safeties, with_safeties
 from faying.assessment.strength.thread import torsion_of
 from faying.assessment.strength.tightening import PreloadRange, force_of_torque
 from faying.contact.laws import Coulomb

@@ -11,7 +11,7 @@ import pytest
 from test_reference_cantilever import generated, reference_pressure
 
 import faying as fy
-from faying.assessment.frequencies import _tangent
+from faying.assessment.stuck_modes import _tangent
 from faying.contact.laws import Penalty
 from faying.exceptions import FormatError, ModelError
 from faying.export import transient_stream

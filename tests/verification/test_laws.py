@@ -11,7 +11,7 @@ import pytest
 from test_bolts import HOLDING, STEEL, squeezed_blocks
 
 import faying as fy
-from faying.assessment.stuck_stiffness import stuck_springs
+from faying.assessment.stuck_modes import stuck_springs
 from faying.contact import laws
 from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.exceptions import ModelError, StudyError

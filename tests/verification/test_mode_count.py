@@ -8,7 +8,7 @@ import pytest
 import scipy.sparse as sp
 
 import faying as fy
-from faying.assessment.frequencies import count_frequencies_below
+from faying.assessment.stuck_modes import count_frequencies_below
 from faying.exceptions import ConvergenceError
 from faying.joint.free_matrices import FreeMatrices
 from faying.joint.structure import Structure

@@ -7,13 +7,12 @@ from typing import Literal
 
 import numpy as np
 
-from faying._typing import Mask, Matrix, Vector
+from faying._typing import Matrix, Vector
 from faying.assessment.certificate import Certificate
 from faying.assessment.sealing import Ring, ring_pressure
 from faying.assessment.slip_demand import area_sums
-from faying.assessment.weak_share import weak_share
 from faying.interface.surface import ContactSurface
-from faying.joint.bolt_surroundings import surroundings
+from faying.joint.bolt_surroundings import contact_areas, surroundings
 from faying.joint.system import System
 from faying.joint.tangential import TangentialRows
 from faying.model.bolt import Bolt
@@ -117,10 +116,7 @@ def _groups(
             Metric(f"clamp_around.{interface}.{bolt}", surrounding, "force", "smallest")
             for interface, bolt in shared
         ],
-        lambda cases: [
-            _clamp_force(cases.solution, interfaces[name], points)
-            for (name, _), points in shared.items()
-        ],
+        lambda cases: [cases.solution.pressure @ weights for weights in shared.values()],
     )
     bent = bent_bolts(system.bolts)
     moment = "larger of the bending moments where the beams of the bolt begin and end"
@@ -216,13 +212,6 @@ def _of_interface(name: str, surface: ContactSurface, *, certified: bool) -> Gro
     return metrics, columns
 
 
-def _clamp_force(solution: Solution, surface: ContactSurface, points: Mask) -> Vector:
-    """Return the normal force on some points, of all that there are, of an interface."""
-    span = slice(*surface.slice)
-    force: Vector = solution.pressure[:, span] @ (surface.weights * points[span])
-    return force
-
-
 def _largest_moment(solution: Solution, bolt: str) -> Vector:
     moments: Vector = np.linalg.norm(solution.bolt_bending(bolt), axis=-1).max(axis=-1)
     return moments
@@ -242,11 +231,62 @@ def _needed_friction(
 
 def _shared(
     interfaces: Mapping[str, ContactSurface], bolts: Mapping[str, Bolt]
-) -> dict[tuple[str, str], Mask]:
-    """Return the points around each of several bolts; a single one has the whole interface."""
-    return surroundings(interfaces, bolts) if len(bolts) > 1 else {}
+) -> dict[tuple[str, str], Vector]:
+    """Return the weights around each of several bolts; a single one has the whole interface."""
+    areas = contact_areas(interfaces, bolts) if len(bolts) > 1 else {}
+    return {area: weights for area, weights in areas.items() if area[1]}
 
 
 def bent_bolts(bolts: Mapping[str, Bolt]) -> list[str]:
     """Return the names of the bolts whose bending is seen."""
     return [name for name, bolt in bolts.items() if bolt.bending is not None]
+
+
+LARGEST_WEAK_SHARE = 1e-4
+"""Share of the contact force up to which weak springs may be forgotten.
+
+Springs that friction lets carry nothing have 1e-6 of it; those that carry the load have as much of
+the clamp force as it has, some percent.
+"""
+
+
+def weak_share(solution: Solution, bodies: str) -> Matrix:
+    """Return what the weak springs between two bodies carry over the total contact force (...).
+
+    The sum of magnitudes; infinite where nothing is in contact and they carry something.
+
+    Raises
+    ------
+    ModelError
+        If there are no such springs.
+    """
+    carried = np.asarray(solution.weak_force(bodies))
+    pressed = np.asarray(solution.contact_forces.sum(axis=-1))
+    share = carried / np.where(pressed > 0, pressed, 1.0)
+    return np.where(pressed > 0, share, np.where(carried > 0, np.inf, 0.0))
+
+
+def weak_warnings(shares: Mapping[str, Mapping[str, float]]) -> list[str]:
+    """Say in one sentence where weak springs hold what nothing else does; nothing where none do.
+
+    Shares are the largest of a load case between two bodies that are named.
+    """
+    worst = [
+        (share, bodies, case)
+        for bodies, of_case in shares.items()
+        for share, case in [max((share, case) for case, share in of_case.items())]
+        if share > LARGEST_WEAK_SHARE
+    ]
+    if not worst:
+        return []
+    (share, bodies, case), *others = sorted(worst, reverse=True)
+    also = "".join(
+        f", those of {other} {less:.2g}" + (f" in {where}" if where != case else "")
+        for less, other, where in others
+    )
+    return [
+        f"{case}: the weak springs {bodies} carry {share:.2g} of the contact force{also}; bodies "
+        "slide or lift off as wholes there, which neither contact nor friction stops, so that "
+        "displacements, and what acts along the interfaces, mean nothing: give the interfaces "
+        "their friction, or more clamp force, or support the free body"
+    ]

@@ -11,8 +11,12 @@ from faying._typing import ComplexMatrix, ComplexVector, Indices, Matrix, Sparse
 from faying.assessment.backbone_response import LinearResponse
 from faying.assessment.drawn_curve import drawn_curve, harmonics_of
 from faying.assessment.response_curve import ResponseCurve
-from faying.assessment.stuck_modes import StuckModes, stuck_modes, with_released_modes
-from faying.assessment.stuck_stiffness import slipping_stiffness
+from faying.assessment.stuck_modes import (
+    StuckModes,
+    slipping_stiffness,
+    stuck_modes,
+    with_released_modes,
+)
 from faying.contact.stuck_points import StuckPoints
 from faying.exceptions import ConvergenceError
 from faying.joint.system import System, input_forces

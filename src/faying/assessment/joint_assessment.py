@@ -5,16 +5,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from faying._typing import Mask, Vector
-from faying.assessment.bolt_bending import bending_of
+from faying._typing import Mask
 from faying.assessment.check import Check
-from faying.assessment.clamp_range import ClampRange, clamp_range
 from faying.assessment.joint_checks import joint_checks
 from faying.assessment.joint_record import (
     Assessment,
     BoltAssessment,
     CaseState,
+    ClampRange,
     InterfaceAssessment,
+    bending_of,
+    clamp_range,
 )
 from faying.assessment.opening import Openings, area_name
 from faying.assessment.requirements import Requirements
@@ -24,7 +25,7 @@ from faying.assessment.strength.preload_ends import LEAST
 from faying.assessment.verdicts import verdicts
 from faying.digits import DECK_DIGITS
 from faying.interface.surface import ContactSurface
-from faying.joint.bolt_surroundings import nearest_bolts, surroundings
+from faying.joint.bolt_surroundings import contact_areas, nearest_bolts
 from faying.model.bolt import Bolt
 from faying.units import Units
 
@@ -54,24 +55,23 @@ def judged(
     """
     followed_paths, limits = paths or {}, requirements or Requirements()
     needed = demands or {}
+    clamps = {
+        area: clamp_range(
+            float(preloaded.pressure[0] @ weights),
+            {case: state.pressure @ weights for case, state in cases.items()},
+            {case: state.certified[area] for case, state in cases.items() if state.certified},
+        )
+        for area, weights in contact_areas(surfaces, bolts).items()
+    }
     interfaces = {
         name: replace(
-            _interface(name, surface, preloaded, cases, followed_paths), slip=needed.get((name, ""))
+            _interface(surface, cases, clamps[name, ""]),
+            slip=needed.get((name, "")),
+            opening=_openings(followed_paths, name),
         )
         for name, surface in surfaces.items()
     }
-    around = surroundings(surfaces, bolts)
     nearest = {name: nearest_bolts(item.points, bolts) for name, item in surfaces.items() if bolts}
-    clamps: dict[str, dict[str, ClampRange]] = {name: {} for name in bolts}
-    for (interface, bolt), points in around.items():
-        surface = surfaces[interface]
-        weights = surface.weights * points[slice(*surface.slice)]
-        certified = {
-            case: item.certified.areas[interface, bolt]
-            for case, item in cases.items()
-            if item.certified is not None
-        }
-        clamps[bolt][interface] = _clamp(surface, weights, preloaded, cases, certified)
     return Assessment(
         bolts={
             name: replace(
@@ -85,7 +85,7 @@ def judged(
                     },
                     preloaded,
                     cases,
-                    clamps[name],
+                    {side: clamp for (side, bolt), clamp in clamps.items() if bolt == name},
                 ),
                 slip_around={side: item for (side, bolt), item in needed.items() if bolt == name},
                 opening_around={
@@ -127,19 +127,9 @@ def loosest_checks(loose: Assessment, units: Units) -> tuple[Check, ...]:
 
 
 def _interface(
-    name: str,
-    surface: ContactSurface,
-    preloaded: CaseState,
-    cases: Mapping[str, CaseState],
-    paths: Mapping[str, Openings],
+    surface: ContactSurface, cases: Mapping[str, CaseState], clamp: ClampRange
 ) -> InterfaceAssessment:
     points, weights = slice(*surface.slice), surface.weights
-    certified = {
-        case: state.certified.interfaces[name]
-        for case, state in cases.items()
-        if state.certified is not None
-    }
-    clamp = _clamp(surface, weights, preloaded, cases, certified)
     areas = {
         case: ((state.pressure[:, points] > 0) @ weights).min() for case, state in cases.items()
     }
@@ -168,29 +158,12 @@ def _interface(
         max_nodal_pressure_case=crushed,
         closed_area=float(areas[smallest]),
         closed_area_case=smallest,
-        opening=_openings(paths, name),
     )
 
 
 def _openings(paths: Mapping[str, Openings], area: str) -> dict[str, float]:
     """Return the load cases that were followed, with the factor at which they open an area."""
     return {case: path.opened[area] for case, path in paths.items() if area in path.opened}
-
-
-def _clamp(
-    surface: ContactSurface,
-    weights: Vector,
-    preloaded: CaseState,
-    cases: Mapping[str, CaseState],
-    certified: Mapping[str, Vector],
-) -> ClampRange:
-    """Return the clamp forces of an interface, or of an area with weights of its points alone."""
-    points = slice(*surface.slice)
-    return clamp_range(
-        float(preloaded.pressure[0, points] @ weights),
-        {case: state.pressure[:, points] @ weights for case, state in cases.items()},
-        certified,
-    )
 
 
 def _bolt(

@@ -10,7 +10,6 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.certificate import Certifier, certifier
-from faying.assessment.clamp_range import CertifiedClamps, certified_clamps
 from faying.assessment.joint_assessment import judged, loosest_checks
 from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.opening import Openings, areas_that_open, opening_factors
@@ -19,16 +18,16 @@ from faying.assessment.recovery import solve_cases_at_ports
 from faying.assessment.requirements import Requirements, check_names
 from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
 from faying.assessment.slip_reserve import SlipReserve
-from faying.assessment.strength.bolt_strengths import BoltStrengths
+from faying.assessment.strength.checks import with_threads
 from faying.assessment.strength.clamp_ends import clamp_checks
 from faying.assessment.strength.preload_ends import (
+    BoltStrengths,
     PreloadEnd,
     loosest_forces,
     preload_ends,
     state_of,
     with_initial,
 )
-from faying.assessment.strength.stressed import with_threads
 from faying.assessment.strength.thread import Thread
 from faying.assessment.strength.tightening import PreloadRange, variation_of
 from faying.assessment.verdicts import wanted_clamps
@@ -249,11 +248,15 @@ def certified_cases(
     names: Sequence[str],
     inputs: Matrix,
     pressure: Matrix,
-) -> dict[str, CertifiedClamps]:
+) -> dict[str, dict[tuple[str, str], Vector]]:
     """Return the certified clamp forces of static load cases without friction."""
     areas = surroundings(surfaces_of(system), system.bolts)
     certificate = judge.certify_inputs(inputs, pressure, areas)
-    return {name: certified_clamps(certificate, row) for row, name in enumerate(names)}
+    ends = {(name, ""): bounds for name, bounds in certificate.contact_force.items()}
+    ends |= certificate.area_force
+    return {
+        name: {area: bounds[row] for area, bounds in ends.items()} for row, name in enumerate(names)
+    }
 
 
 def assess(

@@ -4,14 +4,115 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import final
 
+import numpy as np
+
 from faying._typing import Matrix, Vector
-from faying.assessment.bolt_bending import BoltBending
 from faying.assessment.check import Check
-from faying.assessment.clamp_range import CertifiedClamps, ClampRange
 from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import OPEN_BELOW, Verdict
 from faying.assessment.slip_demand import SlipDemand
 from faying.assessment.strength.thread import ThreadStress
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ClampRange:
+    """Clamp force of an area over all load cases.
+
+    Attributes
+    ----------
+    preload : [force]
+        Clamp force at rest.
+    least : [force]
+        Smallest clamp force.
+    least_case
+        Load case it belongs to.
+    certified_least : (2,) [force]
+        Interval in which the full model's clamp force lies in that case, of static cases.
+    most : [force]
+        Largest clamp force.
+    most_case
+        Load case it belongs to.
+    certified_most : (2,) [force]
+        Interval in which the full model's clamp force lies in that case, of static cases.
+    certified_width : [force]
+        Width of the widest of these intervals over all static cases.
+    """
+
+    preload: float
+    least: float
+    least_case: str
+    certified_least: Vector | None
+    most: float
+    most_case: str
+    certified_most: Vector | None
+    certified_width: float | None = None
+
+
+def clamp_range(
+    preload: float, forces: Mapping[str, Vector], certified: Mapping[str, Vector]
+) -> ClampRange:
+    """Return between which forces an area stays clamped, from its preload at rest [force].
+
+    Forces of a load case are (n_instant,) [force]; certified cases have bounds (2,) [force], which
+    infinite intervals of parts of hard contact are not.
+    """
+    certified = {case: ends for case, ends in certified.items() if np.isfinite(ends).all()}
+    lows = {case: float(force.min()) for case, force in forces.items()}
+    highs = {case: float(force.max()) for case, force in forces.items()}
+    lowest, highest = min(lows, key=lows.__getitem__), max(highs, key=highs.__getitem__)
+    return ClampRange(
+        preload=preload,
+        least=lows[lowest],
+        least_case=lowest,
+        certified_least=certified.get(lowest),
+        most=highs[highest],
+        most_case=highest,
+        certified_most=certified.get(highest),
+        certified_width=max(
+            (float(ends[1] - ends[0]) for ends in certified.values()), default=None
+        ),
+    )
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class BoltBending:
+    """Bending of a bolt over all load cases, the larger of those where its beams begin and end.
+
+    Attributes
+    ----------
+    most : [force·length]
+        Largest moment M_b, what tightening leaves included.
+    most_case
+        Load case it belongs to.
+    added : [force·length]
+        Largest change from the tightened joint.
+    added_case
+        Load case it belongs to.
+    """
+
+    most: float
+    most_case: str
+    added: float
+    added_case: str
+
+
+def bending_of(preload: Matrix, cases: Mapping[str, Matrix]) -> BoltBending:
+    """Judge the bending moments of a bolt [force·length], by end and component across the axis.
+
+    Those at rest are (2, 2), those of a load case (n_instant, 2, 2).
+    """
+    peaks = {case: _largest(moments) for case, moments in cases.items()}
+    added = {case: _largest(moments - preload) for case, moments in cases.items()}
+    worst, farthest = max(peaks, key=peaks.__getitem__), max(added, key=added.__getitem__)
+    return BoltBending(
+        most=peaks[worst], most_case=worst, added=added[farthest], added_case=farthest
+    )
+
+
+def _largest(moments: Matrix) -> float:
+    return float(np.linalg.norm(moments, axis=-1).max())
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -24,7 +125,8 @@ class CaseState:
     bolt_forces
         Bolt to (n_instant,) [force].
     certified
-        Intervals in which the full model's clamp forces lie, of static cases.
+        Interface and bolt, or no bolt, to the interval (2,) [force] in which the full model's clamp
+        force lies there, of static cases.
     bolt_moments
         Bolt to its bending moments (n_instant, 2, 2) [force·length] at both ends, where seen.
     retightened
@@ -35,7 +137,7 @@ class CaseState:
 
     pressure: Matrix
     bolt_forces: Mapping[str, Vector]
-    certified: CertifiedClamps | None = None
+    certified: Mapping[tuple[str, str], Vector] = field(default_factory=dict)
     bolt_moments: Mapping[str, Matrix] = field(default_factory=dict)
     retightened: bool = False
     times: Vector | None = None

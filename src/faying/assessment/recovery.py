@@ -13,12 +13,12 @@ derives it and says what limits it.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, final
 
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector, frozen
-from faying.assessment.recovered_path import solve_increments
 from faying.exceptions import ModelError
 from faying.joint.model import Model
 from faying.joint.system import (
@@ -38,8 +38,9 @@ from faying.reduction.recovery import (
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.contact_fields import ContactFields, no_tangent, shear_everywhere
 from faying.simulation.load import Load
+from faying.simulation.path import contact_along, path_at, state_of
 from faying.simulation.solution import Solution
-from faying.simulation.static import AT_REST, relative_forces
+from faying.simulation.static import AT_REST, ContactStates, relative_forces
 
 
 @final
@@ -315,3 +316,18 @@ def _taken(recovered: Recovered, chosen: slice | Indices) -> Recovered:
 def _contact_displacements(model: Joint, forces: Matrix, shear: Matrix | None) -> Matrix:
     """Q K⁻¹ Gᵀ λ (..., n_port)."""
     return model.port_compliance.per_contact(model.contact.at_pairs(forces, shear).T)
+
+
+def solve_increments(model: Joint, free: Matrix, begin: Solution | None) -> ContactStates:
+    """Solve contact at every instant, each going on from where the one before left the joint.
+
+    Without contact forces pairs move by ``free`` (n_time, n_relative). The first state of ``begin``
+    has the slip and the forces to begin with.
+
+    Raises
+    ------
+    ConvergenceError
+        If an increment is not solved even when it is divided.
+    """
+    first = None if begin is None else state_of(begin, 0)
+    return contact_along(model, free, partial(path_at, model, free[0], first))

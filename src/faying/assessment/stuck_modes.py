@@ -1,19 +1,24 @@
 """Vibration modes of a joint in which every closed point sticks: small motions with friction."""
 
 from dataclasses import dataclass
-from typing import final
+from typing import cast, final
 
 import numpy as np
 import scipy.linalg as la
+import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix, Vector
-from faying.assessment.stuck_stiffness import stuck_stiffness
+from faying.contact.laws_at_points import LawsAtPoints
+from faying.joint.model import Model
 from faying.joint.system import System
 from faying.linalg.backends import count_negative
 from faying.linalg.factorization import Factorization, factorize
 from faying.linalg.relief import factorize_relieved
 from faying.reduction.normal_modes import lowest_modes
+from faying.simulation.path import last_of
 from faying.simulation.solution import Solution
+from faying.simulation.solution_parts import check_points
+from faying.simulation.start import at_rest
 
 MISSED_MASS = 1e-4
 """Part of the mass of a motion that shapes may miss: its frequency is then 5e-5 too high."""
@@ -133,3 +138,140 @@ def with_released_modes(
     mass, ways = la.eigh(outside.T @ (system.M @ outside))
     joins = mass > MISSED_MASS
     return np.column_stack([shapes, outside @ ways[:, joins] / np.sqrt(mass[joins])])
+
+
+SMALLEST_FLEXIBILITY = 1e-6
+"""Flexibility of a closed point that is hard in a direction, over its own compliance in it."""
+
+
+def stuck_stiffness(system: System, state: Solution) -> SparseMatrix | Matrix:
+    """Return K + Pᵀ (B⁻¹ + R)⁻¹ P with the springs B between the pairs of closed points.
+
+    Closed points have the springs of their laws at the forces they carry, 1/(c_n w) of a penalty
+    and with friction 1/(c_t w) along both tangents; open ones have none. R is the residual
+    compliance of a reduced model that has one. The state is a solution to linearize about, or a
+    path, about its end. Sparse of a full model, dense of a reduced one.
+
+    Notes
+    -----
+    Where a law is hard the compliance between the pairs is needed, which a system computes once.
+    """
+    return _on_springs(system, *stuck_springs(system, state))
+
+
+def slipping_stiffness(system: System, state: Solution) -> SparseMatrix | Matrix:
+    """Return the same with the springs along normals alone: all that is closed slips."""
+    rows, flexibility = stuck_springs(system, state)
+    closed = int((np.atleast_2d(state.contact_forces)[-1] > 0).sum())
+    return _on_springs(system, rows[:closed], flexibility[:closed])
+
+
+def _on_springs(system: System, rows: SparseMatrix, flexibility: Vector) -> SparseMatrix | Matrix:
+    contact = system.contact
+    B = (rows.T @ sp.diags_array(1 / flexibility) @ rows).tocsr()
+    P = contact.relative_operator
+    if contact.residual_compliance is None:
+        tangent = system.K + P.T @ B @ P
+        return tangent if isinstance(tangent, np.ndarray) else tangent.tocsr()
+    R = np.asarray(contact.residual_compliance)
+    between = np.linalg.solve(np.eye(len(R)) + B @ R, B.toarray())
+    tangent = np.asarray(system.K + P.T @ between @ P)
+    return cast("Matrix", (tangent + tangent.T) / 2)
+
+
+def stuck_springs(system: System, state: Solution) -> tuple[SparseMatrix, Vector]:
+    """Return the springs of closed points: what the pairs move in each, and how it yields.
+
+    Rows (n_spring, n_relative) are first along the normals of closed points, then along both
+    tangents of those that rub; flexibilities are (n_spring,) [length/force]. Of a path, the end
+    counts.
+    """
+    check_points(system, state)
+    contact = system.contact
+    forces = np.zeros((3, contact.n_points))
+    forces[0] = np.atleast_2d(state.contact_forces)[-1]
+    closed = forces[0] > 0
+    deepest = None if state.deepest is None else np.atleast_2d(state.deepest)[-1]
+    compliance = LawsAtPoints(contact=contact, deepest=deepest).closure(forces)[1]
+    stuck = np.tile(closed[contact.rubbing], 2)
+    rows = sp.vstack([contact.interpolation[closed], contact.shear[stuck]]).tocsr()
+    along = compliance[1:, contact.rubbing].ravel()[stuck]
+    flexibility = np.concatenate([compliance[0, closed], along])
+    if (flexibility == 0).any():
+        flexibility = np.maximum(flexibility, SMALLEST_FLEXIBILITY * _own_compliance(system, rows))
+    return rows, flexibility
+
+
+def _own_compliance(system: System, rows: SparseMatrix) -> Vector:
+    """Return the displacement along each row per force along it [length/force]."""
+    forces, residual = rows.T.toarray(), system.contact.residual_compliance
+    moved = system.port_compliance.relative @ forces
+    if residual is not None:
+        moved = moved + residual @ forces
+    return np.asarray(rows.multiply(moved.T).sum(axis=1)).ravel()
+
+
+def preloaded_frequencies(model: Model, count: int, *, state: Solution | None = None) -> Vector:
+    """Compute the lowest frequencies of small vibrations about a static state.
+
+    Points in contact stay closed and open ones stay open, K + Gᵀ diag(c_n w) G over the former. The
+    stiffness is the unstressed one, on a preloaded beam up to 1 % low in ω (docs/accuracy.md).
+    With friction every closed point sticks, and their tangential stiffness c_t w is part of it.
+
+    Parameters
+    ----------
+    state
+        Static solution to vibrate about, or a path, about its end; by default the joint under its
+        bolts alone.
+
+    Returns
+    -------
+    ndarray (count,) [1/time]
+
+    Notes
+    -----
+    One factorization and one Lanczos run. :func:`faying.count_frequencies_below` proves that none
+    is missing.
+    """
+    tangent = _tangent(model, state)
+    factor = factorize_relieved(tangent, model.M, model.rigid_motions)
+    squares, _ = lowest_modes(tangent, model.M, factor, count)
+    return np.sqrt(squares) / (2 * np.pi)
+
+
+def count_frequencies_below(
+    model: Model, frequency: float, *, state: Solution | None = None
+) -> int:
+    """Count the frequencies of small vibrations about a static state below one [1/time].
+
+    Parameters
+    ----------
+    state
+        As in :func:`preloaded_frequencies`, which computes them.
+
+    Raises
+    ------
+    InertiaError
+        If the frequency is so close to one of theirs that round-off decides.
+
+    Notes
+    -----
+    One factorization of K − ω²M with the closed contact in K, by Sylvester's law of inertia.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> fy.preloaded_frequencies(joint, 3).round()
+    array([ 352.,  635., 1622.])
+    >>> fy.count_frequencies_below(joint, 1e3)
+    2
+    """
+    below = count_negative(_tangent(model, state) - (2 * np.pi * frequency) ** 2 * model.M)
+    rigid: int = model.rigid_motions.shape[1]
+    return below - rigid
+
+
+def _tangent(model: Model, state: Solution | None) -> SparseMatrix:
+    about = at_rest(model) if state is None else last_of(state)
+    return cast("SparseMatrix", stuck_stiffness(model, about))

@@ -29,7 +29,7 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
-from faying.assessment.stuck_stiffness import stuck_springs
+from faying.assessment.stuck_modes import stuck_springs
 from faying.joint.system import (
     System,
     boundary_dofs,

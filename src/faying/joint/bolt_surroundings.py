@@ -35,6 +35,23 @@ def surroundings(
     return masks
 
 
+def contact_areas(
+    surfaces: Mapping[str, ContactSurface], bolts: Mapping[str, Bolt]
+) -> dict[tuple[str, str], Vector]:
+    """Return the weights (n_point,) [length²] of areas, by interface and bolt.
+
+    First whole interfaces, with no bolt, then the points of each nearest to a bolt.
+    """
+    n_point = max((surface.slice[1] for surface in surfaces.values()), default=0)
+    areas: dict[tuple[str, str], Vector] = {}
+    for name, surface in surfaces.items():
+        areas[name, ""] = np.zeros(n_point)
+        areas[name, ""][slice(*surface.slice)] = surface.weights
+    for (name, bolt), points in surroundings(surfaces, bolts).items():
+        areas[name, bolt] = np.where(points, areas[name, ""], 0.0)
+    return areas
+
+
 def told_apart(bolts: Mapping[str, Bolt]) -> bool:
     """Say whether the areas around bolts are known: a single one has all, others need axes."""
     return len(bolts) < 2 or all(bolt.ends is not None for bolt in bolts.values())

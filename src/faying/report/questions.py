@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from faying.assessment.backbone_response import HONEST
-from faying.assessment.clamp_range import ClampRange
-from faying.assessment.joint_record import Assessment, CaseState
+from faying.assessment.joint_record import Assessment, CaseState, ClampRange
 from faying.assessment.preload_scatter import Spread
 from faying.display.quantities import number, percent, place
 from faying.display.table import FL, PRESSURE, Cell, Column, Table, described, largest

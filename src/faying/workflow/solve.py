@@ -11,10 +11,9 @@ from typing import Any
 import numpy as np
 
 from faying import __version__
-from faying.assessment.case_metrics import WEAK_SHARE
+from faying.assessment.case_metrics import WEAK_SHARE, weak_warnings
 from faying.assessment.joint_verdict import joint_verdict, summarized
 from faying.assessment.requirements import Requirements, check_names
-from faying.assessment.weak_share import weak_warnings
 from faying.exceptions import StudyError
 from faying.execution.checkpoint import results_in
 from faying.execution.executor import Executor

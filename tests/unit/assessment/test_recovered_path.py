@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import faying as fy
-from faying.assessment.recovered_path import solve_increments
+from faying.assessment.recovery import solve_increments
 from faying.exceptions import ConvergenceError
 from faying.simulation.path import moved_alone, path_inputs
 

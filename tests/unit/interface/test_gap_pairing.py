@@ -7,8 +7,8 @@ import pytest
 
 import faying as fy
 from faying.exceptions import FormatError, ModelError
+from faying.interface.gap_field import with_gap_rule
 from faying.interface.gap_pairing import declared
-from faying.interface.gap_rule import with_gap_rule
 from faying.interface.mortar import find_couplings
 from faying.interface.pairing import find_interfaces
 from faying.io.abaqus import write_deck

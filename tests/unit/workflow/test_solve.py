@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 import faying as fy
 from faying.assessment.case_metrics import metrics_of
-from faying.assessment.strength.bolt_strengths import BoltStrengths
+from faying.assessment.strength.preload_ends import BoltStrengths
 from faying.assessment.strength.thread import Thread
 from faying.assessment.strength.tightening import PreloadRange, variation_of
 from faying.cli import app

@@ -1,13 +1,14 @@
 """Checks of the strength of bolts, each where it is nearest to failing over all load cases."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import final
 
 import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.assessment.check import Check
-from faying.assessment.joint_record import CaseState
+from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.strength.fatigue import (
     ENDURANCE_CYCLES,
     EXPONENT,
@@ -18,7 +19,13 @@ from faying.assessment.strength.fatigue import (
     miner_sums,
 )
 from faying.assessment.strength.preload_ends import PreloadEnd
-from faying.assessment.strength.thread import Thread, tightening_stress, working_stress
+from faying.assessment.strength.thread import (
+    Thread,
+    thread_stress,
+    tightening_stress,
+    working_stress,
+)
+from faying.exceptions import ModelError
 from faying.units import units_of
 
 SHEAR = 0.6
@@ -286,3 +293,77 @@ def _stresses(bolt: str, thread: Thread, end: PreloadEnd, case: str) -> Matrix:
     # Without moments the bending at rest stays.
     loaded = loaded + (tightened - tightened.mean() if moments is None else 0.0)
     return np.concatenate([tightened, loaded, tightened])
+
+
+def with_threads(
+    found: Assessment,
+    cases: Mapping[str, CaseState],
+    threads: Mapping[str, Thread],
+    units: str,
+    ends: Sequence[PreloadEnd],
+    repetitions: Mapping[str, float] | None = None,
+) -> Assessment:
+    """Return an assessment with the stress in the threads that are known, and their checks.
+
+    The load cases that were judged are given anew at the ends of the scatter of the preloads.
+    Repetitions say how often a load case comes.
+    """
+    unknown = sorted(set(threads) - set(found.bolts))
+    if unknown:
+        known = ", ".join(found.bolts)
+        message = f"threads: there is no bolt '{unknown[0]}'; there are {known}"
+        raise ModelError(message)
+    stressed = {
+        name: replace(
+            found.bolts[name],
+            thread=thread_stress(
+                thread,
+                found.bolts[name].preload,
+                np.concatenate([state.bolt_forces[name] for state in cases.values()]),
+                np.concatenate([state.bolt_moments[name] for state in cases.values()])
+                if found.bolts[name].bending is not None
+                else None,
+                units,
+            ),
+        )
+        for name, thread in threads.items()
+    }
+    checks = strength_checks(threads, ends, units, repetitions)
+    return replace(found, bolts={**found.bolts, **stressed}, checks=(*found.checks, *checks))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Safeties:
+    """Least safeties.
+
+    Attributes
+    ----------
+    yields
+        S_F.
+    fatigue
+        S_D.
+    pressure
+        S_p, under the head.
+    """
+
+    yields: float = 1.0
+    fatigue: float = 1.0
+    pressure: float = 1.0
+
+
+def with_safeties(checks: Iterable[Check], demanded: Safeties) -> Iterator[Check]:
+    """Yield checks whose limits are what is borne over the safety that is demanded."""
+    safeties = {
+        "yield": demanded.yields,
+        "fatigue": demanded.fatigue,
+        "pressure under the head": demanded.pressure,
+    }
+    for check in checks:
+        safety = safeties.get(check.quantity)
+        if safety is None or check.value is None or check.limit is None:
+            yield check
+            continue
+        judged = replace(check, required=True).at_most(check.value, check.limit / safety)
+        unknown = check.outcome == "unknown"
+        yield replace(judged, outcome="unknown", utilisation=None) if unknown else judged

@@ -9,7 +9,7 @@ from faying._typing import Vector
 from faying.assessment.check import Check
 from faying.assessment.strength.preload_ends import PreloadEnd
 from faying.interface.surface import ContactSurface
-from faying.joint.bolt_surroundings import surroundings
+from faying.joint.bolt_surroundings import contact_areas
 from faying.model.bolt import Bolt
 from faying.units import units_of
 
@@ -26,49 +26,42 @@ def clamp_checks(
     Of several bolts, that of the area around each too. Limits [force] are the least clamp forces
     demanded of interfaces; others must not lose theirs.
     """
-    for name, surface in surfaces.items():
-        smallest = _smallest(ends, slice(*surface.slice), surface.weights)
-        if smallest is None:
+    for (interface, bolt), weights in contact_areas(surfaces, bolts).items():
+        smallest = _smallest(ends, weights)
+        if smallest is None or (bolt and len(bolts) == 1):
             continue
         force, end, case, tightened = smallest
-        if name not in limits:
-            loss = Check(part=name, kind="interface", quantity="clamp loss", scatter=end)
-            yield from clamp_loss(loss, tightened, force, case)
-            continue
-        check = Check(
-            part=name,
-            kind="interface",
-            quantity="clamp force",
-            unit=units_of(units).force,
-            case=case,
-            scatter=end,
-            required=True,
-        )
-        yield check.at_least(force, limits[name])
-    shared = len(bolts) > 1
-    for (interface, bolt), points in surroundings(surfaces, bolts).items() if shared else ():
-        span = slice(*surfaces[interface].slice)
-        smallest = _smallest(ends, span, surfaces[interface].weights * points[span])
-        if smallest is not None:
-            force, end, case, tightened = smallest
+        if bolt:
             quantity = f"clamp loss at {interface}"
             loss = Check(part=bolt, kind="bolt", quantity=quantity, scatter=end)
             yield from clamp_loss(loss, tightened, force, case)
+        elif interface not in limits:
+            loss = Check(part=interface, kind="interface", quantity="clamp loss", scatter=end)
+            yield from clamp_loss(loss, tightened, force, case)
+        else:
+            check = Check(
+                part=interface,
+                kind="interface",
+                quantity="clamp force",
+                unit=units_of(units).force,
+                case=case,
+                scatter=end,
+                required=True,
+            )
+            yield check.at_least(force, limits[interface])
 
 
-def _smallest(
-    ends: Sequence[PreloadEnd], span: slice, weights: Vector
-) -> tuple[float, str, str, float] | None:
+def _smallest(ends: Sequence[PreloadEnd], weights: Vector) -> tuple[float, str, str, float] | None:
     """Return the least force on an area, its end and load case, and the force there at rest."""
     forces = [
-        (float(np.min(end.cases[case].pressure[:, span] @ weights)), end.name, case, end)
+        (float(np.min(end.cases[case].pressure @ weights)), end.name, case, end)
         for end in ends
         for case in end.solved
     ]
     if not forces:
         return None
     force, name, case, end = min(forces, key=lambda entry: entry[:3])
-    return force, name, case, float(end.rest.pressure[0, span] @ weights)
+    return force, name, case, float(end.rest.pressure[0] @ weights)
 
 
 def clamp_loss(check: Check, preload: float, smallest: float, case: str) -> Iterator[Check]:

@@ -26,7 +26,7 @@ from faying.assessment.strength.thread import Thread
 from faying.assessment.strength.tightening import PreloadRange
 from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface
-from faying.joint.bolt_surroundings import surroundings
+from faying.joint.bolt_surroundings import contact_areas
 from faying.joint.system import System
 from faying.joint.tangential import TangentialRows
 from faying.simulation.load import NamedLoad
@@ -264,10 +264,9 @@ def _separation_checks(
     source = "NASA-STD-5020B 4.4.3 (19), P_tL by the loss of clamp force of the contact model"
     solution = factored.solution
     margins: dict[str, list[Vector]] = {}
-    for (interface, bolt), points in surroundings(surfaces, solution.system.bolts).items():
-        span = slice(*surfaces[interface].slice)
-        clamp = solution.pressure[:, span] @ (surfaces[interface].weights * points[span])
-        if not clamp[0] > 0:
+    for (_, bolt), weights in contact_areas(surfaces, solution.system.bolts).items():
+        clamp = solution.pressure @ weights
+        if not bolt or not clamp[0] > 0:
             continue
         lost = np.maximum(clamp[0] - clamp[1:], 0.0) / clamp[0]
         margin = np.full(len(lost), np.inf)

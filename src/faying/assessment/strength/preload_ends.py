@@ -9,7 +9,9 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.joint_record import CaseState
+from faying.assessment.strength.thread import Thread
 from faying.assessment.strength.tightening import PreloadRange
+from faying.contact.contact import Contact
 from faying.joint.system import Joint, System, initial_bolt_forces
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.bolts_by_force import BoltsByForce
@@ -193,3 +195,36 @@ def state_of(solution: Solution, rows: slice, bent: Iterable[str]) -> CaseState:
 def _shifted(state: CaseState, shifts: Mapping[str, float]) -> CaseState:
     forces = {name: force + shifts.get(name, 0.0) for name, force in state.bolt_forces.items()}
     return replace(state, bolt_forces=forces)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoltStrengths:
+    """What the strength of bolts is judged by.
+
+    Attributes
+    ----------
+    threads
+        Of the bolts whose size and grade are known.
+    ranges
+        Of the preloads.
+    tightened : [force]
+        Bolt to the force it was tightened to.
+    temperatures
+        Name to what every static load case may have beside its loads.
+    smallest_friction
+        Coefficient of the interfaces with friction, where it scatters.
+    """
+
+    threads: Mapping[str, Thread] = field(default_factory=dict)
+    ranges: Mapping[str, PreloadRange] = field(default_factory=dict)
+    tightened: Mapping[str, float] = field(default_factory=dict)
+    temperatures: Mapping[str, StaticLoad] = field(default_factory=dict)
+    smallest_friction: float | None = None
+
+    def rubbing(self, contact: Contact) -> dict[str, float]:
+        """Return the coefficients of the interfaces that have friction, of a range the smallest."""
+        lowest = self.smallest_friction
+        return {
+            name: contact.laws[name].friction if lowest is None else lowest
+            for name in contact.rubbing_interfaces
+        }

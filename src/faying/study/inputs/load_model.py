@@ -8,8 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from faying.exceptions import StudyError, naming
-from faying.interface.gap_field import read_gap_field, with_gap_offset
-from faying.interface.gap_rule import with_gap_rule
+from faying.interface.gap_field import read_gap_field, with_gap_offset, with_gap_rule
 from faying.interface.interface import Interface
 from faying.joint.build import build_model
 from faying.joint.diagnosis import REMEDY, REMEDY_BESIDE_SPRINGS, check_held

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 from faying.assessment.joint_judge import JointJudge, surfaces_of, tangential_of
 from faying.assessment.joint_record import Assessment
+from faying.assessment.strength.checks import Safeties, with_safeties
 from faying.assessment.strength.nasa_std_5020b import DesignFactors, margin_checks
-from faying.assessment.strength.safeties import Safeties, with_safeties
 from faying.simulation.load import NamedLoad
 from faying.study.keys.requirement_tables import MarginsSection
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from faying.assessment.weak_share import weak_warnings
+from faying.assessment.case_metrics import weak_warnings
 from faying.joint.diagnosis import AS_A_WHOLE, suspension
 from faying.joint.model import Model
 from faying.model.assembly import Material

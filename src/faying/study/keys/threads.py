@@ -7,8 +7,8 @@ from typing import Self
 
 import numpy as np
 
-from faying.assessment.strength.bolt_strengths import BoltStrengths
 from faying.assessment.strength.grades import BoltStrength
+from faying.assessment.strength.preload_ends import BoltStrengths
 from faying.assessment.strength.thread import Thread
 from faying.assessment.strength.tightening import (
     PreloadRange,

@@ -6,9 +6,8 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.assessment.backbone import Backbone
-from faying.assessment.case_metrics import bent_bolts
+from faying.assessment.case_metrics import bent_bolts, weak_share
 from faying.assessment.tresca import IncrementCertificate
-from faying.assessment.weak_share import weak_share
 from faying.joint.model import Model
 from faying.reduction.projection import full_displacement
 from faying.simulation.solution import Solution

@@ -9,7 +9,7 @@ import numpy as np
 from faying._typing import Matrix
 from faying.assessment.certificate import Certifier, certifier
 from faying.assessment.choose_joint_modes import JointModeChoice, choose_joint_modes
-from faying.assessment.frequencies import preloaded_frequencies
+from faying.assessment.stuck_modes import preloaded_frequencies
 from faying.joint.model import Model
 from faying.joint.system import System
 from faying.reduction.basis import Basis, ModeKind

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from faying.assessment.clamp_range import CertifiedClamps
+from faying._typing import Vector
 from faying.assessment.joint_judge import JointJudge, certified_cases, rest_of, surfaces_of
 from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.preload_scatter import PreloadScatter, Spread, preload_spreads
@@ -50,7 +50,7 @@ def assess_run(
         smooth = loads if joint.model.contact.forgets else []
         intervals = _intervals(joint, smooth, cases)
         states = {
-            name: replace(state_of_case(case), certified=intervals.get(name))
+            name: replace(state_of_case(case), certified=intervals.get(name, {}))
             for name, case in cases.items()
         }
         states |= vibrating
@@ -112,7 +112,7 @@ def _scatter(
 
 def _intervals(
     joint: PreparedJoint, loads: Sequence[Load], cases: Mapping[str, CaseResult]
-) -> dict[str, CertifiedClamps]:
+) -> dict[str, dict[tuple[str, str], Vector]]:
     """Return the certified clamp forces of static load cases."""
     if not loads:
         return {}
