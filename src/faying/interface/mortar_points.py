@@ -5,15 +5,16 @@ do match give the same interface either way. Relative displacements are linear o
 more points would not see more.
 """
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 import scipy.sparse as sp
 
-from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying._typing import Indices, Matrix
 from faying.contact.laws import Law
+from faying.interface.contact_points import ContactPoints, joined, on_facets, spread
 from faying.interface.coupling import Coupling, whole_weights
-from faying.interface.facets import Rule, gauss_rule, shape_functions, surface
+from faying.interface.facets import Rule, gauss_rule
 from faying.interface.relative_displacement import unit
 from faying.interface.segment_points import on_side
 from faying.interface.zero_thickness import contact_rule
@@ -30,25 +31,13 @@ two, and some of them carried four times the pressure of their neighbours around
 """
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class MortarPoints:
-    """Contact points: shape functions (n_point, n_pair), geometry, owning facet, rule."""
-
-    shape: SparseMatrix
-    points: Matrix
-    weights: Vector
-    normals: Matrix
-    faces: Indices
-    rule: str
-
-
 def contact_points(
     nodes: Matrix,
     spec: InterfaceSpec,
     coupling: Coupling,
     pair_normals: Matrix,
     law: Law,
-) -> MortarPoints:
+) -> ContactPoints:
     """Place the contact points.
 
     Nodes are (n_node, 3) [length], normals of the pairs (n_pair, 3).
@@ -65,15 +54,8 @@ def contact_points(
         return _nodal(nodes, coupling, pair_normals)
     degree = spec.order or 2
     parts = _on_whole_facets(nodes, coupling, rules) + _on_segments(nodes, coupling, degree)
-    names = dict.fromkeys(part.rule for part in parts)
-    return MortarPoints(
-        shape=sp.csr_array(sp.vstack([part.shape for part in parts])),
-        points=np.concatenate([part.points for part in parts]),
-        weights=np.concatenate([part.weights for part in parts]),
-        normals=np.concatenate([part.normals for part in parts]),
-        faces=_numbers(coupling)[np.concatenate([part.faces for part in parts])],
-        rule="+".join(names),
-    )
+    points = joined(parts)
+    return replace(points, faces=_numbers(coupling)[points.faces])
 
 
 def _numbers(coupling: Coupling) -> Indices:
@@ -86,29 +68,21 @@ def _numbers(coupling: Coupling) -> Indices:
 
 def _on_whole_facets(
     nodes: Matrix, coupling: Coupling, rules: dict[str, Rule]
-) -> list[MortarPoints]:
+) -> list[ContactPoints]:
     facets, whole = coupling.segments.minus, coupling.segments.whole
     parts = []
     for kind, every in rows_by_kind(facets.nodes).items():
         rows, rule = every[whole[every]], rules[kind]
         if not len(rows):
             continue
-        geometry = surface(kind, nodes[facets.nodes[rows, : FACES[kind].n_nodes]], rule)
-        shape = shape_functions(FACES[kind].linear, rule.points)
-        parts.append(
-            MortarPoints(
-                shape=_spread(np.broadcast_to(shape, (len(rows), *shape.shape)), rows, coupling),
-                points=geometry.points.reshape(-1, 3),
-                weights=geometry.areas.ravel(),
-                normals=geometry.normals.reshape(-1, 3),
-                faces=np.repeat(rows, len(rule.weights)),
-                rule=rule.name,
-            )
-        )
+        coordinates = nodes[facets.nodes[rows, : FACES[kind].n_nodes]]
+        seen, columns = FACES[kind].linear, coupling.columns[rows]
+        part = on_facets(kind, coordinates, rule, rows, seen, columns, len(coupling.pairs))
+        parts.append(part)
     return parts
 
 
-def _on_segments(nodes: Matrix, coupling: Coupling, degree: int) -> list[MortarPoints]:
+def _on_segments(nodes: Matrix, coupling: Coupling, degree: int) -> list[ContactPoints]:
     segments, rule = coupling.segments, gauss_rule("tri3", degree)
     partly = ~segments.whole[segments.minus_of]
     parts = []
@@ -125,8 +99,8 @@ def _on_segments(nodes: Matrix, coupling: Coupling, degree: int) -> list[MortarP
         normals = np.einsum("nqa,nad->nqd", vectors / slope[..., None], segments.frames[minus_rows])
         coordinates = nodes[segments.minus.nodes[minus_rows, : FACES[kind].n_nodes]]
         parts.append(
-            MortarPoints(
-                shape=_spread(seen.linear, minus_rows, coupling),
+            ContactPoints(
+                shape=spread(seen.linear, coupling.columns[minus_rows], len(coupling.pairs)),
                 points=np.einsum("nqa,nad->nqd", seen.shape, coordinates).reshape(-1, 3),
                 weights=weights.ravel(),
                 normals=unit(normals.reshape(-1, 3)),
@@ -159,19 +133,7 @@ def _consistent(weights: Matrix, shape: Matrix, rows: Indices, coupling: Couplin
     return corrected
 
 
-def _spread(values: Matrix, rows: Indices, coupling: Coupling) -> SparseMatrix:
-    """Shape functions of the pairs (n n_q, n_pair) from those of facets' corners (n, n_q, k)."""
-    n, n_q, n_corner = values.shape
-    columns = np.repeat(coupling.columns[rows, None, :n_corner], n_q, axis=1)
-    point_rows = np.repeat(np.arange(n * n_q), n_corner)
-    shape = (n * n_q, len(coupling.pairs))
-    spread = sp.csr_array((values.ravel(), (point_rows, columns.ravel())), shape=shape)
-    spread.data[np.abs(spread.data) < 1e-14] = 0.0
-    spread.eliminate_zeros()
-    return spread
-
-
-def _nodal(nodes: Matrix, coupling: Coupling, pair_normals: Matrix) -> MortarPoints:
+def _nodal(nodes: Matrix, coupling: Coupling, pair_normals: Matrix) -> ContactPoints:
     """Place one point at each pair, with the mean gap near it over the covered part.
 
     On a facet of which the share c is covered, ∫ L_A g is c (∫ L_A) g_A + (1 - c) Σ ∫ L_A L_B g_B:
@@ -198,7 +160,7 @@ def _nodal(nodes: Matrix, coupling: Coupling, pair_normals: Matrix) -> MortarPoi
     shape = sp.csr_array(sp.diags_array(1.0 / area) @ joined)
     first = np.full(n_pair, len(segments.minus))
     np.minimum.at(first, coupling.columns, np.repeat(_numbers(coupling)[:, None], 4, axis=1))
-    return MortarPoints(
+    return ContactPoints(
         shape=shape,
         points=shape @ nodes[coupling.pairs[:, 0]],
         weights=area,

@@ -11,7 +11,8 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.interface.averaging import averaging_operator, facet_columns
-from faying.interface.facets import gauss_rule, shape_functions, surface
+from faying.interface.contact_points import joined, on_facets
+from faying.interface.facets import gauss_rule
 from faying.interface.interface import Interface
 
 
@@ -52,15 +53,17 @@ def _at_gauss_points(
     interface: Interface, faces: list[tuple[str, Indices]], nodes: Matrix
 ) -> tuple[SparseMatrix, Vector]:
     """Return shape functions (n, n_pair) and areas (n,) at the Gauss points of all facets."""
-    shapes, areas = [], []
-    for face_pairs, (kind, pairs) in zip(interface.faces, faces, strict=True):
-        rule = gauss_rule(kind)
-        values = shape_functions(kind, rule.points)
-        n_face, (n_q, n_node) = len(pairs), values.shape
-        rows = np.repeat(np.arange(n_face * n_q), n_node)
-        columns = np.repeat(pairs[:, None, :], n_q, axis=1).ravel()
-        entries = np.tile(values.ravel(), n_face)
-        size = (n_face * n_q, len(interface.pairs))
-        shapes.append(sp.csr_array((entries, (rows, columns)), shape=size))
-        areas.append(surface(kind, nodes[face_pairs.minus], rule).areas.ravel())
-    return sp.csr_array(sp.vstack(shapes)), np.concatenate(areas)
+    parts = [
+        on_facets(
+            kind,
+            nodes[faces_of_kind.minus],
+            gauss_rule(kind),
+            np.arange(len(pairs)),
+            kind,
+            pairs,
+            len(interface.pairs),
+        )
+        for faces_of_kind, (kind, pairs) in zip(interface.faces, faces, strict=True)
+    ]
+    points = joined(parts)
+    return points.shape, points.weights

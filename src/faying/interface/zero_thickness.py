@@ -1,21 +1,20 @@
 """Zero-thickness elements: matched facets become the linear gap operator of an interface."""
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 import scipy.sparse as sp
 
-from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying._typing import Indices, Matrix
 from faying.contact.laws import Law
 from faying.exceptions import ModelError
+from faying.interface.contact_points import ContactPoints, joined, on_facets
 from faying.interface.facets import (
     Rule,
     area_vectors,
     gauss_rule,
     nodal_rule,
     reference_nodes,
-    shape_functions,
-    surface,
 )
 from faying.interface.interface import FacePairs, Interface
 from faying.interface.penalty import automatic_penalty
@@ -29,17 +28,6 @@ from faying.model.dofs import DofMap
 from faying.model.specs import InterfaceSpec
 
 __all__ = ["automatic_penalty", "build_interface", "relative_displacement"]
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Points:
-    """Contact points: shape functions of the pairs (n_point, n_pair), geometry, owning facet."""
-
-    shape: SparseMatrix
-    points: Matrix
-    weights: Vector
-    normals: Matrix
-    faces: Indices
 
 
 def build_interface(
@@ -88,7 +76,7 @@ def build_interface(
         normals=normals,
         face_of_point=points.faces,
         law=law,
-        quadrature="+".join(dict.fromkeys(rule.name for rule in rules)),
+        quadrature=points.rule,
     )
 
 
@@ -123,56 +111,27 @@ def _all_points(
     columns: list[Indices],
     rules: list[Rule],
     middle: Matrix,
-) -> tuple[_Points, Indices]:
+) -> tuple[ContactPoints, Indices]:
     """Evaluate every facet; also return the pair a point coincides with, -1 for none."""
     parts, at_pair, first_face = [], [], 0
     for entry, local, rule in zip(faces, columns, rules, strict=True):
-        geometry = surface(entry.kind, middle[local], rule)
-        if not np.all(geometry.areas > 0):
-            row = int(np.flatnonzero(~np.all(geometry.areas > 0, axis=1))[0])
-            x, y, z = middle[local[row]].mean(axis=0)
+        kind, numbers = entry.kind, first_face + np.arange(len(local))
+        part = on_facets(kind, middle[local], rule, numbers, kind, local, len(middle))
+        empty = np.flatnonzero(part.weights <= 0)
+        if len(empty):
+            x, y, z = middle[local[empty[0] // len(rule.weights)]].mean(axis=0)
             message = (
-                f"interface '{name}': a {entry.kind} facet at ({x:g}, {y:g}, {z:g}) has no area; "
+                f"interface '{name}': a {kind} facet at ({x:g}, {y:g}, {z:g}) has no area; "
                 "repair the mesh there"
             )
             raise ModelError(message)
-        n_face, n_q = geometry.areas.shape
-        parts.append(
-            _Points(
-                shape=_point_shape(entry.kind, local, rule, len(middle)),
-                points=geometry.points.reshape(-1, 3),
-                weights=geometry.areas.ravel(),
-                normals=geometry.normals.reshape(-1, 3),
-                faces=np.repeat(first_face + np.arange(n_face), n_q),
-            )
-        )
+        parts.append(part)
         at_pair.append(np.where(rule.nodes >= 0, local[:, rule.nodes], -1).ravel())
-        first_face += n_face
-    joined = _Points(
-        shape=sp.vstack([part.shape for part in parts]).tocsr(),
-        points=np.concatenate([part.points for part in parts]),
-        weights=np.concatenate([part.weights for part in parts]),
-        normals=np.concatenate([part.normals for part in parts]),
-        faces=np.concatenate([part.faces for part in parts]),
-    )
-    return joined, np.concatenate(at_pair)
+        first_face += len(local)
+    return joined(parts), np.concatenate(at_pair)
 
 
-def _point_shape(kind: str, local: Indices, rule: Rule, n_pair: int) -> SparseMatrix:
-    """Shape functions of the pairs (n_face n_q, n_pair)."""
-    values = shape_functions(kind, rule.points)
-    # Shape functions at nodes are 0 and 1 but for rounding, which would fill the matrix.
-    values = np.where(np.abs(values) < 1e-14, 0.0, values)
-    n_face, n_q = len(local), len(rule.weights)
-    data = np.broadcast_to(values, (n_face, *values.shape)).ravel()
-    rows = np.repeat(np.arange(n_face * n_q), values.shape[1])
-    columns = np.repeat(local[:, None, :], n_q, axis=1).ravel()
-    shape = sp.csr_array((data, (rows, columns)), shape=(n_face * n_q, n_pair))
-    shape.eliminate_zeros()
-    return shape
-
-
-def _merged(raw: _Points, at_pair: Indices) -> _Points:
+def _merged(raw: ContactPoints, at_pair: Indices) -> ContactPoints:
     """Join the points at one node pair: they share one gap, so separate forces are undefined."""
     alone = len(raw.weights) + np.arange(len(raw.weights))
     key = np.where(at_pair >= 0, at_pair, alone)
@@ -185,7 +144,8 @@ def _merged(raw: _Points, at_pair: Indices) -> _Points:
         (ones, (rank[group.ravel()], np.arange(len(key)))), shape=(len(order), len(key))
     )
     first_rows = first[order]
-    return _Points(
+    return replace(
+        raw,
         shape=raw.shape[first_rows],
         points=raw.points[first_rows],
         weights=join @ raw.weights,
