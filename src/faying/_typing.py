@@ -17,7 +17,9 @@ Dimensions used in shapes throughout the package:
 ====================  ==========================================================
 """
 
-from typing import Any, TypeAlias
+from dataclasses import fields
+from types import UnionType
+from typing import Any, TypeAlias, cast, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -41,6 +43,29 @@ def frozen(array: npt.ArrayLike, dtype: Any = np.float64) -> Any:
         result = result.copy() if result is array else result
         result.setflags(write=False)
     return result
+
+
+_DTYPES = {
+    Matrix: np.float64,
+    ComplexMatrix: np.complex128,
+    Indices: np.int64,
+    Mask: np.bool_,
+}
+
+
+class Frozen:
+    """Base of frozen dataclasses whose arrays are read-only, of the type that they are said to be.
+
+    Sparse matrices and single numbers stay as they are given.
+    """
+
+    def __post_init__(self) -> None:
+        for field in fields(cast("Any", self)):
+            value = getattr(self, field.name)
+            union = get_args(field.type) if isinstance(field.type, UnionType) else (field.type,)
+            kinds = [kind for kind in union if kind in _DTYPES]
+            if kinds and np.ndim(value) and not sp.issparse(value):
+                object.__setattr__(self, field.name, frozen(value, _DTYPES[kinds[0]]))
 
 
 def read_only(matrix: SparseMatrix) -> SparseMatrix:

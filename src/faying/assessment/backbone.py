@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal, final
 
 import numpy as np
 
-from faying._typing import Indices, Mask, Matrix, Vector, frozen
+from faying._typing import Frozen, Indices, Mask, Matrix, Vector
 from faying.display.facts import Shown, with_unit
 from faying.exceptions import ModelError
 from faying.model.boundary import DISPLACEMENT_NAMES
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class Backbone(Shown):
+class Backbone(Frozen, Shown):
     """Frequency and damping of one mode at several amplitudes; arrays have one entry for each.
 
     Attributes
@@ -166,10 +166,6 @@ class Backbone(Shown):
         right.set_ylabel(f"frequency [1/{units.time}]", color=frequency)
         left.set_title(f"mode {self.mode}")
         return left
-
-    def __post_init__(self) -> None:
-        for name in ("amplitude", "frequency", "damping_ratio", "energy_per_cycle", "loop_area"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
     @property
     def energy_difference(self) -> Vector:

@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import Indices, Vector, frozen
+from faying._typing import Frozen, Indices, Vector
 from faying.assessment.backbone import Backbone, amplitude_unit
 from faying.assessment.measured_curve import at_amplitudes
 from faying.display.facts import Shown, with_unit
@@ -16,7 +16,7 @@ from faying.units import units_of
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class BackboneBand(Shown):
+class BackboneBand(Frozen, Shown):
     """Ends of frequency and damping over amplitude; arrays have one entry for each amplitude.
 
     They are those of the samples: between them a curve may leave the band.
@@ -42,10 +42,6 @@ class BackboneBand(Shown):
     samples: Indices
     measured_at: str
     units: str = "mm-t-s"
-
-    def __post_init__(self) -> None:
-        for name in ("amplitude", "frequency_low", "frequency_high", "damping_low", "damping_high"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
     @property
     def facts(self) -> Mapping[str, str]:

@@ -17,7 +17,7 @@ from typing import Literal, final
 
 import numpy as np
 
-from faying._typing import Mask, Matrix, Vector, frozen
+from faying._typing import Frozen, Mask, Matrix, Vector
 from faying.assessment.flexibility import Flexibility, flexibility
 from faying.exceptions import ModelError
 from faying.joint.system import Joint
@@ -93,7 +93,7 @@ POWERS = (1, 2, 4)
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Certificate:
+class Certificate(Frozen):
     """What is certain about the exact pressures, given a candidate.
 
     Arrays have no leading axis for one load, otherwise one entry per load case.
@@ -135,10 +135,6 @@ class Certificate:
     rms_pressure_error: Vector
     max_relative_error: Vector
     area_force: Mapping[tuple[str, str], Matrix] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        for name in ("pressure", "pressure_low", "pressure_high"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
     def bound(self, measure: Measure) -> Vector:
         """Return one of the certified relative errors (...)."""

@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import Indices, Vector, frozen
+from faying._typing import Frozen, Indices, Vector
 from faying.assessment.certificate import Measure, certifier
 from faying.exceptions import ModelError
 from faying.joint.model import Model
@@ -18,7 +18,7 @@ from faying.simulation.static import solve_static_cases
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class JointModeChoice:
+class JointModeChoice(Frozen):
     """How many joint modes a tolerance needs.
 
     Attributes
@@ -44,10 +44,6 @@ class JointModeChoice:
     measure: Measure
     counts: Indices
     bounds: Vector
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "counts", frozen(self.counts, np.int64))
-        object.__setattr__(self, "bounds", frozen(self.bounds))
 
 
 def choose_joint_modes(

@@ -11,7 +11,7 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, Vector, frozen
+from faying._typing import Frozen, Indices, Matrix, Vector
 from faying.assessment.transient_error import (
     LARGE_ERROR,
     OBSERVED_RATIOS,
@@ -47,7 +47,7 @@ N_FREQUENCIES = 200
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class NormalModeChoice:
+class NormalModeChoice(Frozen):
     """How many normal modes a pressure tolerance of a transient needs.
 
     Attributes
@@ -85,13 +85,6 @@ class NormalModeChoice:
     highest: Vector
     estimates: Vector
     tractions: Vector | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "counts", frozen(self.counts, np.int64))
-        object.__setattr__(self, "highest", frozen(self.highest))
-        object.__setattr__(self, "estimates", frozen(self.estimates))
-        if self.tractions is not None:
-            object.__setattr__(self, "tractions", frozen(self.tractions))
 
     @property
     def error(self) -> float:

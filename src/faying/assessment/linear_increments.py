@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 import scipy.linalg as la
 
-from faying._typing import Indices, Matrix, Vector, frozen
+from faying._typing import Frozen, Indices, Matrix, Vector
 from faying.assessment.slip import slip_history
 from faying.contact.dense_points import SINGULAR_PIVOT
 from faying.contact.frictional import FrictionalContact
@@ -19,7 +19,7 @@ from faying.simulation.solution import Solution
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Derivatives:
+class Derivatives(Frozen):
     """Derivatives by some parameters; the last axis of every array is the parameter.
 
     The first axis of those of a path is the increment; those of a static solution have none.
@@ -57,10 +57,6 @@ class Derivatives:
     displacements: Matrix
     lower: Vector
     upper: Vector
-
-    def __post_init__(self) -> None:
-        for field in fields(self)[2:]:
-            object.__setattr__(self, field.name, frozen(getattr(self, field.name)))
 
     @property
     def pressure(self) -> Matrix:

@@ -5,13 +5,13 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import Vector, frozen
+from faying._typing import Frozen, Vector
 from faying.assessment.backbone import Backbone
 
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class MeasuredCurve:
+class MeasuredCurve(Frozen):
     """Frequency, damping or both of a mode at amplitudes.
 
     Attributes
@@ -40,11 +40,6 @@ class MeasuredCurve:
     damping_ratio: Vector | None = None
     frequency_scatter: float | None = None
     damping_scatter: float | None = None
-
-    def __post_init__(self) -> None:
-        for column in ("amplitude", "frequency", "damping_ratio"):
-            if getattr(self, column) is not None:
-                object.__setattr__(self, column, frozen(getattr(self, column)))
 
 
 @final

@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import Vector, frozen
+from faying._typing import Frozen, Vector
 from faying.assessment.modal_cycles import measured
 from faying.assessment.stuck_modes import stuck_mode
 from faying.exceptions import ModelError, naming
@@ -124,7 +124,7 @@ FEWEST_PERIODS = 3
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class RingDown:
+class RingDown(Frozen):
     """A mode that rings down.
 
     Attributes
@@ -155,10 +155,6 @@ class RingDown:
     solution: Solution
     energies: Vector = field(default_factory=lambda: np.zeros(0))
     remarks: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "motion", frozen(self.motion))
-        object.__setattr__(self, "energies", frozen(self.energies))
 
 
 def ring_down(

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
-from faying._typing import Indices, Mask, Matrix, Vector, frozen
+from faying._typing import Frozen, Indices, Mask, Matrix, Vector
 from faying.model.mesh import Mesh
 from faying.model.surface import Facets, facet_area_vectors
 
@@ -27,7 +27,7 @@ FULL_CIRCLE_SUM = 0.05
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Cylinders:
+class Cylinders(Frozen):
     """Full cylinders among the faces of solids; arrays have an entry for each.
 
     Attributes
@@ -49,10 +49,6 @@ class Cylinders:
     axes: Matrix
     radii: Vector
     spans: Matrix
-
-    def __post_init__(self) -> None:
-        for name in ("points", "axes", "radii", "spans"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
     def __len__(self) -> int:
         """Return their number."""

@@ -28,7 +28,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg as la
 
-from faying._typing import Indices, Mask, Matrix, Vector, frozen
+from faying._typing import Frozen, Indices, Mask, Matrix, Vector
 from faying.assessment.stuck_modes import stuck_springs
 from faying.joint.system import (
     System,
@@ -47,7 +47,7 @@ from faying.simulation.start import at_rest
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class LinearModel:
+class LinearModel(Frozen):
     """Small motions x = q − q₀ of a joint about a static state: M ẍ + C ẋ + K x = B f.
 
     Outputs are y = L x + D f.
@@ -100,10 +100,6 @@ class LinearModel:
     gap_rows: Matrix
     force_offsets: Vector
     gap_offsets: Vector
-
-    def __post_init__(self) -> None:
-        for name in ("M", "C", "K", "state", "inputs", "outputs", "force_rows", "gap_rows"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
     def frequencies(self, count: int | None = None) -> Vector:
         """Return the lowest natural frequencies [1/time], all unless a number is given.

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, Vector, frozen
+from faying._typing import Frozen, Indices, Matrix, Vector
 from faying.interface.curved_surface import arc_heights
 from faying.interface.facets import shape_functions
 from faying.model.elements import FACES
@@ -12,7 +12,7 @@ from faying.model.surface import Facets, facet_centres, facet_normals, padded, r
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Cells:
+class Cells(Frozen):
     """Linear facets, each a part of one facet.
 
     Attributes
@@ -28,9 +28,6 @@ class Cells:
     points: Matrix
     facets: Facets
     parents: Indices
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "parents", frozen(self.parents, np.int64))
 
     @property
     def corners(self) -> Matrix:

@@ -14,7 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
-from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
+from faying._typing import Frozen, Indices, Matrix, SparseMatrix, Vector, read_only
 from faying.digits import DECK_DIGITS, SOLVED
 from faying.interface.curved_surface import corner_normals, standing_off
 from faying.interface.facets import Rule, gauss_rule, reference_nodes, shape_functions, surface
@@ -33,7 +33,7 @@ _AT_ONCE = 200_000
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Coupling:
+class Coupling(Frozen):
     """Relative displacements of two sides, one for each corner node of the minus side.
 
     Attributes
@@ -68,10 +68,7 @@ class Coupling:
     gap: Vector
 
     def __post_init__(self) -> None:
-        for name in ("weights", "coverage", "masses", "gap"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
-        for name in ("pairs", "columns"):
-            object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
+        super().__post_init__()
         for matrix in (self.minus, self.plus):
             read_only(matrix)
 

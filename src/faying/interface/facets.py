@@ -9,7 +9,7 @@ from functools import cache
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, Vector, frozen
+from faying._typing import Frozen, Indices, Matrix, Vector
 from faying.exceptions import ModelError
 from faying.model.elements import FACES
 
@@ -19,7 +19,7 @@ _LARGEST_ORDER = 12
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Rule:
+class Rule(Frozen):
     """Quadrature on the reference facet.
 
     Attributes
@@ -37,11 +37,6 @@ class Rule:
     points: Matrix
     weights: Vector
     nodes: Indices
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "points", frozen(self.points))
-        object.__setattr__(self, "weights", frozen(self.weights))
-        object.__setattr__(self, "nodes", frozen(self.nodes, np.int64))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

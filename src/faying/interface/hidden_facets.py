@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from faying._typing import Indices, Mask, Matrix, Vector, frozen
+from faying._typing import Frozen, Indices, Mask, Matrix, Vector
 from faying.exceptions import ModelError
 from faying.interface.cells import Cells
 from faying.interface.clipping import areas
@@ -25,7 +25,7 @@ _SAME_LAYER = 1e-2
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Reach:
+class Reach(Frozen):
     """Largest gap and penetration along the normal of a minus facet at which two facets are paired.
 
     Attributes
@@ -40,10 +40,6 @@ class Reach:
     gap: float
     minus: Vector
     plus: Vector
-
-    def __post_init__(self) -> None:
-        for name in ("minus", "plus"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
 
 def facet_depths(mesh: Mesh, facets: Facets) -> Vector:

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 
-from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
+from faying._typing import Frozen, Indices, Matrix, SparseMatrix, Vector, frozen, read_only
 from faying.contact.contact import Contact
 from faying.contact.laws import Coulomb, Curve, Law, normal_law
 from faying.digits import ROUND_OFF
@@ -23,7 +23,7 @@ from faying.interface.relative_displacement import axes_of, tangents_of, times_n
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class FacePairs:
+class FacePairs(Frozen):
     """Matched facets of one kind on the two sides of an interface.
 
     Between meshes that do not match these are the corners of the minus facets that the plus side
@@ -43,13 +43,9 @@ class FacePairs:
     minus: Indices
     plus: Indices
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "minus", frozen(self.minus, np.int64))
-        object.__setattr__(self, "plus", frozen(self.plus, np.int64))
-
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class Interface(Shown):
+class Interface(Frozen, Shown):
     """Two surfaces in contact, Eq. (15.11), with a law.
 
     Zero-thickness elements where the meshes match, a mortar coupling where they do not; solvers
@@ -105,12 +101,6 @@ class Interface(Shown):
     quadrature: str
     coupling: Coupling | None = None
     declared_area: float | None = None
-
-    def __post_init__(self) -> None:
-        for name in ("pair_normals", "initial_gap", "weights", "points", "normals"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
-        for name in ("pairs", "face_of_point"):
-            object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
 
     @property
     def facts(self) -> Mapping[str, str]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from faying._typing import Indices, Mask, Matrix, Vector, frozen
+from faying._typing import Frozen, Indices, Mask, Matrix, Vector
 from faying.digits import DECK_DIGITS
 from faying.interface.cells import Cells, divided
 from faying.interface.clipping import areas, clip, fans
@@ -28,7 +28,7 @@ _SLIVER = 1e-10
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Segments:
+class Segments(Frozen):
     """Triangles on which a minus and a plus facet lie on each other.
 
     Attributes
@@ -54,12 +54,6 @@ class Segments:
     minus_of: Indices
     plus_of: Indices
     covered: Vector
-
-    def __post_init__(self) -> None:
-        for name in ("origins", "frames", "triangles", "covered"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
-        for name in ("minus_of", "plus_of"):
-            object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
 
     def __len__(self) -> int:
         """Return the number of triangles."""

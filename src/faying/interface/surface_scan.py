@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import Matrix, Vector, frozen
+from faying._typing import Frozen, Matrix, Vector
 from faying.exceptions import FormatError
 from faying.files.contents import file_text
 from faying.files.csv_rows import csv_rows
@@ -18,7 +18,7 @@ HEIGHTS, GAPS = "z", "gap"
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Scan:
+class Scan(Frozen):
     """Samples of a surface, or of the gap between two.
 
     Attributes
@@ -37,10 +37,6 @@ class Scan:
     values: Vector
     is_gap: bool = False
     holes: int = 0
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "places", frozen(self.places))
-        object.__setattr__(self, "values", frozen(self.values))
 
 
 def read_scan(path: Path | str) -> Scan:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from faying._typing import Mask, Matrix, Vector, frozen
+from faying._typing import Frozen, Mask, Matrix, Vector
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary
@@ -14,7 +14,7 @@ from faying.model.matrices import used_components
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class LoadPattern:
+class LoadPattern(Frozen):
     """Nodal forces that one amplitude a scales, f = a · forces; they do not turn with the body.
 
     Attributes
@@ -29,9 +29,6 @@ class LoadPattern:
     name: str
     forces: Vector
     bolt_forces: Mapping[str, float] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "forces", frozen(self.forces))
 
     def projected(self, vectors: Matrix) -> "LoadPattern":
         """Return the pattern as seen by coordinates q of u = vectors q."""

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 import scipy.linalg as la
 
-from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
+from faying._typing import Frozen, Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.contact.between_pairs import (
     BetweenPairs,
     ByCompliance,
@@ -36,7 +36,7 @@ from faying.linalg.substitution import dense, solved_gram
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Structure:
+class Structure(Frozen):
     """Mass, damping and stiffness with ports; everything that contact does not touch.
 
     The interior (all but the boundary) is factorized once. With the constraint modes Ψ of Craig &
@@ -78,10 +78,6 @@ class Structure:
     places: Matrix | None = None
     dense_budget: int = field(default_factory=default_budget)
     firm_rows: SparseMatrix | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "boundary", frozen(self.boundary, np.int64))
-        object.__setattr__(self, "elongations", frozen(self.elongations))
 
     @property
     def n_dof(self) -> int:

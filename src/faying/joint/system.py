@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
+from faying._typing import Frozen, Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.contact.between_pairs import BetweenPairs, ByCompliance, BySubstitution
 from faying.contact.condensed import CondensedContact, ContactSolver
 from faying.contact.contact import Contact
@@ -25,7 +25,7 @@ from faying.model.boundary import Boundary
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PortCompliance:
+class PortCompliance(Frozen):
     """Displacement at the ports per force at the ports, Q K⁻¹ Qᵀ, symmetric.
 
     Ports come in the order relative displacements, boundary, bolts, load patterns.
@@ -49,10 +49,6 @@ class PortCompliance:
     input_rows: Matrix
     n_boundary: int
     n_pattern: int = 0
-
-    def __post_init__(self) -> None:
-        for name in ("contact_columns", "input_rows"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
     @property
     def relative(self) -> Compliance:

@@ -12,7 +12,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
-from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
+from faying._typing import Frozen, Indices, Matrix, SparseMatrix, Vector
 from faying.digits import SOLVED
 from faying.interface.interface import Interface
 from faying.interface.relative_displacement import tangents_of
@@ -25,7 +25,7 @@ from faying.model.links import connected_parts
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class TangentialRows:
+class TangentialRows(Frozen):
     """What acts on the plus side of an area along it, per unit of what loads the joint.
 
     Rows are the forces along both tangents, and the moment about the normal through the origin.
@@ -55,10 +55,6 @@ class TangentialRows:
     tangents: Matrix
     per_input: Matrix
     per_pair: Matrix
-
-    def __post_init__(self) -> None:
-        for name in ("origin", "tangents", "per_input", "per_pair"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
     def carried(self, inputs: Matrix, pairs: Matrix) -> Matrix:
         """Return both forces and the moment (n_case, 3).

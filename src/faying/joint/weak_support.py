@@ -5,12 +5,12 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, SparseMatrix, frozen
+from faying._typing import Frozen, Indices, Matrix, SparseMatrix, frozen
 
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class WeakSupport:
+class WeakSupport(Frozen):
     """Springs across the contact of two bodies, in all three directions at three pairs of nodes.
 
     Attributes
@@ -26,9 +26,6 @@ class WeakSupport:
     nodes: Indices
     stiffness: float
     forces: Matrix | SparseMatrix
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "nodes", frozen(self.nodes, np.int64))
 
     def projected(self, vectors: Matrix) -> "WeakSupport":
         """Return the springs as seen by coordinates q of u = vectors q."""

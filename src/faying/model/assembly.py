@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, frozen
+from faying._typing import Frozen, Indices, Mask, Matrix, SparseMatrix, Vector
 from faying.model.material import Material as Material
 from faying.model.mesh import Mesh
 from faying.model.shells import ShellBlock, ShellSection
@@ -149,7 +149,7 @@ class PointMass:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class RigidCoupling:
+class RigidCoupling(Frozen):
     """RBE2: the named components of ``nodes`` follow ``reference`` as one rigid body.
 
     Attributes
@@ -167,12 +167,9 @@ class RigidCoupling:
     nodes: Indices
     components: tuple[int, ...] = (0, 1, 2)
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "nodes", frozen(self.nodes, np.int64))
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class AverageCoupling:
+class AverageCoupling(Frozen):
     """RBE3: ``reference`` moves as the weighted least-squares rigid motion of ``nodes``.
 
     Attributes
@@ -198,12 +195,6 @@ class AverageCoupling:
     reference_components: tuple[int, ...] = (0, 1, 2, 3, 4, 5)
     entering: Mask | None = None
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "nodes", frozen(self.nodes, np.int64))
-        object.__setattr__(self, "weights", frozen(self.weights))
-        if self.entering is not None:
-            object.__setattr__(self, "entering", frozen(self.entering, bool))
-
 
 @dataclass(frozen=True, kw_only=True)
 class Equation:
@@ -214,7 +205,7 @@ class Equation:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Support:
+class Support(Frozen):
     """SPC: the named components of ``nodes`` are held at zero.
 
     Attributes
@@ -228,12 +219,9 @@ class Support:
     components: tuple[int, ...]
     axes: Matrix | None = None
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "nodes", frozen(self.nodes, np.int64))
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class NodalLoads:
+class NodalLoads(Frozen):
     """Forces and moments on nodes.
 
     Attributes
@@ -245,13 +233,9 @@ class NodalLoads:
     nodes: Indices
     forces: Matrix
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "nodes", frozen(self.nodes, np.int64))
-        object.__setattr__(self, "forces", frozen(self.forces))
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class MatrixBlock:
+class MatrixBlock(Frozen):
     """Mass, damping and stiffness from another program, added to whatever else the assembly holds.
 
     Attributes
@@ -268,13 +252,9 @@ class MatrixBlock:
     components: Indices
     C: SparseMatrix | None = None
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "nodes", frozen(self.nodes, np.int64))
-        object.__setattr__(self, "components", frozen(self.components, np.int64))
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class FaceSet:
+class FaceSet(Frozen):
     """Named surface facets.
 
     Attributes
@@ -287,9 +267,6 @@ class FaceSet:
 
     kind: str
     nodes: Indices
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "nodes", frozen(self.nodes, np.int64))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.sparse as sp
 
-from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
+from faying._typing import Frozen, Indices, Matrix, SparseMatrix, Vector, read_only
 from faying.model.assembly import Assembly, Beam
 from faying.model.deck_bolt import bolt_chain, chain_ends
 from faying.model.elements.beam import beam_matrices
@@ -13,7 +13,7 @@ from faying.model.specs import BoltSpec
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Shank:
+class Shank(Frozen):
     """The elements of a bolt, end to end.
 
     Attributes
@@ -33,10 +33,6 @@ class Shank:
     nodes: Indices
     ends: Matrix
     across: SparseMatrix
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "nodes", frozen(self.nodes, np.int64))
-        object.__setattr__(self, "ends", frozen(self.ends))
 
     def transformed(self, transformation: SparseMatrix) -> "Shank":
         """Return the same for other degrees of freedom, displacements = transformation u."""
@@ -74,7 +70,7 @@ def shank(assembly: Assembly, spec: BoltSpec) -> Shank:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Bolt:
+class Bolt(Frozen):
     """Axial behaviour of a bolt: force N = k e + N₀ with elongation e = elongation · u.
 
     Its stiffness k is part of the system's K; N₀ (Young's modulus × area × initial strain) acts as
@@ -107,11 +103,6 @@ class Bolt:
     bending: SparseMatrix | Matrix | None = None
     residual_bending: Matrix | None = None
     shank: Shank | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "elongation", frozen(self.elongation))
-        if self.ends is not None:
-            object.__setattr__(self, "ends", frozen(self.ends))
 
     def force(self, displacement: Matrix) -> Matrix:
         """Axial force for displacements of shape (..., n_dof); tension is positive."""

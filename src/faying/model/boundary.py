@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from faying._typing import Indices, Vector, frozen
+from faying._typing import Frozen, Indices, Vector
 from faying.exceptions import refuse_model
 from faying.model.assembly import Assembly, AverageCoupling, RigidCoupling
 from faying.model.specs import BoundarySpec
@@ -14,7 +14,7 @@ FORCE_NAMES = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Boundary:
+class Boundary(Frozen):
     """Degrees of freedom of one boundary.
 
     Attributes
@@ -31,10 +31,6 @@ class Boundary:
     nodes: Indices
     components: Indices
     dofs: Indices
-
-    def __post_init__(self) -> None:
-        for name in ("nodes", "components", "dofs"):
-            object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
 
     def pattern(self, force: str) -> Vector:
         """Distribute a unit force or moment evenly over the nodes of the boundary.

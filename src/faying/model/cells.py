@@ -2,13 +2,11 @@
 
 from dataclasses import dataclass, replace
 
-import numpy as np
-
-from faying._typing import Indices, Mask, frozen
+from faying._typing import Frozen, Indices, Mask
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class CellBlock:
+class CellBlock(Frozen):
     """Solid elements of one kind.
 
     Attributes
@@ -30,10 +28,6 @@ class CellBlock:
     ids: Indices
     properties: Indices
     formulation: str = ""
-
-    def __post_init__(self) -> None:
-        for name in ("nodes", "ids", "properties"):
-            object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
 
     def taken(self, which: Indices | Mask) -> "CellBlock":
         """Return some of the elements."""

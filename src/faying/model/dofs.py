@@ -5,12 +5,12 @@ from functools import cached_property
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, SparseMatrix, frozen, read_only
+from faying._typing import Frozen, Indices, Matrix, SparseMatrix, read_only
 from faying.exceptions import refuse_model
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class DofMap:
+class DofMap(Frozen):
     """Linear constraints in the form u_node = T u_free.
 
     Attributes
@@ -24,9 +24,6 @@ class DofMap:
 
     transformation: SparseMatrix
     free: Indices
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "free", frozen(self.free, np.int64))
 
     @property
     def n_nodes(self) -> int:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, frozen, read_only
+from faying._typing import Frozen, Indices, Mask, Matrix, SparseMatrix, Vector, read_only
 from faying.exceptions import refuse_model
 from faying.model.assembly import Assembly, Material, MatrixBlock
 from faying.model.cells import CellBlock
@@ -39,7 +39,7 @@ class NodalMatrices:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class MassProperties:
+class MassProperties(Frozen):
     """Rigid-body mass of a structure.
 
     Attributes
@@ -54,10 +54,6 @@ class MassProperties:
     mass: float
     centre: Vector
     inertia: Matrix
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "centre", frozen(self.centre))
-        object.__setattr__(self, "inertia", frozen(self.inertia))
 
 
 def assemble_matrices(assembly: Assembly) -> NodalMatrices:

@@ -4,11 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from faying._typing import Indices, Mask, Matrix, Vector, frozen
+from faying._typing import Frozen, Indices, Mask, Matrix, Vector
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ShellSection:
+class ShellSection(Frozen):
     """What a shell resists per unit of its reference surface, in the axes of its material.
 
     Attributes
@@ -31,14 +31,9 @@ class ShellSection:
     inertia: float = 0.0
     materials: tuple[str, ...] = ()
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "stiffness", frozen(self.stiffness))
-        if self.shear is not None:
-            object.__setattr__(self, "shear", frozen(self.shear))
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ShellBlock:
+class ShellBlock(Frozen):
     """Shell elements of one kind; a section may serve several blocks.
 
     Attributes
@@ -62,12 +57,6 @@ class ShellBlock:
     properties: Indices
     offsets: Vector
     directions: Matrix
-
-    def __post_init__(self) -> None:
-        for name in ("nodes", "ids", "properties"):
-            object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
-        for name in ("offsets", "directions"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
     def taken(self, which: Indices | Mask) -> "ShellBlock":
         """Return some of the elements."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying._typing import Indices, Mask, Matrix, frozen
+from faying._typing import Frozen, Indices, Mask, Matrix
 from faying.model.elements import FACES
 
 WIDTH = max(face.n_nodes for face in FACES.values())
@@ -12,7 +12,7 @@ WIDTH = max(face.n_nodes for face in FACES.values())
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Facets:
+class Facets(Frozen):
     """Facets of all kinds in one table.
 
     Attributes
@@ -28,10 +28,6 @@ class Facets:
     elements: Indices
     properties: Indices
     bodies: Indices
-
-    def __post_init__(self) -> None:
-        for name in ("nodes", "elements", "properties", "bodies"):
-            object.__setattr__(self, name, frozen(getattr(self, name), np.int64))
 
     def __len__(self) -> int:
         """Return the number of facets."""

@@ -7,7 +7,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from faying._typing import Matrix, SparseMatrix, frozen
+from faying._typing import Frozen, Matrix, SparseMatrix
 from faying.digits import ROUND_OFF
 from faying.display.facts import Shown
 from faying.exceptions import ModelError
@@ -33,7 +33,7 @@ VANISHING = tuple(kind for kind in ModeKind if kind is not ModeKind.CONSTRAINT)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class Basis(Shown):
+class Basis(Frozen, Shown):
     """Shapes that a reduced model moves in: the trial vectors Φ of u ≈ Φ q, (15.15).
 
     Attributes
@@ -55,7 +55,7 @@ class Basis(Shown):
     kinds: tuple[ModeKind, ...]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "vectors", frozen(self.vectors))
+        super().__post_init__()
         if self.vectors.shape[1] != len(self.kinds):
             message = f"{self.vectors.shape[1]} trial vectors but {len(self.kinds)} kinds"
             raise ModelError(message)

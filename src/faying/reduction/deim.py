@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 import scipy.linalg as la
 
-from faying._typing import Indices, Mask, Matrix, Vector, frozen
+from faying._typing import Frozen, Indices, Mask, Matrix, Vector
 from faying.exceptions import ConvergenceError, ModelError
 from faying.reduction.contact_reduction import AnyModel, ReducedContact, with_static_contact
 from faying.reduction.pod import pod
@@ -27,7 +27,7 @@ MOST_EXCHANGES = 100
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Deim:
+class Deim(Frozen):
     """Sampling points of the contact forces and the interpolation from them.
 
     Attributes
@@ -40,10 +40,6 @@ class Deim:
 
     points: Indices
     interpolation: Matrix
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "points", frozen(self.points, np.int64))
-        object.__setattr__(self, "interpolation", frozen(self.interpolation))
 
     def __len__(self) -> int:
         return len(self.points)

@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 
-from faying._typing import Matrix, frozen
+from faying._typing import Frozen, Matrix
 from faying.contact.contact import Contact
 from faying.interface.surface import ContactSurface
 from faying.joint.load_pattern import LoadPattern
@@ -21,7 +21,7 @@ from faying.units import Units, units_of
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ModelData:
+class ModelData(Frozen):
     """What is known of a reduced model, and what its file keeps.
 
     Optional parts are None where they are unknown or were left out.
@@ -83,12 +83,6 @@ class ModelData:
     invariants: Matrix | None = None
     rigid_motions: Matrix = field(default_factory=partial(np.zeros, (0, 0)))
     tangential: tuple[TangentialRows, ...] = ()
-
-    def __post_init__(self) -> None:
-        names = ("M", "C", "K", "recovery_inertia", "recovery_damping", "recovery_frame")
-        for name in (*names, "invariants", "rigid_motions"):
-            if getattr(self, name) is not None:
-                object.__setattr__(self, name, frozen(getattr(self, name)))
 
     @property
     def unit_set(self) -> Units:

@@ -9,7 +9,7 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import Matrix, frozen
+from faying._typing import Frozen, Matrix
 from faying.exceptions import ModelError
 from faying.joint.model import Model
 from faying.joint.system import Joint, PortCompliance
@@ -22,7 +22,7 @@ from faying.simulation.static import port_forces
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Recovery:
+class Recovery(Frozen):
     """What recovery needs of a model and a basis: a few dense matrices, no finite elements.
 
     With Q the ports (relative displacements, boundary, bolt elongations, load patterns):
@@ -43,10 +43,6 @@ class Recovery:
     inertia: Matrix
     damping: Matrix
     frame: Matrix | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "inertia", frozen(self.inertia))
-        object.__setattr__(self, "damping", frozen(self.damping))
 
     def free_displacements(
         self, inputs: Matrix, velocities: Matrix, accelerations: Matrix

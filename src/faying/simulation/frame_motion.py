@@ -16,7 +16,7 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import Matrix, frozen
+from faying._typing import Frozen, Matrix
 from faying.joint.model import Model
 
 N_FIELD = 12
@@ -25,7 +25,7 @@ N_FIELD = 12
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class FrameMotion:
+class FrameMotion(Frozen):
     """Motion of the frame of a joint, in the axes of that frame, instant by instant.
 
     Attributes
@@ -39,10 +39,6 @@ class FrameMotion:
     acceleration: Matrix
     angular_velocity: Matrix
     angular_acceleration: Matrix
-
-    def __post_init__(self) -> None:
-        for name in ("acceleration", "angular_velocity", "angular_acceleration"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
     def fields(self) -> Matrix:
         """Return the factors (n_time, 12) of the twelve fields: a₀, then B row by row."""

@@ -13,7 +13,7 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, Vector, frozen
+from faying._typing import Frozen, Indices, Matrix, Vector
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import Joint, initial_bolt_forces
 from faying.simulation.bolted_state import BoltedState, bolted_state
@@ -33,7 +33,7 @@ TARGET_CHANGE = 1e-3
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class TighteningPlan:
+class TighteningPlan(Frozen):
     """A sequence of turns, each of one bolt, that brings all bolts to their targets.
 
     Attributes
@@ -64,11 +64,6 @@ class TighteningPlan:
     bolt_forces: Matrix
     unplanned: Matrix
     initial_forces: Mapping[str, float]
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "passes", frozen(self.passes, np.int64))
-        for name in ("settings", "bolt_forces", "unplanned"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
     @property
     def shares(self) -> Vector:

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, frozen
+from faying._typing import Frozen, Indices, Mask, Matrix, SparseMatrix, Vector
 from faying.model.assembly import Assembly
 from faying.model.boundary import DISPLACEMENT_NAMES
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Rows:
+class Rows(Frozen):
     """Equations u[dependent] = matrix · u over the 6 n_node degrees of freedom.
 
     Attributes
@@ -30,10 +30,6 @@ class Rows:
     matrix: SparseMatrix
     owner: Indices
     labels: tuple[str, ...]
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "dependent", frozen(self.dependent, np.int64))
-        object.__setattr__(self, "owner", frozen(self.owner, np.int64))
 
     def taken(self, which: Mask) -> "Rows":
         """Return the equations where ``which`` (n_row,) holds."""

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from faying._typing import Matrix, Vector, frozen
+from faying._typing import Frozen, Matrix, Vector
 from faying.model.couplings.rows import lever_arms
 from faying.model.elements.flat_shell import DRILLING, integrated
 from faying.model.elements.shell_frames import ElementLaws
@@ -36,7 +36,7 @@ RIGID_SHEAR = 100.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Rule:
+class Rule(Frozen):
     """Shape functions at the points of a rule.
 
     Attributes
@@ -48,10 +48,6 @@ class Rule:
     weights: Vector
     values: Matrix
     gradients: Matrix
-
-    def __post_init__(self) -> None:
-        for name in ("weights", "values", "gradients"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

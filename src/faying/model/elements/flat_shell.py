@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying._typing import Matrix, Vector, frozen
+from faying._typing import Frozen, Matrix, Vector
 from faying.model.elements.shell_frames import ElementLaws
 
 DRILLING = 1e-4
@@ -27,7 +27,7 @@ _GAUSS = 1 / np.sqrt(3.0)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class FlatShell:
+class FlatShell(Frozen):
     """Tables of a kind at its quadrature points.
 
     Attributes
@@ -56,10 +56,6 @@ class FlatShell:
     side_fields: Matrix
     bubbles: Matrix
     centre: Matrix
-
-    def __post_init__(self) -> None:
-        for name in ("weights", "values", "gradients", "side_gradients", "side_fields", "bubbles"):
-            object.__setattr__(self, name, frozen(getattr(self, name)))
 
 
 def _triangle() -> FlatShell:

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from faying._typing import Matrix, frozen
+from faying._typing import Frozen, Matrix, frozen
 from faying.model.elements.elsewhere import Elsewhere
 from faying.model.elements.face_kind import QUAD8, TRI6, FaceKind
 from faying.model.elements.quadrature import Quadrature
@@ -17,7 +17,7 @@ ShapeFunctions = Callable[[Matrix], tuple[Matrix, Matrix]]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class SolidElement:
+class SolidElement(Frozen):
     """An isoparametric solid element with three displacements per node.
 
     Attributes
@@ -65,9 +65,6 @@ class SolidElement:
     internal_gradients: Callable[[Matrix], Matrix] | None = None
     hourglass_patterns: Matrix | None = None
     hourglass_share: float = 5e-4
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "reference_nodes", frozen(self.reference_nodes))
 
     @property
     def n_nodes(self) -> int:

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying._typing import Mask, Matrix, Vector, frozen
+from faying._typing import Frozen, Mask, Matrix, Vector
 from faying.study.results.values import CaseResult, InterfaceRecord
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Opening:
+class Opening(Frozen):
     """One interface in one load case of the full model.
 
     Area outside the pressure cones of the bolts carries nothing before the load either; what opens
@@ -33,9 +33,6 @@ class Opening:
     gap: float
     point: Vector
     instant: int | None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "point", frozen(self.point))
 
 
 def opening(record: InterfaceRecord, case: CaseResult) -> Opening | None:
