@@ -1,7 +1,7 @@
 """Envelopes over load cases or instants: the extremes at every contact point, and where from."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -37,45 +37,29 @@ class Envelope:
     max_gap_case: Indices
 
 
+PICKS = {"max_pressure": np.argmax, "min_pressure": np.argmin, "max_gap": np.argmax}
+"""Which of several values of a point counts."""
+
+
 def envelope_of(solution: Solution, rows: Indices) -> Envelope:
     """Return the envelope of the cases or instants of a solution that have the numbers ``rows``."""
     pressure, gap = solution.pressure, solution.gap
-    return Envelope(
-        max_pressure=pressure.max(axis=0),
-        max_pressure_case=rows[pressure.argmax(axis=0)],
-        min_pressure=pressure.min(axis=0),
-        min_pressure_case=rows[pressure.argmin(axis=0)],
-        max_gap=gap.max(axis=0),
-        max_gap_case=rows[gap.argmax(axis=0)],
-    )
+    values = {"max_pressure": pressure, "min_pressure": pressure, "max_gap": gap}
+    return _picked(values, dict.fromkeys(values, np.broadcast_to(rows[:, None], gap.shape)))
 
 
 def joined(parts: Iterable[Envelope]) -> Envelope:
     """Return the envelope of several, in the order of their cases; there is at least one."""
     envelopes = list(parts)
-    highest, at_highest = _extreme([envelope.max_pressure for envelope in envelopes], largest=True)
-    lowest, at_lowest = _extreme([envelope.min_pressure for envelope in envelopes], largest=False)
-    widest, at_widest = _extreme([envelope.max_gap for envelope in envelopes], largest=True)
-    return Envelope(
-        max_pressure=highest,
-        max_pressure_case=_chosen(
-            [envelope.max_pressure_case for envelope in envelopes], at_highest
-        ),
-        min_pressure=lowest,
-        min_pressure_case=_chosen(
-            [envelope.min_pressure_case for envelope in envelopes], at_lowest
-        ),
-        max_gap=widest,
-        max_gap_case=_chosen([envelope.max_gap_case for envelope in envelopes], at_widest),
-    )
+    members = [field.name for field in fields(Envelope)]
+    every = {name: np.array([getattr(part, name) for part in envelopes]) for name in members}
+    return _picked(every, {name: every[f"{name}_case"] for name in PICKS})
 
 
-def _extreme(rows: list[Vector], *, largest: bool) -> tuple[Vector, Indices]:
-    table: Matrix = np.array(rows)
-    which: Indices = table.argmax(axis=0) if largest else table.argmin(axis=0)
-    return np.take_along_axis(table, which[None], axis=0)[0], which
-
-
-def _chosen(rows: list[Indices], which: Indices) -> Indices:
-    chosen: Indices = np.take_along_axis(np.array(rows), which[None], axis=0)[0]
-    return chosen
+def _picked(values: Mapping[str, Matrix], cases: Mapping[str, Indices]) -> Envelope:
+    members = {}
+    for name, pick in PICKS.items():
+        which = pick(values[name], axis=0)[None]
+        members[name] = np.take_along_axis(values[name], which, axis=0)[0]
+        members[f"{name}_case"] = np.take_along_axis(cases[name], which, axis=0)[0]
+    return Envelope(**members)

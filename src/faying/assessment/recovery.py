@@ -40,6 +40,7 @@ from faying.simulation.contact_fields import ContactFields, no_tangent, shear_ev
 from faying.simulation.load import Load
 from faying.simulation.path import contact_along, path_at, state_of
 from faying.simulation.solution import Solution
+from faying.simulation.solution_parts import some_states
 from faying.simulation.static import AT_REST, ContactStates, relative_forces
 
 
@@ -158,9 +159,9 @@ def recover_pressure(
     The first takes its slip from the solution. What a poor trajectory says of the way to an
     instant stays in the slip there; recovery corrects forces, not the past.
     """
-    picked = slice(None) if instants is None else np.asarray(instants, dtype=np.int64)
     joint = model.joint if isinstance(model, ReducedModel) else model
-    chosen = _selected(solution, picked) if joint.contact.forgets else solution
+    several = joint.contact.forgets and solution.contact_forces.ndim > 1
+    chosen = solution if instants is None or not several else some_states(solution, instants)
     if isinstance(chosen.system, ReducedModel):
         free = _free_from_reduced(model, joint, chosen.system, chosen, operator)
     elif isinstance(model, ReducedModel):
@@ -169,7 +170,8 @@ def recover_pressure(
     else:
         free = _free_from_full(model, chosen)
     path = solve_instants(joint, chosen.name, chosen.inputs, free, chosen.times, begin=solution)
-    return path if chosen is not solution or free.ndim == 1 else _taken(path, picked)
+    whole = several or instants is None or free.ndim == 1
+    return path if whole else _taken(path, np.asarray(instants, dtype=np.int64))
 
 
 def solve_at_ports(joint: Joint, load: Load = AT_REST) -> Recovered:
@@ -184,24 +186,6 @@ def solve_cases_at_ports(joint: Joint, loads: Sequence[Load]) -> Recovered:
     inputs = np.concatenate([load.inputs(joint, np.zeros(1)) for load in loads])
     free = static_displacements(joint.port_compliance, inputs)
     return solve_instants(joint, "cases", inputs, free, None)
-
-
-def _selected(solution: Solution, chosen: slice | Indices) -> Solution:
-    """Take some instants; nothing to choose from in a single static solution."""
-    if solution.contact_forces.ndim == 1:
-        return solution
-    return Solution(
-        name=solution.name,
-        system=solution.system,
-        states=solution.states[chosen],
-        contact_forces=solution.contact_forces[chosen],
-        gap=solution.gap[chosen],
-        inputs=solution.inputs[chosen],
-        iterations=solution.iterations[chosen],
-        times=None if solution.times is None else solution.times[chosen],
-        velocities=None if solution.velocities is None else solution.velocities[chosen],
-        accelerations=None if solution.accelerations is None else solution.accelerations[chosen],
-    )
 
 
 def _free_from_reduced(
@@ -303,7 +287,7 @@ def solve_instants(
     )
 
 
-def _taken(recovered: Recovered, chosen: slice | Indices) -> Recovered:
+def _taken(recovered: Recovered, chosen: Indices) -> Recovered:
     """Take some instants."""
     members: dict[str, Any] = {
         name: value[chosen]

@@ -23,7 +23,7 @@ from faying.digits import SOLVED
 from faying.exceptions import ModelError
 from faying.joint.system import System, boundary_slices, unstretched_bolt_forces
 from faying.model.boundary import FORCE_NAMES
-from faying.simulation.path import moved_alone
+from faying.simulation.path import moved_alone, state_of
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static_inputs
 
@@ -165,16 +165,7 @@ class Sensitivity:
         bolts = self.system.port_compliance.bolts
         inputs[:, : bolts.start], inputs[:, bolts.stop :] = 0.0, 0.0
         cases = solve_static_inputs(self.system, inputs, "tightened")
-        tightened = Solution(
-            name=cases.name,
-            system=cases.system,
-            states=cases.states[0],
-            contact_forces=cases.contact_forces[0],
-            gap=cases.gap[0],
-            inputs=cases.inputs[0],
-            iterations=cases.iterations[0],
-        )
-        return Sensitivity(system=self.system, solution=tightened)
+        return Sensitivity(system=self.system, solution=state_of(cases, 0))
 
     def _by_bolts(self, changes: Matrix) -> Derivatives:
         """Differentiate along changes of the initial bolt forces (n_bolt, n_bolt)."""

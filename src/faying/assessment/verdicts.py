@@ -1,6 +1,6 @@
 """Requirements judged where they are nearest to failing."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -130,22 +130,26 @@ def _opening_verdicts(limit: float | None, paths: Mapping[str, Openings]) -> Ite
         (area, case): factor for case, path in paths.items() for area, factor in path.opened.items()
     }
     short = [
-        name for name, path in paths.items() if path.followed < limit and np.isinf(_least(path))
+        f"{name} was followed up to {path.followed:g} times the load"
+        for name, path in paths.items()
+        if path.followed < limit and np.isinf(min(path.opened.values(), default=np.inf))
     ]
-    if factors:
-        area_name, case = min(factors, key=factors.__getitem__)
-        value = factors[area_name, case]
-        if value < limit or not short:
-            yield Verdict.at_least("min_opening_factor", area_name, case, value, limit)
-            return
-    reason = "no static load was followed to its opening"
-    if short:
-        reason = f"{short[0]} was followed up to {paths[short[0]].followed:g} times the load"
-    yield Verdict.unknown("min_opening_factor", limit, reason)
+    none = "no static load was followed to its opening"
+    yield _least_factor("min_opening_factor", limit, factors, short, none)
 
 
-def _least(openings: Openings) -> float:
-    return min(openings.opened.values(), default=np.inf)
+def _least_factor(
+    requirement: str,
+    limit: float,
+    factors: Mapping[tuple[str, str], float],
+    short: Sequence[str],
+    none: str,
+) -> Verdict:
+    """Judge the least factor of places and load cases, beyond which some were not followed."""
+    place, case = min(factors, key=factors.__getitem__, default=("", ""))
+    if factors and (factors[place, case] < limit or not short):
+        return Verdict.at_least(requirement, place, case, factors[place, case], limit)
+    return Verdict.unknown(requirement, limit, short[0] if short else none)
 
 
 def _slip_verdict(
@@ -181,21 +185,15 @@ def _sliding_verdict(
     if limit is None:
         return
     factors = {
-        name: np.inf if reserve.gross_slip is None else reserve.gross_slip
-        for name, reserve in reserves.items()
+        (item.slides, case): np.inf if item.gross_slip is None else item.gross_slip
+        for case, item in reserves.items()
     }
     short = [
-        n for n, reserve in reserves.items() if np.isinf(factors[n]) and reserve.largest < limit
+        f"it holds up to {item.largest:.3g} times {case}, where the next increment had no solution"
+        for case, item in reserves.items()
+        if item.gross_slip is None and item.largest < limit
     ]
-    case = min(factors, key=factors.__getitem__, default="")
-    if case and (factors[case] < limit or not short):
-        yield Verdict.at_least(requirement, reserves[case].slides, case, factors[case], limit)
-        return
-    reason = NO_FRICTION
-    if short:
-        reached = f"{reserves[short[0]].largest:.3g} times {short[0]}"
-        reason = f"it holds up to {reached}, where the next increment had no solution"
-    yield Verdict.unknown(requirement, limit, reason)
+    yield _least_factor(requirement, limit, factors, short, NO_FRICTION)
 
 
 NO_SUMS = (
