@@ -54,13 +54,7 @@ def scalars(rom: ReducedModel, defaults: Defaults) -> tuple[Variable, ...]:
     ModelError
         If two of them have the same name.
     """
-    variables = (
-        *_parameters(rom, defaults),
-        *_ports(rom),
-        *interface_outputs(rom),
-        *_motion(rom, arrays=False),
-    )
-    return _distinct(variables)
+    return _distinct([*_ports(rom, defaults), *_motion(rom, arrays=False)])
 
 
 def with_arrays(rom: ReducedModel, defaults: Defaults) -> tuple[Variable, ...]:
@@ -71,14 +65,7 @@ def with_arrays(rom: ReducedModel, defaults: Defaults) -> tuple[Variable, ...]:
     ModelError
         If two of them have the same name.
     """
-    variables = (
-        *_parameters(rom, defaults),
-        *_ports(rom),
-        *interface_outputs(rom),
-        *fields(rom),
-        *_motion(rom, arrays=True),
-    )
-    return _distinct(variables)
+    return _distinct([*_ports(rom, defaults), *_fields(rom), *_motion(rom, arrays=True)])
 
 
 def _distinct(variables: Sequence[Variable]) -> tuple[Variable, ...]:
@@ -94,119 +81,212 @@ def _distinct(variables: Sequence[Variable]) -> tuple[Variable, ...]:
     return tuple(variables)
 
 
-def _parameters(rom: ReducedModel, defaults: Defaults) -> Iterator[Variable]:
-    yield Variable(
-        name="step_size",
-        kind=Kind.STEP_SIZE,
-        index=0,
-        causality="parameter",
-        quantity=TIME,
-        start=defaults.step_size,
-        limits=(0.0, None),
-        description="longest internal time step; communication steps are divided equally",
-    )
-    yield Variable(
-        name="integrator",
-        kind=Kind.INTEGRATOR,
-        index=0,
-        causality="parameter",
-        type="integer",
-        start=defaults.integrator,
+@dataclass(frozen=True)
+class _Family:
+    """What all variables of a kind have in common; braces stand for the part of the joint."""
+
+    name: str
+    causality: str
+    description: str
+    quantity: str = NONE
+    limits: tuple[float | None, float | None] = (None, None)
+    type: str = "real"
+
+    def variable(
+        self,
+        kind: Kind,
+        index: int,
+        part: str = "",
+        start: float | None = None,
+        size: int | None = None,
+    ) -> Variable:
+        """Return one of them."""
+        return Variable(
+            name=self.name.format(part),
+            kind=kind,
+            index=index,
+            causality=self.causality,
+            description=self.description.format(part),
+            type=self.type,
+            quantity=self.quantity,
+            start=start,
+            size=size,
+            limits=self.limits,
+        )
+
+
+POSITIVE = (0.0, None)
+
+FAMILIES = {
+    Kind.STEP_SIZE: _Family(
+        "step_size",
+        "parameter",
+        "longest internal time step; communication steps are divided equally",
+        TIME,
+        POSITIVE,
+    ),
+    Kind.INTEGRATOR: _Family(
+        "integrator",
+        "parameter",
+        "0 implicit Euler, 1 generalized-alpha, 2 energy-decaying",
         limits=(0, 2),
-        description="0 implicit Euler, 1 generalized-alpha, 2 energy-decaying",
-    )
-    yield Variable(
-        name="rho_infinity",
-        kind=Kind.RHO,
-        index=0,
-        causality="parameter",
-        start=defaults.rho_infinity,
+        type="integer",
+    ),
+    Kind.RHO: _Family(
+        "rho_infinity",
+        "parameter",
+        "spectral radius at infinite frequency of schemes of second order",
         limits=(0.0, 1.0),
-        description="spectral radius at infinite frequency of schemes of second order",
-    )
-    yield Variable(
-        name="start_loaded",
-        kind=Kind.START_LOADED,
-        index=0,
-        causality="parameter",
+    ),
+    Kind.START_LOADED: _Family(
+        "start_loaded",
+        "parameter",
+        "start in equilibrium with the boundary forces at initialization (true), or under the "
+        "bolts alone, with those forces applied at once (false)",
         type="boolean",
-        start=float(defaults.start_loaded),
-        description="start in equilibrium with the boundary forces at initialization (true), or "
-        "under the bolts alone, with those forces applied at once (false)",
+    ),
+    Kind.PENALTY: _Family(
+        "{}.penalty", "parameter", "contact stiffness of interface {}", STIFFNESS, POSITIVE
+    ),
+    Kind.FRICTION: _Family(
+        "{}.friction",
+        "parameter",
+        "coefficient of friction of interface {}",
+        limits=(0.0, LARGEST_FRICTION),
+    ),
+    Kind.TANGENTIAL_PENALTY: _Family(
+        "{}.tangential_penalty",
+        "parameter",
+        "tangential stiffness of interface {}",
+        STIFFNESS,
+        POSITIVE,
+    ),
+    Kind.INITIAL_FORCE: _Family(
+        "{}.initial_force",
+        "input",
+        "force that bolt '{}' would have at zero elongation; what tightening set, not the force it "
+        "ends with",
+        FORCE,
+    ),
+    Kind.FACTOR: _Family("{}.factor", "input", "what load {} of the deck is multiplied by"),
+    Kind.BOLT_FORCE: _Family(
+        "{}.force", "output", "axial force of bolt '{}', tension positive", FORCE
+    ),
+    Kind.CONTACT_FORCE: _Family(
+        "{}.contact_force", "output", "normal force through interface {}", FORCE
+    ),
+    Kind.MAX_PRESSURE: _Family(
+        "{}.max_pressure", "output", "largest contact pressure in interface {}", PRESSURE
+    ),
+    Kind.OPEN_FRACTION: _Family(
+        "{}.open_fraction", "output", "part of the area without pressure of interface {}"
+    ),
+    Kind.MAX_TRACTION: _Family(
+        "{}.max_traction", "output", "largest tangential traction in interface {}", PRESSURE
+    ),
+    Kind.STICK_FRACTION: _Family(
+        "{}.stick_fraction", "output", "part of the area that sticks of interface {}"
+    ),
+    Kind.SLIP_FRACTION: _Family(
+        "{}.slip_fraction",
+        "output",
+        "part of the area that slipped in the last internal step of interface {}",
+    ),
+    Kind.DISSIPATED_ENERGY: _Family(
+        "{}.dissipated_energy",
+        "output",
+        "energy that friction took since initialization in interface {}",
+        ENERGY,
+    ),
+    Kind.PRESSURE: _Family(
+        "{}.pressure", "output", "contact pressure at the points of interface {}", PRESSURE
+    ),
+    Kind.TRACTION: _Family(
+        "{}.traction",
+        "output",
+        "length of the tangential traction at the points of interface {}",
+        PRESSURE,
+    ),
+    Kind.Q: _Family("modal.q{}", "local", "generalized coordinates; for pressure recovery"),
+    Kind.Q_VELOCITY: _Family(
+        "modal.v{}", "local", "their velocities, per second; for pressure recovery"
+    ),
+    Kind.Q_ACCELERATION: _Family(
+        "modal.a{}", "local", "their accelerations, per second squared; for pressure recovery"
+    ),
+}
+"""What there is besides forces and motion at boundaries."""
+
+SMOOTH = (Kind.CONTACT_FORCE, Kind.MAX_PRESSURE, Kind.OPEN_FRACTION)
+RUBBED = (Kind.MAX_TRACTION, Kind.STICK_FRACTION, Kind.SLIP_FRACTION, Kind.DISSIPATED_ENERGY)
+"""Outputs of every interface, and of those with friction."""
+
+
+def _ports(rom: ReducedModel, defaults: Defaults) -> Iterator[Variable]:
+    """Yield parameters, forces, motion of the boundaries, and what interfaces answer."""
+    starts = {
+        Kind.STEP_SIZE: defaults.step_size,
+        Kind.INTEGRATOR: defaults.integrator,
+        Kind.RHO: defaults.rho_infinity,
+        Kind.START_LOADED: float(defaults.start_loaded),
+    }
+    for kind, start in starts.items():
+        yield FAMILIES[kind].variable(kind, 0, start=start)
+    numbers = {name: index for index, name in enumerate(rom.contact.slices)}
+    for name, index in numbers.items():
+        for kind, value in _of_law(rom.contact.laws[name]):
+            yield FAMILIES[kind].variable(kind, index, name, value)
+    yield from _at_boundaries(
+        rom, Kind.FORCE, "input", FORCE_NAMES, (FORCE, "force on"), (MOMENT, "moment on")
     )
-    yield from law_parameters(rom)
-
-
-def _ports(rom: ReducedModel) -> Iterator[Variable]:
-    turning = (False, False, False, True, True, True)
-    families = (
-        (Kind.FORCE, FORCE_NAMES, "input", FORCE, MOMENT, "force on"),
-        (
-            Kind.DISPLACEMENT,
-            DISPLACEMENT_NAMES,
-            "output",
-            LENGTH,
-            ANGLE,
-            "displacement, from the unloaded joint, of",
-        ),
-        (
-            Kind.VELOCITY,
-            VELOCITY_NAMES,
-            "output",
-            VELOCITY,
-            SPIN,
-            "velocity of",
-        ),
-    )
-    for kind, names, causality, straight, turned, text in families:
-        for index, (port, component) in enumerate(_places(rom.boundaries.values())):
-            unit = turned if turning[component] else straight
-            yield Variable(
-                name=f"{port}.{names[component]}",
-                kind=kind,
-                index=index,
-                causality=causality,
-                quantity=unit,
-                start=0.0 if causality == "input" else None,
-                description=f"{'moment on' if unit is MOMENT else text} {port}",
-            )
-        if kind == Kind.FORCE:
-            yield from _initial_forces(rom)
-            yield from _factors(rom)
-    for index, name in enumerate(rom.bolts):
-        yield Variable(
-            name=f"{name}.force",
-            kind=Kind.BOLT_FORCE,
-            index=index,
-            causality="output",
-            quantity=FORCE,
-            description=f"axial force of bolt '{name}', tension positive",
-        )
-
-
-def _initial_forces(rom: ReducedModel) -> Iterator[Variable]:
     for index, (name, bolt) in enumerate(rom.bolts.items()):
-        yield Variable(
-            name=f"{name}.initial_force",
-            kind=Kind.INITIAL_FORCE,
-            index=index,
-            causality="input",
-            quantity=FORCE,
-            start=float(bolt.initial_force),
-            description=f"force that bolt '{name}' would have at zero elongation; what tightening "
-            "set, not the force it ends with",
-        )
-
-
-def _factors(rom: ReducedModel) -> Iterator[Variable]:
+        kind = Kind.INITIAL_FORCE
+        yield FAMILIES[kind].variable(kind, index, name, float(bolt.initial_force))
     for index, name in enumerate(rom.load_patterns):
+        yield FAMILIES[Kind.FACTOR].variable(Kind.FACTOR, index, name, 0.0)
+    moved, rate = "displacement, from the unloaded joint, of", "velocity of"
+    yield from _at_boundaries(
+        rom, Kind.DISPLACEMENT, "output", DISPLACEMENT_NAMES, (LENGTH, moved), (ANGLE, moved)
+    )
+    yield from _at_boundaries(
+        rom, Kind.VELOCITY, "output", VELOCITY_NAMES, (VELOCITY, rate), (SPIN, rate)
+    )
+    for index, name in enumerate(rom.bolts):
+        yield FAMILIES[Kind.BOLT_FORCE].variable(Kind.BOLT_FORCE, index, name)
+    for kinds, names in ((SMOOTH, numbers), (RUBBED, rom.contact.rubbing_interfaces)):
+        for kind, name in product(kinds, names):
+            yield FAMILIES[kind].variable(kind, numbers[name], name)
+
+
+def _of_law(law: Law) -> Iterator[tuple[Kind, float]]:
+    """Yield coefficients and stiffnesses, as far as they are finite."""
+    if isinstance(law, Coulomb):
+        yield Kind.FRICTION, law.friction
+    if np.isfinite(law.penalty):
+        yield Kind.PENALTY, law.penalty
+    if isinstance(law, Coulomb) and np.isfinite(law.tangential_penalty):
+        yield Kind.TANGENTIAL_PENALTY, law.tangential_penalty
+
+
+def _at_boundaries(
+    rom: ReducedModel,
+    kind: Kind,
+    causality: str,
+    names: Sequence[str],
+    straight: tuple[str, str],
+    turned: tuple[str, str],
+) -> Iterator[Variable]:
+    """Yield forces or motion of each boundary degree of freedom, in a quantity and with a text."""
+    for index, (port, component) in enumerate(_places(rom.boundaries.values())):
+        quantity, text = straight if component < 3 else turned
         yield Variable(
-            name=f"{name}.factor",
-            kind=Kind.FACTOR,
+            name=f"{port}.{names[component]}",
+            kind=kind,
             index=index,
-            causality="input",
-            start=0.0,
-            description=f"what load {name} of the deck is multiplied by",
+            causality=causality,
+            quantity=quantity,
+            start=0.0 if causality == "input" else None,
+            description=f"{text} {port}",
         )
 
 
@@ -222,121 +302,19 @@ def _places(boundaries: Iterable[Boundary]) -> Iterator[tuple[str, int]]:
 
 def _motion(rom: ReducedModel, *, arrays: bool) -> Iterator[Variable]:
     count = len(rom.K)
-    families = (
-        (Kind.Q, "q", "generalized coordinates"),
-        (Kind.Q_VELOCITY, "v", "their velocities, per second"),
-        (Kind.Q_ACCELERATION, "a", "their accelerations, per second squared"),
-    )
-    for kind, label, text in families:
-        for index in [WHOLE_ARRAY] if arrays else range(count):
-            yield Variable(
-                name=f"modal.{label}" if arrays else f"modal.{label}[{index + 1}]",
-                kind=kind,
-                index=index,
-                causality="local",
-                size=count if arrays else None,
-                description=f"{text}; for pressure recovery",
-            )
+    for kind in (Kind.Q, Kind.Q_VELOCITY, Kind.Q_ACCELERATION):
+        if arrays:
+            yield FAMILIES[kind].variable(kind, WHOLE_ARRAY, size=count)
+            continue
+        for index in range(count):
+            yield FAMILIES[kind].variable(kind, index, f"[{index + 1}]")
 
 
-def law_parameters(rom: ReducedModel) -> Iterator[Variable]:
-    """Yield coefficients and stiffnesses, as far as they are finite."""
-    for index, name in enumerate(rom.contact.slices):
-        yield from _of_law(name, index, rom.contact.laws[name])
-
-
-def _of_law(name: str, index: int, law: Law) -> Iterator[Variable]:
-    stiffnesses = [(Kind.PENALTY, "penalty", "contact", law.penalty)]
-    if isinstance(law, Coulomb):
-        yield Variable(
-            name=f"{name}.friction",
-            kind=Kind.FRICTION,
-            index=index,
-            causality="parameter",
-            start=law.friction,
-            limits=(0.0, LARGEST_FRICTION),
-            description=f"coefficient of friction of interface {name}",
-        )
-        sticking = (Kind.TANGENTIAL_PENALTY, "tangential_penalty", "tangential")
-        stiffnesses.append((*sticking, law.tangential_penalty))
-    for kind, label, meaning, value in stiffnesses:
-        if np.isfinite(value):
-            yield Variable(
-                name=f"{name}.{label}",
-                kind=kind,
-                index=index,
-                causality="parameter",
-                quantity=STIFFNESS,
-                start=value,
-                limits=(0.0, None),
-                description=f"{meaning} stiffness of interface {name}",
-            )
-
-
-def interface_outputs(rom: ReducedModel) -> Iterator[Variable]:
-    """Yield forces, largest stresses and shares of area; of friction where there is some."""
-    smooth = (
-        (Kind.CONTACT_FORCE, "contact_force", FORCE, "normal force through"),
-        (Kind.MAX_PRESSURE, "max_pressure", PRESSURE, "largest contact pressure in"),
-        (
-            Kind.OPEN_FRACTION,
-            "open_fraction",
-            NONE,
-            "part of the area without pressure of",
-        ),
-    )
-    frictional = (
-        (
-            Kind.MAX_TRACTION,
-            "max_traction",
-            PRESSURE,
-            "largest tangential traction in",
-        ),
-        (Kind.STICK_FRACTION, "stick_fraction", NONE, "part of the area that sticks of"),
-        (
-            Kind.SLIP_FRACTION,
-            "slip_fraction",
-            NONE,
-            "part of the area that slipped in the last internal step of",
-        ),
-        (
-            Kind.DISSIPATED_ENERGY,
-            "dissipated_energy",
-            ENERGY,
-            "energy that friction took since initialization in",
-        ),
-    )
-    numbers = {name: index for index, name in enumerate(rom.contact.slices)}
-    groups = ((smooth, numbers), (frictional, rom.contact.rubbing_interfaces))
-    for outputs, names in groups:
-        for (kind, label, quantity, text), name in product(outputs, names):
-            yield Variable(
-                name=f"{name}.{label}",
-                kind=kind,
-                index=numbers[name],
-                causality="output",
-                quantity=quantity,
-                description=f"{text} interface {name}",
-            )
-
-
-def fields(rom: ReducedModel) -> Iterator[Variable]:
+def _fields(rom: ReducedModel) -> Iterator[Variable]:
     """Yield pressures, and tractions where there is friction, as arrays over contact points."""
-    slices, rubbing = rom.contact.slices, rom.contact.rubbing_interfaces
-    families = (
-        (Kind.PRESSURE, "pressure", "contact pressure", list(slices)),
-        (Kind.TRACTION, "traction", "length of the tangential traction", rubbing),
-    )
-    for kind, label, text, names in families:
+    slices = rom.contact.slices
+    for kind, names in ((Kind.PRESSURE, slices), (Kind.TRACTION, rom.contact.rubbing_interfaces)):
         for index, (name, points) in enumerate(slices.items()):
             count = points.stop - points.start
             if count and name in names:
-                yield Variable(
-                    name=f"{name}.{label}",
-                    kind=kind,
-                    index=index,
-                    causality="output",
-                    quantity=PRESSURE,
-                    size=count,
-                    description=f"{text} at the points of interface {name}",
-                )
+                yield FAMILIES[kind].variable(kind, index, name, size=count)
