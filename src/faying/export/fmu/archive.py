@@ -1,12 +1,6 @@
 """The FMU files: description, sources, binary, resources and documentation in one archive each."""
 
-import ctypes
-import logging
-import platform
 import re
-import shutil
-import subprocess
-import sys
 import tempfile
 import zipfile
 from collections.abc import Mapping
@@ -22,6 +16,7 @@ from faying.export.fmu.description import (
     fmi2_description,
     fmi3_description,
 )
+from faying.export.fmu.library import compile_library, platform_folder, suffix
 from faying.export.fmu.resources import joint_file, read_me, recovery_file
 from faying.export.fmu.variable import Variable, fmu_units, seconds
 from faying.export.fmu.variables import Defaults, scalars, with_arrays
@@ -185,59 +180,3 @@ def _row(variable: Variable, description: Description) -> str:
     size = "" if variable.size is None else f" [{variable.size}]"
     cells = (variable.name + size, variable.causality, unit, start, variable.description)
     return "<tr>" + "".join(f"<td>{escape(cell)}" for cell in cells) + "</tr>"
-
-
-COMPILERS = ("cc", "gcc", "clang")
-OPTIONS = ("-std=c99", "-O3", "-shared", "-fvisibility=hidden", "-DFMI2_OVERRIDE_FUNCTION_PREFIX")
-_log = logging.getLogger("faying")
-
-SYSTEMS = {"linux": ("linux", ".so"), "win32": ("win", ".dll"), "darwin": ("darwin", ".dylib")}
-FMI3_SYSTEMS = {"linux": "linux", "win32": "windows", "darwin": "darwin"}
-MACHINES = {"amd64": "x86_64", "x86_64": "x86_64", "arm64": "aarch64", "aarch64": "aarch64"}
-
-
-def compiler() -> str | None:
-    """Return the path of a C compiler; None if there is none."""
-    return next((path for path in map(shutil.which, COMPILERS) if path), None)
-
-
-def suffix() -> str:
-    """Return the suffix of shared libraries on this system."""
-    return SYSTEMS.get(sys.platform, SYSTEMS["linux"])[1]
-
-
-def platform_folder(version: int) -> str:
-    """Return the folder of binaries for this system, as FMI 2.0 or 3.0 names it."""
-    if version == 2:
-        name = SYSTEMS.get(sys.platform, SYSTEMS["linux"])[0]
-        return f"{name}{8 * ctypes.sizeof(ctypes.c_void_p)}"
-    machine = platform.machine().lower()
-    return f"{MACHINES.get(machine, machine)}-{FMI3_SYSTEMS.get(sys.platform, 'linux')}"
-
-
-def compile_library(source: Path, library: Path) -> bool:
-    """Compile one source file to a shared library; return whether that was possible.
-
-    Without a compiler, or when it fails, the FMU has sources only; a warning says so.
-    """
-    command = compiler()
-    if command is None:
-        _log.warning(
-            "there is no C compiler (%s), so the FMU has sources but no binary; compile it where "
-            "it is used, see its documentation",
-            ", ".join(COMPILERS),
-        )
-        return False
-    position = () if sys.platform == "win32" else ("-fPIC",)
-    arguments = [command, *OPTIONS, *position, str(source), "-o", str(library), "-lm"]
-    try:
-        done = subprocess.run(arguments, capture_output=True, text=True, check=False, timeout=300)
-    except (OSError, subprocess.TimeoutExpired) as error:
-        _log.warning("%s failed (%s), so the FMU has sources but no binary", command, error)
-        return False
-    if done.returncode != 0:
-        _log.warning(
-            "%s failed, so the FMU has sources but no binary: %s", command, done.stderr.strip()
-        )
-        return False
-    return True
