@@ -2,38 +2,19 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import TypeAlias
 
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
+from faying.assessment.recovery import Recovered
 from faying.digits import SOLVED
 from faying.display.facts import Shown
 from faying.exceptions import ModelError
-from faying.joint.system import Joint
+from faying.simulation.solution import Solution
 
-
-class Compared(Protocol):
-    """What a comparison needs of a solution."""
-
-    @property
-    def system(self) -> Joint:
-        """The model that was solved."""
-        ...
-
-    @property
-    def pressure(self) -> Matrix:
-        """Contact pressure (..., n_point)."""
-        ...
-
-    @property
-    def traction(self) -> Matrix:
-        """Traction (..., n_point, 3), zero where nothing rubs."""
-        ...
-
-    def displacement(self, boundary: str) -> Matrix:
-        """Return the displacements at a boundary (..., n)."""
-        ...
+Compared: TypeAlias = Solution | Recovered
+"""What is compared: solutions, and what was recovered from them."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

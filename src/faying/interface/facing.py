@@ -6,10 +6,10 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.exceptions import ModelError
-from faying.interface.candidate_facets import touching_tolerance
 from faying.interface.coupling import couple
 from faying.interface.pairing import pair_facets
 from faying.interface.segments import Segments, find_segments
+from faying.interface.selection import touching_tolerance
 from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import Facets, facet_area_vectors

@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
-from faying.interface.candidate_facets import DEFAULT_TOLERANCE, candidates
 from faying.interface.coupling import whole_weights
 from faying.interface.hidden_facets import Reach, facet_depths
 from faying.interface.interface import FacePairs
 from faying.interface.segments import Segments, find_segments
-from faying.interface.selection import select_facets
+from faying.interface.selection import DEFAULT_TOLERANCE, candidates, select_facets
 from faying.model.assembly import Assembly
 from faying.model.elements import FACES
 from faying.model.specs import InterfaceSpec

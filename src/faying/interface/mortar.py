@@ -6,7 +6,6 @@ from faying._typing import Indices, Matrix
 from faying.contact.laws import Law
 from faying.digits import SOLVED
 from faying.exceptions import ModelError, naming
-from faying.interface.candidate_facets import candidates, touching_tolerance
 from faying.interface.coupling import Coupling, couple
 from faying.interface.facets import area_vectors, reference_nodes
 from faying.interface.gap_pairing import reach_of
@@ -19,6 +18,7 @@ from faying.interface.relative_displacement import (
     unit,
 )
 from faying.interface.segments import Segments, find_segments
+from faying.interface.selection import candidates, touching_tolerance
 from faying.model.assembly import Assembly
 from faying.model.dofs import DofMap
 from faying.model.elements import FACES

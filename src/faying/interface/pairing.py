@@ -14,11 +14,10 @@ from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Mask, Matrix
 from faying.exceptions import ModelError
-from faying.interface.candidate_facets import candidates, touching_tolerance
 from faying.interface.gap_pairing import pairs_across
 from faying.interface.interface import FacePairs, Interface
 from faying.interface.mismatch import check_no_mismatch, facet_place, raise_no_contact
-from faying.interface.selection import select_facets
+from faying.interface.selection import candidates, select_facets, touching_tolerance
 from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import WIDTH, Facets, facet_area_vectors, unique_rows

@@ -10,7 +10,6 @@ import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
-from faying.interface.candidate_facets import candidates
 from faying.interface.facets import gauss_rule
 from faying.interface.gap_pairing import declared_area, pairs_across
 from faying.interface.mortar import find_couplings
@@ -18,7 +17,7 @@ from faying.interface.projection import nearest_places
 from faying.interface.relative_displacement import tangents_of
 from faying.interface.segment_points import on_side
 from faying.interface.segments import Segments
-from faying.interface.selection import select_facets
+from faying.interface.selection import candidates, select_facets
 from faying.model.assembly import Assembly, Bush, Equation
 from faying.model.elements import FACES
 from faying.model.mesh import Mesh

@@ -10,12 +10,11 @@ import scipy.sparse as sp
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, read_only
 from faying.contact.laws import Hard, Law, normal_law
 from faying.exceptions import ModelError, naming
-from faying.interface.friction import with_friction
 from faying.interface.gap_pairing import declared_area
 from faying.interface.interface import Interface, stack
 from faying.interface.mortar import build_mortar_interface, find_couplings
 from faying.interface.pairing import check_not_doubled, find_interfaces
-from faying.interface.penalty import automatic_penalty, coupling_penalty
+from faying.interface.penalty import automatic_penalty, coupling_penalty, with_friction
 from faying.interface.zero_thickness import build_interface
 from faying.joint.diagnosis import unconstrained
 from faying.joint.free_matrices import free_matrices

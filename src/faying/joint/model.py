@@ -11,8 +11,8 @@ from faying.contact.contact import Contact
 from faying.contact.laws import Curve, Law
 from faying.display.facts import Shown, counted
 from faying.exceptions import ModelError, naming
-from faying.interface.friction import TangentialPenalty, with_friction
 from faying.interface.interface import Interface, stack
+from faying.interface.penalty import TangentialPenalty, with_friction
 from faying.joint.load_pattern import (
     LoadPattern,
     check_pattern_name,

@@ -8,7 +8,7 @@ import numpy as np
 from faying._typing import Indices, Matrix
 from faying.digits import DECK_DIGITS
 from faying.interface.surface import ContactSurface
-from faying.reduction.mesh_shapes import MeshShapes
+from faying.reduction.model_data import MeshShapes
 
 MOST_COMPONENTS = 6
 """Displacement components of a node: three translations, three rotations."""

@@ -1,12 +1,13 @@
 """What a reduced model knows: matrices in its coordinates, contact, and the ports it came from."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from typing import final
 
 import numpy as np
 
-from faying._typing import Frozen, Matrix
+from faying._typing import Frozen, Indices, Matrix, SparseMatrix
 from faying.contact.contact import Contact
 from faying.interface.surface import ContactSurface
 from faying.joint.load_pattern import LoadPattern
@@ -15,9 +16,45 @@ from faying.joint.tangential import TangentialRows
 from faying.joint.weak_support import WeakSupport
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
+from faying.model.cells import CellBlock
 from faying.reduction.basis import Basis
-from faying.reduction.mesh_shapes import MeshShapes
 from faying.units import Units, units_of
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MeshShapes:
+    """The mesh of a reduced model, and its trial vectors as displacements of all nodes.
+
+    Attributes
+    ----------
+    nodes : (n_node, 3) [length]
+    node_ids : (n_node,)
+    blocks
+        Solid elements.
+    vectors : (n_row, n_shape) or None
+        Shapes of this model and perhaps of others; None where they were left out.
+    columns : (n_mode,)
+        Which of them are this model's.
+    translations : (3 n_node, n_row) sparse, or None
+        What takes the rows of ``vectors`` to the nodes; None where they are the nodes' own.
+    """
+
+    nodes: Matrix
+    node_ids: Indices
+    blocks: Sequence[CellBlock]
+    vectors: Matrix | None = None
+    columns: Indices = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    translations: SparseMatrix | None = None
+
+    @property
+    def modes(self) -> Matrix | None:
+        """Displacement of every node per coordinate (n_mode, n_node, 3)."""
+        if self.vectors is None:
+            return None
+        chosen = self.vectors[:, self.columns]
+        moved = chosen if self.translations is None else self.translations @ chosen
+        return np.ascontiguousarray(moved.T).reshape(len(self.columns), len(self.nodes), 3)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -38,7 +38,6 @@ from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 from faying.model.cells import CellBlock
 from faying.reduction.basis import Basis, ModeKind
-from faying.reduction.mesh_shapes import MeshShapes
 from faying.reduction.model_check import (
     check_definite,
     check_distinct,
@@ -46,6 +45,7 @@ from faying.reduction.model_check import (
     check_nodes,
     check_surfaces,
 )
+from faying.reduction.model_data import MeshShapes
 from faying.reduction.model_fields import TABLES
 from faying.reduction.model_writer import MODEL
 from faying.reduction.reduced_model import ReducedModel

@@ -17,7 +17,7 @@ from faying.linalg.compressed import Compliance, plus
 from faying.linalg.factorization import SingularMatrixError, factorize
 from faying.model.boundary import Boundary
 from faying.reduction.basis import VANISHING, Basis, ModeKind
-from faying.reduction.mesh_shapes import MeshShapes
+from faying.reduction.model_data import MeshShapes
 from faying.reduction.recovery import frame_operator, supported_operator
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.frame_motion import mass_invariants

@@ -20,7 +20,7 @@ from faying.files.described import (
     read_value,
     write_members,
 )
-from faying.reduction.mesh_shapes import MeshShapes
+from faying.reduction.model_data import MeshShapes
 from faying.reduction.model_reader import read_model, read_ports
 from faying.reduction.model_writer import write_models
 from faying.reduction.reduced_model import ReducedModel
