@@ -16,6 +16,7 @@ from faying.assessment.transient_error import (
     LARGE_ERROR,
     OBSERVED_RATIOS,
     finer_model,
+    stepped,
     transient_error,
 )
 from faying.exceptions import ConvergenceError, ModelError
@@ -27,13 +28,11 @@ from faying.reduction.craig_bampton import classic_basis
 from faying.reduction.mode_count import count_modes_below
 from faying.reduction.normal_modes import NormalModes, fixed_interface_normal_modes
 from faying.reduction.projection import projected
-from faying.simulation.divided_steps import divided_steps
 from faying.simulation.instants import check_times
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 from faying.simulation.static import AT_REST
-from faying.simulation.transient import solve_transient
 
 FEWEST_MODES, MOST_MODES = 5, 320
 """Normal modes that are tried first, then twice as many, and so on, and last."""
@@ -149,22 +148,28 @@ def choose_normal_modes(
         message = f"the tolerance is {tolerance:g}; give a positive share of the largest pressure"
         raise ModelError(message)
     modes_of = modes or (lambda count: fixed_interface_normal_modes(model.structure, count))
-    trial = _Trial(
-        model=model,
-        load=load,
-        step=step,
-        duration=duration,
-        integrator=integrator,
-        step_tolerance=step_tolerance,
-        rest=rest,
-    )
+    start = rest or (lambda _: None)
+
+    def estimate(basis: NormalModes, steps: Indices | None) -> tuple[float, float, Indices | None]:
+        rom = projected(model, classic_basis(model, basis), compliance=True)
+        times = step, duration, integrator
+        try:
+            motion = stepped(rom, load, *times, start(rom), step_tolerance, steps)
+            finer = finer_model(model, motion)
+            error = transient_error(
+                finer, motion, load, integrator=integrator, initial=start(finer)
+            )
+        except ConvergenceError:
+            return np.inf, np.inf, steps
+        return error.max_relative_error, error.max_traction_error or 0.0, motion.substeps
+
     resolved, excited = 1.0 / step, excited_frequency(model, load, step, duration, tolerance)
     counts, highest, estimates, tractions = [], [], [], []
     enough = OBSERVED_RATIOS[0] * tolerance
     steps: Indices | None = None
     for count in _numbers(len(model.structure.interior), _moved(model, excited)):
         basis = modes_of(count)
-        error, rubbed, steps = trial.estimate(basis, steps)
+        error, rubbed, steps = estimate(basis, steps)
         counts.append(count)
         highest.append(float(basis.frequencies.max(initial=0.0)))
         estimates.append(error)
@@ -248,54 +253,3 @@ def _beside_static(forces: Matrix, times: Vector, frequency: float) -> float:
     middle = np.sinc(frequency * step) * np.exp(1j * np.pi * frequency * step)
     changes = np.vstack([forces[:1], middle * np.diff(forces, axis=0)])
     return float(np.abs((turn * np.cumsum(changes / turn, axis=0)).real).max(initial=0.0))
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Trial:
-    """A transient that is solved with several numbers of modes."""
-
-    model: Model
-    load: Load
-    step: float
-    duration: float
-    integrator: Integrator | None
-    step_tolerance: float | None
-    rest: Callable[[System], Solution] | None
-
-    def estimate(
-        self, modes: NormalModes, steps: Indices | None
-    ) -> tuple[float, float, Indices | None]:
-        """Return the estimated errors with some modes, and the steps between instants."""
-        rom = projected(self.model, classic_basis(self.model, modes), compliance=True)
-        try:
-            motion = self._solved(rom, steps)
-            finer = finer_model(self.model, motion)
-            error = transient_error(
-                finer,
-                motion,
-                self.load,
-                integrator=self.integrator,
-                initial=self._initial(finer),
-            )
-        except ConvergenceError:
-            return np.inf, np.inf, steps
-        return error.max_relative_error, error.max_traction_error or 0.0, motion.substeps
-
-    def _solved(self, rom: System, steps: Indices | None) -> Solution:
-        initial = self._initial(rom)
-        if self.step_tolerance is None:
-            return solve_transient(
-                rom,
-                self.load,
-                step=self.step,
-                duration=self.duration,
-                integrator=self.integrator,
-                initial=initial,
-            )
-        divided = divided_steps(
-            rom, step=self.step, tolerance=self.step_tolerance, integrator=self.integrator
-        )
-        return divided.solve(self.load, duration=self.duration, initial=initial, substeps=steps)
-
-    def _initial(self, rom: System) -> Solution | None:
-        return None if self.rest is None else self.rest(rom)

@@ -10,10 +10,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from faying._typing import Matrix
+from faying._typing import Indices, Matrix
 from faying.assessment.accuracy import Accuracy, compare
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.model import Model
+from faying.joint.system import System
 from faying.reduction.attachment import refined_basis
 from faying.reduction.basis import ModeKind
 from faying.reduction.methods import METHODS
@@ -127,18 +128,32 @@ def transient_error(
     finer = finer_model(model, solution) if isinstance(model, Model) else model
     times = _instants(solution)
     step, duration = float(np.diff(times).mean()), float(times[-1])
-    if solution.substeps is None:
-        motion = solve_transient(
-            finer, load, step=step, duration=duration, integrator=integrator, initial=initial
-        )
-    else:
-        divided = divided_steps(finer, step=step, tolerance=1.0, integrator=integrator)
-        motion = divided.solve(load, duration=duration, initial=initial, substeps=solution.substeps)
+    tolerance = None if solution.substeps is None else 1.0
+    motion = stepped(finer, load, step, duration, integrator, initial, tolerance, solution.substeps)
     if motion.energy_gain > MOST_GAIN:
         gained = gain_message(motion.energy_gain)
         message = f"in the model with more inertia that the transient is judged by, {gained}"
         raise ConvergenceError(message)
     return compare(solution, motion)
+
+
+def stepped(
+    system: System,
+    load: Load,
+    step: float,
+    duration: float,
+    integrator: Integrator | None,
+    initial: Solution | None,
+    tolerance: float | None,
+    substeps: Indices | None,
+) -> Solution:
+    """Solve a transient, whose steps are divided where there is a tolerance, or as another's."""
+    if tolerance is None:
+        return solve_transient(
+            system, load, step=step, duration=duration, integrator=integrator, initial=initial
+        )
+    divided = divided_steps(system, step=step, tolerance=tolerance, integrator=integrator)
+    return divided.solve(load, duration=duration, initial=initial, substeps=substeps)
 
 
 def finer_model(model: Model, solution: Solution) -> ReducedModel:

@@ -1,7 +1,7 @@
 """Pictures of bodies, bolts and interfaces in three dimensions (as Fig. 15.2)."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 from matplotlib.colors import to_rgb
@@ -18,15 +18,16 @@ from faying._typing import Indices, Matrix, Vector
 from faying.display.axes import new_axes
 from faying.display.facts import MOST_SHOWN
 from faying.display.style import BODY_COLOURS, BOLT_COLOUR, INTERFACE_COLOUR, heading, plain
+from faying.interface.interface import Interface
+from faying.model.assembly import Assembly
 from faying.model.bodies import body_names
+from faying.model.bolt import Bolt
+from faying.model.boundary import Boundary
 from faying.model.cells import CellBlock
 from faying.model.elements import FACES
 from faying.model.mesh import Mesh
 from faying.model.outline import outline_of
 from faying.units import units_of
-
-if TYPE_CHECKING:
-    from faying.joint.model import Model
 
 VIEW = {"elev": 24.0, "azim": -58.0}
 SLENDER_HEIGHT = 0.5
@@ -171,8 +172,42 @@ SUPPORT_COLOUR = "0.25"
 LABEL_BOX = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1.0}
 
 
+class Pictured(Protocol):
+    """What of a model is drawn."""
+
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        ...
+
+    @property
+    def units(self) -> str:
+        """Label of the consistent unit set."""
+        ...
+
+    @property
+    def assembly(self) -> Assembly:
+        """Bodies, beams and supports."""
+        ...
+
+    @property
+    def interfaces(self) -> Mapping[str, Interface]:
+        """Whose edges are drawn."""
+        ...
+
+    @property
+    def bolts(self) -> Mapping[str, Bolt]:
+        """Which are named in the legend."""
+        ...
+
+    @property
+    def boundaries(self) -> Mapping[str, Boundary]:
+        """Where loads enter."""
+        ...
+
+
 def plot_model(
-    model: "Model", axes: Any = None, *, bolts: Mapping[str, Matrix | None] | None = None
+    model: Pictured, axes: Any = None, *, bolts: Mapping[str, Matrix | None] | None = None
 ) -> Any:
     """Draw a model on 3D axes: bodies, interface edges, bolts, boundaries and supports.
 
@@ -214,7 +249,7 @@ def _rightmost(points: Matrix) -> Vector:
     return anchor
 
 
-def _add_legend(model: "Model", axes: Any) -> None:
+def _add_legend(model: Pictured, axes: Any) -> None:
     """Say what the colours and marks are."""
     names = body_names(model.assembly.mesh)
     shown = names[:MOST_SHOWN]

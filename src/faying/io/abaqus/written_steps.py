@@ -14,10 +14,9 @@ from faying._typing import Indices, Vector
 from faying.contact.laws import Coulomb, normal_law
 from faying.digits import SOLVED
 from faying.exceptions import refuse
-from faying.interface.friction import with_friction
 from faying.interface.interface import FacePairs
 from faying.interface.pairing import find_interfaces
-from faying.interface.penalty import automatic_penalty
+from faying.interface.penalty import automatic_penalty, with_friction
 from faying.io.abaqus.written_nodes import Term, WrittenNodes, real_text
 from faying.model.assembly import Assembly, Beam, NodalLoads
 from faying.model.description import JointDescription
