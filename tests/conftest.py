@@ -55,6 +55,15 @@ def classic(joint):
     return fy.craig_bampton(joint, normal_modes=10)
 
 
+@pytest.fixture(scope="session")
+def pair():
+    """A lap joint of two bolts."""
+    model = fy.lap_joint(
+        element_size=5.0, bolt_positions=((-10.0, 0.0), (10.0, 0.0)), hole_radius=None
+    )
+    return fy.preload(model, dict.fromkeys(model.bolts, 8e3))
+
+
 @pytest.fixture
 def call(monkeypatch, capsys):
     """Run the command line in this process; return status, standard output and error."""

@@ -89,3 +89,18 @@ def small_system(M, C, K, G, *, gap, stiffness, bolts=None, loaded=0, residual=N
         boundaries={"mass": end},
         bolts={bolt.name: bolt for bolt in bolts or ()},
     )
+
+
+def two_masses(stop, residual=None, damping=0.0):
+    """Two masses that meet between them, a damper, and a bolt that pulls them together."""
+    row = np.array([-1.0, 1.0])
+    return small_system(
+        np.diag([1.0, 2.0]),
+        damping * np.outer(row, row),
+        np.diag([3.0, 5.0]) + 2.0 * np.outer(row, row),
+        [row],
+        gap=0.05,
+        stiffness=stop,
+        bolts=[Bolt(name="bolt", elongation=row, stiffness=2.0, initial_force=0.5)],
+        residual=residual,
+    )

@@ -5,28 +5,12 @@ import pytest
 
 import faying as fy
 from faying.exceptions import ModelError
-from faying.model.bolt import Bolt
 from faying.simulation.integrators import INTEGRATORS, Motion, named_integrator
 from faying.simulation.stepping import transient_solver
-from small_system import small_system
+from small_system import small_system, two_masses
 from windows_of_one import windows_of_one
 
 ROUND_OFF = 1e-12  # of energies of order one, over a thousand steps
-
-
-def two_masses(stop, residual=None, damping=0.1):
-    """Two masses that meet between them, a damper, and a bolt that pulls them together."""
-    row = np.array([-1.0, 1.0])
-    return small_system(
-        np.diag([1.0, 2.0]),
-        damping * np.outer(row, row),
-        np.diag([3.0, 5.0]) + 2.0 * np.outer(row, row),
-        [row],
-        gap=0.05,
-        stiffness=stop,
-        bolts=[Bolt(name="bolt", elongation=row, stiffness=2.0, initial_force=0.5)],
-        residual=residual,
-    )
 
 
 def layers(rng, n=6, hard=False, residual=True):
@@ -100,7 +84,7 @@ def test_mean_contact_obeys_the_law_at_the_end_of_each_step(hard):
 
 
 def test_rigid_stops_are_not_passed():
-    motion = run(two_masses(np.inf), 0.8, 0.05)
+    motion = run(two_masses(np.inf, damping=0.1), 0.8, 0.05)
     assert motion.contact_forces.max() > 0.1
     assert motion.gap.min() > -1e-13  # round-off
 

@@ -11,31 +11,16 @@ from typer.testing import CliRunner
 import faying as fy
 from faying.cli import app
 from faying.exceptions import ConvergenceError
-from faying.model.bolt import Bolt
 from faying.simulation.energy_guard import MOST_GAIN, EnergyGuard
 from faying.simulation.instants import Instants
 from faying.simulation.integrators import Motion
 from faying.simulation.stepping import transient_solver
-from small_system import small_system
+from small_system import small_system, two_masses
 from windows_of_one import windows_of_one
 
 WILD = fy.GeneralizedAlpha(1.0)
 PULL = fy.Load({"mass.Fx": -2.0}, name="pull")
 REST = fy.Load(name="rest")
-
-
-def two_masses(stop, damping=0.0):
-    """Two masses that meet between them, at the step of 0.1 unresolved under a stiff stop."""
-    row = np.array([-1.0, 1.0])
-    return small_system(
-        np.diag([1.0, 2.0]),
-        damping * np.outer(row, row),
-        np.diag([3.0, 5.0]) + 2.0 * np.outer(row, row),
-        [row],
-        gap=0.05,
-        stiffness=stop,
-        bolts=[Bolt(name="bolt", elongation=row, stiffness=2.0, initial_force=0.5)],
-    )
 
 
 def run(system, load=PULL, steps=400, integrator=WILD, **options):
@@ -97,7 +82,7 @@ def test_released_energy_is_not_taken_for_a_gain():
 def test_gain_is_what_the_balance_has_lost():
     """Where there is no damping; else it is found to be less, never more."""
     for damping in (0.0, 0.5):
-        motion = run(two_masses(1e3, damping))
+        motion = run(two_masses(1e3, damping=damping))
         balance = fy.energy_balance(motion)
         moving = np.abs(balance.work + balance.bolt_work) + balance.kinetic
         shares = -balance.numerical_dissipation[1:] / np.maximum.accumulate(moving)[1:]

@@ -170,14 +170,6 @@ def test_certified_clamp_forces_contain_the_full_models(joint):
     assert widths[1] < widths[0]
 
 
-@pytest.fixture(scope="module")
-def pair():
-    model = fy.lap_joint(
-        element_size=5.0, bolt_positions=((-10.0, 0.0), (10.0, 0.0)), hole_radius=None
-    )
-    return fy.preload(model, dict.fromkeys(model.bolts, 8e3))
-
-
 @pytest.mark.long
 def test_clamp_forces_around_bolts_are_certified(pair):
     """In 1000 random cases: ranges that the full model has, in intervals from two bases off it."""

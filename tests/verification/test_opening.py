@@ -15,14 +15,6 @@ from faying.simulation.without_friction import released_state
 BEND = fy.Load({"tip.Fx": 6e3, "tip.Fz": -500.0}, name="bend")
 
 
-@pytest.fixture(scope="module")
-def pair():
-    model = fy.lap_joint(
-        element_size=5.0, bolt_positions=((-10.0, 0.0), (10.0, 0.0)), hole_radius=None
-    )
-    return fy.preload(model, dict.fromkeys(model.bolts, 8e3))
-
-
 STEPS = (-2e-6, 2e-6)
 
 

@@ -22,14 +22,6 @@ LOADS = [fy.Load(PULL, name="pull"), fy.Load({"tip.Fz": -200.0}, name="bend")]
 STICKING = fy.Sticking(threshold=0.3, stiffness=1e6)
 
 
-@pytest.fixture(scope="module")
-def pair():
-    model = fy.lap_joint(
-        element_size=5.0, bolt_positions=((-10.0, 0.0), (10.0, 0.0)), hole_radius=None
-    )
-    return fy.preload(model, dict.fromkeys(model.bolts, 8e3))
-
-
 def balanced(model):
     """F_Q and M about the centre of pressure of the first load: those of the tip."""
     mesh, tip = model.assembly.mesh, model.boundaries["tip"].nodes[0]
