@@ -132,7 +132,8 @@ def export(
     if target.is_dir() and chosen.suffix:
         message = f"{target} is a folder; name a file, such as {target / default_name(rom, to)}"
         raise FormatError(message)
-    return _write(rom, run, to, chosen, _named(target, chosen))
+    named = target if target.suffix else target.with_name(target.name + chosen.suffix)
+    return _write(rom, run, to, chosen, named)
 
 
 def run_model(
@@ -210,10 +211,6 @@ def _check_laws(rom: ReducedModel, to: str) -> None:
                 "study)"
             )
             raise StudyError(message)
-
-
-def _named(path: Path, chosen: Format) -> Path:
-    return path if path.suffix else path.with_name(path.name + chosen.suffix)
 
 
 def _write(

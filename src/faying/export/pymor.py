@@ -50,7 +50,7 @@ def second_order_model(
     except ModuleNotFoundError:
         message = "pyMOR is not installed; pip install 'faying[pymor]'"
         raise StudyError(message) from None
-    model = _linear(source)
+    model = source if isinstance(source, LinearModel) else linearize(source)
     columns = _places("input", inputs, model.input_names)
     rows = _places("output", outputs, model.output_names)
     # pyMOR keeps the arrays it gets; ours are read-only.
@@ -73,9 +73,3 @@ def _places(kind: str, chosen: Sequence[str] | None, names: tuple[str, ...]) -> 
             message = f"the joint has no {kind} '{name}'; {nearest(name, names)}"
             raise StudyError(message)
     return [names.index(name) for name in chosen]
-
-
-def _linear(source: Linearizable) -> LinearModel:
-    if isinstance(source, LinearModel):
-        return source
-    return linearize(source)

@@ -80,17 +80,11 @@ def _within(assembly: Assembly, facets: Facets, distance: float, touching: float
         minus = facets.taken(facets.bodies == body)
         plus = facets.taken(facets.bodies > body)
         segments = find_segments(nodes, minus, plus, distance)
-        partner = _partners(segments)
+        partner = segments.plus.bodies[segments.plus_of]
         for partner_body in np.unique(partner):
             pair = segments.touched(partner == partner_body)
             specs.append(_described(assembly, pair, int(body), int(partner_body), touching))
     return specs
-
-
-def _partners(segments: Segments) -> Indices:
-    """Return the body of the plus side of each triangle (n_triangle,)."""
-    owners: Indices = segments.plus.bodies[segments.plus_of]
-    return owners
 
 
 def _described(

@@ -48,7 +48,8 @@ def pairs_across(assembly: Assembly, spec: InterfaceSpec) -> tuple[FacePairs, ..
     minus_of, plus_of = _partners(nodes, segments)
     minus, plus = segments.minus.taken(minus_of), segments.plus.taken(plus_of)
     one_each = all(len(np.unique(of)) == len(of) for of in (minus_of, plus_of))
-    if not len(minus) or not one_each or not _same_kinds(minus, plus):
+    same_kinds = np.array_equal(minus.nodes >= 0, plus.nodes >= 0)
+    if not len(minus) or not one_each or not same_kinds:
         return ()
     entries = []
     for kind, rows in rows_by_kind(minus.nodes).items():
@@ -60,10 +61,6 @@ def pairs_across(assembly: Assembly, spec: InterfaceSpec) -> tuple[FacePairs, ..
         aligned = np.take_along_axis(above, columns, axis=1)
         entries.append(FacePairs(kind=kind, minus=below, plus=aligned))
     return tuple(entries)
-
-
-def _same_kinds(minus: Facets, plus: Facets) -> bool:
-    return np.array_equal(minus.nodes >= 0, plus.nodes >= 0)
 
 
 def _partners(nodes: Matrix, segments: Segments) -> tuple[Indices, Indices]:

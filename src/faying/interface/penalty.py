@@ -4,7 +4,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from faying._typing import Matrix, Vector
+from faying._typing import Vector
 from faying.contact.laws import Coulomb, Law
 from faying.contact.laws.coulomb import automatic_tangential_penalty
 from faying.exceptions import ModelError
@@ -81,15 +81,9 @@ def _heights(mesh: Mesh, facets: Facets) -> Vector:
         rows = np.flatnonzero(np.isin(facets.elements, block.ids))
         rows_in_block = order[np.searchsorted(block.ids, facets.elements[rows], sorter=order)]
         corners = mesh.nodes[block.nodes[rows_in_block, : SOLIDS[block.kind].n_corners]]
-        heights[rows] = _depth(corners, centres[rows], normals[rows])
+        inward = np.einsum("fcd,fd->fc", centres[rows][:, None] - corners, normals[rows])
+        heights[rows] = inward.max(axis=1, initial=0.0)
     return heights
-
-
-def _depth(corners: Matrix, centres: Matrix, normals: Matrix) -> Vector:
-    """Return the largest distance of element corners (n, n_corner, 3) behind their facet."""
-    inward = np.einsum("fcd,fd->fc", centres[:, None] - corners, normals)
-    depth: Vector = inward.max(axis=1, initial=0.0)
-    return depth
 
 
 TangentialPenalty: TypeAlias = float | Literal["auto"]

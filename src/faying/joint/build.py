@@ -115,7 +115,8 @@ def _built(
     units: str,
 ) -> Model:
     assembly, bolts = _with_generated_bolts(assembly, bolts)
-    seats = _bolt_seats(assembly, bolts)
+    axes = {spec.name: bolt_axis_element(assembly, spec) for spec in bolts if spec.nodes is None}
+    seats = {name: element_seats(assembly, element) for name, element in axes.items()}
     check_not_twice(seats)
     assembly, boundaries = _with_coupled_boundaries(assembly, boundaries)
     check_cells(assembly)
@@ -186,12 +187,6 @@ def _with_coupled_boundaries(
         )
         specs.append(reduced_spec)
     return assembly, specs
-
-
-def _bolt_seats(assembly: Assembly, specs: Sequence[BoltSpec]) -> dict[str, Seats]:
-    """Return what each bolt that has an element holds at its ends."""
-    axes = {spec.name: bolt_axis_element(assembly, spec) for spec in specs if spec.nodes is None}
-    return {name: element_seats(assembly, element) for name, element in axes.items()}
 
 
 def _interfaces(

@@ -253,21 +253,10 @@ def full_displacement(model: Model, solution: Solution) -> Matrix:
         raise ModelError(message)
     moved: Matrix = solution.states @ vectors.T
     pairs = rom.contact.at_pairs(solution.contact_forces, solution.shear_forces).T
-    return moved + _residual_displacement(model, rom, pairs)
-
-
-def _residual_displacement(model: Model, rom: ReducedModel, forces: Matrix) -> Matrix:
-    """Displacements (..., n_dof) behind R: those of pair forces (..., n_relative) beyond a basis.
-
-    K_ii⁻¹ Pᵀ f − Φ_f (Φ_fᵀ K Φ_f)⁻¹ Φ_fᵀ Pᵀ f, which P takes to R f.
-
-    Notes
-    -----
-    One back-substitution for each f.
-    """
-    at_dofs = (np.atleast_2d(forces) @ model.structure.relative_operator).T
-    beyond = _beyond(model, rom.basis, _held_stiffness(model, rom.basis), at_dofs)
-    return beyond.T.reshape(*np.shape(forces)[:-1], -1)
+    at_dofs = (np.atleast_2d(pairs) @ model.structure.relative_operator).T
+    # K_ii⁻¹ Pᵀ f − Φ_f (Φ_fᵀ K Φ_f)⁻¹ Φ_fᵀ Pᵀ f, which P takes to R f.
+    behind = _beyond(model, rom.basis, _held_stiffness(model, rom.basis), at_dofs)
+    return np.asarray(moved + behind.T.reshape(moved.shape))
 
 
 def _residuals(
