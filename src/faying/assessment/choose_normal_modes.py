@@ -148,7 +148,7 @@ def choose_normal_modes(
         message = f"the tolerance is {tolerance:g}; give a positive share of the largest pressure"
         raise ModelError(message)
     modes_of = modes or (lambda count: fixed_interface_normal_modes(model.structure, count))
-    start = rest or (lambda _: None)
+    start: Callable[[System], Solution | None] = rest or (lambda _: None)
 
     def estimate(basis: NormalModes, steps: Indices | None) -> tuple[float, float, Indices | None]:
         rom = projected(model, classic_basis(model, basis), compliance=True)
