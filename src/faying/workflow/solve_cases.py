@@ -12,8 +12,7 @@ from faying.assessment.certificate import Certifier, certifier
 from faying.assessment.joint_record import CaseState
 from faying.assessment.requirements import Requirements
 from faying.assessment.slip_metrics import friction_metrics
-from faying.assessment.strength.bolt_strengths import BoltStrengths
-from faying.assessment.strength.preload_ends import state_of
+from faying.assessment.strength.preload_ends import BoltStrengths, state_of
 from faying.exceptions import ConvergenceError, StudyError
 from faying.execution.campaign import run_campaign
 from faying.execution.checkpoint import Arrays, Checkpoint
