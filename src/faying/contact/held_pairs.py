@@ -161,18 +161,21 @@ def pressed_points(
 ) -> Vector:
     """Return ones (n_point,) at points that the bolts press on, all of them where none is left.
 
-    Pairs move along normals alone: what slips makes little difference.
+    Pairs move along normals alone: what slips makes little difference, nor does single precision.
     """
     every = np.ones(springs.shape[1])
     gaps = points.G[: len(every)]
     felt = np.flatnonzero(abs(gaps).sum(axis=0))
     normal = PointSprings(G=gaps[:, felt], components=1)
-    stiffness, pull = structure[np.ix_(felt, felt)], (structure @ pulled)[felt]
+    stiffness = structure[np.ix_(felt, felt)].astype(np.float32)
+    pull = (structure @ pulled)[felt].astype(np.float32)
     pressed = every
     for _ in range(MOST_ROUNDS):
         system = stiffness.copy()
         _add(system, normal.of_diagonal(springs[:1] * pressed))
-        lifted = lapack.dposv(system.T, pull, lower=1, overwrite_a=1)[1]
+        _, lifted, failed = lapack.sposv(system.T, pull, lower=1, overwrite_a=1)
+        if failed:
+            break
         previous, pressed = pressed, 1.0 * (normal.G @ lifted < 0)
         if np.array_equal(previous, pressed):
             break

@@ -131,28 +131,34 @@ class SparsePairs:
             return self._moved_by(self._factors(self._stuck), forces)
 
     def step(
-        self, K: Matrix, right: Vector, enough: float, factors: SparseFactors | None = None
-    ) -> tuple[Vector, SparseFactors]:
-        """Return d and the factors used; arguments are as of :meth:`.GluedPairs.step`.
+        self, K: Matrix, right: Vector, enough: float, factors: Matrix | None = None
+    ) -> tuple[Vector, Matrix]:
+        """Return d and the springs of the factors used, which the next step may begin with.
 
-        Where GMRES fails with factors of these springs, d is that of the symmetric ones, with which
-        friction bounds stay as they are.
+        Nobody else holds factors, for there is room for few. Arguments are as of
+        :meth:`.GluedPairs.step`. Where GMRES fails with factors of these springs, d is that of the
+        symmetric ones, with which friction bounds stay as they are.
         """
         enough = float(np.clip(enough, ACCURATE, LOOSE)) * float(np.linalg.norm(right))
         with self._latest.turn:
             if factors is not None:
-                factors = self._factors(factors.K)
                 moved = self._corrected(factors, K, right, enough)
                 if moved is not None:
                     return moved, factors
-            factors = self._factors(_symmetric(K))
-            moved = self._corrected(factors, K, right, enough)
-            return self._moved_by(factors, right) if moved is None else moved, factors
+            symmetric = _symmetric(K)
+            moved = self._corrected(symmetric, K, right, enough)
+            if moved is None:
+                moved = self._moved_by(self._factors(symmetric), right)
+            return moved, symmetric
 
     def _corrected(
-        self, factors: SparseFactors, K: Matrix, right: Vector, enough: float
+        self, factorized: Matrix, K: Matrix, right: Vector, enough: float
     ) -> Vector | None:
-        """Return d by (F7), up to a residual [force]; None where that takes too many products."""
+        """Return d by (F7), up to a residual [force]; None where that takes too many products.
+
+        Factors are those of the springs that are factorized.
+        """
+        factors = self._factors(factorized)
         moved = self._moved_by(factors, right)
         change = self.points.between_pairs(K) - factors.springs
         taken = corrected(

@@ -170,8 +170,8 @@ class Model(Shown):
     def with_dense_budget(self, n_bytes: int) -> "Model":
         """Return a copy whose dense contact matrices may take another amount of memory.
 
-        What exceeds it is kept compressed, with the error that this makes reported; what was
-        factorized or condensed before is formed anew.
+        What exceeds it is solved by sparse factors, or kept compressed, with the error that this
+        makes reported; what was factorized or condensed before is formed anew.
         """
         structure = replace(self.structure, dense_budget=int(n_bytes))
         return replace(self, structure=structure)

@@ -102,3 +102,10 @@ def test_a_number_is_their_stiffness(tmp_path):
     for support in model.weak_supports.values():
         assert support.stiffness == 2.5
         assert all(pair in touching for pair in support.nodes.tolist())
+
+
+def test_a_dense_budget_of_studies_is_that_of_the_model(tmp_path):
+    path = written(tmp_path, "friction = 0.1")
+    path.write_text(path.read_text().replace("weak_springs", "dense_budget = 1e3\nweak_springs"))
+    model = build(read_study(path))
+    assert model.structure.dense_budget == model.contact.dense_budget == 1000

@@ -142,6 +142,8 @@ def build_loaded(loaded: LoadedModel) -> Model:
         damping=loaded.damping,
         units=study.units,
     )
+    if study.model.dense_budget is not None:
+        model = model.with_dense_budget(int(study.model.dense_budget))
     if study.model.weak_springs is not None:
         model = with_weak_springs(model, study.model.weak_springs)
     gaps = {i.name: i.initial_gap for i in study.interfaces if i.initial_gap is not None}

@@ -161,6 +161,7 @@ class ModelSection(Section):
     separate: tuple[Name, ...] = ()
     sets: Mapping[str, AnySet] = Field(default_factory=dict)
     weak_springs: Positive | Literal["auto"] | None = None
+    dense_budget: Positive | None = None
     lap_joint: Mapping[str, Any] = Field(default_factory=dict)
 
 
