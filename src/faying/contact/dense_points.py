@@ -1,12 +1,4 @@
-"""The flexibility between contact points as one dense matrix: exact for every law and penalty.
-
-(M3) of ``docs/theory/method.md``: with the gap flexibility H = S + D, (M2), and the gap without
-contact forces g_free,
-
-    s = H λ + g_free ≥ 0,   λ ≥ 0,   λᵀ s = 0
-
-is Eq. (15.7) regularized by Eq. (15.12), or Eq. (15.7) itself where D vanishes (hard contact).
-"""
+"""The flexibility between contact points as one dense matrix: exact for every law and penalty."""
 
 from dataclasses import dataclass
 from functools import cached_property
