@@ -1,5 +1,7 @@
 """Tightening, cycles and slip reserve with friction: balances, and the path solved otherwise."""
 
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from faying.assessment.slip import OPEN, SLIP, STICK, slip_states
 from faying.exceptions import ModelError
 from faying.simulation.cycles import loop_area
 from faying.simulation.frictional_preload import tighten_with_friction
+from faying.simulation.path import follow, moved_alone, path_inputs, path_start
 from faying.simulation.start import last_of
 from faying.simulation.without_friction import released_state
 from faying.study.results.path_record import cycle_record
@@ -125,6 +128,27 @@ def test_the_slip_reserve_is_where_single_increments_begin_to_slip(rubbing):
         assert shares[0] <= share < shares[1] + 1e-12
     assert reserve.interface == "joint"
     assert 0 <= reserve.point < rubbing.contact.n_points
+
+
+def test_a_reserve_along_a_path_takes_its_increments(rubbing, tight, monkeypatch):
+    """To the last digit, and those of another load are followed anew."""
+    loads = [fy.Load({"tip.Fx": 1000.0 * number / 10}) for number in range(1, 11)]
+    relative = moved_alone(rubbing, path_inputs(rubbing, loads))
+    solver, followed = rubbing.static_contact.increments, []
+    path = list(follow(solver, relative, path_start(rubbing, tight)))
+
+    def counted(*arguments):
+        followed.append(arguments)
+        return follow(*arguments)
+
+    monkeypatch.setattr("faying.assessment.slip_reserve.follow", counted)
+    alone, along, other = (
+        (fy.slip_reserve(rubbing, load, tight, along=steps), len(followed))
+        for load, steps in ((PULL, ()), (PULL, path), (PULL.scaled(2.0), path))
+    )
+    assert asdict(along[0]) == asdict(alone[0])
+    assert along[1] - alone[1] == alone[1] - 10
+    assert other[0].gross_slip == pytest.approx(alone[0].gross_slip / 2, rel=0.02)
 
 
 def test_slip_sets_in_where_points_slip_that_tightening_left_stuck(smooth):

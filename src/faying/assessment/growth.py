@@ -1,6 +1,6 @@
 """What first happens as a load grows: increments, and where in one of them it happens."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Generic, TypeVar
@@ -60,6 +60,7 @@ def first_events(
     *,
     increments: int,
     largest: float,
+    known: Sequence[State] = (),
 ) -> Growth[State]:
     """Let a load grow until all of some events have happened, or to a factor.
 
@@ -69,7 +70,8 @@ def first_events(
     it again, so that the path goes there in smaller and smaller increments; each of them is taken
     once, whatever happens in it.
 
-    ``reach`` takes a load factor and the state before to the state there, in one increment.
+    ``reach`` takes a load factor and the state before to the state there, in one increment. Where
+    the first increments lead may be known.
 
     Raises
     ------
@@ -78,11 +80,11 @@ def first_events(
     """
     factors: dict[str, float] = {}
     states: dict[str, tuple[State, State]] = {}
-    state, factor, stopped = start, 0.0, False
+    state, factor, stopped, number = start, 0.0, False, 0
     while factor < largest and len(factors) < len(events):
         target = min(_next(factor, increments), largest)
         try:
-            trial = reach(target, state)
+            trial = known[number] if number < len(known) else reach(target, state)
         except ConvergenceError:
             stopped = True
             break
@@ -92,7 +94,7 @@ def first_events(
                 counts = np.isfinite(value) and left(state, state) > 0
                 cut = _cut_by_chords if counts else _cut_by_halves
                 factors[name], states[name] = cut(once, left, reached)
-        state, factor = trial, target
+        state, factor, number = trial, target, number + 1
     return Growth(factors=factors, states=states, largest=factor, stopped=stopped)
 
 

@@ -1,8 +1,7 @@
 """Slip reserve: how far a load may grow until a joint begins to slip, or slips as a whole."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Self
 
 import numpy as np
 
@@ -115,6 +114,7 @@ def slip_reserve(
     increments: int = 10,
     largest: float = LARGEST_FACTOR,
     open_below: float | None = None,
+    along: Sequence[PathStep] = (),
 ) -> SlipReserve:
     """Find the load factors at which a joint begins to slip, slips by a share, and as a whole.
 
@@ -141,6 +141,8 @@ def slip_reserve(
     open_below
         Share of the area pressed at rest below which an interface, or its part nearest to a bolt,
         is open; by default openings are not followed.
+    along
+        Where a path of the same increments of the load led; it is not followed once more.
 
     Raises
     ------
@@ -157,7 +159,7 @@ def slip_reserve(
     """
     _check(system, load, share, increments, largest)
     preloaded = solve_path(system, [Load()]) if initial is None else initial
-    search = _Search.of(system, load, preloaded)
+    search = _Search(system=system, load=load, start=path_start(system, preloaded))
     opens = {} if open_below is None else search.opening(open_below)
     events: dict[str, Event[PathStep]] = {
         **{f"{AREA}{name}": happens for name, happens in opens.items()},
@@ -166,7 +168,12 @@ def slip_reserve(
     if share is not None:
         events |= search.slipping(share)
     events_found = first_events(
-        search.at, search.start, events, increments=increments, largest=largest
+        search.at,
+        search.start,
+        events,
+        increments=increments,
+        largest=largest,
+        known=search.known(along, increments),
     )
     factors, states = events_found.factors, events_found.states
     interface, point = search.farthest(*states["first"]) if "first" in states else ("", -1)
@@ -247,27 +254,28 @@ class _Search:
     ----------
     start
         The preloaded joint.
-    fixed, growing : (n_relative,) [length]
-        What the locked bolts move the pairs, and what the load at factor one adds.
     """
 
     system: System
+    load: Load | InputRow
     start: PathStep
-    fixed: Vector
-    growing: Vector
-
-    @classmethod
-    def of(cls, system: System, load: Load | InputRow, preloaded: Solution) -> Self:
-        """Begin at a preloaded state."""
-        inputs = path_inputs(system, [load.scaled(0.0), load.scaled(1.0)])
-        fixed, full = moved_alone(system, inputs)
-        start = path_start(system, preloaded)
-        return cls(system=system, start=start, fixed=fixed, growing=full - fixed)
 
     def at(self, factor: float, state: PathStep) -> PathStep:
         """Go on to a load factor in one increment."""
-        target = self.fixed + factor * self.growing
-        return next(follow(self.system.static_contact.increments, target[None], state))
+        return next(follow(self.system.static_contact.increments, self.target(factor), state))
+
+    def target(self, factor: float) -> Matrix:
+        """Return what a load factor alone moves the pairs (1, n_relative) [length]."""
+        # As paths do, to the last digit: what one of them reached is then what is reached here.
+        return moved_alone(self.system, path_inputs(self.system, [self.load.scaled(factor)]))
+
+    def known(self, path: Sequence[PathStep], increments: int) -> Sequence[PathStep]:
+        """Return the steps of a path that are increments of the load from the preloaded joint."""
+        alike = [
+            np.array_equal(self.target((number + 1) / increments)[0], step.relative)
+            for number, step in enumerate(path[:increments])
+        ]
+        return path[: alike.index(False) if False in alike else len(alike)]
 
     def states(self, trial: PathStep, state: PathStep) -> SlipStates:
         """Tell what the points do in one increment."""

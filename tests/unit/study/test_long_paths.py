@@ -45,6 +45,7 @@ def test_an_interrupted_path_goes_on_after_its_last_piece(tmp_path, monkeypatch,
         books=Books(checkpoint=Checkpoint(tmp_path)),
         key="way full 1",
         progress=reached.append,
+        led=len,
     )
     with pytest.raises(KeyboardInterrupt):
         follow_path(run, LOADS)

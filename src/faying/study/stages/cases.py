@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from faying.reduction.methods import METHODS
 from faying.reduction.projection import projected
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
+from faying.simulation.path import PathStep
 from faying.simulation.solution import Solution
 from faying.study.inputs.jumps import Jump, load_jumps
 from faying.study.inputs.loads import case_load, time_span, time_step
@@ -247,6 +248,11 @@ class CaseRunner:
         return None
 
     @cached_property
+    def _led(self) -> dict[str, Sequence[PathStep]]:
+        """Where this run followed the full model in load cases that have a slip reserve."""
+        return {}
+
+    @cached_property
     def _known_rest(self) -> dict[str, Solution]:
         """Preloaded states of the models, by what these are called; filled as they are needed."""
         return {"full": self.joint.rest}
@@ -261,13 +267,13 @@ class CaseRunner:
         """Return the slip reserve of a load that may be multiplied, where there is friction."""
         if not has_reserve(case, self.joint.model):
             return None
-
         demanded = requirements_of(self.joint.study.requirement)
         open_below = None if demanded.min_opening_factor is None else demanded.open_share
 
         def compute() -> SlipReserve:
+            along = self._led.get(case.name, ())
             with self.books.stage("slip reserve"):
-                return reserve_of(self.joint.model, case, self.joint.rest, open_below)
+                return reserve_of(self.joint.model, case, self.joint.rest, open_below, along)
 
         return self.books.value(SlipReserve, f"{case.name} slip reserve", compute)
 
@@ -346,6 +352,7 @@ class CaseRunner:
         model = self.joint.model
         total = self._steps(case, refinement) if case.transient else advances(case, model)
         key = response_key(case, label, refinement)
+        reserved = system is model and has_reserve(case, model)
 
         def compute() -> Response:
             with self.books.stage(f"{case.name} {label}", total) as advance:
@@ -358,6 +365,7 @@ class CaseRunner:
                         books=self.books,
                         key=key,
                         progress=advance,
+                        led=partial(self._led.__setitem__, case.name) if reserved else len,
                     )
                     response = path_response(run, like)
                 else:

@@ -59,6 +59,8 @@ class IncrementalCase:
         Where finished amplitudes and increments are kept, and the key of the whole response.
     progress
         Called with how many increments or amplitudes there are more, computed or taken over.
+    led
+        Called with where the increments of a path led.
     """
 
     case: LoadCaseSection
@@ -68,6 +70,7 @@ class IncrementalCase:
     books: Books
     key: str
     progress: Callable[[int], object]
+    led: Callable[[Sequence[PathStep]], object]
 
     def piece(self, kind: type[T], name: str, compute: Callable[[], T]) -> tuple[T, float]:
         """Return a piece that is kept, or computed and kept, and the seconds that took."""
@@ -190,11 +193,16 @@ def has_reserve(case: LoadCaseSection, model: Model) -> bool:
 
 
 def reserve_of(
-    model: Model, case: LoadCaseSection, preloaded: Solution, open_below: float | None = None
+    model: Model,
+    case: LoadCaseSection,
+    preloaded: Solution,
+    open_below: float | None = None,
+    along: Sequence[PathStep] = (),
 ) -> SlipReserve:
     """Return the slip reserve of a load case of the full model, from its preloaded state.
 
-    An area is open below a share of what is pressed at rest; None follows no opening.
+    An area is open below a share of what is pressed at rest; None follows no opening. The case may
+    have been followed already, along some increments.
     """
     return slip_reserve(
         model,
@@ -203,6 +211,7 @@ def reserve_of(
         share=case.slip_share or DEFAULT_SHARE,
         increments=case.increments or DEFAULT_INCREMENTS,
         open_below=open_below,
+        along=along,
     )
 
 
@@ -322,15 +331,19 @@ def follow_path(run: IncrementalCase, loads: Sequence[Load]) -> tuple[Solution, 
     the last of them left the joint, which is kept with them.
     """
     start, system, name = time.perf_counter(), run.system, run.case.name
-    if system.contact.increments(len(loads)) <= INCREMENTS_AT_ONCE:
+    if system.contact.forgets:
         path = solve_path(system, loads, initial=run.preloaded, name=name)
         run.progress(len(loads))
         return path, time.perf_counter() - start
     inputs = path_inputs(system, loads)
     state, relative = path_start(system, run.preloaded), moved_alone(system, inputs)
     solver = system.static_contact.increments
-    seconds, steps = time.perf_counter() - start, list[PathStep]()
-    for first in range(0, len(inputs), INCREMENTS_AT_ONCE):
+    steps = list[PathStep]()
+    if len(inputs) <= INCREMENTS_AT_ONCE:
+        steps += follow(solver, relative, state)
+        run.progress(len(inputs))
+    seconds = time.perf_counter() - start
+    for first in range(len(steps), len(inputs), INCREMENTS_AT_ONCE):
         part = range(first, min(first + INCREMENTS_AT_ONCE, len(inputs)))
         compute = partial(_followed, solver, relative, state, part)
         followed, took = run.piece(_Increments, f"increments {first + 1} to {part.stop}", compute)
@@ -339,6 +352,7 @@ def follow_path(run: IncrementalCase, loads: Sequence[Load]) -> tuple[Solution, 
             steps.append(state)
         seconds += took
         run.progress(len(part))
+    run.led(steps)
     start = time.perf_counter()
     path = assembled(system, inputs, steps, name)
     return path, seconds + time.perf_counter() - start
