@@ -1,6 +1,7 @@
 """Contact condensed to its points: g = g_free + S λ with S = G A⁻¹ Gᵀ for any linear operator A."""
 
 import logging
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol, cast
@@ -19,7 +20,11 @@ from faying.contact.compressed_space import CompressedSpace
 from faying.contact.contact import Contact
 from faying.contact.dense_points import DensePoints
 from faying.contact.frictional import FrictionalContact
+from faying.contact.glued_pairs import factorized_whole
+from faying.contact.held_pairs import pressed_points
 from faying.contact.increment import IncrementSolver
+from faying.contact.laws_at_points import LawsAtPoints
+from faying.contact.point_springs import PointSprings
 from faying.contact.pressing import PressingContact, dense_compliance
 from faying.contact.yielding import YieldingContact
 from faying.exceptions import ModelError
@@ -64,11 +69,14 @@ class CondensedContact:
         which an integrator weighs the new contact force).
     pulled : (n_relative,) or None [length]
         Relative displacement that equal forces of all bolts would cause without contact.
+    at_rest
+        Returns the static contact of the same joint where this is that of a step.
     """
 
     contact: Contact
     compliance: Compliance | BetweenPairs
     pulled: Vector | None = None
+    at_rest: "Callable[[], ContactSolver] | None" = None
 
     @cached_property
     def between(self) -> BetweenPairs:
@@ -129,7 +137,7 @@ class CondensedContact:
         else:
             _ = _finite(cast("Matrix", self._known))
         try:
-            return YieldingContact.of(self.contact, between, self.pulled)
+            return YieldingContact.of(self.contact, between, self._pressed)
         except la.LinAlgError:
             return self._for_forces(
                 "solutions for forces, as where the compliance between pairs is singular,",
@@ -141,6 +149,23 @@ class CondensedContact:
         """Σ where it is known, else S."""
         between = self.between
         return between.compliance if isinstance(between, ByCompliance) else between.stiffness
+
+    def _pressed(self) -> Vector | None:
+        """Return ones at points (n_point,) that the bolts press on at rest, where they tell it.
+
+        Steps of few pairs, which are factorized whole, need not know.
+        """
+        if self.at_rest is not None and factorized_whole(self.contact.rows):
+            return None
+        rest = self if self.at_rest is None else self.at_rest()
+        if not isinstance(rest, CondensedContact) or rest.pulled is None:
+            return None
+        between = rest.between
+        if isinstance(between, BySubstitution):
+            return None
+        springs = LawsAtPoints(contact=self.contact).springs
+        points = PointSprings(G=self.contact.rows, components=len(springs))
+        return pressed_points(points, springs, between.stiffness, rest.pulled)
 
     def _for_forces(self, what: str, instead: str) -> IncrementSolver:
         """Return the solver of problems of forces, which refuses laws that remember."""

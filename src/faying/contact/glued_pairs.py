@@ -26,7 +26,6 @@ from faying.contact.held_pairs import (
     HeldPairs,
     anchored_pairs,
     change_from,
-    pressed_points,
     symmetric_product,
 )
 from faying.contact.pair_factors import LU, Factors, PairSystem, WholeFactors
@@ -74,14 +73,13 @@ class GluedPairs:
         G: SparseMatrix | Matrix,
         springs: Matrix,
         between: DenseBetweenPairs,
-        pulled: Vector | None = None,
+        pressed: Callable[[], Vector | None] | None = None,
     ) -> "GluedPairs":
         """Return the pairs of a structure.
 
         Springs K (components, n_point) [force/length] are those of points that are closed and
-        stick. Pulled are relative displacements (n_relative,) [length] that the bolts alone would
-        cause: points that they do not press on are left open, so that fewer change sides
-        afterwards.
+        stick. Points (n_point,) that are not told to be pressed are left open, so that fewer change
+        sides afterwards.
 
         Raises
         ------
@@ -90,14 +88,13 @@ class GluedPairs:
 
         Notes
         -----
-        An inverse, n³ multiplications for n relative displacements, and a few factorizations
-        of those along normals to find the points that bolts press on.
+        An inverse, n³ multiplications for n relative displacements.
         """
         structure = between.stiffness
-        points, glued = PointSprings(G=G, components=len(springs)), springs
-        if pulled is not None:
-            glued = springs * pressed_points(points, springs, structure, pulled)
-        hold = HeldPairs.on_springs if _whole(G) else HeldPairs.for_steps
+        points = PointSprings(G=G, components=len(springs))
+        held = None if pressed is None else pressed()
+        glued = springs if held is None else springs * held
+        hold = HeldPairs.on_springs if factorized_whole(G) else HeldPairs.for_steps
         return cls(
             points=points,
             structure=structure,
@@ -133,7 +130,7 @@ class GluedPairs:
     @property
     def whole(self) -> bool:
         """Whether Σ + B itself is factorized."""
-        return _whole(self.G)
+        return factorized_whole(self.G)
 
     @property
     def G(self) -> SparseMatrix | Matrix:
@@ -280,11 +277,11 @@ class _Changed:
 def _open_pairs(
     points: PointSprings, springs: Matrix, between: DenseBetweenPairs
 ) -> HeldPairs | None:
-    if _whole(points.G):
+    if factorized_whole(points.G):
         return None
     return anchored_pairs(points, springs, cast("Matrix", between.compliance))
 
 
-def _whole(G: SparseMatrix | Matrix) -> bool:
+def factorized_whole(G: SparseMatrix | Matrix) -> bool:
     """Say whether Σ + B itself is factorized: few pairs, or points that feel them all."""
     return int(G.shape[1]) <= DIRECT or isinstance(G, np.ndarray)

@@ -1,5 +1,6 @@
 """Contact of points that yield: the solver of one structure, for displacements."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import cast, final
@@ -50,9 +51,12 @@ class YieldingContact:
 
     @classmethod
     def of(
-        cls, contact: Contact, between: BetweenPairs, pulled: Vector | None = None
+        cls,
+        contact: Contact,
+        between: BetweenPairs,
+        pressed: Callable[[], Vector | None] | None = None,
     ) -> "YieldingContact":
-        """Return the solver of a structure; pulled (n_relative,) is as of :meth:`.GluedPairs.of`.
+        """Return the solver of a structure; what is pressed is as of :meth:`.GluedPairs.of`.
 
         Raises
         ------
@@ -66,7 +70,7 @@ class YieldingContact:
             _check_stiffness(glue, between.stiffness.diagonal)
             return cls(contact=contact, between=between, pairs=many)
         try:
-            pairs = GluedPairs.of(contact.rows, springs, between, pulled)
+            pairs = GluedPairs.of(contact.rows, springs, between, pressed)
         except LinAlgError:
             return cls._of_singular(contact, springs, between)
         _check_stiffness(pairs.glued.glue.diagonal(), np.diag(pairs.structure))

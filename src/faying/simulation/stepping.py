@@ -117,7 +117,11 @@ class TransientSolver:
         """Contact problem of one step: compliance P A⁻¹ Pᵀ times the weight of the new forces."""
         contact, weight = self.system.contact, self.scheme.force_weight
         compliance = relative_compliance(contact, self.effective, weight)
-        return CondensedContact(contact=contact, compliance=compliance)
+        return CondensedContact(
+            contact=contact,
+            compliance=compliance,
+            at_rest=partial(getattr, self.system, "static_contact"),
+        )
 
     def solve(
         self,
