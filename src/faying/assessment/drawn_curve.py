@@ -78,7 +78,9 @@ def _contact_forces(system: System, point: CurvePoint) -> npt.NDArray[np.float64
     """Return the contact forces along the last period of a motion (3, n_point, N)."""
     problem, contact, N = point.problem, system.contact, point.problem.samples
     stuck, k = problem.stuck, len(problem.stuck.springs)
-    moved = (contact.rows @ problem.displaced(point.motion)[:, -N:]).reshape(k, -1, N)
+    excess = problem.begun(point.motion)
+    displaced = problem.displaced(point.unknowns, point.motion.circular, excess)
+    moved = (contact.rows @ displaced[:, -N:]).reshape(k, -1, N)
     forces = np.zeros((3, contact.n_points, N))
     forces[:k] = stuck.forces[:k, :, None] - stuck.springs[:, :, None] * moved
     forces[:k, problem.local.points] = np.moveaxis(point.motion.path.forces[-N:], 0, 2)

@@ -15,6 +15,7 @@ from functools import cached_property
 from typing import cast, final
 
 import numpy as np
+import numpy.typing as npt
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
@@ -238,6 +239,16 @@ class LocalContact:
     def compliance(self) -> Matrix:
         """G_c T₀ G_cᵀ (components n_local, components n_local) [length/force]."""
         return np.asarray(self.rows @ (self.rows @ self._between).T)
+
+    @cached_property
+    def give(self) -> Vector:
+        """What a force moves its own point by (components n_local,) [length/force]."""
+        return self.compliance.diagonal().copy()
+
+    @cached_property
+    def single(self) -> npt.NDArray[np.float32]:
+        """The same in single precision, for steps that are corrected by what it leaves."""
+        return self.compliance.astype(np.float32)
 
     @cached_property
     def _between(self) -> Matrix:

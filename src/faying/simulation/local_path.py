@@ -5,10 +5,11 @@ the forces μ that the points exert beside their springs B (F10), an increment i
 
     w = w₀ + T μ,   μ = λ(z₀ + w − s) − λ₀ + B w,                                           (F12)
 
-with the slip s since the joint was at rest. Newton's method has I + T Δ to solve with, Δ = K − B,
-in which only the rows a of Δ take part that do not vanish, of points that slip or are open:
+with the slip s since the joint was at rest. Newton's method for μ has I + Δ T to solve with,
+Δ = K − B, in which only the rows a of Δ take part that do not vanish, of points that slip or are
+open. Of forces ρ that the law leaves, and of displacements b, these make
 
-    x = b − T_·a f,   (I + Δ_a T_·a) f = Δ_a b.
+    x_a = (I + Δ_a T_·a)⁻¹ (ρ_a − Δ_a T_·o ρ_o),  x_o = ρ_o,  and  f = (I + Δ_a T_·a)⁻¹ Δ_a b.
 """
 
 from collections.abc import Sequence
@@ -16,10 +17,11 @@ from dataclasses import dataclass
 from typing import NamedTuple, final
 
 import numpy as np
+import numpy.typing as npt
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
-from faying.contact.held_pairs import change_from
+from faying.contact.held_pairs import change_from, symmetric_product
 from faying.contact.pair_factors import LU
 from faying.contact.stuck_points import LocalContact
 
@@ -28,6 +30,12 @@ SOLVED = 1e-13
 
 MOST_STEPS = 20
 """Newton steps of (F12); 1 to 5 are usual. What takes more goes the way of other paths."""
+
+LEAST_PART = 1 / 8
+"""Part of a step from which none is halved: points that stick and slip by turns end there."""
+
+NEGLIGIBLE = 1e-4
+"""Forces that are left, over the largest, whose motion elsewhere a step may forget."""
 
 FAST_CONVERGENCE = 0.2
 """What a step may leave of the residual, over itself, for its factors to serve once more."""
@@ -68,13 +76,13 @@ def follow_local(
     local: LocalContact,
     linear: Matrix,
     restrained: Matrix,
-    guess: Sequence[Vector] | None = None,
+    guess: Matrix | None = None,
 ) -> LocalPath:
     """Follow the points along a path of loads.
 
     Linear displacements w₀ are (n_increment, components n_point) [length]; with all points stuck
-    the loads move the pairs by ``restrained`` (n_increment, n_touched) [length]. A guess of
-    increments is w (components n_point,) to begin with.
+    the loads move the pairs by ``restrained`` (n_increment, n_touched) [length]. A guess is μ
+    (n_increment, components n_point) of increments to begin with.
 
     Raises
     ------
@@ -85,14 +93,15 @@ def follow_local(
     moved, forces = np.zeros((n, k * m)), np.zeros((n, k, m))
     slipped, slack = np.zeros((n, 2, m)), np.zeros((n, 2, m))
     dissipation = np.zeros(n)
-    w, slip = np.zeros(k * m), np.zeros((2, m))
+    excess, slip = np.zeros(k * m), np.zeros((2, m))
     off: OffSprings | None = None
     for number in range(n):
-        starts = [w] if guess is None else [guess[number], w]
+        starts = [excess] if guess is None else [guess[number], excess]
         solution = _increment(local, linear[number], slip, starts, off)
         if solution is None:
             solution = *_otherwise(local, restrained[number], slip), off
         w, forces[number], slack[number], off = solution
+        excess = (forces[number] - local.forces).ravel() + local.springs.ravel() * w
         if k > 1:
             dissipation[number] = -(forces[number][1:] * slack[number]).sum()
         slip = slip + slack[number]
@@ -109,57 +118,63 @@ def _increment(
     starts: Sequence[Vector],
     off: "OffSprings | None",
 ) -> tuple[Vector, Matrix, Matrix, "OffSprings | None"] | None:
-    """Return w, λ, slip and factors of an increment by Newton's method; None where it goes astray.
+    """Return w, λ, slip and factors of an increment by Newton's steps; None where they go astray.
 
-    It begins with the start that leaves the smallest residual, and with the factors of the
-    increment before: what slipped slips on.
+    It begins with the start μ that leaves the smallest residual, and with the factors of the
+    increment before: what slipped slips on. Where a step with new ones leaves as much, as of
+    points that stick and slip by turns, it is halved.
     """
-    springs, T, (k, m) = local.springs.ravel(), local.compliance, local.springs.shape
+    springs, (k, m) = local.springs.ravel(), local.springs.shape
     anchor = local.at_rest.copy()
     anchor[1:] -= slip[: k - 1]
 
-    def reached(w: Vector) -> _Reached:
+    def reached(excess: Vector) -> _Reached:
+        w = linear + symmetric_product(local.compliance, excess)
         z = anchor + w.reshape(k, m)
         forces, K = local.laws.respond(z)
-        excess = (forces - local.forces).ravel() + springs * w
-        residual = linear - w + T @ excess
-        return _Reached(w, z, forces, K, residual, float(np.abs(residual).max(initial=0.0)))
+        left = (forces - local.forces).ravel() + springs * w - excess
+        size = float(np.abs(left * local.give).max(initial=0.0))
+        return _Reached(excess, w, z, forces, K, left, size)
 
-    state = min((reached(w) for w in starts), key=lambda state: state.left)
+    state = min((reached(start) for start in starts), key=lambda state: state.size)
     size = max(float(np.abs(linear).max(initial=0.0)), float(np.abs(state.w).max(initial=0.0)))
     last = np.inf
     for _ in range(MOST_STEPS):
-        if not np.isfinite(state.left):
+        if not np.isfinite(state.size):
             return None
-        if state.left <= SOLVED * size or last / 2 <= state.left <= 1e2 * SOLVED * size:
+        if state.size <= SOLVED * size or last / 2 <= state.size <= 1e2 * SOLVED * size:
             slack = (state.z + local.laws.yielded(state.forces))[1:]
             return state.w, state.forces, slack if k > 1 else np.zeros((2, m)), off
-        anew = off is None or state.left > FAST_CONVERGENCE * last
-        off = OffSprings.of(local, state.K) if anew or off is None else off
-        last = state.left
-        resisted = off.resisted(state.residual[off.rows])
-        trial = reached(state.w + state.residual - resisted @ T[off.acting])
-        if anew or trial.left < last:
+        anew = off is None or state.size > FAST_CONVERGENCE * last
+        if anew or off is None:
+            off = OffSprings.of(local, state.K)
+        last, step = state.size, off.step(local, state.left)
+        trial, part = reached(state.excess + step), 1.0
+        while anew and not trial.size < last and part > LEAST_PART:
+            part /= 2
+            trial = reached(state.excess + part * step)
+        if anew or trial.size < last:
             state = trial
         size = max(size, float(np.abs(state.w).max(initial=0.0)))
     return None
 
 
 class _Reached(NamedTuple):
-    """Where Newton's method is: w, displacements from the slip, λ, K, residual, its size."""
+    """Where steps are: μ, w, displacements from the slip, λ, K, what λ leaves of μ, its size."""
 
+    excess: Vector
     w: Vector
     z: Matrix
     forces: Matrix
     K: Matrix
-    residual: Vector
-    left: float
+    left: Vector
+    size: float
 
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class OffSprings:
-    """Points off their springs, and the factors between their rows.
+    """Points off their springs, and the factors between their rows, in single precision.
 
     Attributes
     ----------
@@ -188,17 +203,29 @@ class OffSprings:
         points = np.flatnonzero(change.any(axis=(1, 2)))
         rows = (m * np.arange(k)[:, None] + points).ravel()
         acts = change[points].any(axis=2).T.ravel()
-        acting, block = rows[acts], by_component(change[points], acts)
+        acting = rows[acts]
+        block = by_component(change[points].astype(np.float32), acts)
         lu = None
         if len(acting):
-            core = block @ local.compliance[np.ix_(rows, acting)]
+            core = block @ local.single[np.ix_(rows, acting)]
             core.flat[:: len(core) + 1] += 1.0
             lu = LU.of(core)
         return cls(points=points, rows=rows, acting=acting, change=block, lu=lu)
 
-    def resisted(self, right: Matrix) -> Matrix:
+    def step(self, local: LocalContact, left: Vector) -> Vector:
+        """Return what (I + Δ T)⁻¹ makes of forces that are left (components n_point,)."""
+        result = left.copy()
+        if self.lu is None:
+            return result
+        result[self.acting] = 0.0
+        others = np.flatnonzero(np.abs(result) > NEGLIGIBLE * np.abs(left).max())
+        moved = local.single[np.ix_(self.rows, others)] @ result[others].astype(np.float32)
+        result[self.acting] = self.lu.solve(left[self.acting] - self.change @ moved)
+        return result
+
+    def resisted(self, right: Matrix) -> npt.NDArray[np.float32]:
         """Return f (n_acting, …) of b at the rows."""
-        felt = self.change @ right
+        felt = self.change @ right.astype(np.float32)
         return felt if self.lu is None else self.lu.solve(felt)
 
 
@@ -232,13 +259,13 @@ def local_derivatives(
 ) -> Excess:
     """Return how forces beside those of springs change with unknowns along a path.
 
-    Exact along it but for single precision. Shapes (components n_point, n_column) [length] are what
+    In single precision; exact along the path but for that. Shapes (components n_point, n_column) [length] are what
     the load columns move the points with all stuck; columns (N, n_column, x) the derivatives of
     their factors, the same in every period of N increments.
     """
     (k, m), N, count = local.springs.shape, len(columns), columns.shape[2]
-    single = local.compliance.astype(np.float32)
-    s = np.zeros((k, m, count))
+    shapes, columns = shapes.astype(np.float32), columns.astype(np.float32)
+    s = np.zeros((k, m, count), dtype=np.float32)
     excess = list[tuple[Indices, Matrix]]()
     slip, rubs = np.zeros((2, m)), local.contact.coefficients > 0
     slid = np.zeros(m, dtype=bool)
@@ -253,16 +280,17 @@ def local_derivatives(
         active[points] = True
         chosen = np.flatnonzero(active)
         every = (m * np.arange(k)[:, None] + chosen).ravel()
+        K = K.astype(np.float32)
         pulled = by_component(K[chosen]) @ s[:, chosen].reshape(len(every), count)
-        along = shapes[rows] @ columns[number % N]
-        along += single[np.ix_(rows, every)] @ pulled.astype(np.float32)
-        resisted = off.resisted(along)
-        pulled[np.searchsorted(every, off.acting)] -= resisted
+        between = local.single[np.ix_(rows, every)]
+        along = shapes[rows] @ columns[number % N] + between @ pulled
+        resisted, acting = off.resisted(along), np.searchsorted(every, off.acting)
+        pulled[acting] -= resisted
         excess.append((every, pulled))
         if k > 1 and len(points):
-            inner = along - local.compliance[np.ix_(rows, off.acting)] @ resisted
+            inner = along - between[:, acting] @ resisted
             forces = np.pad(path.forces[number], ((0, 3 - k), (0, 0)))
-            yields = local.laws.closure(forces)[1][1:, points, None]
+            yields = local.laws.closure(forces)[1][1:, points, None].astype(np.float32)
             relative = inner.reshape(k, len(points), count)
             stretched = (relative - s[:, points]).reshape(len(rows), count)
             answered = -(by_component(K[points]) @ stretched)
@@ -274,12 +302,9 @@ def local_derivatives(
     return excess
 
 
-def moved_by(local: LocalContact, linear: Matrix, excess: Excess, change: Vector) -> Matrix:
-    """Return how far points move (n_increment, components n_point) as unknowns change (x,).
-
-    Linear displacements [length] are with all of them stuck.
-    """
-    forces = np.zeros_like(linear)
+def changed_by(path: LocalPath, local: LocalContact, excess: Excess, change: Vector) -> Matrix:
+    """Return μ of a path (n_increment, components n_point) as unknowns change (x,)."""
+    forces = path.excess(local).T.copy()
     for row, (rows, per_unknown) in zip(forces, excess, strict=True):
-        row[rows] = per_unknown @ change
-    return np.asarray(linear + forces @ local.compliance)
+        row[rows] += per_unknown @ change
+    return forces

@@ -12,7 +12,7 @@ else. Contact is that of paths: increments (F12) of the points that slip, open o
 being springs (F10), and no force of contact is cut at H.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, final
@@ -28,9 +28,9 @@ from faying.model.bolt import Bolt
 from faying.simulation.local_path import (
     Excess,
     LocalPath,
+    changed_by,
     follow_local,
     local_derivatives,
-    moved_by,
 )
 
 PERIODS = 2
@@ -173,6 +173,10 @@ class Derivatives:
     columns: Matrix
     excess: Excess
 
+    def at(self, rows: Indices) -> "Derivatives":
+        """Return them with μ at other rows, as of more points."""
+        return replace(self, excess=[(rows[old], change) for old, change in self.excess])
+
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -246,12 +250,11 @@ class PeriodicProblem:
         return np.asarray(self.local.rows @ self.loads.restrained[self.local.pairs])
 
     def follow(
-        self, unknowns: Vector, circular: float, guess: Sequence[Vector] | None = None
+        self, unknowns: Vector, circular: float, guess: Matrix | None = None
     ) -> Motion:
         """Run through the periods under given motion of the modes.
 
-        A guess of where points may be after each of the PERIODS N increments is (components
-        n_local,) [length].
+        A guess is μ of the PERIODS N increments (PERIODS N, components n_local) [force].
 
         Raises
         ------
@@ -317,25 +320,24 @@ class PeriodicProblem:
         result[:, size] += self.packed(inertia)
         return Derivatives(residual=result, columns=columns, excess=excess)
 
-    def displaced(self, motion: Motion) -> Matrix:
-        """Return δ of all pairs along all periods (n_relative, PERIODS N)."""
-        columns = np.tile(self._columns(motion.harmonics, motion.circular), (PERIODS, 1))
+    def displaced(self, unknowns: Vector, circular: float, excess: Matrix) -> Matrix:
+        """Return δ of all pairs along all periods (n_relative, PERIODS N) under some μ."""
+        columns = np.tile(self._columns(self.unpacked(unknowns), circular), (PERIODS, 1))
         restrained = self.loads.restrained[:, : self.loads.n_column]
-        pairs = self.local.rows.T @ motion.path.excess(self.local)
-        shared = self.stuck.shared(self.local.pairs, pairs)
+        shared = self.stuck.shared(self.local.pairs, self.local.rows.T @ excess.T)
         return np.asarray(restrained @ columns.T + shared)
 
     def begun(
         self, motion: Motion, change: Vector | None = None, by: Derivatives | None = None
-    ) -> Sequence[Vector]:
-        """Return where the points were in a motion, moved on as unknowns and ω change."""
-        places = motion.path.moved
-        if change is not None and by is not None:
-            shapes = self._at_points[:, : self.loads.n_column]
-            linear = np.tile((by.columns @ change) @ shapes.T, (PERIODS, 1))
-            places = places + moved_by(self.local, linear, by.excess, change)
-        return list(places)
+    ) -> Matrix:
+        """Return μ along a motion (PERIODS N, …), moved on as unknowns and ω change."""
+        if change is None or by is None:
+            return motion.path.excess(self.local).T
+        return changed_by(motion.path, self.local, by.excess, change)
 
-    def watching(self, points: Indices) -> "PeriodicProblem":
-        """Return the problem with other watched points."""
-        return replace(self, local=self.stuck.local(points))
+    def watching(self, points: Indices) -> tuple["PeriodicProblem", Indices]:
+        """Return the problem with more points (n,) to watch, and where its rows of μ are then."""
+        every = np.union1d(self.local.points, points)
+        at = np.searchsorted(every, self.local.points)
+        rows = len(every) * np.arange(self.local.components)[:, None] + at
+        return replace(self, local=self.stuck.local(every)), rows.ravel()

@@ -16,7 +16,7 @@ import scipy.linalg as la
 
 from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import ConvergenceError
-from faying.simulation.periodic import Derivatives, Motion, PeriodicProblem
+from faying.simulation.periodic import PERIODS, Derivatives, Motion, PeriodicProblem
 
 ROUND_OFF, SOLVED = 1e-9, 1e-6
 """Next step of Newton's method over the unknowns at which a motion is solved, and at which it is
@@ -30,7 +30,7 @@ LEAST_PART = 1 / 64
 
 FAST_CONVERGENCE = 0.03
 """What a step may leave of the next one, over itself, for derivatives to serve once more: they take
-as long as two or three paths."""
+as long as half a path or a whole one."""
 
 LARGEST_STEP = 0.5
 """Step of Newton's method over the unknowns that is taken whole."""
@@ -92,44 +92,52 @@ def solve_motion(
     unknowns: Vector,
     circular: float,
     across: Vector | None = None,
-    begun: Sequence[Vector] | None = None,
+    begun: Matrix | None = None,
 ) -> CurvePoint:
     """Solve for the motion at a frequency, or on the plane through a guess across a tangent.
 
     The normal of the plane (size + 1,) is in unknowns and circular frequency; by default the
-    frequency stays. ``begun`` is where the points may be along the path, PERIODS N of (components
-    n_local,) [length].
+    frequency stays. ``begun`` is what the forces beside those of springs may be along the path
+    (PERIODS N, components n_local).
     """
+    if begun is None:
+        begun = np.zeros((PERIODS * problem.samples, problem.local.springs.size))
+    derivatives: Derivatives | None = None
     for _ in range(MOST_ROUNDS):
-        problem, motion = _watched(problem, problem.follow(unknowns, circular, begun))
-        point = _newton(problem, motion, across)
-        problem, motion = _watched(problem, point.motion)
-        if problem is point.problem:
+        leaving = _leaving(problem, unknowns, circular, begun)
+        if len(leaving):
+            problem, rows = problem.watching(leaving)
+            spread = np.zeros((len(begun), problem.local.springs.size))
+            spread[:, rows] = begun
+            begun, derivatives = spread, derivatives and derivatives.at(rows)
+        elif derivatives is not None:
             return point
-        unknowns, circular = point.unknowns, point.motion.circular
-        begun = problem.begun(motion)
+        motion = problem.follow(unknowns, circular, begun)
+        point = _newton(problem, motion, across, derivatives)
+        unknowns, circular, derivatives = point.unknowns, point.motion.circular, point.derivatives
+        begun = problem.begun(point.motion)
     message = f"more points slip, open or close after {MOST_ROUNDS} rounds"
     raise ConvergenceError(message)
 
 
-def _watched(problem: PeriodicProblem, motion: Motion) -> tuple[PeriodicProblem, Motion]:
-    """Watch all points that leave their springs in a motion that needs not be periodic yet."""
-    for _ in range(MOST_ROUNDS):
-        displaced = problem.displaced(motion)
-        leaving = problem.stuck.leaving(displaced, problem.local.points)
-        if not len(leaving):
-            return problem, motion
-        problem = problem.watching(np.union1d(problem.local.points, leaving))
-        begun = list((problem.local.rows @ displaced[problem.local.pairs]).T)
-        motion = problem.follow(problem.packed(motion.harmonics), motion.circular, begun)
-    message = f"more points slip, open or close after {MOST_ROUNDS} rounds"
-    raise ConvergenceError(message)
+def _leaving(
+    problem: PeriodicProblem, unknowns: Vector, circular: float, begun: Matrix
+) -> Indices:
+    """Return points that leave their springs in a motion that needs not be periodic yet."""
+    displaced = problem.displaced(unknowns, circular, begun)
+    return problem.stuck.leaving(displaced, problem.local.points)
 
 
-def _newton(problem: PeriodicProblem, motion: Motion, across: Vector | None) -> CurvePoint:
+def _newton(
+    problem: PeriodicProblem,
+    motion: Motion,
+    across: Vector | None,
+    derivatives: Derivatives | None,
+) -> CurvePoint:
+    """Solve from a motion, with derivatives of one close to it to begin with."""
     x = np.append(problem.packed(motion.harmonics), motion.circular)
     border = np.append(np.zeros(problem.size), 1.0) if across is None else across
-    derivatives = problem.derivatives(motion)
+    derivatives = derivatives or problem.derivatives(motion)
     factors = _factors(derivatives, border)
 
     def step(reached: Motion, factors: tuple[Matrix, Indices]) -> Vector:
