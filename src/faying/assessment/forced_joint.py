@@ -142,22 +142,22 @@ class ForcedJoint:
             Called with 1 after each frequency asked for.
         """
         order, remarks = harmonics or self._first_order(), list[str]()
-        begun = self._begun(level, order, samples)
-        traced = self._traced(level, order, samples, begun, progress)
+        begun, started = self._begun(level, order, samples)
+        traced = self._traced(level, order, samples, begun, progress, started)
         released = begun.joined(drawn_curve(self.system, self.rest, level, traced))
         if not traced.missed and released != begun:
             more = self.loads(order, released).n_mode > self.loads(order, begun).n_mode
             _, change = self._changed(traced.points if more else [], order, samples, released)
             released = released if change > tolerance else begun
         if released != begun:
-            traced = self._traced(level, order, samples, released, None)
+            traced = self._traced(level, order, samples, released)
         finer, change = self._changed(traced.points, order + MORE, samples, released)
         first = order
         while harmonics is None and change > tolerance and finer and order + MORE <= MOST:
             order += MORE
             finer, change = self._changed([finer], order + MORE, samples, released)
         if order > first:
-            traced = self._traced(level, order, samples, released, None)
+            traced = self._traced(level, order, samples, released)
             finer, change = self._changed(traced.points, order + MORE, samples, released)
         if traced.points and finer is None:
             remarks.append(f"no motion was found at the peak with {order + MORE} harmonics")
@@ -186,22 +186,24 @@ class ForcedJoint:
         order: int,
         samples: int | None,
         released: "Released",
-        progress: Callable[[int], object] | None,
+        progress: Callable[[int], object] | None = None,
+        first: CurvePoint | None = None,
     ) -> Traced:
         """Return the motions with so many harmonics."""
         problem = self._problem(level, order, samples, released)
         starts = self._starts(problem, released)
-        return trace(problem, starts, self.frequencies, progress)
+        return trace(problem, starts, self.frequencies, progress, first)
 
-    def _begun(self, level: float, order: int, samples: int | None) -> "Released":
-        """Return that the joint may slide where the motion of the stuck one leads nowhere."""
+    def _begun(
+        self, level: float, order: int, samples: int | None
+    ) -> tuple["Released", CurvePoint | None]:
+        """Return the first motion, or that the joint may slide if that of the stuck one fails."""
         problem = self._problem(level, order, samples, Released())
         (start,) = self._starts(problem, Released())
         try:
-            solve_motion(problem, start, 2 * np.pi * float(self.frequencies[0]))
+            return Released(), solve_motion(problem, start, 2 * np.pi * float(self.frequencies[0]))
         except ConvergenceError:
-            return Released(slides=True)
-        return Released()
+            return Released(slides=True), None
 
     def _starts(self, problem: PeriodicProblem, released: "Released") -> list[Vector]:
         """Return unknowns to begin the curve with: what is nearest first."""

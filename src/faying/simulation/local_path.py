@@ -200,7 +200,8 @@ class OffSprings:
         """Return them for K (n_point, components, components)."""
         k, m = local.springs.shape
         change = change_from(local.springs, K)
-        points = np.flatnonzero(change.any(axis=(1, 2)))
+        # What is open goes with the motion, also where it was open at rest.
+        points = np.flatnonzero(change.any(axis=(1, 2)) | ~K.any(axis=(1, 2)))
         rows = (m * np.arange(k)[:, None] + points).ravel()
         acts = change[points].any(axis=2).T.ravel()
         acting = rows[acts]

@@ -102,19 +102,20 @@ def solve_motion(
     """
     if begun is None:
         begun = np.zeros((PERIODS * problem.samples, problem.local.springs.size))
-    derivatives: Derivatives | None = None
+    point: CurvePoint | None = None
     for _ in range(MOST_ROUNDS):
         leaving = _leaving(problem, unknowns, circular, begun)
+        derivatives = None if point is None else point.derivatives
         if len(leaving):
             problem, rows = problem.watching(leaving)
             spread = np.zeros((len(begun), problem.local.springs.size))
             spread[:, rows] = begun
             begun, derivatives = spread, derivatives and derivatives.at(rows)
-        elif derivatives is not None:
+        elif point is not None:
             return point
         motion = problem.follow(unknowns, circular, begun)
         point = _newton(problem, motion, across, derivatives)
-        unknowns, circular, derivatives = point.unknowns, point.motion.circular, point.derivatives
+        unknowns, circular = point.unknowns, point.motion.circular
         begun = problem.begun(point.motion)
     message = f"more points slip, open or close after {MOST_ROUNDS} rounds"
     raise ConvergenceError(message)
@@ -187,32 +188,29 @@ def trace(
     starts: Sequence[Vector],
     frequencies: Vector,
     progress: Callable[[int], object] | None = None,
+    first: CurvePoint | None = None,
 ) -> "Traced":
     """Follow the curve from the first of some frequencies (n,) [1/time] to the last.
 
-    Starts are unknowns (size,) to begin with, one after the other; ``progress`` is called with 1
-    after each frequency.
+    Starts are unknowns (size,) to begin with, one after the other, where the ``first`` point is not
+    given; ``progress`` is called with 1 after each frequency.
     """
     points, missed = list[CurvePoint](), list[str]()
-    targets = 2 * np.pi * frequencies
-    number = 0
     # Where no motion is found, the next frequency is tried from the linear one.
     point: CurvePoint | None = None
-    while number < len(targets):
+    for number, target in enumerate((2 * np.pi * frequencies).tolist()):
         try:
             if point is None:
-                point = _started(problem, starts, float(targets[number]))
-                points.append(point)
+                passed = [first or _started(problem, starts, target)]
             else:
-                passed = _onward(point, float(targets[number]))
-                points += passed
-                point = passed[-1]
+                passed = _onward(point, target)
+            points += passed
+            point = passed[-1]
         except ConvergenceError as error:
             missed.append(f"{frequencies[number]:.6g}: {error}")
             point = points[-1] if points else None
         if point is not None:
             problem = point.problem
-        number += 1
         if progress is not None:
             progress(1)
     return Traced(points=points, missed=tuple(missed))
