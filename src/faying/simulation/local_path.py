@@ -14,7 +14,7 @@ open. Of forces ρ that the law leaves, and of displacements b, these make
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, final
+from typing import Any, NamedTuple, final
 
 import numpy as np
 import numpy.typing as npt
@@ -174,7 +174,7 @@ class _Reached(NamedTuple):
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class OffSprings:
-    """Points off their springs, and the factors between their rows, in single precision.
+    """Points off their springs, and the factors between their rows, in the precision of steps.
 
     Attributes
     ----------
@@ -205,10 +205,11 @@ class OffSprings:
         rows = (m * np.arange(k)[:, None] + points).ravel()
         acts = change[points].any(axis=2).T.ravel()
         acting = rows[acts]
-        block = by_component(change[points].astype(np.float32), acts)
+        T = local.for_steps
+        block = by_component(change[points].astype(T.dtype), acts)
         lu = None
         if len(acting):
-            core = block @ local.single[np.ix_(rows, acting)]
+            core = block @ T[np.ix_(rows, acting)]
             core.flat[:: len(core) + 1] += 1.0
             lu = LU.of(core)
         return cls(points=points, rows=rows, acting=acting, change=block, lu=lu)
@@ -220,13 +221,14 @@ class OffSprings:
             return result
         result[self.acting] = 0.0
         others = np.flatnonzero(np.abs(result) > NEGLIGIBLE * np.abs(left).max())
-        moved = local.single[np.ix_(self.rows, others)] @ result[others].astype(np.float32)
+        T = local.for_steps
+        moved = T[np.ix_(self.rows, others)] @ result[others].astype(T.dtype)
         result[self.acting] = self.lu.solve(left[self.acting] - self.change @ moved)
         return result
 
-    def resisted(self, right: Matrix) -> npt.NDArray[np.float32]:
+    def resisted(self, right: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Return f (n_acting, …) of b at the rows."""
-        felt = self.change @ right.astype(np.float32)
+        felt = self.change @ right
         return felt if self.lu is None else self.lu.solve(felt)
 
 
@@ -260,13 +262,14 @@ def local_derivatives(
 ) -> Excess:
     """Return how forces beside those of springs change with unknowns along a path.
 
-    In single precision; exact along the path but for that. Shapes (components n_point, n_column) [length] are what
-    the load columns move the points with all stuck; columns (N, n_column, x) the derivatives of
-    their factors, the same in every period of N increments.
+    In the precision of steps; exact along the path but for that. Shapes (components n_point,
+    n_column) [length] are what the load columns move the points with all stuck; columns (N,
+    n_column, x) the derivatives of their factors, the same in every period of N increments.
     """
     (k, m), N, count = local.springs.shape, len(columns), columns.shape[2]
-    shapes, columns = shapes.astype(np.float32), columns.astype(np.float32)
-    s = np.zeros((k, m, count), dtype=np.float32)
+    precision = local.for_steps.dtype
+    shapes, columns = shapes.astype(precision), columns.astype(precision)
+    s = np.zeros((k, m, count), dtype=precision)
     excess = list[tuple[Indices, Matrix]]()
     slip, rubs = np.zeros((2, m)), local.contact.coefficients > 0
     slid = np.zeros(m, dtype=bool)
@@ -281,9 +284,9 @@ def local_derivatives(
         active[points] = True
         chosen = np.flatnonzero(active)
         every = (m * np.arange(k)[:, None] + chosen).ravel()
-        K = K.astype(np.float32)
+        K = K.astype(precision)
         pulled = by_component(K[chosen]) @ s[:, chosen].reshape(len(every), count)
-        between = local.single[np.ix_(rows, every)]
+        between = local.for_steps[np.ix_(rows, every)]
         along = shapes[rows] @ columns[number % N] + between @ pulled
         resisted, acting = off.resisted(along), np.searchsorted(every, off.acting)
         pulled[acting] -= resisted
@@ -291,7 +294,7 @@ def local_derivatives(
         if k > 1 and len(points):
             inner = along - between[:, acting] @ resisted
             forces = np.pad(path.forces[number], ((0, 3 - k), (0, 0)))
-            yields = local.laws.closure(forces)[1][1:, points, None].astype(np.float32)
+            yields = local.laws.closure(forces)[1][1:, points, None].astype(precision)
             relative = inner.reshape(k, len(points), count)
             stretched = (relative - s[:, points]).reshape(len(rows), count)
             answered = -(by_component(K[points]) @ stretched)

@@ -249,9 +249,7 @@ class PeriodicProblem:
         """What load columns and outputs do at the points with all stuck (components n_local, …)."""
         return np.asarray(self.local.rows @ self.loads.restrained[self.local.pairs])
 
-    def follow(
-        self, unknowns: Vector, circular: float, guess: Matrix | None = None
-    ) -> Motion:
+    def follow(self, unknowns: Vector, circular: float, guess: Matrix | None = None) -> Motion:
         """Run through the periods under given motion of the modes.
 
         A guess is μ of the PERIODS N increments (PERIODS N, components n_local) [force].

@@ -121,9 +121,7 @@ def solve_motion(
     raise ConvergenceError(message)
 
 
-def _leaving(
-    problem: PeriodicProblem, unknowns: Vector, circular: float, begun: Matrix
-) -> Indices:
+def _leaving(problem: PeriodicProblem, unknowns: Vector, circular: float, begun: Matrix) -> Indices:
     """Return points that leave their springs in a motion that needs not be periodic yet."""
     displaced = problem.displaced(unknowns, circular, begun)
     return problem.stuck.leaving(displaced, problem.local.points)
