@@ -31,8 +31,9 @@ SOLVED = 1e-13
 MOST_STEPS = 20
 """Newton steps of (F12); 1 to 5 are usual. What takes more goes the way of other paths."""
 
-LEAST_PART = 1 / 8
-"""Part of a step from which none is halved: points that stick and slip by turns end there."""
+WHOLE_STEPS, LEAST_PART = 5, 1 / 8
+"""Steps that are taken whole, after which those are halved that leave as much, down to a part: what
+has points stick and slip by turns ends there."""
 
 NEGLIGIBLE = 1e-4
 """Forces that are left, over the largest, whose motion elsewhere a step may forget."""
@@ -121,8 +122,7 @@ def _increment(
     """Return w, λ, slip and factors of an increment by Newton's steps; None where they go astray.
 
     It begins with the start μ that leaves the smallest residual, and with the factors of the
-    increment before: what slipped slips on. Where a step with new ones leaves as much, as of
-    points that stick and slip by turns, it is halved.
+    increment before: what slipped slips on. Where points stick and slip by turns, steps are halved.
     """
     springs, (k, m) = local.springs.ravel(), local.springs.shape
     anchor = local.at_rest.copy()
@@ -139,7 +139,7 @@ def _increment(
     state = min((reached(start) for start in starts), key=lambda state: state.size)
     size = max(float(np.abs(linear).max(initial=0.0)), float(np.abs(state.w).max(initial=0.0)))
     last = np.inf
-    for _ in range(MOST_STEPS):
+    for count in range(MOST_STEPS):
         if not np.isfinite(state.size):
             return None
         if state.size <= SOLVED * size or last / 2 <= state.size <= 1e2 * SOLVED * size:
@@ -147,10 +147,10 @@ def _increment(
             return state.w, state.forces, slack if k > 1 else np.zeros((2, m)), off
         anew = off is None or state.size > FAST_CONVERGENCE * last
         if anew or off is None:
-            off = OffSprings.of(local, state.K)
+            off = OffSprings.of(local, state.K, local.for_steps)
         last, step = state.size, off.step(local, state.left)
         trial, part = reached(state.excess + step), 1.0
-        while anew and not trial.size < last and part > LEAST_PART:
+        while anew and count >= WHOLE_STEPS and not trial.size < last and part > LEAST_PART:
             part /= 2
             trial = reached(state.excess + part * step)
         if anew or trial.size < last:
@@ -174,7 +174,7 @@ class _Reached(NamedTuple):
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class OffSprings:
-    """Points off their springs, and the factors between their rows, in the precision of steps.
+    """Points off their springs, and the factors between their rows.
 
     Attributes
     ----------
@@ -196,8 +196,8 @@ class OffSprings:
     lu: LU | None
 
     @classmethod
-    def of(cls, local: LocalContact, K: Matrix) -> "OffSprings":
-        """Return them for K (n_point, components, components)."""
+    def of(cls, local: LocalContact, K: Matrix, T: npt.NDArray[Any]) -> "OffSprings":
+        """Return them for K (n_point, components, components), in the precision of T."""
         k, m = local.springs.shape
         change = change_from(local.springs, K)
         # What is open goes with the motion, also where it was open at rest.
@@ -205,7 +205,6 @@ class OffSprings:
         rows = (m * np.arange(k)[:, None] + points).ravel()
         acts = change[points].any(axis=2).T.ravel()
         acting = rows[acts]
-        T = local.for_steps
         block = by_component(change[points].astype(T.dtype), acts)
         lu = None
         if len(acting):
@@ -262,14 +261,12 @@ def local_derivatives(
 ) -> Excess:
     """Return how forces beside those of springs change with unknowns along a path.
 
-    In the precision of steps; exact along the path but for that. Shapes (components n_point,
-    n_column) [length] are what the load columns move the points with all stuck; columns (N,
-    n_column, x) the derivatives of their factors, the same in every period of N increments.
+    Exact along it but for T in the precision of steps. Shapes (components n_point, n_column)
+    [length] are what the load columns move the points with all stuck; columns (N, n_column, x) the
+    derivatives of their factors, the same in every period of N increments.
     """
     (k, m), N, count = local.springs.shape, len(columns), columns.shape[2]
-    precision = local.for_steps.dtype
-    shapes, columns = shapes.astype(precision), columns.astype(precision)
-    s = np.zeros((k, m, count), dtype=precision)
+    s = np.zeros((k, m, count))
     excess = list[tuple[Indices, Matrix]]()
     slip, rubs = np.zeros((2, m)), local.contact.coefficients > 0
     slid = np.zeros(m, dtype=bool)
@@ -277,24 +274,23 @@ def local_derivatives(
         anchor = local.at_rest.copy()
         anchor[1:] -= slip[: k - 1]
         K = local.laws.respond(anchor + w.reshape(k, m))[1]
-        off = OffSprings.of(local, K)
+        off = OffSprings.of(local, K, local.compliance)
         points, rows = off.points, off.rows
         # Where points slid before, or are off their springs, μ changes: by K s − Δ w.
         active = slid.copy()
         active[points] = True
         chosen = np.flatnonzero(active)
         every = (m * np.arange(k)[:, None] + chosen).ravel()
-        K = K.astype(precision)
         pulled = by_component(K[chosen]) @ s[:, chosen].reshape(len(every), count)
         between = local.for_steps[np.ix_(rows, every)]
-        along = shapes[rows] @ columns[number % N] + between @ pulled
+        along = shapes[rows] @ columns[number % N] + between @ pulled.astype(between.dtype)
         resisted, acting = off.resisted(along), np.searchsorted(every, off.acting)
         pulled[acting] -= resisted
         excess.append((every, pulled))
         if k > 1 and len(points):
-            inner = along - between[:, acting] @ resisted
+            inner = along - between[:, acting] @ resisted.astype(between.dtype)
             forces = np.pad(path.forces[number], ((0, 3 - k), (0, 0)))
-            yields = local.laws.closure(forces)[1][1:, points, None].astype(precision)
+            yields = local.laws.closure(forces)[1][1:, points, None]
             relative = inner.reshape(k, len(points), count)
             stretched = (relative - s[:, points]).reshape(len(rows), count)
             answered = -(by_component(K[points]) @ stretched)
