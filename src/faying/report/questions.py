@@ -343,7 +343,7 @@ def _load_cases(results: Results, album: Album) -> Section:
         Column("largest bolt force", lambda row: _bolt_force(row[1]), "force", 5),
         Column("opened by the load", lambda row: _opened(results, row[0]), "%", 3),
     )
-    shown = [c for c in results.cases.values() if c.times is not None or c.kind == "path"]
+    shown = results.cases.values()
     vibrating = any(case.reference.backbones for case in results.cases.values())
     return Section(
         title="Load cases",

@@ -1,5 +1,7 @@
 """Long paths of a study go on where they were interrupted."""
 
+import time
+from dataclasses import dataclass
 from itertools import pairwise
 from types import SimpleNamespace
 
@@ -64,3 +66,20 @@ def test_an_interrupted_path_goes_on_after_its_last_piece(tmp_path, monkeypatch,
 
 def kept_names():
     return [f"increments {first + 1} to {end}" for first, end in pairwise((0, 4, 8))]
+
+
+@dataclass(frozen=True)
+class Answer:
+    value: float
+
+
+def test_computing_what_is_kept_counts_as_the_stage_that_asks_for_it(tmp_path):
+    books = Books(checkpoint=Checkpoint(tmp_path))
+
+    def slow():
+        time.sleep(0.2)
+        return Answer(42.0)
+
+    with books.timed("preload"):
+        assert books.value(Answer, "slow", slow) == Answer(42.0)
+    assert books.seconds["preload"] >= 0.2 > books.seconds["checkpoint"]
