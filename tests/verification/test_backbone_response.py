@@ -7,6 +7,7 @@ import pytest
 from test_backbone import DAMPER, LIMIT, MASS, SLIDER, SPRING, mass_on_a_slider
 
 import faying as fy
+from faying.assessment.backbone_response import LinearResponse
 from faying.exceptions import ModelError
 
 
@@ -79,3 +80,20 @@ def test_a_backbone_that_ends_below_the_peak_is_cut_and_says_so(slider, curve):
     above, below = found.plot("mass.ux")
     assert "per level" in above.get_ylabel()
     assert "phase" in below.get_ylabel()
+
+
+@pytest.mark.parametrize(("apart", "said"), [(0.001, True), (0.5, False)])
+def test_a_mode_beside_this_one_is_told(apart, said):
+    """Two modes of equal load: beside each other both swing, half an octave apart one does."""
+    frequency, damping = np.array([1.0]), 0.01
+    linear = LinearResponse(
+        components=("mass.Fx",),
+        circular=2 * np.pi * np.array([1.0, 1.0 + apart]),
+        damping=np.full(2, damping),
+        forced=np.ones(2, dtype=complex),
+        moved=np.ones((1, 2), dtype=complex),
+        rest=np.zeros(1, dtype=complex),
+    )
+    swing = linear.swung(1.0, frequency)[:, 0]
+    remarks = list(linear.companion(1.0, frequency, swing, 1))
+    assert [remark[:24] for remark in remarks] == ["level 1: at the peak mod"] * said

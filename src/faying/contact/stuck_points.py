@@ -33,7 +33,7 @@ CLOSE_TO_BOUND = 0.9
 
 LEAST_GIVEN_WAY = 0.01
 """Part of its motion that a force takes from the structure, not from the spring of its point, from
-which I − B T keeps digits in single precision: 0.24 on a flange, 5e-7 at rigid friction."""
+which I − B T keeps digits in single precision: a flange has 0.24."""
 
 
 @final
