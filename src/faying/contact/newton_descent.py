@@ -65,7 +65,7 @@ SLIP_ON_SCALE = 1.0 + 1e-9
 """What tangential displacements are scaled by, so that points at their bound slip on at first."""
 
 
-class Held(Protocol):
+class PairsOnSprings(Protocol):
     """Pairs on springs at their points."""
 
     @property
@@ -92,7 +92,7 @@ class Pairs(Protocol):
         ...
 
     @property
-    def glued(self) -> Held:
+    def glued(self) -> PairsOnSprings:
         """The pairs where points are closed and stick."""
         ...
 
