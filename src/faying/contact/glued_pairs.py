@@ -105,8 +105,10 @@ class GluedPairs:
     def about(self, springs: Matrix) -> "GluedPairs":
         """Return the same pairs for steps about other springs (components, n_point).
 
-        These are as of :meth:`glued_by`.
+        These are as of :meth:`glued_by`. Pairs that are factorized whole know no reference.
         """
+        if self.whole:
+            return self
         return self._on(HeldPairs.for_steps(self.points, springs, self.structure))
 
     def glued_by(self, springs: Matrix) -> "GluedPairs":
@@ -130,17 +132,7 @@ class GluedPairs:
     @property
     def whole(self) -> bool:
         """Whether Σ + B itself is factorized."""
-        return factorized_whole(self.G)
-
-    @property
-    def G(self) -> SparseMatrix | Matrix:
-        """Displacements at the points (components n_point, n_relative), component by component."""
-        return self.points.G
-
-    @property
-    def transposed(self) -> SparseMatrix | Matrix:
-        """Gᵀ, which takes forces at the points to the pairs."""
-        return self.points.transposed
+        return factorized_whole(self.points.G)
 
     def resisted(self, displacements: Vector) -> Vector:
         """Return Σ w of displacements w (n_relative,)."""

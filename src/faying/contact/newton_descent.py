@@ -23,6 +23,7 @@ import numpy as np
 from faying._typing import Mask, Matrix, SparseMatrix, Vector
 from faying.contact.increment import Increment
 from faying.contact.laws_at_points import LawsAtPoints
+from faying.contact.point_springs import PointSprings
 from faying.exceptions import ConvergenceError
 
 ROUND_OFF = 2e-15
@@ -82,13 +83,8 @@ class Pairs(Protocol):
     """What Newton's method asks of the structure between the pairs."""
 
     @property
-    def G(self) -> SparseMatrix | Matrix:
-        """Displacements at the points (components n_point, n_relative), component by component."""
-        ...
-
-    @property
-    def transposed(self) -> SparseMatrix | Matrix:
-        """Gᵀ, which takes forces at the points to the pairs."""
+    def points(self) -> PointSprings:
+        """G, displacements at the points (components n_point, n_relative)."""
         ...
 
     @property
@@ -148,7 +144,7 @@ def solve_yielding(
     (n_relative,) [length] of forces between the pairs, for Σ has fewer digits where weak springs
     hold bodies.
     """
-    G, k = pairs.G, laws.components
+    G, k = pairs.points.G, laws.components
     laws = laws.after(None if start is None else start.deepest)
     shape, law_offset = (k, offset.shape[1]), offset[:k]
 
@@ -216,8 +212,8 @@ def _formed(
     if moved_by is None:
         return replace(state, p=pairs.resisted(state.y - free) + pull)
     y = free + moved_by(state.p - pull)
-    z = _at(pairs.G, y, offset)
-    return _State(y, state.p, z, *laws.respond(z), pairs.transposed, state.least)
+    z = _at(pairs.points.G, y, offset)
+    return _State(y, state.p, z, *laws.respond(z), pairs.points.transposed, state.least)
 
 
 def _begun(
@@ -229,11 +225,11 @@ def _begun(
     pull: Vector,
 ) -> _State:
     """Return where Newton's method begins."""
-    G, shape = pairs.G, offset.shape
+    G, shape = pairs.points.G, offset.shape
     if start is None:
         # As if every point were closed and stuck: what then pulls opens in the steps that follow.
         glued = pairs.glued
-        pressed = pull + pairs.transposed @ (glued.springs * _at(G, free, offset)).ravel()
+        pressed = pull + pairs.points.transposed @ (glued.springs * _at(G, free, offset)).ravel()
         moved = glued.moved_by(-pressed)
         y, p = free + moved, pairs.resisted(moved) + pull
     else:
@@ -246,7 +242,7 @@ def _begun(
         onward[1:] *= SLIP_ON_SCALE
         K = laws.respond(onward)[1]
     floor = max(SMALLEST_FORCE_SHARE * float(np.abs(p).max(initial=0.0)), np.finfo(float).tiny)
-    return _State(y, p, z, forces, K, pairs.transposed, floor)
+    return _State(y, p, z, forces, K, pairs.points.transposed, floor)
 
 
 def _at(G: SparseMatrix | Matrix, y: Vector, offset: Matrix) -> Matrix:

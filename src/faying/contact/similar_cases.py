@@ -56,7 +56,7 @@ def solve_similar(
         If a case is not solved side by side, nor alone.
     """
     whole = cast("GluedPairs", solver.pairs)
-    laws, G, S, y_f = solver.laws, whole.G, solver.S, free.T
+    laws, G, S, y_f = solver.laws, whole.points.G, solver.S, free.T
     initial = solver.contact.initial_gap[:, None]
     z = G @ moved.T + initial
     springs = laws.springs * (np.count_nonzero(z <= 0, axis=1) > len(free) / 2)
@@ -75,7 +75,7 @@ def solve_similar(
     going = np.arange(len(free))
     while len(going):
         pressed[:, going], K = laws.side_by_side(z[:, going])
-        residual = p[:, going] - pairs.transposed @ pressed[:, going]
+        residual = p[:, going] - pairs.points.transposed @ pressed[:, going]
         largest = np.maximum(pressed[:, going].max(axis=0, initial=0.0), floor[going])
         left = np.abs(residual).max(axis=0, initial=0.0) / largest
         solved = left <= SOLVED
@@ -85,7 +85,7 @@ def solve_similar(
         stuck = ~solved & ((steps[going] >= MOST_STEPS) | ~np.isfinite(left))
         previous[going] = np.where(forming, np.inf, left)
         again = going[forming]
-        p[:, again] = pairs.transposed @ pressed[:, again]
+        p[:, again] = pairs.points.transposed @ pressed[:, again]
         z[:, again] = G @ (y_f[:, again] + S @ p[:, again]) + initial
         formed[again], lost[going[stuck]] = True, True
         walking = ~(forming | ended | stuck)
@@ -94,7 +94,7 @@ def solve_similar(
             changed = changed.with_all(G, K - springs.T)
             d = changed.step(residual, K - springs.T)
             along = G @ d
-            resisted = -residual - pairs.transposed @ (K * along)
+            resisted = -residual - pairs.points.transposed @ (K * along)
             length = _lengths(laws, z[:, cases], pressed[:, cases], along, residual, d, resisted)
             p[:, cases] += length * resisted
             z[:, cases] += length * along

@@ -101,16 +101,6 @@ class SparsePairs:
         )
 
     @property
-    def G(self) -> SparseMatrix | Matrix:
-        """Displacements at the points (components n_point, n_relative), component by component."""
-        return self.points.G
-
-    @property
-    def transposed(self) -> SparseMatrix | Matrix:
-        """Gᵀ, which takes forces at the points to the pairs."""
-        return self.points.transposed
-
-    @property
     def glued(self) -> "SparsePairs":
         """The pairs with all points closed and stuck, by their springs."""
         return self
@@ -120,6 +110,10 @@ class SparsePairs:
         shapes, yields = self.across
         taken = shapes.T @ np.linalg.solve(yields, shapes @ displacements)
         return np.asarray(self.structure.times(displacements) - taken)
+
+    def about(self, springs: Matrix) -> "SparsePairs":  # noqa: ARG002
+        """Return itself: factors follow the springs of the steps."""
+        return self
 
     def loosened(self, shapes: Matrix, yields: Matrix) -> "SparsePairs":
         """Return the pairs less springs across them, as :meth:`.GluedPairs.loosened`."""
