@@ -8,6 +8,7 @@ import logging
 import os
 import signal
 import sys
+import time
 from functools import partial
 from pathlib import Path
 
@@ -224,14 +225,24 @@ def test_a_task_that_kills_its_workers_is_named_and_the_others_are_kept(executor
 
 @pytest.mark.skipif(not hasattr(signal, "SIGPIPE"), reason="this system has no such signal")
 def test_a_broken_pipe_does_not_end_the_process_after_gmsh():
-    """``gmsh.initialize`` resets the signal to its default, which ends a process."""
+    """``gmsh.initialize`` resets the signal to its default, which ends a process.
+
+    A process that another thread is just starting holds the reading end too, for the moment until
+    it runs its own program. Hence the repeated writing.
+    """
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     run_campaign(campaign_tasks.mixed, {"a": "fine"})
     reading, writing = os.pipe()
     os.close(reading)
     with pytest.raises(BrokenPipeError):
-        os.write(writing, b"to nobody")
+        _write_for_ten_seconds(writing)
     os.close(writing)
+
+
+def _write_for_ten_seconds(pipe):
+    for _ in range(1000):
+        os.write(pipe, b"to nobody")
+        time.sleep(0.01)
 
 
 @pytest.mark.long
