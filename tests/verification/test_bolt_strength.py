@@ -55,6 +55,23 @@ def test_a_bolt_beyond_its_yield_stress_is_told_with_its_case_and_instant():
     assert (found.part, found.kind, found.unit, found.limit) == ("b", "bolt", "MPa", 640.0)
 
 
+@pytest.mark.parametrize(
+    ("force", "at_rest", "loaded", "reason"),
+    [
+        (25e3, 0.0, 80e3, "friction of the faces"),
+        (25e3, 80e3, 80e3, "tightening alone bends it"),
+        (60e3, 80e3, 80e3, "take a larger size"),
+    ],
+)
+def test_what_to_do_about_a_bolt_that_yields_follows_from_what_stresses_it(
+    force, at_rest, loaded, reason
+):
+    rest, case = (state([force], np.full((1, 2, 2), moment)) for moment in (at_rest, loaded))
+    end = PreloadEnd(name="", rest=rest, cases={"load": case})
+    checks = strength_checks({"b": M10}, [end], "mm-t-s")
+    assert reason in next(check.reason for check in checks if check.quantity == "yield")
+
+
 def test_a_joint_tells_the_strength_of_its_bolts():
     joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
     loads = [fy.Load({"tip.Fz": -100.0}, name="bend")]

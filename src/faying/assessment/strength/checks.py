@@ -137,7 +137,11 @@ def _tightening_check(bolt: str, thread: Thread, ends: Sequence[PreloadEnd], uni
 STRESSED = "take a larger size, a higher grade, or relieve the bolt"
 BENT = (
     "bending decides, and without it the check is met; where friction of the faces carries what "
-    "acts along them, say so by 'friction' of the interface or by [sticking]"
+    "acts along them and the study does not say so, give 'friction' of the interface or [sticking]"
+)
+BENT_AT_REST = (
+    "tightening alone bends it beyond the limit, and without bending the check is met; look at the "
+    "gaps that the bolts close, and at the order in which they are tightened"
 )
 """What to do about a bolt that yields."""
 
@@ -158,10 +162,12 @@ def _yield_check(bolt: str, thread: Thread, ends: Sequence[PreloadEnd], units: s
     )
     if check.outcome == "met":
         return check
-    state = worst.end.cases[worst.case]
-    forces = state.bolt_forces[bolt][worst.row : worst.row + 1]
-    straight = working_stress(thread, worst.end.preload(bolt), forces, None)
-    return replace(check, reason=BENT if straight[0] <= check.limit else STRESSED)
+    rest, preload = worst.end.rest, worst.end.preload(bolt)
+    forces = worst.end.cases[worst.case].bolt_forces[bolt][worst.row : worst.row + 1]
+    if working_stress(thread, preload, forces, None)[0] > check.limit:
+        return replace(check, reason=STRESSED)
+    tightened = working_stress(thread, preload, rest.bolt_forces[bolt], rest.bolt_moments.get(bolt))
+    return replace(check, reason=BENT_AT_REST if tightened[0] > check.limit else BENT)
 
 
 def _pressure_check(bolt: str, thread: Thread, ends: Sequence[PreloadEnd], units: str) -> Check:
