@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import cast, final
+from typing import final
 
 import numpy as np
 
@@ -92,7 +92,7 @@ def released_state(system: System, load: Load = AT_REST) -> Solution:
     solved = solved_inputs(system, smooth, inputs, load.name)
     free = port_forces(ports, inputs[0]) @ ports.contact_columns
     pressed = contact.interpolation.T @ solved.contact_forces[0]
-    total = cast("CondensedContact", smooth.static_contact).total
+    total = smooth.static_contact.total
     slip = contact.moved(free + total @ pressed)[1 : contact.components]
     return replace(
         solved,

@@ -36,12 +36,12 @@ from faying.workflow import run as runs
 from faying.workflow.run import run
 from small_study import BEND, JUMP, NO_REPORT, SMALL_JOINT, TINY_JOINT, reduction, training
 
-METHODS = '"craig-bampton", "jim-a", "jim-b", "compliance", "nmf"'
+METHODS = '"craig-bampton", "jim-a", "jim-b", "compliance"'
 STUDY = (
     'title = "Tiny joint"\n'
     + SMALL_JOINT
     + "[sticking]\nstiffness = 1e6\n\n"
-    + reduction("craig-bampton", "jim-a", "jim-b", "compliance", "nmf", joint_modes=[2, 4])
+    + reduction("craig-bampton", "jim-a", "jim-b", "compliance", joint_modes=[2, 4])
     + training(levels=3)
     + BEND
     + JUMP
@@ -108,8 +108,6 @@ def test_the_summary_has_the_keys_that_scripts_rely_on(finished):
     assert {"offline", "per_static_case", "per_step"} == set(
         summary["timings"]["methods"]["compliance"]
     )
-    # Methods that only know statics are absent from transients.
-    assert summary["timings"]["methods"]["nmf"].keys() == {"offline", "per_static_case"}
 
 
 @pytest.mark.long
@@ -434,7 +432,7 @@ def test_hard_contact_with_a_training_box(tmp_path):
     text = STUDY.replace(
         "[[bolt]]", '[[interface]]\nname = "joint"\npenalty = "hard"\n\n[[bolt]]', 1
     )
-    text = text.replace('"jim-a", "jim-b", "compliance", "nmf"', '"compliance"')
+    text = text.replace('"jim-a", "jim-b", "compliance"', '"compliance"')
     path = tmp_path / "hard.toml"
     path.write_text(text)
     assert run(read_study(path), tmp_path)["converged"]

@@ -18,7 +18,6 @@ from faying.joint.system import System
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.reduction.attachment import attachment_modes
 from faying.reduction.basis import Basis
-from faying.reduction.methods import METHODS
 from faying.reduction.projection import projected
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
@@ -51,7 +50,7 @@ from faying.study.stages.path_cases import (
 )
 from faying.study.stages.reference import REDUCED, Reference, Solved
 
-Models = Mapping[str, Mapping[int, System]]
+Models = Mapping[str, Mapping[int, ReducedModel]]
 
 
 @dataclass(eq=False, kw_only=True)
@@ -95,8 +94,6 @@ class CaseRunner:
         failures = _gained(f"{case.name}, {solved.name}", reference)
         for method, sizes in self.models.items():
             methods[method] = {}
-            if case.transient and not METHODS[method].transient:
-                continue
             for count, rom in sizes.items():
                 compared = self._compared(case, rom, method, count, reference, failures)
                 if compared is not None:
@@ -134,7 +131,7 @@ class CaseRunner:
     def _compared(
         self,
         case: LoadCaseSection,
-        rom: System,
+        rom: ReducedModel,
         method: str,
         count: int,
         reference: Response,
@@ -187,7 +184,7 @@ class CaseRunner:
         return remedy_of((EXACT, first.response), second, self._tolerance(case))
 
     @property
-    def _with_inertia(self) -> System:
+    def _with_inertia(self) -> ReducedModel:
         """The reduced model with inertia at the interface, once for all load cases.
 
         Notes
