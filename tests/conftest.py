@@ -12,9 +12,13 @@ import faying as fy
 # The same examples in every run, so that what fails here fails everywhere and a change alone can
 # turn a run red. New examples are looked for with `pytest tests/properties --hypothesis-profile
 # searching`, and what that finds becomes a test. No example has a deadline: how long one takes
-# says how busy the machine is.
+# says how busy the machine is. Examples of a test share its fixtures, as folders whose files each
+# replaces.
 settings.register_profile(
-    "repeatable", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow]
+    "repeatable",
+    derandomize=True,
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
 )
 settings.register_profile(
     "searching", settings.get_profile("repeatable"), derandomize=False, print_blob=True

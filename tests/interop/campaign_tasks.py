@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 import time
 from functools import partial
 from pathlib import Path
@@ -42,11 +43,29 @@ def _mixed(task):
         return {"ratio": np.asarray(1 / 0)}
     if task == "text":
         return "no arrays"
-    if task in ("die", "die late"):
-        # Dask's nanny does not replace a worker that dies while it starts.
-        time.sleep(0.7 if task == "die late" else 0.0)
-        os.kill(os.getpid(), signal.SIGKILL)
+    if task == "die":
+        die()
     return {"length": np.asarray(len(task))}
+
+
+def die():
+    """End this process as the system does where memory runs out.
+
+    A worker of Dask waits until its nanny knows that it runs: one that dies while it starts is not
+    replaced.
+    """
+    if distributed := sys.modules.get("distributed"):
+        worker = distributed.get_worker()
+        asked = {"function": distributed.protocol.pickle.dumps(_is_running)}
+        nanny = worker.rpc(worker.nanny)
+        while not distributed.utils.sync(worker.loop, nanny.run, **asked)["result"]:
+            time.sleep(0.05)
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def _is_running(dask_worker):
+    """Return whether a nanny knows that its worker runs."""
+    return dask_worker.process.status.name == "running"
 
 
 def mixed_together():
@@ -77,6 +96,15 @@ def unprepared():
     raise ModelError(message)
 
 
+def die_with(mark):
+    """Remove the file and die, where it is still there."""
+    try:
+        Path(mark).unlink()
+    except FileNotFoundError:
+        return
+    die()
+
+
 def deadly():
     os.kill(os.getpid(), signal.SIGKILL)
 
@@ -91,30 +119,18 @@ def transients(mark, step):
     """Prepare transients of the joint; whoever finds the file removes it and is killed."""
     model = joint()
     solver, rest = transient_solver(model, step=step), fy.solve_static(model)
-    return partial(_transient, solver, rest, Path(mark))
+    return partial(_transient, solver, rest, mark)
 
 
 def _transient(solver, rest, mark, load):
     response = solver.solve(load, duration=40 * solver.step, initial=rest)
     if load.name == "third":
-        time.sleep(0.5)  # as in _mixed
-        try:
-            mark.unlink()
-        except FileNotFoundError:
-            pass
-        else:
-            os.kill(os.getpid(), signal.SIGKILL)
+        die_with(mark)
     return {"pressure": response.pressure, "displacement": response.displacement("tip")}
 
 
 def pressure_or_death(mark, solution):
     """Take what is wanted of a solution; whoever finds the file removes it and is killed."""
     if solution.name == "third":
-        time.sleep(0.5)  # as in _mixed
-        try:
-            Path(mark).unlink()
-        except FileNotFoundError:
-            pass
-        else:
-            os.kill(os.getpid(), signal.SIGKILL)
+        die_with(mark)
     return {"pressure": solution.pressure, "displacement": solution.displacement("tip")}

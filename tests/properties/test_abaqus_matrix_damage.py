@@ -3,15 +3,13 @@
 import numpy as np
 import pytest
 from damage import damaged
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from faying.exceptions import FormatError
 from faying.io.matrix_tables import read_matrix
 
-QUICK = settings(
-    max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+QUICK = settings(max_examples=200)
 TEXTS = {
     ".mtx": "** heading\n1,1, 1,1, 4.0E+00\n1,2, 1,1,-1.5D0\n1,2, 1,2, 3.25\n7,3, 7,3, 2.0\n",
     ".sti": "1 1  4.0000000000000e+00\n1 2 -1.5000000000000e+00\n2 2  3.2500000000000e+00\n",

@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from faying.exceptions import FormatError, ModelError
@@ -12,9 +12,7 @@ from faying.io.abaqus import read_joint
 from small_abaqus_deck import DECK, LOOSE, PARTS, SHANK, TIED, TURNED, WOOD
 
 # Reading takes a few milliseconds; the file is written anew for every example.
-QUICK = settings(
-    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+QUICK = settings(max_examples=150)
 ALPHABET = "0123456789+-.,*=EeDd \nABCSTNO\"'\t_\0é"
 
 

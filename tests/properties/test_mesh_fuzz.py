@@ -6,7 +6,7 @@ import meshio
 import numpy as np
 import pytest
 from damage import damaged
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from faying.exceptions import FayingError
@@ -76,11 +76,7 @@ def test_whole_files_are_read(files, name):
 
 
 @pytest.mark.parametrize("name", list(FORMATS))
-@settings(
-    max_examples=60,
-    deadline=None,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
-)
+@settings(max_examples=60)
 @given(data=st.data())
 def test_damaged_files_end_in_one_message(files, name, data):
     folder, content = files[name]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from nastran_decks import BULK, CONTROL, HEAVY, SUBCASES
 
@@ -16,9 +16,7 @@ from clamped_plates import nastran_deck
 from faying.exceptions import FayingError, FormatError
 from faying.io.nastran import read_joint
 
-fuzzed = settings(
-    deadline=None, max_examples=80, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+fuzzed = settings(max_examples=80)
 JUNK = (
     *(b"", b"X", b"1", b"-1", b"0", b".", b"1.E300", b",", b",,", b"\t", b"\xff", b"\0", b"O"),
     *(b"*", b"THRU", b"BY", b"EXCEPT", b"$", b"'", b"99999999", b"9" * 20, b"1.-400", b"=", b"-"),

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from damage import damaged
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from faying.exceptions import FormatError
@@ -146,12 +146,7 @@ def test_a_changed_digit_is_read_as_it_stands(
 
 
 @pytest.mark.long
-@settings(
-    max_examples=300,
-    deadline=None,
-    derandomize=True,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
-)
+@settings(max_examples=300)
 @given(kind=st.sampled_from(KINDS), data=st.data())
 def test_any_damage(folder: Path, files: dict[str, bytes], kind: str, data: st.DataObject) -> None:
     content = data.draw(damaged(files[kind], text=kind != "binary")) or b"x"
@@ -174,7 +169,7 @@ def read_mutated(folder: Path, kind: str, content: bytes) -> np.ndarray:
 
 
 @pytest.mark.long
-@settings(max_examples=100, deadline=None, derandomize=True)
+@settings(max_examples=100)
 @given(st.binary(max_size=200), st.sampled_from(["op4", "dmig"]))
 def test_noise(folder: Path, content: bytes, suffix: str) -> None:
     path = folder / f"noise.{suffix}"

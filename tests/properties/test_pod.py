@@ -28,7 +28,7 @@ def weighted(draw):
     return Y, B.T @ B + np.eye(len(Y))  # condition below 13
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(weighted(), st.integers(1, 12))
 def test_modes_are_orthonormal_in_the_inner_product(drawn, count):
     Y, W = drawn
@@ -41,7 +41,7 @@ def test_modes_are_orthonormal_in_the_inner_product(drawn, count):
 
 
 @pytest.mark.long
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(weighted(), st.integers(1, 12))
 def test_missed_energy_is_what_is_discarded(drawn, count):
     Y, W = drawn
@@ -52,7 +52,7 @@ def test_missed_energy_is_what_is_discarded(drawn, count):
     assert missed == pytest.approx(modes.discarded * total, abs=1e-12 * total)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(snapshots())
 def test_equals_the_singular_value_decomposition(Y):
     modes = pod(Y)
@@ -69,7 +69,7 @@ def test_equals_the_singular_value_decomposition(Y):
     np.testing.assert_allclose(overlap, 1.0, rtol=0, atol=1e-9)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(weighted())
 def test_eigenvalues_of_the_gram_matrix_are_the_squares(drawn):
     Y, W = drawn
@@ -81,7 +81,7 @@ def test_eigenvalues_of_the_gram_matrix_are_the_squares(drawn):
     np.testing.assert_allclose(difference, 0, atol=1e-12 * squares[0])
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(weighted(), st.integers(1, 4))
 def test_snapshots_of_low_rank(drawn, copies):
     Y, W = drawn

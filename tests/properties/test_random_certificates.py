@@ -72,7 +72,7 @@ def test_never_violated_where_hard_contact_has_more_points_than_displacements():
         assert np.isfinite(bound).all()
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(
     seed=st.integers(0, 2**32 - 1),
     n=st.integers(1, 15),

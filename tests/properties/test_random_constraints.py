@@ -78,7 +78,7 @@ def residuals(assembly, u):
 
 
 @pytest.mark.long
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 2**32 - 1))
 def test_every_free_motion_satisfies_every_constraint(seed):
     assembly, keep = random_assembly(seed)
@@ -92,7 +92,7 @@ def test_every_free_motion_satisfies_every_constraint(seed):
 
 
 @pytest.mark.long
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.integers(0, 2**32 - 1))
 def test_number_of_free_dofs_is_all_minus_independent_equations(seed):
     assembly, keep = random_assembly(seed)

@@ -28,7 +28,7 @@ def tolerance(H, gap, forces):
 
 
 @pytest.mark.long
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(problems())
 def test_forces_and_slack_are_complementary(drawn):
     H, gap = drawn
@@ -40,7 +40,7 @@ def test_forces_and_slack_are_complementary(drawn):
     np.testing.assert_allclose(H @ solution.forces + gap, solution.slack, rtol=0, atol=small)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(problems(), st.data())
 def test_start_does_not_matter(drawn, data):
     H, gap = drawn
@@ -52,7 +52,7 @@ def test_start_does_not_matter(drawn, data):
     np.testing.assert_allclose(H @ warm.forces, H @ cold.forces, rtol=0, atol=small)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(problems(), st.sampled_from([2.0**-20, 2.0**10]), st.sampled_from([2.0**-30, 2.0**20]))
 def test_units_do_not_matter(drawn, length, force):
     H, gap = drawn
@@ -62,7 +62,7 @@ def test_units_do_not_matter(drawn, length, force):
     np.testing.assert_array_equal(scaled.forces, plain.forces * force)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(problems(), st.data())
 def test_forces_minimize_the_energy(drawn, data):
     H, gap = drawn
@@ -73,7 +73,7 @@ def test_forces_minimize_the_energy(drawn, data):
     assert energy[0] <= energy[1] + small
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(problems(ridge=(0.0, 0.0)))
 def test_redundant_points_are_pressed_or_open(drawn):
     H, gap = drawn

@@ -15,7 +15,7 @@ def joints():
 
 
 @pytest.mark.long
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=12)
 @given(index=st.integers(0, 10**6))
 def test_increments_are_solved_or_refused_with_the_reason(joints, index):
     """The residual is computed by the law written out again; twice for the sums in another order.

@@ -47,7 +47,7 @@ def gaps(joint, field):
     return joint.gap_operator @ np.hstack([field, np.zeros_like(field)]).ravel()
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(joints, rules, seeds)
 def test_rotating_and_moving_everything_changes_no_gap(which, quadrature, seed):
     random = np.random.default_rng(seed)
@@ -65,7 +65,7 @@ def test_rotating_and_moving_everything_changes_no_gap(which, quadrature, seed):
     assert there.penalty == pytest.approx(here.penalty, rel=1e-12)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(joints, rules, seeds)
 def test_renumbering_nodes_and_elements_changes_no_gap(which, quadrature, seed):
     random = np.random.default_rng(seed)
@@ -101,7 +101,7 @@ def test_renumbering_nodes_and_elements_changes_no_gap(which, quadrature, seed):
     assert after.penalty == pytest.approx(before.penalty, rel=1e-12)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(joints, rules, seeds)
 def test_no_pressure_leaves_a_force_or_moment(which, quadrature, seed):
     random = np.random.default_rng(seed)
@@ -114,7 +114,7 @@ def test_no_pressure_leaves_a_force_or_moment(which, quadrature, seed):
     np.testing.assert_allclose(moment / force.sum(), 0, atol=1e-12)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(joints, rules, seeds)
 def test_swapping_the_sides_keeps_every_gap(which, quadrature, seed):
     """n and u⁺ - u⁻ both change sign."""

@@ -54,7 +54,7 @@ def common_area(one, other):
     return ConvexHull(HalfspaceIntersection(rows, found.x[:2]).intersections).volume
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(seeds)
 def test_clipping_finds_the_common_area(seed):
     random = np.random.default_rng(seed)
@@ -81,7 +81,7 @@ def lattice(random, n):
 
 
 @pytest.mark.long
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(seeds, angles)
 def test_shared_sides_are_cut_by_no_rounding(seed, angle):
     random = np.random.default_rng(seed)
@@ -102,7 +102,7 @@ def overlap(below, above, angle, offset):
 
 
 @pytest.mark.long
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(kinds, kinds, counts, counts, angles, offsets, rules, seeds)
 def test_area_balance_and_linear_motions(
     lower, upper, below, above, angle, offset, quadrature, seed
@@ -126,7 +126,7 @@ def test_area_balance_and_linear_motions(
     np.testing.assert_allclose(opened, 0, atol=1e-7)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(kinds, kinds, counts, counts, angles, rules, seeds)
 def test_rotating_and_moving_everything_changes_nothing(
     lower, upper, below, above, angle, quadrature, seed
@@ -145,7 +145,7 @@ def test_rotating_and_moving_everything_changes_nothing(
     np.testing.assert_allclose(there.initial_gap, 0, atol=1e-10)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(kinds, kinds, counts, counts, angles, offsets)
 def test_either_side_may_carry_the_points(lower, upper, below, above, angle, offset):
     """A uniform pressure loads both sides alike, whichever is minus; so does its resultant."""
@@ -157,7 +157,7 @@ def test_either_side_may_carry_the_points(lower, upper, below, above, angle, off
     np.testing.assert_allclose(forces[1], forces[0], atol=1e-5 * SIZE[0] * SIZE[1])
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(counts, counts, angles, seeds)
 def test_renumbering_changes_no_projection(below, above, angle, seed):
     assembly = blocks((below, "hex8"), (above, "tet4"), move=turned(angle, 0.8))

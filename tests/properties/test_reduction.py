@@ -187,7 +187,7 @@ def test_residual_compliance_is_what_the_basis_misses(name, bases, joint):
     np.testing.assert_allclose(residual_compliance(joint, bases[name]), missing, rtol=0, atol=small)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(loads)
 @pytest.mark.parametrize("name", NAMES)
 def test_statics_with_compliance_are_exact(name, bases, joint, values):
@@ -203,7 +203,7 @@ def test_statics_with_compliance_are_exact(name, bases, joint, values):
     )
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(loads, st.integers(0, 19), st.integers(1, 20))
 @pytest.mark.parametrize("name", ["jim-a", "jim-b"])
 def test_more_modes_never_raise_the_energy_error(name, bases, joint, values, fewer, more):

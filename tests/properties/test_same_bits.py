@@ -39,29 +39,30 @@ CLOCKED = ("/timings/", "/provenance/date", "/seconds")
 """What of results is the clock's."""
 
 RUN = """
-import os, signal, sys, threading, time
+import os, signal, sys
+from itertools import count
 from pathlib import Path
 from threadpoolctl import threadpool_limits
 from faying.study.keys.schema import read_study
 from faying.workflow.run import run
 
-study, out, seconds = read_study(Path(sys.argv[1])), Path(sys.argv[2]), float(sys.argv[3])
+study, out, last = read_study(Path(sys.argv[1])), Path(sys.argv[2]), float(sys.argv[3])
 quiet = study.output.model_copy(update={"report": False})
-start = time.process_time()
+calls = count()
 
-def kill():
-    while time.process_time() < start + seconds:
-        time.sleep(0.002)
-    os.kill(os.getpid(), signal.SIGKILL)
+def kill(*_):
+    if next(calls) == last:
+        os.kill(os.getpid(), signal.SIGKILL)
 
-threading.Thread(target=kill, daemon=True).start()
+sys.setprofile(kill)
 with threadpool_limits(1):
     run(study.model_copy(update={"output": quiet}), out, resume=True)
-print(time.process_time() - start)
+sys.setprofile(None)
+print(next(calls))
 """
-"""A run that is killed, wherever it is, once it has used so many seconds of a processor.
+"""A run that is killed, wherever it is, at a call or return of functions.
 
-A clock on the wall would hit other places when other programs run.
+Counted, they are the same in every run; a clock hits other places when other programs run.
 """
 
 
@@ -105,21 +106,21 @@ def assert_same(found: Mapping[str, object], expected: Mapping[str, object], wha
     assert len(names) > 100
 
 
-def elsewhere(path: Path, out: Path, seconds: float = np.inf) -> subprocess.CompletedProcess[str]:
-    """Run, or resume, in a process of its own; killed after some seconds."""
+def elsewhere(path: Path, out: Path, last: float = np.inf) -> subprocess.CompletedProcess[str]:
+    """Run, or resume, in a process of its own; killed at the call of that number."""
     return subprocess.run(
-        [sys.executable, "-W", "error", "-c", RUN, path, out, str(seconds)],
+        [sys.executable, "-W", "error", "-c", RUN, path, out, str(last)],
         capture_output=True,
         text=True,
         check=False,
     )
 
 
-def finished(path: Path, out: Path) -> float:
-    """Run, or resume, in a process of its own to the end; return its processor time."""
+def finished(path: Path, out: Path) -> int:
+    """Run, or resume, in a process of its own to the end; return the number of its calls."""
     ended = elsewhere(path, out)
     assert ended.returncode == 0, ended.stderr
-    return float(ended.stdout)
+    return int(ended.stdout)
 
 
 def check_orders(studies: Mapping[str, Path], order: Iterable[str], folder: Path) -> None:
@@ -172,16 +173,12 @@ def check_kills(path: Path, folder: Path, instants: int) -> None:
     """Kill a run at so many instants all over it, each time resume: same bits."""
     whole = finished(path, folder / "whole")
     expected = bits(folder / "whole")
-    killed = 0
     for instant in range(instants):
         out = folder / str(instant)
-        seconds = whole * (instant + 0.5) / instants
-        ended = elsewhere(path, out, seconds)
-        killed += ended.returncode == -signal.SIGKILL
+        last = int(whole * (instant + 0.5) / instants)
+        assert elsewhere(path, out, last).returncode == -signal.SIGKILL
         finished(path, out)
-        assert_same(bits(out), expected, f"killed after {seconds:.2f} s")
-    # Processor time varies somewhat: the last kills may come too late.
-    assert killed >= 0.6 * instants
+        assert_same(bits(out), expected, f"killed at call {last} of {whole}")
 
 
 @pytest.mark.long

@@ -44,7 +44,7 @@ def random_definite(n, density, dofs, rng):
     return sp.kron(D @ D.T + sp.eye_array(n), np.eye(dofs) + 0.1).tocsr()
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     n=st.integers(1, 60),
     density=st.floats(0, 0.3),

@@ -22,7 +22,7 @@ def backend(request):
     return request.param
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     n=st.integers(1, 60),
     density=st.floats(0, 0.3),

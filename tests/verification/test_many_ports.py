@@ -95,7 +95,7 @@ def test_few_or_dense_columns_are_solved_for(plates, solved, monkeypatch):
 
 
 @pytest.mark.long
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     n=st.integers(1, 60),
     density=st.floats(0, 0.1),

@@ -165,29 +165,23 @@ def test_next_run_removes_what_killed_ones_left(study):
     ("stop", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)], ids=["Ctrl-C", "kill"]
 )
 def test_interrupted_run_says_how_to_go_on(study, stop, status):
-    """Long enough to be met: a step response of a million steps."""
+    """A step response of a hundred thousand steps, which is not finished when its stage is told."""
     text = study.read_text().replace(
         'kind = "static"', 'kind = "step"\nstep = 1e-6\nduration = 0.1'
     )
     study.write_text(text)
     arguments = [sys.executable, "-m", "faying", "run", study.name, "--out", "a folder"]
-    process = subprocess.Popen(
+    with subprocess.Popen(
         arguments,
         cwd=study.parent,
         stderr=subprocess.PIPE,
         text=True,
         # Shells tell what they start in the background to ignore it, tests and all.
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )
-    while not (study.parent / "a folder" / "unfinished").exists():
-        assert process.poll() is None
-        time.sleep(0.05)
-    time.sleep(0.5)
-    try:
-        process.send_signal(stop)
-        said = process.communicate(timeout=60)[1]
-    finally:
-        process.kill()
+    ) as process:
+        told = next((line for line in process.stderr if line.endswith("bend full\n")), "")
+        process.send_signal(stop if told else signal.SIGKILL)
+        said = told + process.stderr.read()
     assert process.returncode == status, said
     assert "Traceback" not in said
     assert said.endswith("  faying run study.toml --out 'a folder' --resume\n")
@@ -244,7 +238,7 @@ def test_a_run_without_a_terminal_tells_its_stages(study):
     stages = [re.fullmatch(r" *(\d+):(\d\d)  (\S.*)", line).groups() for line in lines]
     times = [60 * int(minutes) + int(seconds) for minutes, seconds, _ in stages]
     assert times == sorted(times)
-    names = [name for _, _, name in stages]
+    names = [name for _, _, name in stages if " of " not in name]  # how far, on a busy machine
     assert names[:4] == ["assembly", "factorization", "compliance", "preload"]
     assert names.index("preload") < names.index("files")
 

@@ -11,9 +11,9 @@ CELLS = np.array([100, 100, 48])
 SCRIPT = """
 import resource, sys, time
 from faying.io.abaqus import read_joint
-start = time.perf_counter()
+start = time.process_time()
 mesh = read_joint(sys.argv[1]).assembly.mesh
-seconds = time.perf_counter() - start
+seconds = time.process_time() - start
 peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 print(len(mesh.nodes), mesh.n_elements, seconds, peak / 2**20)
 """

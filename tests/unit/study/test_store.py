@@ -8,7 +8,7 @@ from typing import get_args, get_type_hints
 import h5py
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -63,9 +63,7 @@ POINTS = RESULTS.cases["LC1"].reference.pressure.shape
 # arrays of one record have one length: pressures that of the contact points, tried numbers of joint
 # modes any.
 @pytest.mark.long
-@settings(
-    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(max_examples=40)
 @given(
     pressure=arrays(float, POINTS, elements=st.floats(allow_nan=False, allow_infinity=False)),
     bounds=arrays(float, st.integers(0, 100), elements=numbers),

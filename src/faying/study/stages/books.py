@@ -166,6 +166,7 @@ class Books:
 
         start = clock()
         bundle = self.checkpoint.bundle(key, arrays)
+        value = restored(kind, bundle)
         # What it takes to compute the value belongs to the stage that asks for it.
         keeping = clock() - start - computing
         self.seconds["checkpoint"] = self.seconds.get("checkpoint", 0.0) + keeping
@@ -173,4 +174,4 @@ class Books:
             self._within[-1] += keeping
         repeated: Iterable[str] = map(str, bundle.get(FAILED, ()))
         self.failed.extend(text for text in repeated if text not in self.failed)
-        return restored(kind, bundle), float(bundle.get(SECONDS, 0.0))
+        return value, float(bundle.get(SECONDS, 0.0))
