@@ -8,7 +8,6 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.assessment.case_metrics import PRESSURE, Metric, case_metrics
 from faying.assessment.slip import ON_THE_BOUND, SLIP, slip_states
-from faying.contact.laws import Coulomb
 from faying.interface.surface import ContactSurface
 from faying.joint.model import Model
 from faying.joint.system import System
@@ -124,7 +123,7 @@ def _slip(path: Solution, interfaces: Mapping[str, ContactSurface]) -> Vector:
 def _with_coefficients(system: System, coefficients: Mapping[str, float]) -> System:
     """Return a full or reduced model with other coefficients of friction."""
     laws = {
-        name: replace(law, friction=coefficients[name]) if isinstance(law, Coulomb) else law
+        name: law.with_coefficient(coefficients[name])
         for name, law in system.contact.laws.items()
         if name in coefficients
     }

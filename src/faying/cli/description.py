@@ -8,7 +8,7 @@ from rich.table import Table
 
 from faying.cli.load_rows import case_rows, frequency_rows
 from faying.cli.tables import text_table
-from faying.contact.laws import Coulomb, Penalty
+from faying.contact.laws import Penalty
 from faying.display.facts import MOST_SHOWN
 from faying.interface.interface import Interface
 from faying.joint.diagnosis import AS_A_WHOLE, FreeParts
@@ -196,10 +196,10 @@ def _interfaces(model: Model, title: str) -> Table:
 
 
 def _friction(model: Model) -> Iterator[Table]:
+    laws = model.contact.laws
     rows = [
-        (interface.name, law.friction, float(law.tangential_penalty))
-        for interface in model.interfaces.values()
-        if isinstance(law := interface.law, Coulomb)
+        (name, laws[name].friction, float(laws[name].tangential_penalty))
+        for name in model.contact.rubbing_interfaces
     ]
     if rows:
         yield text_table("Friction", ["interface", "coefficient", "tangential penalty"], rows)

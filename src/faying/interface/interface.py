@@ -13,7 +13,7 @@ import scipy.sparse as sp
 
 from faying._typing import Frozen, Indices, Matrix, SparseMatrix, Vector, frozen, read_only
 from faying.contact.contact import Contact
-from faying.contact.laws import Coulomb, Curve, Law, normal_law
+from faying.contact.laws import Curve, Law, normal_law
 from faying.digits import ROUND_OFF
 from faying.display.facts import Shown, with_unit
 from faying.exceptions import naming
@@ -244,8 +244,7 @@ class Interface(Frozen, Shown):
         return self._with_normal(closure)
 
     def _with_normal(self, normal: Law) -> "Interface":
-        law = self.law
-        return self.with_law(replace(law, normal=normal) if isinstance(law, Coulomb) else normal)
+        return self.with_law(self.law.with_normal(normal))
 
     def with_law(self, law: Law) -> "Interface":
         """Return a copy with another law."""

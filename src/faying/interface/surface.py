@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
-from faying.contact.laws import CLOSURES, Coulomb, Curve, Law, normal_law
+from faying.contact.laws import CLOSURES, Curve, Law, law_with_friction, normal_law
 from faying.exceptions import ModelError
 from faying.interface.interface import FacePairs, Interface
 
@@ -119,9 +119,7 @@ def contact_surface(
         overlap=None if coupling is None else coupling.segments.partial,
         declared_area=interface.declared_area,
         friction=interface.law.friction,
-        tangential_penalty=interface.law.tangential_penalty
-        if isinstance(interface.law, Coulomb)
-        else 0.0,
+        tangential_penalty=interface.law.tangential_penalty,
         closure=curve_text(interface.law.normal),
     )
 
@@ -144,6 +142,4 @@ def recorded_law(record: ContactSurface) -> Law:
     except (ModelError, TypeError, AttributeError, KeyError) as error:
         message = f"the contact law cannot be read ({error})"
         raise ValueError(message) from None
-    if not record.friction:
-        return normal
-    return Coulomb(normal, record.friction, record.tangential_penalty)
+    return law_with_friction(normal, record.friction, record.tangential_penalty)

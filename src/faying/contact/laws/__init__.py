@@ -24,6 +24,7 @@ __all__ = [
     "Penalty",
     "PowerClosure",
     "TableClosure",
+    "law_with_friction",
     "normal_law",
 ]
 
@@ -53,3 +54,14 @@ def normal_law(penalty: float) -> Hard | Penalty:
         If it is not positive.
     """
     return Hard() if penalty == float("inf") else Penalty(float(penalty))
+
+
+def law_with_friction(normal: Law, friction: float, tangential_penalty: float) -> Law:
+    """Return a normal law with Coulomb friction, or itself where the coefficient is zero.
+
+    Raises
+    ------
+    ModelError
+        If a number is not in its range.
+    """
+    return Coulomb(normal, friction, tangential_penalty) if friction else normal

@@ -90,6 +90,14 @@ class Coulomb:
         """What the normal law does; slip is part of displacements."""
         return self.normal.remembers
 
+    def with_normal(self, normal: Law) -> "Coulomb":
+        """Return the same friction on another normal law."""
+        return replace(self, normal=normal)
+
+    def with_coefficient(self, friction: float) -> "Coulomb":
+        """Return the law with another μ."""
+        return replace(self, friction=friction)
+
     def after(self, deepest: Vector) -> "Coulomb":
         """Return friction on the normal law after that."""
         return replace(self, normal=self.normal.after(deepest))

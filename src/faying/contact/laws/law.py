@@ -52,6 +52,19 @@ class Law(Protocol):
         ...
 
     @property
+    def tangential_penalty(self) -> float:
+        """Stiffness c_t [force/length³] by which sticking points hold on; zero: they do not."""
+        ...
+
+    def with_normal(self, normal: "Law") -> "Law":
+        """Return the law with another normal component."""
+        ...
+
+    def with_coefficient(self, friction: float) -> "Law":
+        """Return the law with another coefficient of friction; itself where nothing holds on."""
+        ...
+
+    @property
     def yields(self) -> bool:
         """Whether forces follow from displacements; hard contact has no :meth:`respond`."""
         ...

@@ -28,6 +28,19 @@ class Unilateral:
         return 0.0
 
     @property
+    def tangential_penalty(self) -> float:
+        """Nothing holds on."""
+        return 0.0
+
+    def with_normal(self, normal: Law) -> Law:
+        """Return that law."""
+        return normal
+
+    def with_coefficient(self, friction: float) -> Law:  # noqa: ARG002
+        """Return itself: nothing holds on."""
+        return cast("Law", self)
+
+    @property
     def yields(self) -> bool:
         """The surfaces close by what their pressure asks for."""
         return True

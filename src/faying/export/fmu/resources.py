@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Vector
-from faying.contact.laws import Coulomb, Law
+from faying.contact.laws import Law
 from faying.exceptions import StudyError
 from faying.export.arrays import refuse_expanding_bolts, sparse_variables
 from faying.export.fmu.variable import seconds
@@ -112,7 +112,7 @@ def joint_file(rom: ReducedModel, defaults: Defaults) -> tuple[bytes, str]:
 
 
 def _tangential_penalty(law: Law) -> float:
-    return law.tangential_penalty if isinstance(law, Coulomb) else float("inf")
+    return law.tangential_penalty or float("inf")
 
 
 def recovery_file(rom: ReducedModel) -> bytes:

@@ -6,7 +6,7 @@ from itertools import product
 
 import numpy as np
 
-from faying.contact.laws import Coulomb, Law
+from faying.contact.laws import Law
 from faying.contact.laws.coulomb import LARGEST_FRICTION
 from faying.exceptions import ModelError
 from faying.export.fmu.variable import (
@@ -259,13 +259,13 @@ def _ports(rom: ReducedModel, defaults: Defaults) -> Iterator[Variable]:
 
 
 def _of_law(law: Law) -> Iterator[tuple[Kind, float]]:
-    """Yield coefficients and stiffnesses, as far as they are finite."""
-    if isinstance(law, Coulomb):
-        yield Kind.FRICTION, law.friction
-    if np.isfinite(law.penalty):
-        yield Kind.PENALTY, law.penalty
-    if isinstance(law, Coulomb) and np.isfinite(law.tangential_penalty):
-        yield Kind.TANGENTIAL_PENALTY, law.tangential_penalty
+    """Yield coefficients and stiffnesses, as far as they are finite and not zero."""
+    values = {
+        Kind.FRICTION: law.friction,
+        Kind.PENALTY: law.penalty,
+        Kind.TANGENTIAL_PENALTY: law.tangential_penalty,
+    }
+    yield from ((kind, value) for kind, value in values.items() if 0 < value < np.inf)
 
 
 def _at_boundaries(

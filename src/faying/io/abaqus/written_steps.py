@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Vector
-from faying.contact.laws import Coulomb, normal_law
+from faying.contact.laws import normal_law
 from faying.digits import SOLVED
 from faying.exceptions import refuse
 from faying.interface.interface import FacePairs
@@ -200,7 +200,7 @@ def _behaviour(
         slope = automatic_penalty(assembly, faces) if automatic else float(spec.penalty)
         yield from ("*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR", real_text(slope))
     law = with_friction(normal_law(slope), spec.friction, spec.tangential_penalty, assembly)
-    if isinstance(law, Coulomb):
+    if law.components > 1:
         stick = law.tangential_penalty
         numbers = [law.friction] if np.isinf(stick) else [law.friction, stick]
         yield from ("*FRICTION", ",".join(map(real_text, numbers)))
