@@ -33,7 +33,7 @@ from faying.io.abaqus.writer import write_deck
 from faying.joint.build import build_model
 from faying.joint.lap_joint import lap_joint_assembly
 from faying.model.assembly import NodalLoads
-from faying.simulation.frictional_preload import tighten_with_friction
+from faying.simulation.tightening import tightened_joint
 
 PRELOAD, PENALTY = 8000.0, 1e6
 FRICTION, TANGENTIAL_PENALTY = 0.2, 8e5
@@ -109,7 +109,7 @@ def with_friction(description, repeat: int) -> None:
         theirs.append(calculix(rubbing))
         start = time.process_time()
         model = built(rubbing)
-        found = tighten_with_friction(model, {"bolt": PRELOAD}, increments=1)
+        found = tightened_joint(model, {"bolt": PRELOAD}, increments=1)
         locked = model.with_bolt_forces(found.tightening.initial_forces)
         rom = fy.reduce(locked, fy.craig_bampton(locked, normal_modes=20), compliance=True)
         tight = fy.solve_path(rom, [fy.Load()])

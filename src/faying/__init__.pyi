@@ -79,10 +79,10 @@ from faying.simulation.path import solve_path as solve_path
 from faying.simulation.path import solve_static as solve_static
 from faying.simulation.preload import Sticking as Sticking
 from faying.simulation.preload import preload as preload
-from faying.simulation.preload import tighten as tighten
 from faying.simulation.preload_loss import PreloadLoss as PreloadLoss
 from faying.simulation.solution import Solution as Solution
 from faying.simulation.static import solve_static_cases as solve_static_cases
+from faying.simulation.tightening import tighten as tighten
 from faying.simulation.tightening_plan import TighteningPlan as TighteningPlan
 from faying.simulation.tightening_plan import tightening_plan as tightening_plan
 from faying.simulation.transient import solve_transient as solve_transient

@@ -20,8 +20,8 @@ from faying.model.description import JointDescription
 from faying.model.elements import SOLIDS
 from faying.model.matrices import assemble_matrices
 from faying.model.mesh import Mesh
-from faying.simulation.frictional_preload import tighten_with_friction
 from faying.simulation.start import last_of
+from faying.simulation.tightening import tightened_joint
 from linear_solution import circular_frequencies
 
 PRINTED = 1e-6
@@ -284,11 +284,11 @@ def test_friction_in_one_increment(binary, data, tmp_path):
     model, preloads, load = from_deck(path, 2)
     assert model.interfaces["joint"].law == Coulomb(Penalty(1e6), 0.2, 8e5)
     model = model.with_interfaces({"joint": ccx_rule(model.interfaces["joint"], data)})
-    tight = tighten_with_friction(model, preloads, increments=1)
+    tight = tightened_joint(model, preloads, increments=1)
     control = max(theirs.displacements[1])
     one.write_text(in_one_increment(text, control, theirs.displacements[1][control][0]))
     loaded = fy.solve_path(model.with_bolt_forces(tight.tightening.initial_forces), [load])
-    for found, run in ((tight.rest, theirs), (loaded, run_calculix(binary, one))):
+    for found, run in ((tight.rest(model), theirs), (loaded, run_calculix(binary, one))):
         check(last_of(found), run, 1, PRINTED)
         mine = np.sort(np.linalg.norm(found.traction[-1], axis=-1))[::-1]
         printed = np.sort(run.tractions[1])[::-1]  # of points in contact alone, in another order
@@ -296,7 +296,7 @@ def test_friction_in_one_increment(binary, data, tmp_path):
         # Both come from displacements and penalties of one size.
         small = PRINTED * run.pressures[1].max()
         np.testing.assert_allclose(mine[: len(printed)], printed, rtol=0, atol=small)
-    assert loaded.dissipation[-1] > 1e3 * tight.rest.dissipation.sum()
+    assert loaded.dissipation[-1] > 1e3 * tight.rest(model).dissipation.sum()
 
 
 def test_initial_interference(binary, data, tmp_path):

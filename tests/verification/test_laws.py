@@ -17,10 +17,10 @@ from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.exceptions import ModelError, StudyError
 from faying.export.formats import export
 from faying.joint.system import input_forces
-from faying.simulation.frictional_preload import tighten_with_friction
 from faying.simulation.integrators import EnergyDecaying, ImplicitEuler
 from faying.simulation.solution import Solution
 from faying.simulation.static import relative_forces
+from faying.simulation.tightening import tightened_joint
 
 STIFFNESS = 2e5
 PRELOAD = 8e3
@@ -82,7 +82,7 @@ def moving(system):
 def tightened(model):
     if model.contact.components == 1:
         return fy.solve_static(fy.preload(model, {"bolt": PRELOAD}))
-    return tighten_with_friction(model, {"bolt": PRELOAD}, increments=2).rest
+    return tightened_joint(model, {"bolt": PRELOAD}, increments=2).rest(model)
 
 
 def loaded(model, folder):

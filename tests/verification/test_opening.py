@@ -10,7 +10,7 @@ from faying.assessment.opening import (
     opening_factors,
     opening_margins,
 )
-from faying.simulation.without_friction import released_state
+from faying.simulation.start import released_state
 
 BEND = fy.Load({"tip.Fx": 6e3, "tip.Fz": -500.0}, name="bend")
 

@@ -5,7 +5,7 @@ import pytest
 
 import faying as fy
 from faying.exceptions import ModelError
-from faying.simulation.frictional_preload import tighten_with_friction
+from faying.simulation.tightening import tightened_joint
 from faying.study.keys.schema import read_study
 from faying.study.stages.offline import prepare_joint
 from small_study import TINY_JOINT
@@ -60,15 +60,13 @@ def test_a_bolt_that_lost_all_is_loose(pair):
 def test_with_friction_losses_end_the_path(pair):
     losses = {"bolt-1": fy.PreloadLoss(embedding=FACES, relaxation=0.1)}
     rubbing = pair.with_friction(0.2)
-    found = tighten_with_friction(
-        rubbing, {"bolt-1": 10e3, "bolt-2": 6e3}, increments=2, losses=losses
-    )
+    found = tightened_joint(rubbing, {"bolt-1": 10e3, "bolt-2": 6e3}, increments=2, losses=losses)
     assert found.tightening.stages[-2:] == ("relaxed", "embedded")
     assert found.tightening.bolt_forces[-2, 0] == pytest.approx(9e3, rel=ROUND_OFF)
-    followed = fy.solve_path(rubbing, found.loads)
+    followed = fy.solve_path(rubbing, found.tightening.loads)
     for number, bolt in enumerate(found.tightening.bolts):
         last = found.tightening.bolt_forces[-1, number]
-        assert found.rest.bolt_force(bolt)[-1] == pytest.approx(last, rel=ROUND_OFF)
+        assert found.rest(rubbing).bolt_force(bolt)[-1] == pytest.approx(last, rel=ROUND_OFF)
         assert followed.bolt_force(bolt)[-1] == pytest.approx(last, rel=1e-8)
 
 

@@ -10,10 +10,9 @@ from faying.assessment.sliding import resistance_used
 from faying.assessment.slip import OPEN, SLIP, STICK, slip_states
 from faying.exceptions import ModelError
 from faying.simulation.cycles import loop_area
-from faying.simulation.frictional_preload import tighten_with_friction
 from faying.simulation.path import follow, moved_alone, path_inputs, path_start
-from faying.simulation.start import last_of
-from faying.simulation.without_friction import released_state
+from faying.simulation.start import last_of, released_state
+from faying.simulation.tightening import tightened_joint
 from faying.study.results.path_record import cycle_record
 
 PULL = fy.Load({"tip.Fx": 1000.0})
@@ -48,18 +47,21 @@ def test_bolts_end_at_their_forces_with_friction():
         bolt_positions=((-15.0, 0.0), (15.0, 0.0)),
     ).with_friction(0.3)
     wanted = {"bolt-2": 6e3, "bolt-1": 8e3}
-    found = tighten_with_friction(model, wanted, increments=4)
+    found = tightened_joint(model, wanted, increments=4)
     for name, force in wanted.items():
         # The tolerance of the search is 1e-10 of the largest force.
-        assert found.rest.bolt_force(name)[-1] == pytest.approx(force, rel=1e-9)
+        assert found.rest(model).bolt_force(name)[-1] == pytest.approx(force, rel=1e-9)
     smooth = fy.tighten(model.with_friction(0.0), wanted).initial_forces
     assert found.tightening.initial_forces["bolt-1"] != pytest.approx(smooth["bolt-1"], rel=1e-6)
-    assert len(found.loads) >= 9  # four increments for each bolt, one for both
+    assert len(found.tightening.loads) >= 9  # four increments for each bolt, one for both
     basis = fy.craig_bampton(model, normal_modes=3)
-    again = fy.solve_path(fy.reduce(model, basis, compliance=True), found.loads)
+    again = fy.solve_path(fy.reduce(model, basis, compliance=True), found.tightening.loads)
     # Round-off of S times the penalty, as along any path.
     np.testing.assert_allclose(
-        again.traction[-1], found.rest.traction[-1], rtol=0, atol=1e-8 * again.max_pressure[-1]
+        again.traction[-1],
+        found.rest(model).traction[-1],
+        rtol=0,
+        atol=1e-8 * again.max_pressure[-1],
     )
 
 

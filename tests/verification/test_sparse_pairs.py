@@ -14,7 +14,7 @@ from faying.exceptions import ModelError
 from faying.linalg.factorization import factorize
 from faying.linalg.partial import port_compliance
 from faying.linalg.sparse_stiffness import SparseStiffness
-from faying.simulation.frictional_preload import tighten_with_friction
+from faying.simulation.tightening import tightened_joint
 
 TINY = 1e3
 """Budget in bytes that no dense matrix fits into."""
@@ -104,11 +104,11 @@ def test_curves_that_remember_are_followed_alike(joints, friction):
 
 def test_bolts_tightened_with_friction_have_their_forces(joints):
     exact, mine = (
-        tighten_with_friction(joint.with_friction(0.2), BOLT, increments=3) for joint in joints
+        tightened_joint(joint.with_friction(0.2), BOLT, increments=3) for joint in joints
     )
     assert_alike(mine.tightening.bolt_forces, exact.tightening.bolt_forces)
     for name in ("contact_forces", "shear_forces", "shear_slip"):
-        assert_alike(getattr(mine.rest, name), getattr(exact.rest, name))
+        assert_alike(getattr(mine.rest(mine.joint), name), getattr(exact.rest(exact.joint), name))
 
 
 def test_vibration_is_refused_by_name(joints):

@@ -35,14 +35,14 @@ from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import surroundings
 from faying.joint.model import Model
+from faying.joint.smooth_joint import smooth_joint
 from faying.joint.tangential import TangentialRows, tangential_rows
 from faying.reduction.projection import contact_surfaces
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import Load, NamedLoad
 from faying.simulation.path import solve_static
 from faying.simulation.solution import Solution
-from faying.simulation.static import solve_static_cases
-from faying.simulation.without_friction import pressures_without_friction
+from faying.simulation.static import port_forces, solve_static_cases, solved_cases
 from faying.units import units_of
 
 UNTOLD = "the file does not tell what is carried along it; reduce the study again"
@@ -205,7 +205,10 @@ class JointJudge:
         if initial is None and system.contact.forgets and self.cases.keys() >= set(names):
             pressure = np.concatenate([self.cases[name].pressure for name in names])
         else:
-            pressure = pressures_without_friction(system, inputs)
+            ports = system.port_compliance
+            free = port_forces(ports, inputs) @ ports.contact_columns
+            forces = solved_cases(smooth_joint(system), free).forces
+            pressure = forces / system.contact.weights
         demands = slip_demands(
             system,
             self.surfaces,

@@ -1,7 +1,7 @@
 """What solvers know of contact: relative displacements, gaps at points, and a local law."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -122,6 +122,12 @@ class Contact:
     def smooth_interfaces(self) -> list[str]:
         """Names of the interfaces without friction."""
         return [name for name, law in self.laws.items() if not law.friction > 0]
+
+    @property
+    def smooth(self) -> "Contact":
+        """The same points with their normal laws alone; itself where they have no others."""
+        laws = {name: law.normal for name, law in self.laws.items()}
+        return self if laws == dict(self.laws) else replace(self, laws=laws)
 
     def parts(self, forces: Matrix) -> tuple[Matrix, Matrix]:
         """Return normal (..., n_point) and tangential forces (..., n_tangent, n_point) of all.

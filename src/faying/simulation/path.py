@@ -115,7 +115,7 @@ def path_inputs(system: System, loads: Sequence[StaticLoad]) -> Matrix:
     return np.concatenate([load.inputs(system, start) for load in loads])
 
 
-def moved_alone(system: System, inputs: Matrix) -> Matrix:
+def moved_alone(system: Joint, inputs: Matrix) -> Matrix:
     """Return what inputs (n_load, n_input) alone move the pairs (n_load, n_relative) [length]."""
     ports = system.port_compliance
     # Row by row, so that a load gives the same digits whichever others stand beside it.
@@ -126,6 +126,17 @@ def moved_alone(system: System, inputs: Matrix) -> Matrix:
 def assembled(system: System, inputs: Matrix, steps: Sequence["PathStep"], name: str) -> Solution:
     """Return the solution of a path that was followed, one back-substitution for each load."""
     return solution_of(system, inputs, states_of(system.contact, steps), name)
+
+
+def left_by(system: System, joint: Joint, inputs: Vector, step: "PathStep", name: str) -> Solution:
+    """Return the state of a system under inputs (n_input,) where a step of its joint left it.
+
+    The joint may be without the friction of the system: what moved along the surfaces then counts
+    as slip, and friction begins there. The solution has one entry.
+    """
+    slip, rubbing = system.contact.moved(step.increment.moved)[1:], joint.contact.rubbing
+    slip[:, rubbing] = step.slip[:, rubbing]
+    return assembled(system, inputs[None], [replace(step, slip=slip)], name)
 
 
 def states_of(contact: Contact, steps: Sequence["PathStep"]) -> ContactStates:
@@ -197,11 +208,16 @@ def path_start(system: System, initial: Solution | None) -> PathStep:
         If that has other contact points, or carries what the joint does not have.
     """
     if initial is None:
-        return path_at(system, np.zeros(system.port_compliance.n_relative), None)
+        return unstressed(system)
     relative = moved_alone(system, carried_inputs(system, initial))
     begins = initial.states.ndim == 1 or len(initial.states) == 1
     previous = None if begins else path_start(system, state_of(initial, -2))
     return replace(path_at(system, relative, last_of(initial)), previous=previous)
+
+
+def unstressed(joint: Joint) -> PathStep:
+    """Return where a path begins before anything pressed or slipped."""
+    return path_at(joint, np.zeros(joint.port_compliance.n_relative), None)
 
 
 def path_at(joint: Joint, relative: Vector, state: Solution | None) -> PathStep:

@@ -8,11 +8,19 @@ import numpy as np
 from faying._typing import Matrix
 from faying.contact.state import ContactState
 from faying.exceptions import ModelError
+from faying.joint.smooth_joint import smooth_joint
 from faying.joint.system import System, input_forces
 from faying.linalg.factorization import factorize
 from faying.simulation.integrators import Integrator, Motion
 from faying.simulation.load import Load
-from faying.simulation.path import last_of, solve_path
+from faying.simulation.path import (
+    follow,
+    last_of,
+    left_by,
+    moved_alone,
+    solve_path,
+    unstressed,
+)
 from faying.simulation.restart import Restart, each_of
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import carried_inputs
@@ -22,6 +30,23 @@ from faying.simulation.static import AT_REST, relative_forces
 def at_rest(system: System) -> Solution:
     """Solve the joint under its bolts alone; with friction they are tightened in one increment."""
     return last_of(solve_path(system, [AT_REST], name=AT_REST.name))
+
+
+def released_state(system: System, load: Load = AT_REST) -> Solution:
+    """Solve a load without friction, as a state of the joint that carries no traction.
+
+    A path that goes on from it (``initial`` of :func:`faying.solve_path`) is that of a joint
+    tightened without friction. Its one entry is of the system itself.
+
+    Raises
+    ------
+    ModelError, ConvergenceError
+        As :func:`faying.solve_static`.
+    """
+    joint, inputs = smooth_joint(system), load.inputs(system, np.zeros(1))
+    relative = moved_alone(joint, inputs)
+    (step,) = follow(joint.static_contact.increments, relative, unstressed(joint))
+    return left_by(system, joint, inputs[0], step, load.name)
 
 
 def starting_states(

@@ -15,11 +15,11 @@ import numpy as np
 
 from faying._typing import Frozen, Indices, Matrix, Vector
 from faying.exceptions import ConvergenceError, ModelError
+from faying.joint.smooth_joint import smooth_joint
 from faying.joint.system import Joint, initial_bolt_forces
 from faying.simulation.bolted_state import BoltedState, bolted_state
 from faying.simulation.bolts_by_force import BoltsByForce
-from faying.simulation.preload import checked_bolts
-from faying.simulation.without_friction import smooth_joint
+from faying.simulation.tightening import checked_bolts
 
 TARGET_TOLERANCE = 1e-4
 """Deviation of a bolt force from its target, over it, at which a plan with friction is enough."""

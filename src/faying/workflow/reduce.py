@@ -112,9 +112,7 @@ def reduce_study(
 
 
 def _tightened(joint: PreparedJoint) -> dict[str, str]:
-    """Say how a joint with friction was tightened: initial bolt forces, increment by increment."""
-    if not joint.model.contact.rubbing_interfaces:
-        return {}
+    """Say how a joint was tightened: initial bolt forces, increment by increment."""
     return {PRELOAD_PATH: json.dumps([dict(load.bolt_forces) for load in joint.preload_path])}
 
 

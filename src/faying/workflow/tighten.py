@@ -9,11 +9,11 @@ from faying.exceptions import StudyError
 from faying.files.csv_rows import write_rows
 from faying.linalg.threads import one_thread
 from faying.simulation.tightening_plan import TighteningPlan, tightening_plan
-from faying.simulation.without_friction import smooth_joint
 from faying.study.inputs.load_model import build_loaded, check_interfaces, load_model
 from faying.study.keys.tables import Study
 from faying.study.keys.threads import StudyBolts, thread_of
 from faying.study.stages.books import Books, ProgressBar
+from faying.study.stages.offline import joint_while_tightened
 
 
 @one_thread()
@@ -44,7 +44,7 @@ def plan_of_study(
     with books.stage("compliance"):
         _ = model.static_contact
     with books.stage("tightening"):
-        joint = model if study.friction_during_preload else smooth_joint(model)
+        joint = joint_while_tightened(study, model)
         return tightening_plan(joint, targets, passes=passes)
 
 

@@ -16,9 +16,9 @@ from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 from faying.simulation import bolts_by_force
 from faying.simulation.cycles import load_work, loop_area
-from faying.simulation.frictional_preload import tighten_with_friction
 from faying.simulation.path import follow, moved_alone, path_inputs, path_start
-from faying.simulation.without_friction import released_state
+from faying.simulation.start import released_state
+from faying.simulation.tightening import tightened_joint
 from small_system import SmallSystem
 
 NORMAL, TANGENTIAL, FRICTION, WEIGHTS = 2e3, 800.0, 0.3, np.array([1.0, 2.0])
@@ -373,7 +373,7 @@ def test_cycles_out_of_range_are_refused(amplitude, increments):
 def test_bolts_are_tightened_along_a_path_with_friction(sideways):
     """One after the other, then together: nominal forces, and loads that lead any model there."""
     system, goal = sliders(lean=600.0, sideways=sideways), {"b": 12.0, "a": 8.0}
-    found = tighten_with_friction(system, goal, increments=4)
+    found = tightened_joint(system, goal, increments=4)
     tightening = found.tightening
     assert tightening.bolts == ("a", "b")
     stages = [f"{name} to {share}" for name in "ba" for share in ("25%", "50%", "75%", "100%")]
@@ -384,12 +384,14 @@ def test_bolts_are_tightened_along_a_path_with_friction(sideways):
     np.testing.assert_allclose(forces[4:8, 0], [2.0, 4.0, 6.0, 8.0], rtol=1e-9)
     np.testing.assert_allclose(forces[8], [8.0, 12.0], rtol=1e-9)
     assert abs(forces[7, 1] - 12.0) > 0.01  # what the neighbour took away
-    loads = [replace(load, forces=pulled().forces) for load in found.loads]
+    loads = [replace(load, forces=pulled().forces) for load in found.tightening.loads]
     path = fy.solve_path(system, loads)
     check_path(system, loads, path)
     assert path.dissipation[0] > 1e-4  # the first points that close slip
-    np.testing.assert_allclose(path.shear_slip[-1], found.rest.shear_slip[-1], **SAME)
-    initial = np.array([[load.bolt_forces[name] for name in "ab"] for load in found.loads])
+    np.testing.assert_allclose(path.shear_slip[-1], found.rest(system).shear_slip[-1], **SAME)
+    initial = np.array(
+        [[load.bolt_forces[name] for name in "ab"] for load in found.tightening.loads]
+    )
     assert dict(zip("ab", initial[-1], strict=True)) == tightening.initial_forces
     assert not initial[:4, 0].any()
     reached = BOLT * path.states[:, [1, 3]] + initial
@@ -403,17 +405,19 @@ def test_bolts_that_are_locked_already_come_first():
         system,
         bolts={"a": system.bolts["a"].locked(9.0), "b": system.bolts["b"]},
     )
-    found = tighten_with_friction(locked, {"b": 12.0}, increments=2)
-    assert [load.bolt_forces["a"] for load in found.loads] == [9.0] * len(found.loads)
-    assert found.loads[0].bolt_forces["b"] == 0.0
+    found = tightened_joint(locked, {"b": 12.0}, increments=2)
+    assert [load.bolt_forces["a"] for load in found.tightening.loads] == [9.0] * len(
+        found.tightening.loads
+    )
+    assert found.tightening.loads[0].bolt_forces["b"] == 0.0
     assert len(found.tightening.stages) == len(found.tightening.bolt_forces) == 2
     np.testing.assert_allclose(found.tightening.bolt_forces[-1, 1], 12.0, rtol=1e-9)
-    turned = tighten_with_friction(locked, {"a": 11.0}, increments=3)
-    assert turned.loads[0].bolt_forces == {"a": 9.0, "b": 0.0}
+    turned = tightened_joint(locked, {"a": 11.0}, increments=3)
+    assert turned.tightening.loads[0].bolt_forces == {"a": 9.0, "b": 0.0}
     on_the_way = turned.tightening.bolt_forces[:, 0]
     np.testing.assert_allclose(on_the_way, 11.0 * np.array([1, 2, 3]) / 3, rtol=1e-9)
-    none = tighten_with_friction(locked, {})
-    assert len(none.loads) == 1
+    none = tightened_joint(locked, {})
+    assert len(none.tightening.loads) == 1
     assert none.tightening.stages == ()
     assert none.tightening.bolt_forces.shape == (0, 2)
 
@@ -423,7 +427,7 @@ def test_forces_that_no_turning_reaches_are_refused(monkeypatch):
     system, goal = sliders(lean=120.0), {"b": 12.0, "a": 8.0}
     monkeypatch.setattr(bolts_by_force, "MOST_TRIALS", 1)
     with pytest.raises(ConvergenceError, match=r"bolt 'b' cannot be tightened to 12: .* gives way"):
-        tighten_with_friction(system, goal, increments=1)
+        tightened_joint(system, goal, increments=1)
 
 
 @pytest.mark.parametrize("load", [pulled(3.0, -2.0), pulled(3.0, -2.0, {"a": 0.0, "b": 20.0})])

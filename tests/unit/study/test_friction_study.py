@@ -24,8 +24,7 @@ from faying.report.html import write_report
 from faying.report.questions import questions
 from faying.report.slip import demand_table, friction_table, slip_sentence, slipping
 from faying.report.style import new_figure
-from faying.simulation.start import last_of
-from faying.simulation.without_friction import released_state
+from faying.simulation.start import last_of, released_state
 from faying.study.inputs.load_model import build
 from faying.study.inputs.loads import case_load
 from faying.study.judgement.comparison import state_of_case

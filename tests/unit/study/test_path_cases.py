@@ -3,8 +3,8 @@
 import numpy as np
 
 import faying as fy
-from faying.simulation.frictional_preload import tighten_with_friction
 from faying.simulation.path import last_of
+from faying.simulation.tightening import tightened_joint
 from faying.study.stages.path_cases import rest_state
 
 
@@ -13,13 +13,13 @@ def test_what_tightening_leaves_is_where_its_path_leads():
     model = fy.lap_joint(
         element_size=5.0, hole_radius=None, bolt_positions=((-10.0, 0.0), (10.0, 0.0))
     ).with_friction(0.15)
-    tightened = tighten_with_friction(model, {"bolt-1": 1e4, "bolt-2": 1e4}, increments=3)
+    tightened = tightened_joint(model, {"bolt-1": 1e4, "bolt-2": 1e4}, increments=3)
     locked = model.with_bolt_forces(tightened.tightening.initial_forces)
     reduced = fy.reduce(locked, fy.craig_bampton(locked, normal_modes=5), compliance=True)
-    left = last_of(tightened.rest)
-    followed = [rest_state(system, tightened.loads) for system in (locked, reduced)]
+    left = last_of(tightened.rest(locked))
+    followed = [rest_state(system, tightened.tightening.loads) for system in (locked, reduced)]
     assert (left.shear_forces != 0).any()
-    for state in (*followed, rest_state(reduced, tightened.loads, left)):
+    for state in (*followed, rest_state(reduced, tightened.tightening.loads, left)):
         for name in ("contact_forces", "gap", "shear_forces", "shear_slip", "dissipation"):
             expected = getattr(left, name)
             # Newton's method leaves 1e-14, and paths gather it.

@@ -350,7 +350,7 @@ def test_a_resumed_run_does_not_tighten_again(tmp_path, monkeypatch, more):
     path.write_text(TINY_JOINT + more)
     study = read_study(path)
     before = offline.prepare_joint(study, opened(tmp_path))
-    for name in ("tighten", "tighten_with_friction", "solve_static", "rest_state"):
+    for name in ("tighten", "tightened_joint", "solve_static", "rest_state"):
         monkeypatch.setattr(offline, name, _raise(AssertionError(name)))
     monkeypatch.setattr(structure, "solved_gram", _raise(AssertionError("compliance")))
     after = offline.prepare_joint(study, opened(tmp_path, resume=True))

@@ -27,12 +27,12 @@ from faying.assessment.strength.tightening import PreloadRange
 from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import contact_areas
+from faying.joint.smooth_joint import smooth_joint
 from faying.joint.system import System
 from faying.joint.tangential import TangentialRows
 from faying.simulation.load import NamedLoad
 from faying.simulation.solution import Solution
-from faying.simulation.static import AT_REST
-from faying.simulation.without_friction import solved_without_friction
+from faying.simulation.static import AT_REST, solved_inputs
 
 SHEAR = 0.6
 """F_su over F_tu, where nothing else is known of the bolt."""
@@ -176,7 +176,7 @@ def _factored(
     return _Factored(
         end=end,
         names=[load.name for load in loads],
-        solution=solved_without_friction(system, inputs, "factored loads"),
+        solution=solved_inputs(system, smooth_joint(system), inputs, "factored loads"),
     )
 
 

@@ -12,13 +12,13 @@ from faying.assessment.joint_record import CaseState
 from faying.assessment.strength.thread import Thread
 from faying.assessment.strength.tightening import PreloadRange
 from faying.contact.contact import Contact
+from faying.joint.smooth_joint import smooth_joint
 from faying.joint.system import Joint, System, initial_bolt_forces
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.bolts_by_force import BoltsByForce
 from faying.simulation.load import StaticLoad
 from faying.simulation.solution import Solution
 from faying.simulation.static import AT_REST, solve_static_inputs
-from faying.simulation.without_friction import smooth_joint
 
 LEAST, MOST = "P_p,min", "P_p,max"
 """What the ends of the scatter are called."""

@@ -1,7 +1,6 @@
 """The joint in the checkpoint of a run: that it is the same, how it was tightened, its states."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from hashlib import blake2b
 from typing import Any
 
@@ -13,37 +12,8 @@ from faying.execution.checkpoint import Bundles
 from faying.joint.model import Model
 from faying.joint.structure import Structure
 from faying.joint.system import System
-from faying.simulation.load import Load
-from faying.simulation.preload import Tightening
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import arrays_of
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class TightenedPath:
-    """How bolts were tightened, and the loads of the path by which, if there was one.
-
-    Attributes
-    ----------
-    tightening
-    names
-        Of the loads.
-    forces : (n_load, n_bolt) [force]
-        Initial forces of the bolts, load by load.
-    """
-
-    tightening: Tightening
-    names: tuple[str, ...] = ()
-    forces: Matrix | None = None
-
-    @property
-    def loads(self) -> tuple[Load, ...]:
-        """The loads of the path."""
-        rows = [] if self.forces is None else self.forces.tolist()
-        return tuple(
-            Load(name=name, bolt_forces=dict(zip(self.tightening.bolts, row, strict=True)))
-            for name, row in zip(self.names, rows, strict=True)
-        )
 
 
 def check_same_joint(checkpoint: Bundles, model: Model) -> None:

@@ -11,6 +11,8 @@ from faying.assessment.certificate import Certifier, certifier
 from faying.assessment.choose_joint_modes import JointModeChoice, choose_joint_modes
 from faying.assessment.stuck_modes import preloaded_frequencies
 from faying.joint.model import Model
+from faying.joint.smooth_joint import smooth_joint
+from faying.joint.system import Joint
 from faying.reduction.basis import Basis, ModeKind
 from faying.reduction.craig_bampton import classic_basis
 from faying.reduction.method import CLASSIC, Method, OfflineData
@@ -20,25 +22,19 @@ from faying.reduction.normal_modes import NormalModes
 from faying.reduction.projection import projected
 from faying.reduction.reduced_model import ReducedModel
 from faying.reduction.snapshots import static_snapshots
-from faying.simulation.frictional_preload import tighten_with_friction
 from faying.simulation.load import Load
 from faying.simulation.path import last_of, solve_static
-from faying.simulation.preload import Sticking, Tightening, tighten, with_sticking
+from faying.simulation.preload import Sticking, with_sticking
 from faying.simulation.preload_loss import PreloadLoss
 from faying.simulation.solution import Solution
 from faying.simulation.stepping import TransientSolver, transient_solver
-from faying.simulation.without_friction import smooth_joint
+from faying.simulation.tightening import Tightening, tighten, tightened_joint
 from faying.study.inputs.bolts import losses
 from faying.study.inputs.load_model import LoadedModel, build_loaded, check_interfaces, load_model
 from faying.study.inputs.loads import check_loads, is_trained, time_step, training_box
 from faying.study.keys.tables import Study
 from faying.study.stages.books import Books
-from faying.study.stages.kept_joint import (
-    TightenedPath,
-    check_same_joint,
-    keep_compliance,
-    kept_state,
-)
+from faying.study.stages.kept_joint import check_same_joint, keep_compliance, kept_state
 from faying.study.stages.path_cases import rest_state
 from faying.study.stages.training import StepTraining, step_groups, step_loads
 
@@ -117,8 +113,8 @@ def prepare_joint(study: Study, books: Books | None = None) -> PreparedJoint:
     with books.stage("preload"):
         keep = partial(kept_state, checkpoint, first, model)
         compute = partial(_tightened, study, model, forces, lost[0], keep)
-        tightened = books.value(TightenedPath, "tightening", compute)
-        tightening, path = tightened.tightening, tightened.loads
+        tightening = books.value(Tightening, "tightening", compute)
+        path = tightening.loads if study.friction_during_preload else ()
         locked = model.with_bolt_forces(tightening.initial_forces)
         state = kept_state(checkpoint, first, locked, lambda: rest_state(locked, path))
     model, preloaded = locked, state
@@ -149,20 +145,16 @@ def _tightened(
     forces: Mapping[str, float],
     lost: Mapping[str, PreloadLoss],
     keep: Callable[[Callable[[], Solution]], Solution],
-) -> TightenedPath:
-    """Tighten bolts along a path, where the way matters and friction acts on it; else without."""
-    if model.contact.forgets or not study.friction_during_preload:
-        return TightenedPath(tightening=tighten(smooth_joint(model), forces, losses=lost))
-    path = tighten_with_friction(model, forces, losses=lost)
+) -> Tightening:
+    tight = tightened_joint(joint_while_tightened(study, model), forces, losses=lost)
     # Kept before the path that led there, which need not be followed a second time.
-    keep(lambda: last_of(path.rest))
-    return TightenedPath(
-        tightening=path.tightening,
-        names=tuple(load.name for load in path.loads),
-        forces=np.array(
-            [[load.bolt_forces[b] for b in path.tightening.bolts] for load in path.loads]
-        ),
-    )
+    keep(lambda: last_of(tight.rest(model)))
+    return tight.tightening
+
+
+def joint_while_tightened(study: Study, joint: Joint) -> Joint:
+    """Return a joint as it is while its bolts are tightened."""
+    return joint if study.friction_during_preload else smooth_joint(joint)
 
 
 def _condense(model: Model, books: Books, key: str) -> None:

@@ -34,7 +34,7 @@ from faying.simulation.path import (
     solve_path,
 )
 from faying.simulation.solution import Solution
-from faying.simulation.without_friction import released_state
+from faying.simulation.start import released_state
 from faying.study.inputs.loads import case_load
 from faying.study.keys.load_files import ALL, read_load_factors
 from faying.study.keys.tables import DEFAULT_INCREMENTS, LoadCaseSection

@@ -16,7 +16,7 @@ from faying.model.solid_cells import tangled
 from faying.reduction.basis import Basis
 from faying.reduction.projection import completed, contact_surfaces, projected
 from faying.reduction.reduced_model import ReducedModel
-from faying.simulation.preload import open_interfaces
+from faying.simulation.tightening import open_interfaces
 from faying.study.judgement.model_warnings import (
     bolt_doubts,
     doubts,

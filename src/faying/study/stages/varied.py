@@ -19,11 +19,9 @@ from faying.model.description import JointDescription
 from faying.reduction.craig_bampton import craig_bampton
 from faying.reduction.projection import projected
 from faying.reduction.reduced_model import ReducedModel
-from faying.simulation.frictional_preload import tighten_with_friction
 from faying.simulation.path import last_of
-from faying.simulation.preload import tighten
 from faying.simulation.solution import Solution
-from faying.simulation.without_friction import smooth_joint
+from faying.simulation.tightening import tightened_joint
 from faying.study.inputs.bolts import losses
 from faying.study.inputs.load_model import (
     LoadedModel,
@@ -35,7 +33,8 @@ from faying.study.inputs.load_model import (
 from faying.study.keys.parameter_tables import steps_to, value_at
 from faying.study.keys.schema import parse_study, parse_tables
 from faying.study.keys.tables import DEFAULT_NORMAL_MODES, Study
-from faying.study.stages.path_cases import cycle_increments, rest_state
+from faying.study.stages.offline import joint_while_tightened
+from faying.study.stages.path_cases import cycle_increments
 
 Curves = Mapping[tuple[str, int], Backbone]
 """Load case and number of the mode to its backbone."""
@@ -96,13 +95,10 @@ class VariedJoint:
         system = self._with_contact(loaded)
         forces = {name: force for name, force in loaded.preloads.items() if force > 0}
         with naming(_written(values)):
-            if study.friction_during_preload:
-                path = tighten_with_friction(system, forces, losses=losses(study))
-                locked = system.with_bolt_forces(path.tightening.initial_forces)
-                return locked, replace(last_of(path.rest), system=locked)
-            smooth = tighten(smooth_joint(system), forces, losses=losses(study))
-            locked = system.with_bolt_forces(smooth.initial_forces)
-            return locked, rest_state(locked, ())
+            joint = joint_while_tightened(study, system)
+            tight = tightened_joint(joint, forces, losses=losses(study))
+            locked = system.with_bolt_forces(tight.tightening.initial_forces)
+            return locked, last_of(tight.rest(locked))
 
     def curves(self, values: Mapping[str, float]) -> Curves:
         """Return the backbones of all load cases that are some.

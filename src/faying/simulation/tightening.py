@@ -1,0 +1,282 @@
+"""Tightening: bolts brought in sequence to their nominal final forces, then locked."""
+
+import logging
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import cast
+
+import numpy as np
+
+from faying._typing import Indices, Matrix, Vector
+from faying.contact.increment import Increment
+from faying.exceptions import ModelError
+from faying.joint.system import Joint, System, initial_bolt_forces
+from faying.simulation.bolted_state import BoltedState
+from faying.simulation.bolts_by_force import BoltsByForce, forces_of_bolts
+from faying.simulation.load import Load
+from faying.simulation.path import PathStep, follow, left_by, moved_alone, unstressed
+from faying.simulation.preload_loss import PreloadLoss, loses
+from faying.simulation.solution import Solution
+
+_log = logging.getLogger("faying")
+
+NOTHING_LOST: Mapping[str, PreloadLoss] = MappingProxyType({})
+
+CLAMPS_NOTHING = 1e-9
+"""Gap closed per elongation of the bolt under its own force, at or below which it is round-off."""
+
+SURPLUS = 1e-6
+"""Relative excess of a bolt's stiffness over all that resists it; more than rounding is wrong."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Tightening:
+    """How the bolts were tightened.
+
+    Attributes
+    ----------
+    initial_forces
+        Bolt name to the initial force N₀ it is locked at.
+    bolts
+        Names in the order of the columns of ``bolt_forces``.
+    stages
+        What was done in each row of ``bolt_forces``.
+    bolt_forces : (n_stage, n_bolt) [force]
+        Forces of all bolts after each increment; shows how tightening one relaxes another.
+    path : (n_load, n_bolt) [force]
+        Initial forces of all bolts, increment by increment, that lead any model of the joint where
+        tightening did. The last row alone where contact remembers nothing of the others.
+    """
+
+    initial_forces: Mapping[str, float]
+    bolts: tuple[str, ...]
+    stages: tuple[str, ...]
+    bolt_forces: Matrix
+    path: Matrix
+
+    @property
+    def loads(self) -> tuple[Load, ...]:
+        """The path as loads."""
+        return tuple(
+            Load(name="preload", bolt_forces=dict(zip(self.bolts, row, strict=True)))
+            for row in self.path.tolist()
+        )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TightenedJoint:
+    """A joint where tightening left it.
+
+    Attributes
+    ----------
+    joint
+    tightening
+    end
+        The last step of its path.
+    """
+
+    joint: Joint
+    tightening: Tightening
+    end: PathStep
+
+    def rest(self, system: System) -> Solution:
+        """Return the state of the system whose joint this is; one entry.
+
+        Where it was tightened without the friction of the system, that begins there.
+        """
+        inputs = _inputs(system, self.tightening.path[-1])
+        return left_by(system, self.joint, inputs, self.end, "preload")
+
+
+def tighten(
+    system: Joint,
+    forces: Mapping[str, float],
+    *,
+    increments: int = 10,
+    losses: Mapping[str, PreloadLoss] = NOTHING_LOST,
+) -> Tightening:
+    """Tighten bolts one after the other to their nominal final forces.
+
+    The joint starts unstressed and free of slip, bolts that are not named at the initial forces
+    they are locked at. Each bolt is turned to its nominal force while the others stay locked; a
+    last pass on all of several bolts together restores what the neighbours took away, so every bolt
+    ends at its nominal force. After that bolts lose their losses: relaxation, then embedding.
+
+    Parameters
+    ----------
+    forces
+        Bolt name to final axial force [force], in tightening order.
+    increments
+        Equal parts of each force, where contact remembers the way there.
+    losses
+        Bolt name to what it loses after all are tightened.
+
+    Raises
+    ------
+    ModelError
+        If a bolt does not exist, is stiffer than K allows or closes no gap, or a force is not
+        finite and positive.
+    ConvergenceError
+        If an increment is not solved, or no initial force gives the nominal force, e.g. because a
+        bolt clamps nothing.
+
+    Notes
+    -----
+    One contact problem between pairs for each increment, in which the initial forces are unknown
+    beside the contact forces (T1). With friction a model that is only locked at the initial forces
+    is not in the state that tightening leaves: :func:`faying.solve_path` follows ``loads`` there.
+    """
+    return tightened_joint(system, forces, increments=increments, losses=losses).tightening
+
+
+def tightened_joint(
+    system: Joint,
+    forces: Mapping[str, float],
+    *,
+    increments: int = 10,
+    losses: Mapping[str, PreloadLoss] = NOTHING_LOST,
+) -> TightenedJoint:
+    """Tighten bolts as :func:`tighten` does; return the joint where that leaves it."""
+    names, state = checked_bolts(system, forces), initial_bolt_forces(system)
+    steps, path = [unstressed(system)], list[Vector]()
+    if state.any() or not forces:
+        relative = moved_alone(system, _inputs(system, state)[None])
+        steps += follow(system.static_contact.increments, relative, steps[-1])
+        path.append(state)
+    reached: list[tuple[str, Vector]] = []
+    problem, alike = BoltsByForce(joint=system, bolts=np.empty(0, dtype=np.int64)), 0
+    for stage, chosen, goal in _stages(names, forces, system.contact.increments(increments)):
+        step = steps[-1]
+        start = step.increment if step.increment.begun else None
+        if not np.array_equal(problem.bolts, chosen):
+            problem, alike = BoltsByForce(joint=system, bolts=chosen), 0
+        if start is not None and (alike > 1 or (alike and not steps[-2].increment.begun)):
+            # What the bolt moved in its increment before, it moves about once more.
+            start = replace(start, moved=2.0 * start.moved - steps[-2].increment.moved)
+        alike += 1
+        increment, state = problem.solve(goal, state, step.slip, start)
+        steps.append(_step(system, state, increment, step.slip + increment.slack[1:]))
+        path.append(state)
+        reached.append((stage, forces_of_bolts(system, state, increment)))
+    if reached:
+        for text in open_interfaces(system.contact.slices, steps[-1].increment.forces[0]):
+            _log.warning("%s", text)
+    tight = BoltedState(
+        joint=system,
+        nuts=state,
+        initial=state,
+        loose=np.zeros(len(names), dtype=bool),
+        slip=steps[-1].slip,
+        contact=steps[-1].increment,
+    )
+    for stage, lost in loses(tight, losses):
+        state = lost.initial
+        steps.append(_step(system, state, cast("Increment", lost.contact), lost.slip))
+        path.append(state)
+        reached.append((stage, lost.forces))
+    tightening = Tightening(
+        initial_forces=dict(zip(names, state.tolist(), strict=True)),
+        bolts=tuple(names),
+        stages=tuple(stage for stage, _ in reached),
+        bolt_forces=np.array([row for _, row in reached]).reshape(len(reached), len(names)),
+        path=np.array(path[-system.contact.increments(len(path)) :]),
+    )
+    return TightenedJoint(joint=system, tightening=tightening, end=steps[-1])
+
+
+def open_interfaces(points: Mapping[str, slice], pressed: Vector) -> Iterator[str]:
+    """Yield of each interface that is open at all of its points that bolts do not press it.
+
+    ``points`` are those of each interface, ``pressed`` pressures or forces (n_point,).
+    """
+    for name, own in points.items():
+        if not pressed[own].any():
+            yield (
+                f"interface '{name}' is open everywhere after tightening: no bolt presses it; if "
+                "one should, check its gap, and that the bolt draws its head and nut together"
+            )
+
+
+def _stages(
+    names: Sequence[str], forces: Mapping[str, float], increments: int
+) -> Iterator[tuple[str, Indices, Vector]]:
+    """Yield what is done, the bolts (n_chosen,) it is done to, and the forces they get."""
+    for name, target in forces.items():
+        chosen = np.array([names.index(name)], dtype=np.int64)
+        for number in range(1, increments + 1):
+            share = number / increments
+            yield f"{name} to {share:.0%}", chosen, np.array([share * target])
+    if len(forces) > 1:
+        every = np.array([names.index(name) for name in forces], dtype=np.int64)
+        yield "all to nominal", every, np.array(list(forces.values()))
+
+
+def _step(joint: Joint, initial: Vector, contact: Increment, slip: Matrix) -> PathStep:
+    """Return an increment that led to initial forces (n_bolt,) as a step of a path."""
+    return PathStep(
+        relative=moved_alone(joint, _inputs(joint, initial)[None])[0],
+        increment=contact,
+        slip=slip,
+        iterations=contact.iterations,
+        dissipation=contact.dissipation,
+    )
+
+
+def _inputs(joint: Joint, initial: Vector) -> Vector:
+    """Return the inputs (n_input,) of initial forces (n_bolt,) alone."""
+    ports = joint.port_compliance
+    inputs = np.zeros(len(ports.input_rows))
+    inputs[ports.bolts] = initial
+    return inputs
+
+
+def checked_bolts(system: Joint, forces: Mapping[str, float]) -> list[str]:
+    """Return the names of all bolts, after a look at those that are to be tightened."""
+    names = list(system.bolts)
+    _check(forces, names)
+    _check_stiffness(system)
+    _check_clamping(system, forces)
+    return names
+
+
+def _check(forces: Mapping[str, float], names: list[str]) -> None:
+    for name, force in forces.items():
+        if name not in names:
+            message = f"there is no bolt '{name}'; the bolts are {', '.join(names) or 'none'}"
+            raise ModelError(message)
+        if not (np.isfinite(force) and force > 0):
+            message = f"bolt '{name}': the preload is {force:g}; give a positive force"
+            raise ModelError(message)
+
+
+def _check_stiffness(system: Joint) -> None:
+    """Refuse bolts of given matrices that are stiffer than the structure they are part of.
+
+    K ⪰ k eᵀe exactly where k e K⁻¹ eᵀ ≤ 1; bolts faying assembled itself always satisfy it.
+    """
+    ports = system.port_compliance
+    for number, bolt in enumerate(system.bolts.values()):
+        row = ports.n_boundary + number
+        flexibility = float(ports.input_rows[row, row])
+        if bolt.stiffness * flexibility > 1 + SURPLUS:
+            message = (
+                f"bolt '{bolt.name}': its stiffness {bolt.stiffness:g} is not contained in K, "
+                f"which resists its elongation with {1 / flexibility:.6g} in all; give EA/L of "
+                "what K holds between its nodes"
+            )
+            raise ModelError(message)
+
+
+def _check_clamping(system: Joint, forces: Mapping[str, float]) -> None:
+    """Refuse bolts whose tension closes no gap."""
+    ports = system.port_compliance
+    for name in forces:
+        row = ports.n_boundary + list(system.bolts).index(name)
+        closing = system.contact.interpolation @ ports.contact_columns[row]
+        if closing.max(initial=0.0) <= CLAMPS_NOTHING * ports.input_rows[row, row]:
+            message = (
+                f"bolt '{name}' clamps nothing: its tension closes no interface; check that head "
+                "and nut are on the far sides of one, and that its direction is not reversed"
+            )
+            raise ModelError(message)
