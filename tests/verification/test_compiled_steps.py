@@ -31,11 +31,18 @@ def rom(fine_joint):
     return fy.reduce(fine_joint, fy.craig_bampton(fine_joint, normal_modes=10), compliance=True)
 
 
-def integrate(rom, load, integrator, *, compiled=True, **options):
+def integrate(rom, load, integrator, **options):
     duration = STEPS * STEP
     return fy.solve_transient(
-        rom, load, step=STEP, duration=duration, integrator=integrator, compiled=compiled, **options
+        rom, load, step=STEP, duration=duration, integrator=integrator, **options
     )
+
+
+def in_python(solve, *arguments, **options):
+    """Return what is solved as where there is no numba."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(compiled, "find_spec", lambda _: None)
+        return solve(*arguments, **options)
 
 
 def assert_equal_histories(found, expected):
@@ -61,7 +68,7 @@ def assert_equal_histories(found, expected):
     "integrator", [fy.ImplicitEuler(), fy.GeneralizedAlpha()], ids=lambda scheme: scheme.name
 )
 def test_steps_are_those_in_python(monkeypatch, compiled_loop, rom, load, integrator):
-    expected = integrate(rom, load, integrator, compiled=False)
+    expected = in_python(integrate, rom, load, integrator)
     calls = []
     advance = compiled.CompiledSteps.advance
 
@@ -80,7 +87,7 @@ def test_steps_are_those_in_python(monkeypatch, compiled_loop, rom, load, integr
 
 
 def test_steps_that_the_loop_leaves_are_done_in_python(monkeypatch, compiled_loop, rom):
-    expected = integrate(rom, LC2, None, compiled=False)
+    expected = in_python(integrate, rom, LC2, None)
     advance = compiled.CompiledSteps.advance
     turns = iter(range(10**6))
 
@@ -101,18 +108,18 @@ def test_many_points_between_pairs(compiled_loop):
     model = fy.preload(fy.lap_joint(element_size=4.0, order=5), {"bolt": 10e3})
     assert model.contact.n_points > 1000
     many = fy.reduce(model, fy.craig_bampton(model, normal_modes=5), compliance=True)
-    expected = integrate(many, LC2, None, compiled=False)
+    expected = in_python(integrate, many, LC2, None)
     assert_equal_histories(integrate(many, LC2, None), expected)
 
 
 def test_cases_pieces_and_restarts(compiled_loop, rom):
     cases = [LC2, SHAKEN]
     options = {"step": STEP, "duration": STEPS * STEP}
-    expected = fy.solve_transient_cases(rom, cases, compiled=False, **options)
-    found = fy.solve_transient_cases(rom, cases, compiled=True, **options)
+    expected = in_python(fy.solve_transient_cases, rom, cases, **options)
+    found = fy.solve_transient_cases(rom, cases, **options)
     for mine, other in zip(found, expected, strict=True):
         assert_equal_histories(mine, other)
-    solver = transient_solver(rom, step=STEP, compiled=True)
+    solver = transient_solver(rom, step=STEP)
     pieces = list(windows_of_one(solver, SHAKEN, duration=STEPS * STEP, length=30))
     forces = np.concatenate([piece.contact_forces for piece, _ in pieces])
     small = 1e-9 * expected[1].contact_forces.max()  # as above
@@ -129,7 +136,7 @@ def test_a_gap_that_is_no_number_is_refused(compiled_loop, rom):
         integrate(rom, wild, None)
 
 
-def test_what_the_loop_has_nothing_for(joint, rom):
+def test_what_the_loop_has_nothing_for(compiled_loop, joint, rom):
     stops = fy.lap_joint(element_size=5.0, penalty="hard", quadrature="nodal")
     hard = fy.reduce(stops, fy.craig_bampton(stops, normal_modes=5), compliance=True)
     classic = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=5))
@@ -143,21 +150,11 @@ def test_a_basis_alone_steps_as_in_python(compiled_loop, fine_joint):
     """The compliance that a basis alone gives its contact is singular."""
     classic = fy.reduce(fine_joint, fy.craig_bampton(fine_joint, normal_modes=10))
     assert_equal_histories(
-        integrate(classic, SHAKEN, None), integrate(classic, SHAKEN, None, compiled=False)
+        integrate(classic, SHAKEN, None), in_python(integrate, classic, SHAKEN, None)
     )
 
 
-def test_long_runs_are_compiled_unasked(monkeypatch, rom):
-    pytest.importorskip("numba", reason="needs the extra 'compiled'")
-    monkeypatch.setattr(compiled, "PAYING_STEPS", STEPS)
-    solver = transient_solver(rom, step=STEP)
-    assert solver._loop(STEPS - 1) is None
-    assert solver._loop(STEPS) is not None
-    assert transient_solver(rom, step=STEP, compiled=False)._loop(STEPS) is None
-
-
-def test_a_resumed_run_is_compiled_as_the_whole_was(monkeypatch, compiled_loop, rom):
-    monkeypatch.setattr(compiled, "PAYING_STEPS", STEPS)
+def test_a_resumed_run_is_compiled_as_the_whole_was(compiled_loop, rom):
     solver, duration = transient_solver(rom, step=STEP), STEPS * STEP
     pieces = list(windows_of_one(solver, LC2, duration=duration, length=40))
     _, middle = pieces[0]
@@ -167,14 +164,17 @@ def test_a_resumed_run_is_compiled_as_the_whole_was(monkeypatch, compiled_loop, 
 
 
 def test_an_earlier_run_changes_no_digit(compiled_loop, rom):
-    first = integrate(rom, LC2, None, compiled=None)
-    integrate(rom, SHAKEN, None, compiled=True)
-    again = integrate(rom, LC2, None, compiled=None)
+    first = integrate(rom, LC2, None)
+    integrate(rom, SHAKEN, None)
+    again = integrate(rom, LC2, None)
     np.testing.assert_array_equal(first.contact_forces, again.contact_forces)
 
 
-def test_without_numba(monkeypatch, rom):
-    monkeypatch.setattr(compiled, "find_spec", lambda _: None)
-    assert not compiled.worth_compiling(10**6)
-    with pytest.raises(ModelError, match=r"pip install 'faying\[compiled\]'"):
-        integrate(rom, LC2, None)
+def test_without_numba_the_argument_that_is_gone_warns(rom):
+    def asked():
+        assert transient_solver(rom, step=STEP)._compiled is None
+        with pytest.warns(DeprecationWarning, match=r"pip install 'faying\[compiled\]'"):
+            return integrate(rom, LC2, None, compiled=True)
+
+    expected = in_python(integrate, rom, LC2, None)
+    np.testing.assert_array_equal(in_python(asked).contact_forces, expected.contact_forces)

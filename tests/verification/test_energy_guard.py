@@ -162,7 +162,7 @@ def test_compiled_steps_are_watched():
     pytest.importorskip("numba", reason="needs the extra 'compiled'")
     stiff = two_masses(1e3)
     assert transient_solver(stiff, step=0.1, integrator=WILD)._compiled is not None
-    assert run(stiff, compiled=True).energy_gain > 5 * MOST_GAIN
+    assert run(stiff).energy_gain > 5 * MOST_GAIN
 
 
 def test_numbers_that_overflow_are_explained():

@@ -50,15 +50,22 @@ class Accuracy(Shown):
     @property
     def facts(self) -> Mapping[str, str]:
         """Errors in percent."""
-        rubbed = self.max_traction_error
-        return {
-            "max relative error": f"{100 * self.max_relative_error:.3g} %",
-            "root mean square": f"{100 * self.rms_relative_error:.3g} %",
-            "99.9th percentile": f"{100 * self.p999_relative_error:.3g} %",
-            "peak pressure ratio": f"{self.max_pressure_ratio:.4g}",
-            "displacement error": f"{100 * self.displacement_error:.3g} %",
-            **({} if rubbed is None else {"max traction error": f"{100 * rubbed:.3g} %"}),
+        errors = {
+            "max relative error": self.max_relative_error,
+            "root mean square": self.rms_relative_error,
+            "99.9th percentile": self.p999_relative_error,
+            "displacement error": self.displacement_error,
+            "max traction error": self.max_traction_error,
         }
+        told = {name: f"{100 * error:.3g} %" for name, error in errors.items() if error is not None}
+        return told | {"peak pressure ratio": f"{self.max_pressure_ratio:.4g}"}
+
+    @property
+    def told(self) -> str:
+        """Largest error of pressures, and of tractions where there are some, in percent."""
+        tractions = self.max_traction_error
+        along = "" if tractions is None else f" (tractions {tractions:.2%})"
+        return f"{self.max_relative_error:.2%}{along}"
 
 
 def relative_error(pressure: Matrix, reference: Matrix) -> Matrix:

@@ -6,7 +6,7 @@ was measured.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import final
 
 import numpy as np
@@ -71,8 +71,8 @@ class NormalModeChoice(Frozen):
     estimates : (n,) [1]
         Largest pressure error of each over the peak, estimated; infinite where that failed.
     tractions : (n,) [1]
-        Largest traction error of each over the largest traction, estimated likewise; none where
-        nothing rubs. The choice does not look at it.
+        Largest traction error of each over the largest traction, estimated likewise; zero where
+        there is none, NaN where that failed. The choice does not look at it.
     """
 
     count: int
@@ -83,7 +83,7 @@ class NormalModeChoice(Frozen):
     counts: Indices
     highest: Vector
     estimates: Vector
-    tractions: Vector | None = None
+    tractions: Vector = field(default_factory=lambda: np.empty(0))
 
     @property
     def error(self) -> float:
@@ -91,11 +91,10 @@ class NormalModeChoice(Frozen):
         return float(self.estimates[self.counts == self.count][0])
 
     @property
-    def traction_error(self) -> float | None:
-        """Estimated traction error of the chosen number; None where nothing rubs."""
-        if self.tractions is None:
-            return None
-        return float(self.tractions[self.counts == self.count][0])
+    def traction_error(self) -> float:
+        """Estimated traction error of the chosen number."""
+        counted = self.counts[: len(self.tractions)] == self.count
+        return float(self.tractions[counted].sum())
 
 
 def choose_normal_modes(
@@ -160,7 +159,7 @@ def choose_normal_modes(
                 finer, motion, load, integrator=integrator, initial=start(finer)
             )
         except ConvergenceError:
-            return np.inf, np.inf, steps
+            return np.inf, np.nan, steps
         return error.max_relative_error, error.max_traction_error or 0.0, motion.substeps
 
     resolved, excited = 1.0 / step, excited_frequency(model, load, step, duration, tolerance)
@@ -187,7 +186,7 @@ def choose_normal_modes(
         counts=np.array(counts),
         highest=np.array(highest),
         estimates=np.array(estimates),
-        tractions=np.array(tractions) if model.contact.components > 1 else None,
+        tractions=np.array(tractions),
     )
 
 

@@ -101,12 +101,8 @@ def _row(system: System, point: CurvePoint) -> dict[str, float | Vector]:
     sticks = closed & (np.hypot(forces[1], forces[2]) < bound)
     weights = contact.weights
     ever, at_rest = closed.any(axis=1), stuck.forces[0] > 0
-    rubs = at_rest & (contact.coefficients > 0)
-    shares = [
-        _share(weights[at], sticks[at], closed[at])
-        for at in contact.slices.values()
-        if rubs[at].any()
-    ]
+    surfaces = [contact.slices[name] for name in contact.rubbing_interfaces]
+    shares = [_share(weights[at], sticks[at], closed[at]) for at in surfaces if at_rest[at].any()]
     inputs, damping = motion.outputs[:2], motion.outputs[2 + loads.n_mode : loads.n_column]
     # f du and q̇ Φᵀ C du over a period, by the first harmonics and those of the modes.
     orders = np.arange(1, problem.n_harmonic + 1)[:, None]

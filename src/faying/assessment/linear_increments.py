@@ -167,15 +167,14 @@ class LinearIncrement:
     lu: Matrix
     pivots: Indices
 
-    def changes(self, dz: Matrix, friction: Matrix | None) -> Matrix:
+    def changes(self, dz: Matrix, friction: Matrix) -> Matrix:
         """Solve (F6) for the changes of the forces (3, n_point, n_parameter)."""
         closed, k, tried = self.closed, self.solver.contact.components, self.tried
         right = -np.einsum("pij,jpq->ipq", self.slope[closed], self.scaled(dz)[:, closed])
-        if friction is not None:
-            size = np.hypot(tried[1], tried[2])[closed]
-            slips = size > self.solver.friction[closed] * tried[0, closed]
-            pressed = np.where(slips, tried[0, closed] / np.where(size > 0, size, 1.0), 0.0)
-            right[1:] += (pressed * tried[1:, closed])[:, :, None] * friction[closed]
+        size = np.hypot(tried[1], tried[2])[closed]
+        slips = size > self.solver.friction[closed] * tried[0, closed]
+        pressed = np.where(slips, tried[0, closed] / np.where(size > 0, size, 1.0), 0.0)
+        right[1:] += (pressed * tried[1:, closed])[:, :, None] * friction[closed]
         dx = np.zeros(dz.shape)
         if len(closed):
             columns = right[:k].reshape(k * len(closed), dz.shape[2])
@@ -195,7 +194,7 @@ class LinearIncrement:
         compliance = solver.laws.closure(self.forces)[1]
         return np.asarray(moved.reshape(dx.shape) + compliance[:, :, None] * dx)
 
-    def reach(self, rate: Matrix, friction: Matrix | None) -> tuple[Vector, Vector]:
+    def reach(self, rate: Matrix, friction: Matrix) -> tuple[Vector, Vector]:
         """Return changes of the parameters at which a first point changes its state.
 
         Rates (3, n_point, n_parameter) are those of what is projected.
@@ -205,8 +204,7 @@ class LinearIncrement:
         size = np.hypot(tried[1, rubbing], tried[2, rubbing])
         way = tried[1:, rubbing] / np.where(size > 0, size, 1.0)
         bound = coefficients[rubbing, None] * rate[0, rubbing]
-        if friction is not None:
-            bound = bound + tried[0, rubbing, None] * friction[rubbing]
+        bound = bound + tried[0, rubbing, None] * friction[rubbing]
         above = np.einsum("ip,ipq->pq", way, rate[1:, rubbing]) - bound
         value = np.concatenate([tried[0], size - coefficients[rubbing] * tried[0, rubbing]])
         rates = np.concatenate([rate[0], above])

@@ -8,14 +8,13 @@ from typing import final
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.assessment.case_metrics import case_metrics, metrics_of
-from faying.assessment.slip_metrics import rubbed_metrics, slip_metrics
+from faying.assessment.case_metrics import metrics_of
+from faying.assessment.slip_metrics import scattered_metrics, slip_metrics
 from faying.assessment.strength.thread import Thread
 from faying.exceptions import ModelError, naming
 from faying.interface.surface import ContactSurface
 from faying.joint.system import System
 from faying.simulation.load import Load
-from faying.simulation.static import solve_static_inputs
 
 QUANTILES = (0.0, 0.05, 0.5, 0.95, 1.0)
 """Of the tightenings, below which the values that are told lie."""
@@ -131,21 +130,20 @@ def preload_spreads(
     initial force N₀ of a bolt is multiplied and lowered by its stiffness times the settlement; its
     final force follows in proportion where nothing but the bolts loads the joint and gaps are zero.
     """
-    rubbing = system.contact.rubbing_interfaces
-    if not system.bolts or (scatter.surface_friction is not None and not rubbing):
-        what = "bolt" if not system.bolts else "interface with friction"
+    missing = {"bolt": not system.bolts}
+    if scatter.surface_friction is not None:
+        missing["interface with friction"] = not system.contact.rubbing_interfaces
+    if any(missing.values()):
+        what = next(filter(missing.get, missing))
         message = f"the model has no {what} that could scatter; leave that out"
         raise ModelError(message)
     rng = np.random.default_rng(0)
     meant = load.inputs(system, np.zeros(1))
     inputs = np.vstack([meant, _tightened(system, meant, scatter, threads, rng)])
     metrics = metrics_of(system, interfaces, certified=False)
-    if rubbing:
-        metrics += slip_metrics(interfaces)
-        coefficients = _coefficients(system, scatter, rng)
-        table = rubbed_metrics(system, interfaces, inputs, coefficients, load.name)
-    else:
-        table = case_metrics(solve_static_inputs(system, inputs, load.name), interfaces)
+    metrics += slip_metrics(system.contact.rubbing_interfaces)
+    coefficients = _coefficients(system, scatter, rng)
+    table = scattered_metrics(system, interfaces, inputs, coefficients, load.name)
     spreads = []
     for column, metric in enumerate(metrics):
         if metric.worst is None:

@@ -13,6 +13,7 @@ from faying.exceptions import ModelError, naming
 from faying.joint.load_pattern import LoadPattern
 from faying.joint.model import Model
 from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.compiled import warn_of_compiled
 from faying.simulation.cycles import MOST_CYCLES, NO_LOSS, STATIONARY
 from faying.simulation.integrators.energy_decaying import EnergyDecaying
 from faying.simulation.integrators.integrator import Integrator
@@ -202,7 +203,7 @@ def ring_down(
         By default :class:`faying.EnergyDecaying` at 0.8, whose own damping is next to nothing; hard
         contact with friction takes another.
     compiled
-        As in :func:`faying.solve_transient`.
+        Deprecated, without effect.
 
     Raises
     ------
@@ -247,6 +248,7 @@ def ring_down(
         energies.append(float(np.sum(displaced.dissipation)))
         if cycles is None and _repeats(energies, load**2 / circular**2):
             break
+    warn_of_compiled(compiled)
     solution = solve_transient(
         pushed,
         last,
@@ -254,7 +256,6 @@ def ring_down(
         step=1 / stuck.frequency / steps_per_period,
         duration=periods / stuck.frequency,
         integrator=EnergyDecaying(0.8) if integrator is None else integrator,
-        compiled=compiled,
     )
     motion = measure.unit * ((solution.states - preloaded.states[-1]) @ inertia.forces)
     decay = free_decay(np.asarray(solution.times), motion)

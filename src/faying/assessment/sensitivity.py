@@ -84,7 +84,7 @@ class Sensitivity:
             If tightening a bolt clamps nothing, or there is friction: what a preload does then
             depends on the way to it.
         """
-        if self.system.contact.components > 1:
+        if not self.system.contact.forgets:
             message = (
                 "with friction the final preloads depend on the order of tightening; take "
                 "initial_bolt_forces"
@@ -183,10 +183,10 @@ class Sensitivity:
         self,
         parameters: tuple[str, ...],
         *,
-        inputs: Matrix | None = None,
-        gap: Matrix | None = None,
-        friction: Matrix | None = None,
-        yields: Matrix | None = None,
+        inputs: Matrix | float = 0.0,
+        gap: Matrix | float = 0.0,
+        friction: Matrix | float = 0.0,
+        yields: Matrix | float = 0.0,
     ) -> Derivatives:
         """Differentiate increment by increment, by changes per unit of each parameter.
 
@@ -196,7 +196,8 @@ class Sensitivity:
         """
         contact, ports, n = self.system.contact, self.system.port_compliance, len(parameters)
         count = len(self._inputs)
-        dinputs = np.zeros((count, len(ports.input_rows), n)) if inputs is None else inputs
+        dinputs = np.broadcast_to(inputs, (count, len(ports.input_rows), n))
+        dfriction = np.broadcast_to(friction, (contact.n_points, n))
         slip = np.zeros((2, contact.n_points, n))
         lower, upper, rows = np.full(n, -np.inf), np.full(n, np.inf), []
         for increment, change in zip(self._increments, dinputs, strict=True):
@@ -204,14 +205,12 @@ class Sensitivity:
             dz = np.array([contact.moved(row) for row in relative]).reshape(n, 3, contact.n_points)
             dz = np.moveaxis(dz, 0, -1).copy()
             dz[1:] -= slip
-            if gap is not None:
-                dz[0] += gap
-            if yields is not None:
-                dz[1:] += increment.forces[1:, :, None] * yields
-            dx = increment.changes(dz, friction)
+            dz[0] += gap
+            dz[1:] += increment.forces[1:, :, None] * yields
+            dx = increment.changes(dz, dfriction)
             dz += increment.yielded(dx)
             slip = slip + dz[1:]
-            down, up = increment.reach(dx - increment.scaled(dz), friction)
+            down, up = increment.reach(dx - increment.scaled(dz), dfriction)
             lower, upper = np.maximum(lower, down), np.minimum(upper, up)
             lost = -np.einsum("ip,ipq->q", increment.forces[1:], dz[1:])
             lost -= np.einsum("ipq,ip->q", dx[1:], increment.slack[1:])
@@ -291,7 +290,7 @@ def sensitivity(system: System, solution: Solution, initial: Solution | None = N
     """
     contact, n_input = system.contact, len(system.port_compliance.input_rows)
     # Without friction several cases are no path: each has its own derivatives.
-    count = np.shape(solution.inputs)[:-1] if contact.components > 1 else ()
+    count = () if contact.forgets else np.shape(solution.inputs)[:-1]
     shapes = np.shape(solution.contact_forces), np.shape(solution.inputs)
     if solution.times is not None or shapes != ((*count, contact.n_points), (*count, n_input)):
         message = (

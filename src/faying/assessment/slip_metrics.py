@@ -14,6 +14,7 @@ from faying.joint.system import System
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.path import assembled, follow, moved_alone, path_start
 from faying.simulation.solution import Solution
+from faying.simulation.static import solve_static_inputs
 
 SLIP_DISTANCE = "largest distance slipped, tightening included"
 
@@ -68,14 +69,14 @@ def slip_metrics(interfaces: Iterable[str]) -> list[Metric]:
     ]
 
 
-def rubbed_metrics(
+def scattered_metrics(
     system: System,
     interfaces: Mapping[str, ContactSurface],
     inputs: Matrix,
     coefficients: Sequence[Mapping[str, float]],
     name: str,
 ) -> Matrix:
-    """Return the metrics (n_case, n_metric) at the end of cases with friction.
+    """Return the metrics (n_case, n_metric) at the end of cases, slip where there is friction.
 
     Inputs (n_case, n_input) [force] are boundary forces and initial bolt forces: the bolts act
     first, all of them together. Each case has its coefficients of friction, by interface.
@@ -87,8 +88,11 @@ def rubbed_metrics(
 
     Notes
     -----
-    Every case is a path of its own, some 10 ms an increment at 100 contact points.
+    Where slip is remembered every case is a path of its own, some 10 ms an increment at 100 contact
+    points.
     """
+    if system.contact.forgets:
+        return case_metrics(solve_static_inputs(system, inputs, name), interfaces)
     return np.array(
         [
             _case(_with_coefficients(system, frictions), interfaces, row, name)
@@ -115,7 +119,7 @@ def _slip(path: Solution, interfaces: Mapping[str, ContactSurface]) -> Vector:
     far = np.linalg.norm(path.shear_slip[-1], axis=0)
     metrics = [
         (slips[slice(*interface.slice)] @ interface.weights, far[slice(*interface.slice)].max())
-        for interface in interfaces.values()
+        for interface in (interfaces[name] for name in path.system.contact.rubbing_interfaces)
     ]
     return np.ravel(metrics)
 

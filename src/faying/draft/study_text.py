@@ -108,7 +108,7 @@ def study_text(
     if problem:
         lines += _comment(f"{DECIDE} it does not run yet: {problem}")
     sections: tuple[Iterable[str], ...] = (
-        _head(findings, target, built),
+        _head(findings, target),
         _materials(findings.file),
         _interfaces(findings, built),
         _bolts(findings),
@@ -126,7 +126,7 @@ def _comment(text: str) -> list[str]:
     return [f"# {line}" for line in textwrap.wrap(text, WIDTH, break_long_words=False)]
 
 
-def _head(findings: Findings, target: Path, built: Mapping[str, Interface]) -> Iterator[str]:
+def _head(findings: Findings, target: Path) -> Iterator[str]:
     file, mesh = findings.file, findings.file.mesh
     yield f"title = {quoted(file.path.stem)}"
     yield f'units = "{file.units}"  # {DECIDE} the file does not say; suits its materials or size'
@@ -140,9 +140,8 @@ def _head(findings: Findings, target: Path, built: Mapping[str, Interface]) -> I
         names = ", ".join(map(quoted, file.separate))
         yield f"separate = [{names}]  # {DECIDE} parts that touch; they share nodes in the mesh"
     if findings.weak_springs:
-        holds = any(interface.law.friction for interface in built.values())
-        why = "and friction hold some body" if holds else "alone holds some body; give it friction"
-        yield f'weak_springs = "auto"  # {DECIDE} contact {why}, or support it'
+        why = "contact and its friction alone hold some body; support it if that is not meant"
+        yield f'weak_springs = "auto"  # {DECIDE} {why}'
     parts = [quoted(name) for name in body_names(mesh)]
     extent = " × ".join(f"{size:.4g}" for size in np.ptp(mesh.nodes, axis=0).tolist())
     count = f"{len(parts)} bodies" if len(parts) != 1 else "one body"

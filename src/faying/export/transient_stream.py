@@ -19,6 +19,7 @@ from faying.exceptions import FayingError, FormatError, ModelError
 from faying.files.described import member_name
 from faying.files.hdf5 import check_hdf5, damaged
 from faying.joint.system import System
+from faying.simulation.compiled import warn_of_compiled
 from faying.simulation.divided_steps import divided_steps
 from faying.simulation.instants import check_times
 from faying.simulation.integrators import ImplicitEuler, Integrator
@@ -143,9 +144,10 @@ def stream_transient(
         8 GB for a million steps.
     resume
         Go on where the file ends; the same numbers as in one run, to the bit.
-    compiled, tolerance
-        As in :func:`faying.solve_transient`. With a tolerance ``substeps`` and ``step_error`` are
-        kept too.
+    compiled
+        Deprecated, without effect.
+    tolerance
+        As in :func:`faying.solve_transient`; ``substeps`` and ``step_error`` are then kept too.
 
     Returns
     -------
@@ -164,6 +166,7 @@ def stream_transient(
     -----
     Whatever is written stays readable when the run is stopped.
     """
+    warn_of_compiled(compiled)
     unknown = [name for name in fields if name not in FIELDS]
     if unknown:
         message = f"there is no field '{unknown[0]}' to keep; fields are {', '.join(FIELDS)}"
@@ -175,11 +178,9 @@ def stream_transient(
     check_times(step, duration)
     solver: Steps
     if tolerance is None:
-        solver = transient_solver(system, step=step, integrator=scheme, compiled=compiled)
+        solver = transient_solver(system, step=step, integrator=scheme)
     else:
-        solver = divided_steps(
-            system, step=step, tolerance=tolerance, integrator=scheme, compiled=compiled
-        )
+        solver = divided_steps(system, step=step, tolerance=tolerance, integrator=scheme)
     began = {
         "format": FORMAT,
         "integrator": scheme.name,

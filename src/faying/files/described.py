@@ -145,7 +145,8 @@ def write_members(
 ) -> None:
     """Write members of a group as its table has them; those that are None stay absent.
 
-    ``tables`` are those of the dataclasses among the members, and of those within.
+    So do values within that readers take for absent ones. ``tables`` are those of the dataclasses
+    among the members, and of those within.
     """
     for name, meaning in table.items():
         _write(group, name, members[name], meaning, units, tables)
@@ -169,7 +170,9 @@ def _write(
         write_members(new_group(group, name, meaning), members, SPARSE, units)
     elif is_dataclass(value):
         table = next(tables[kind] for kind in inspect.getmro(type(value)) if kind in tables)
-        inner_members = {name: getattr(value, name) for name in table}
+        inner_members = {
+            name: None if is_default(value, name) else getattr(value, name) for name in table
+        }
         write_members(new_group(group, name, meaning), inner_members, table, units, tables)
     elif isinstance(value, Mapping) or _is_list_of_values(value):
         inner = new_group(group, name, meaning)
@@ -178,6 +181,12 @@ def _write(
             _write(inner, str(key), member, meaning, units, tables)
     else:
         _write_data(group, name, value, meaning, units)
+
+
+def is_default(value: Any, name: str) -> bool:
+    """Say whether a field holds the very dataclass that is taken where a file has none."""
+    member = getattr(value, name)
+    return is_dataclass(member) and member is getattr(type(value), name, None)
 
 
 def _is_list_of_values(value: Any) -> bool:

@@ -1,7 +1,8 @@
 """Values of data classes as named arrays, and back by the annotations of their fields.
 
 A member of a member is called ``outer/inner``, as is what a mapping or a tuple of values holds
-under a name or number; what is None is left out, and an empty mapping is called ``name/``.
+under a name or number; what is None is left out, or is taken where nothing is, and an empty mapping
+is called ``name/``.
 """
 
 from collections.abc import Mapping
@@ -12,7 +13,7 @@ from urllib.parse import quote
 import numpy as np
 
 from faying._typing import Matrix
-from faying.files.described import read_value
+from faying.files.described import is_default, read_value
 
 T = TypeVar("T")
 
@@ -26,7 +27,8 @@ def flattened(value: object) -> dict[str, Matrix]:
     {'tip/Fz': array(-500.), 'bolts': array(['a', 'b'], dtype='<U1')}
     """
     if is_dataclass(value):
-        members = {entry.name: getattr(value, entry.name) for entry in fields(value)}
+        names = [entry.name for entry in fields(value) if not is_default(value, entry.name)]
+        members = {name: getattr(value, name) for name in names}
     elif isinstance(value, Mapping):
         members = {quote(str(name), safe=""): member for name, member in value.items()}
     elif isinstance(value, tuple) and value and is_dataclass(value[0]):

@@ -173,8 +173,7 @@ def estimate_note(results: Results) -> str:
         "and is an estimate, no bound; what the time step adds is not in it. Against full "
         f"solutions of {OBSERVED_ON} it was {low} to {high} times the true max error"
     )
-    rubbed = any(estimate.max_traction_error is not None for _, _, estimate, _ in estimates)
-    said += f", {TRACTIONS_OBSERVED}, over the largest traction." if rubbed else "."
+    said += f", {TRACTIONS_OBSERVED}, over the largest traction."
     said = f"{said} {hint(results)}".rstrip()
     ratios = [
         estimate.max_relative_error / true.max_relative_error

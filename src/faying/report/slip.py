@@ -51,7 +51,7 @@ class ShownSlip:
 def shown_slip(case: CaseResult, units: Units) -> ShownSlip | None:
     """Return what stands for a case: a static load at its full value, else where most slips."""
     paths, motion = increments(case.reference), case.reference.friction
-    if motion is not None and case.times is not None:
+    if case.times is not None and len(motion):
         instant, pressure = motion.most_slip, case.reference.pressure
         when = f"at {quantity(float(case.times[instant]), units.time)}, where most slips"
         return ShownSlip(record=motion, at=instant, pressure=pressure[instant], when=when)

@@ -201,7 +201,6 @@ def divided_steps(
     step: float,
     tolerance: float,
     integrator: Integrator | None = None,
-    compiled: bool | None = None,
 ) -> DividedSteps:
     """Return what integrates transients of a system within a pressure tolerance."""
     check_times(step, step)
@@ -210,13 +209,7 @@ def divided_steps(
         raise ModelError(message)
     scheme = ImplicitEuler() if integrator is None else integrator
     lengths = (
-        TransientSolver(
-            system=system,
-            scheme=scheme,
-            step=step / 2**level,
-            compiled=bool(compiled),
-            warn=False,
-        )
+        TransientSolver(system=system, scheme=scheme, step=step / 2**level, warn=False)
         for level in range(MOST_HALVINGS + 1)
     )
     return DividedSteps(

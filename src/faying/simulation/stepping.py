@@ -18,11 +18,9 @@ from faying.linalg.threads import threads_for
 from faying.simulation.compiled import (
     MOST_FAILURES,
     CompiledSteps,
-    check_compiler,
     compiled_steps,
     stacked,
     unstacked,
-    worth_compiling,
 )
 from faying.simulation.energy_guard import EnergyGuard
 from faying.simulation.instants import Instants, check_times, require_history_room
@@ -46,7 +44,6 @@ def transient_solver(
     *,
     step: float,
     integrator: Integrator | None = None,
-    compiled: bool | None = None,
     warn: bool = True,
 ) -> "TransientSolver":
     """Factorize what all transients of a system with one time step share.
@@ -56,16 +53,13 @@ def transient_solver(
     step : [time]
     integrator
         :class:`ImplicitEuler` unless given.
-    compiled
-        Whether the steps of a reduced model are compiled; unless given, where that pays.
     warn
         Whether to log energy that appears from nothing.
 
     Raises
     ------
     ModelError
-        If the step is not positive, a law remembers closure, or compiled steps are asked for
-        without numba.
+        If the step is not positive, or a law remembers closure.
 
     Notes
     -----
@@ -73,7 +67,7 @@ def transient_solver(
     :meth:`TransientSolver.solve` then has only the steps left to do.
     """
     scheme = ImplicitEuler() if integrator is None else integrator
-    solver = TransientSolver(system=system, scheme=scheme, step=step, compiled=compiled, warn=warn)
+    solver = TransientSolver(system=system, scheme=scheme, step=step, warn=warn)
     _ = solver.condensed
     return solver
 
@@ -89,8 +83,6 @@ class TransientSolver:
     scheme
         Integrator.
     step : [time]
-    compiled
-        Whether steps are compiled; None decides by their number.
     warn
         Whether to log energy that appears from nothing.
     """
@@ -98,14 +90,11 @@ class TransientSolver:
     system: System
     scheme: Integrator
     step: float
-    compiled: bool | None = None
     warn: bool = True
 
     def __post_init__(self) -> None:
         check_times(self.step, self.step)
         self.system.contact.check_forgetful("time steps", "solve_path")
-        if self.compiled:
-            check_compiler()
 
     @cached_property
     def effective(self) -> Factorization:
@@ -152,9 +141,7 @@ class TransientSolver:
         for first in range(0, len(loads), SIDE_BY_SIDE):
             cases = slice(first, first + SIDE_BY_SIDE)
             restarts = begun(self.system, self.scheme, self.step, loads[cases], starts[cases])
-            solutions += self._advanced(
-                restarts, loads[cases], times, starts[cases], progress, len(loads) * len(times)
-            )[0]
+            solutions += self._advanced(restarts, loads[cases], times, starts[cases], progress)[0]
         return solutions
 
     def begun(self, loads: Sequence[Load], starts: Sequence[Solution]) -> list[Restart]:
@@ -168,12 +155,12 @@ class TransientSolver:
         starts: Sequence[Solution],
         *,
         end: int,
-        last: int,
+        last: int,  # noqa: ARG002
         progress: Callable[[int], object] | None,
     ) -> tuple[list[Solution], list[Restart]]:
         """Integrate up to instant ``end``; see :class:`~.transient_windows.Steps`."""
         times = self.step * np.arange(here[0].done + 1, end + 1, dtype=np.float64)
-        return self._advanced(here, loads, times, starts, progress, len(loads) * last)
+        return self._advanced(here, loads, times, starts, progress)
 
     def _advanced(
         self,
@@ -182,12 +169,8 @@ class TransientSolver:
         times: Vector,
         starts: Sequence[Solution],
         progress: Callable[[int], object] | None,
-        whole: int,
     ) -> tuple[list[Solution], list[Restart]]:
-        """Return the instants ``times``, after the starts where there are any, and their ends.
-
-        ``whole`` is the number of steps of the run that these are a part of.
-        """
+        """Return the instants ``times``, after the starts where there are any, and their ends."""
         system = self.system
         since = np.append(here[0].done * self.step, times)
         inputs = np.array([load.inputs(system, since) for load in loads])
@@ -211,7 +194,7 @@ class TransientSolver:
             inputs = np.concatenate([[[start.inputs] for start in starts], inputs], axis=1)
             times = np.concatenate([[0.0], times])
         with threads_for(self.condensed.order), guard.watching():
-            ends = self._walk(here, external, history, first, progress, whole)
+            ends = self._walk(here, external, history, first, progress)
         ledgers = guard.audit()
         history.gaps[:, first:] -= system.contact.closed_by(history.forces[:, first:])
         solutions = [
@@ -245,12 +228,11 @@ class TransientSolver:
         history: Instants,
         first: int,
         progress: Callable[[int], object] | None,
-        whole: int,
     ) -> list[Restart]:
-        """Write the instants from ``first`` on; compiled where that pays, else side by side."""
+        """Write the instants from ``first`` on; compiled, or else side by side."""
         n_case, n_step = external.shape[:2]
-        if (loop := self._loop(whole)) is not None:
-            walk = partial(self._walk_compiled, loop)
+        if self._compiled is not None:
+            walk = partial(self._walk_compiled, self._compiled)
             cases = zip(here, external, strict=True)
             return [
                 walk(start, applied, history.of_case(case), first, progress)
@@ -284,11 +266,6 @@ class TransientSolver:
         motion = scheme.advance(motion, u, carried_force, self.step)
         shear = np.array([contact.shear_forces for contact in contacts])
         return replace(motion, contact=stacked_forces(forces, shear).T), states_after, contacts
-
-    def _loop(self, n_step: int) -> CompiledSteps | None:
-        """Return the compiled loop for a run of so many steps, None where Python does them."""
-        compiles = worth_compiling(n_step) if self.compiled is None else self.compiled
-        return self._compiled if compiles else None
 
     @cached_property
     def _step_contact(self) -> StepContact:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from faying.joint.system import System
+from faying.simulation.compiled import warn_of_compiled
 from faying.simulation.divided_steps import divided_steps
 from faying.simulation.instants import check_times
 from faying.simulation.integrators import Integrator
@@ -39,9 +40,8 @@ def solve_transient(
     progress
         Called with the number of steps done since the last call: one, unless they are compiled.
     compiled
-        Whether the steps of a reduced model are compiled, or of any joint with friction the
-        solution of its contact (extra ``compiled``, up to a minute once per installation); unless
-        given, from 20 000 steps on. The same results up to round-off.
+        Deprecated, without effect: steps of a reduced model are compiled where numba is installed
+        (extra ``compiled``; 15 s once per installation), the same results up to round-off.
     tolerance
         Largest pressure error of the time steps over the largest pressure. With it each ``step``
         is done in as many steps as that takes, up to 64: ``substeps`` of the solution tells how
@@ -64,13 +64,12 @@ def solve_transient(
     contact problem. Contact is implicit: the forces at the end of a step obey Eq. (15.7) or
     (15.12) there.
     """
+    warn_of_compiled(compiled)
     check_times(step, duration)
     if tolerance is not None:
-        divided = divided_steps(
-            system, step=step, tolerance=tolerance, integrator=integrator, compiled=compiled
-        )
+        divided = divided_steps(system, step=step, tolerance=tolerance, integrator=integrator)
         return divided.solve(load, duration=duration, initial=initial, progress=progress)
-    solver = transient_solver(system, step=step, integrator=integrator, compiled=compiled)
+    solver = transient_solver(system, step=step, integrator=integrator)
     return solver.solve(load, duration=duration, initial=initial, progress=progress)
 
 
@@ -115,6 +114,7 @@ def solve_transient_cases(
     problems one after the other, each from where its own case was. All histories are in memory
     together: 3 n_dof + 2 n_point numbers per case and instant.
     """
+    warn_of_compiled(compiled)
     check_times(step, duration)
-    solver = transient_solver(system, step=step, integrator=integrator, compiled=compiled)
+    solver = transient_solver(system, step=step, integrator=integrator)
     return solver.solve_cases(loads, duration=duration, initial=initial, progress=progress)

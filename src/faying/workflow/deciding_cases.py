@@ -111,10 +111,12 @@ class Deciding:
     def reserves(self, rest: Solution, slides: Matrix, opens: Matrix) -> dict[str, SlipReserve]:
         """Return the slip reserves of the cases that slide or open before all others do.
 
-        The preloaded joint has friction. Estimated factors are (n_case, n_interface) and (n_case,
-        n_area).
+        None where nothing is remembered, so that nothing slides. Estimated factors are (n_case,
+        n_interface) and (n_case, n_area).
         """
         found: dict[str, SlipReserve] = {}
+        if self.rom.contact.forgets:
+            return found
 
         def reserve(row: int) -> SlipReserve:
             name = self.loads.names[row]

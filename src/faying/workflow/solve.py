@@ -85,19 +85,19 @@ def solve_loads(
         remedy = nearest(unknown[0], loads.names[:20])
         message = f"there is no static case '{unknown[0]}' to keep; {remedy}"
         raise StudyError(message)
-    rubbing = rom.contact.rubbing_interfaces
-    if rubbing and tightening is None:
+    unknown = rom.contact.rubbing_interfaces if tightening is None else []
+    if unknown:
         message = (
-            f"interface '{rubbing[0]}' has friction, so that what a load leaves depends on how the "
+            f"interface '{unknown[0]}' has friction, so that what a load leaves depends on how the "
             "bolts were tightened, and nothing says how: make the file anew with faying reduce; in "
             "Python give solve_loads the bolt_loads of preload_path_of(file) as tightening, or "
             "follow the loads with faying.solve_path"
         )
         raise StudyError(message)
-    path = tuple(tightening or ()) if rubbing else None
+    path = tuple(tightening or ())
     with results_in(out, _mark(rom, loads, chosen, path), resume=resume) as checkpoint:
         books = Books(progress)
-        rest = rest_state(rom, path or ())
+        rest = rest_state(rom, path)
         solver = CaseSolver(
             rom=rom,
             loads=loads,
@@ -227,9 +227,7 @@ def _fields(solved: SolvedCases, count: int, named: Sequence[int]) -> SolvedFiel
     )
 
 
-def _mark(
-    rom: ReducedModel, loads: LoadSet, options: SolveOptions, path: Sequence[Load] | None
-) -> str:
+def _mark(rom: ReducedModel, loads: LoadSet, options: SolveOptions, path: Sequence[Load]) -> str:
     """Return what tells one model with its loads and options from others."""
     mark, contact = hashlib.sha256(), rom.contact
     model = (rom.K, rom.M, rom.C, contact.relative_operator, contact.initial_gap)
@@ -241,6 +239,6 @@ def _mark(
             mark.update(key.encode())
             parts = [value.times, value.values] if isinstance(value, History) else [[value]]
             mark.update(b"".join(np.asarray(part, dtype=float).tobytes() for part in parts))
-    tightened = None if path is None else [dict(load.bolt_forces) for load in path]
+    tightened = [dict(load.bolt_forces) for load in path]
     mark.update(repr((loads.names, options, tightened)).encode())
     return mark.hexdigest()

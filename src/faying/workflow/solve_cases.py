@@ -112,7 +112,7 @@ class CaseSolver:
     @cached_property
     def judge(self) -> Certifier | None:
         """What certifies static cases without friction; None where they are not certified."""
-        if not self.options.certificates or self.rom.contact.rubbing_interfaces:
+        if not (self.options.certificates and self.rom.contact.forgets):
             return None
         with self.books.timed("certificates"), self.books.attempt("certified bounds"):
             return certifier(self.rom.joint)
@@ -232,7 +232,12 @@ class CaseSolver:
         return solve_ramps(self.rom, inputs, self.rest, increments=DEFAULT_INCREMENTS)
 
     def followed(self, rows: Sequence[int]) -> dict[int, CaseState]:
-        """Return static cases of a joint with friction as a run judges them: every increment."""
+        """Return static cases as a run judges them, every increment.
+
+        None where nothing is remembered: then they are what was solved.
+        """
+        if self.rom.contact.forgets:
+            return {}
         shares = np.arange(1, DEFAULT_INCREMENTS + 1) / DEFAULT_INCREMENTS
         states: dict[int, CaseState] = {}
         for row in rows:

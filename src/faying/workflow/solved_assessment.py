@@ -40,9 +40,9 @@ ALL_STATIC = "all static cases"
 def demanded_of(options: SolveOptions, rom: ReducedModel, rest: Solution) -> Demanded:
     """Return what is asked of every case because a requirement judges it."""
     requirements = options.requirements
-    # With friction openings are followed where they are demanded.
-    follows = not rom.contact.rubbing_interfaces or requirements.min_opening_factor is not None
-    opens = areas_that_open(rom.interfaces, rom.contact.slices, rom.bolts) if follows else {}
+    # Openings that take paths are followed where they are demanded.
+    tells = rom.contact.forgets or requirements.min_opening_factor is not None
+    opens = areas_that_open(rom.interfaces, rom.contact.slices, rom.bolts) if tells else {}
     radius = requirements.no_opening_within
     near = {}
     if radius is not None:
@@ -91,12 +91,13 @@ def solved_checks(
     transients: Mapping[str, SolvedCases],
 ) -> tuple[tuple[Verdict, ...], tuple[Check, ...]]:
     """Judge a joint over the cases and instants that decide, and its bolts over all."""
-    rom, loads, rubs = solver.rom, solver.loads, bool(solver.rom.contact.rubbing_interfaces)
+    rom, loads = solver.rom, solver.loads
     options, sets = solver.options, {**({} if static is None else {STATIC: static}), **transients}
-    decided: dict[int, CaseState] = {}
+    decided, paths = dict[int, CaseState](), dict[int, CaseState]()
     if static is not None:
         deciding = static.deciding(options.worst)
-        decided = solver.followed(deciding) if rubs else static.states(deciding)
+        paths = solver.followed(deciding)
+        decided = paths or static.states(deciding)
     rows = list(decided)
     states = {loads.names[row]: state for row, state in decided.items()}
     if rows and solver.judge is not None:
@@ -119,8 +120,8 @@ def solved_checks(
         )
         slides, opens = static.of_all(SLIDES, OPENS)
         with solver.books.attempt("load factors of opening and sliding"):
-            reserves = followed.reserves(solver.rest, slides, opens) if rubs else {}
-            openings = followed_openings(reserves) if rubs else followed.openings(opens)
+            reserves = followed.reserves(solver.rest, slides, opens)
+            openings = followed_openings(reserves) or followed.openings(opens)
     summed = _loads(loads, rows)
     judge = JointJudge(
         system=rom,
@@ -130,7 +131,7 @@ def solved_checks(
         requirements=options.requirements,
         strengths=options.strengths,
         attempt=solver.books.attempt,
-        loads=() if rubs else _loads(loads, [*rows, *map(loads.names.index, openings)]),
+        loads=_loads(loads, [*rows, *map(loads.names.index, openings)]),
         summed=summed,
         reserves=reserves,
         openings=openings,
@@ -139,20 +140,18 @@ def solved_checks(
     histories = {name: _history(cases, rom) for name, cases in sets.items()} if rom.bolts else {}
     histories = {name: state for name, state in histories.items() if len(state.pressure)}
     while True:
-        if rubs and histories:
-            histories |= {loads.names[row]: state for row, state in decided.items()}
+        if histories:
+            histories |= {loads.names[row]: state for row, state in paths.items()}
         ends = judge.ends(histories)
         apart = [_told_apart(end, loads) for end in ends]
         stressed = judge.strengthened(assessment, histories, apart, loads.repetitions)
-        solved = {*histories, *(load.name for load in judge.loads)}
+        solved = {*histories, *(name for end in ends for name in end.solved)}
         worst = _worst_rows(loads, options.strengths, apart, stressed.checks)
         more = [row for row in sorted(worst) if loads.names[row] not in solved]
-        if not more or not (rubs or ends[0].solved):
+        if not more or not (paths or ends[0].solved):
             break
-        if rubs:
-            decided = solver.followed(more)
-        else:
-            judge = replace(judge, loads=[*judge.loads, *_loads(loads, more)])
+        paths = solver.followed(more)
+        judge = replace(judge, loads=[*judge.loads, *_loads(loads, more)])
     assessment = judge.at_ends(assessment, ends)
     assessment = judge.strengthened(assessment, histories, apart, loads.repetitions)
     checks = tuple(_labelled(check, sets) for check in assessment.checks)

@@ -290,10 +290,15 @@ def test_long_transients_are_solved_in_pieces(rom, tmp_path, monkeypatch):
     solve_loads(rom, loads, tmp_path / "several")
     whole, several = (table(tmp_path / name / "history_jump.csv") for name in ("one", "several"))
     assert list(whole) == list(several)
-    for name, texts in whole.items():
-        one, other = (np.array(values, dtype=float) for values in (texts, several[name]))
-        # Twelve digits are written, and how NumPy sums a row depends on how many there are.
-        assert np.abs(one - other).max() <= 1e-10 * np.abs(one).max(), name
+    one, other = (
+        {name: np.array(values, dtype=float) for name, values in columns.items()}
+        for columns in (whole, several)
+    )
+    for name, values in one.items():
+        # Twelve digits are written, and how NumPy sums a row depends on how many there are. What
+        # symmetry keeps at zero along one axis is measured by what moves along the others.
+        alike = [np.abs(one[column]).max() for column in one if column[:-1] == name[:-1]]
+        assert np.abs(values - other[name]).max() <= 1e-10 * max(alike), name
 
 
 BAD_TABLES = {

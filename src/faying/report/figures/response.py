@@ -200,7 +200,7 @@ def path_figure(results: Results, case: CaseResult) -> Drawn | None:
 def motion_slip_figure(results: Results, case: CaseResult) -> Drawn | None:
     """Draw what friction does over time; None for cases without."""
     record, times = case.reference.friction, case.times
-    if record is None or times is None:
+    if times is None or not len(record):
         return None
     figure = new_figure(11.5, 6.8)
     panels, units = list(figure.subplots(3, 1, sharex=True)), results.unit_set

@@ -60,7 +60,7 @@ def state_of_case(case: CaseResult) -> CaseState:
 
 def rubbed(response: Response) -> Sequence[SlipRecord]:
     """Return what friction did in a response: in its increments, or at its instants."""
-    return increments(response) if response.friction is None else [response.friction]
+    return [*increments(response), *filter(len, [response.friction])]
 
 
 def _displacements(response: Response, boundary: str) -> Matrix:

@@ -114,18 +114,13 @@ def _estimates(results: Results) -> list[str]:
     estimates = {name: dict(_estimated(case)) for name, case in results.cases.items()}
     said = [
         f"{name}, errors estimated without a full solution: "
-        f"{', '.join(f'{method} {_told(error)}' for method, error in errors.items())}"
+        f"{', '.join(f'{method} {error.told}' for method, error in errors.items())}"
         for name, errors in estimates.items()
         if errors
     ]
     if said:
         low, high = OBSERVED_RATIOS
-        of_tractions = any(
-            error.max_traction_error is not None
-            for errors in estimates.values()
-            for error in errors.values()
-        )
-        observed = f"{OBSERVED_ON}; {TRACTIONS_OBSERVED}" if of_tractions else OBSERVED_ON
+        observed = f"{OBSERVED_ON}; {TRACTIONS_OBSERVED}"
         said.append(f"(Estimates, {low:g} to {high:g} times the true error on {observed}.)")
     return [*said, *filter(None, [hint(results)])]
 
@@ -138,10 +133,3 @@ def _estimated(case: CaseResult) -> Iterator[tuple[str, Accuracy]]:
             yield method, estimate
     if case.reference.estimate is not None:
         yield f"the reference, {case.reference_model}", case.reference.estimate
-
-
-def _told(estimate: Accuracy) -> str:
-    """Return estimated errors of pressures and, where something rubs, of tractions."""
-    rubbed = estimate.max_traction_error
-    tractions = "" if rubbed is None else f" (tractions {rubbed:.2%})"
-    return f"{estimate.max_relative_error:.2%}{tractions}"

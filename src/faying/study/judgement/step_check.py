@@ -25,13 +25,13 @@ class StepCheck:
     change
         Of pressures and boundary translations, over the largest of the study's step.
     slip
-        Of tractions and of the energy that friction took, over the same; None without friction.
+        Of tractions and of the energy that friction took, over the same.
     """
 
     peak: float
     half_peak: float
     change: Accuracy
-    slip: SlipErrors | None = None
+    slip: SlipErrors
 
     @property
     def peak_change(self) -> float:
@@ -62,11 +62,9 @@ def step_check(case: CaseResult) -> StepCheck | None:
     )
 
 
-def _slip_changes(half: Response, reference: Response, count: int) -> SlipErrors | None:
+def _slip_changes(half: Response, reference: Response, count: int) -> SlipErrors:
     """Compare tractions and energies of both runs up to their last common instant."""
     fine, coarse = half.friction, reference.friction
-    if fine is None or coarse is None:
-        return None
     fine = replace(
         fine,
         traction=fine.traction[::2][:count],

@@ -219,10 +219,9 @@ def _case(results: Results, case: CaseResult) -> dict[str, Any]:
             "rms_relative_change": check.change.rms_relative_error,
             "p999_relative_change": check.change.p999_relative_error,
             "displacement_change": check.change.displacement_error,
+            "max_traction_change": check.slip.traction,
+            "dissipation_change": check.slip.dissipation,
         }
-        if check.slip is not None:
-            summary["half_step"]["max_traction_change"] = check.slip.traction
-            summary["half_step"]["dissipation_change"] = check.slip.dissipation
     return summary
 
 

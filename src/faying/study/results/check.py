@@ -10,11 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from faying.files.described import is_default
 from faying.files.meanings import Meaning, Table, tables_within
 from faying.interface.interface import FacePairs
 from faying.model.cells import CellBlock
 from faying.model.elements import FACES, SOLIDS
 from faying.reduction.reduced_model import ReducedModel
+from faying.study.results.path_record import SlipRecord
 from faying.study.results.solved_fields import RecoveredRecord
 from faying.study.results.values import CaseResult, InterfaceRecord, Response, Results
 
@@ -57,11 +59,13 @@ def _check(value: Any, axis_lengths: Mapping[str, int], entry: str, *, timed: bo
     if isinstance(value, CaseResult):
         timed = value.times is not None
     for name, meaning in MEANINGS[type(value)].items():
+        if is_default(value, name):
+            continue
         inner, field = f"{entry}/{name}", getattr(value, name)
         if isinstance(value, CaseResult) and name == "half_step":
             count = 0 if value.half_step_times is None else len(value.half_step_times)
             _check_field(field, meaning, axes | {"n_time": count}, inner, timed=timed)
-        elif isinstance(value, Response) and name == "friction":
+        elif isinstance(field, SlipRecord) and timed:
             count = axes.get("n_time", 0)
             _check_field(field, meaning, axes | {"n_increment": count}, inner, timed=timed)
         else:

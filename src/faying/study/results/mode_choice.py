@@ -44,9 +44,9 @@ def _sentence(case: str, choice: NormalModeChoice, units: Units) -> str:
 
 
 def _of_tractions(choice: NormalModeChoice) -> str:
-    """Say how far tractions are off with the number chosen; nothing where nothing rubs."""
+    """Say how far tractions are off with the number chosen, if they are."""
     error = choice.traction_error
-    if error is None:
+    if not error > 0:
         return ""
     said = f" Tractions are then estimated to be off by {_share(error)} of the largest one"
     if error <= choice.tolerance or not choice.met:

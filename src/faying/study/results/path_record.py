@@ -48,6 +48,10 @@ class SlipRecord:
     macroslip: Mask
     dissipation: Vector
 
+    def __len__(self) -> int:
+        """Return the number of increments or instants; none where nothing slips along."""
+        return len(self.dissipation)
+
     @property
     def most_slip(self) -> int:
         """The increment in which most of the area slips; the last of several."""
@@ -57,6 +61,25 @@ class SlipRecord:
     def max_traction(self) -> float:
         """Largest traction over points and increments."""
         return float(np.linalg.norm(self.traction, axis=-1).max(initial=0.0))
+
+
+NO_SLIP = SlipRecord(
+    traction=np.empty((0, 0, 3)),
+    slip=np.empty((0, 0, 3)),
+    status=np.empty((0, 0), dtype=np.int64),
+    open_share=np.empty(0),
+    stick_share=np.empty(0),
+    slip_share=np.empty(0),
+    macroslip=np.empty(0, dtype=bool),
+    dissipation=np.empty(0),
+)
+"""What stands where nothing slips along surfaces over time."""
+
+
+def slip_over_time(solution: Solution) -> SlipRecord:
+    """Return what friction does at the instants of a motion."""
+    rubs = solution.times is not None and solution.shear_slip.size
+    return SlipRecord(**slip_fields(solution, None)) if rubs else NO_SLIP
 
 
 def slip_fields(solution: Solution, start: Solution | None) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from faying.joint.model import Model
 from faying.reduction.projection import full_displacement
 from faying.simulation.solution import Solution
 from faying.study.results.nodal_motion import NodalMotion, nodal_motion
-from faying.study.results.path_record import CycleRecord, PathRecord, SlipRecord, slip_fields
+from faying.study.results.path_record import CycleRecord, PathRecord, slip_over_time
 from faying.study.results.values import Response
 
 Seen = dict[str, dict[str, Matrix]]
@@ -57,9 +57,7 @@ def respond(
             model.dofs.nodal(full_displacement(model, solution))[:, :3] if static else None
         ),
         motion=nodal_motion(model, solution) if moves and not static else motion,
-        friction=None
-        if static or not solution.shear_slip.size
-        else SlipRecord(**slip_fields(solution, None)),
+        friction=slip_over_time(solution),
         increment_error=None if certificate is None else float(certificate.energy_error.max()),
         law_residual=None if certificate is None else float(certificate.residual.max()),
         path=path,

@@ -20,7 +20,7 @@ from faying.reduction.reduced_model import ReducedModel
 from faying.study.inputs.jumps import Jump
 from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.results.nodal_motion import NodalMotion
-from faying.study.results.path_record import CycleRecord, PathRecord, SlipRecord
+from faying.study.results.path_record import NO_SLIP, CycleRecord, PathRecord, SlipRecord
 from faying.study.results.second_solution import Remedy
 from faying.study.results.validation_record import ValidationRecord
 from faying.units import Units, units_of
@@ -101,7 +101,7 @@ class Response:
     seconds: float
     nodal_displacement: Matrix | None = None
     motion: NodalMotion | None = None
-    friction: SlipRecord | None = None
+    friction: SlipRecord = NO_SLIP
     recovered_pressure: Matrix | None = None
     energy_gain: float = 0.0
     substeps: Indices | None = None
