@@ -241,6 +241,20 @@ class Contact:
                 )
                 raise ModelError(message)
 
+    def check_mean_forces(self) -> None:
+        """Refuse what mean forces over a step do not tell: curves, and hard points with friction.
+
+        What is hard anywhere counts where anything has friction.
+        """
+        self.check_proportional()
+        if self.components > 1 and not self.yields:
+            message = (
+                "EnergyDecaying steps with friction need elastic contact: a hard point has no "
+                "force at an instant that the mean over a step would tell; give the interfaces a "
+                "penalty and a tangential penalty, or take ImplicitEuler"
+            )
+            raise ModelError(message)
+
     @cached_property
     def tangential_flexibility(self) -> Vector:
         """Diagonal of D of one tangential component (n_rubbing,) [length/force]."""

@@ -39,6 +39,12 @@ class ContactFields:
         """Slip of the plus side over the minus side (..., n_point, 3) [length]."""
         return self._along_tangents(self.shear_slip)
 
+    @property
+    def along_surfaces(self) -> dict[str, Matrix]:
+        """Traction and slip by name, of a joint that has friction; nothing else."""
+        carried = self.shear_forces.size > 0
+        return {"traction": self.traction, "slip": self.slip} if carried else {}
+
     def _along_tangents(self, components: Matrix) -> Matrix:
         """Return vectors (..., n_point, 3) of tangential components (..., n_tangent, n_point)."""
         tangents = self.system.contact.tangents[: components.shape[-2]]

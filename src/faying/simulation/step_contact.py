@@ -18,7 +18,6 @@ from faying.contact.contact import Contact
 from faying.contact.increment import Increment, IncrementSolver, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.state import ContactState
-from faying.exceptions import ModelError
 from faying.linalg.compressed import Compliance
 
 ADMISSIBLE = 1e-12
@@ -94,15 +93,7 @@ class MeanContact:
     condensed: CondensedContact
 
     def __post_init__(self) -> None:
-        contact = self.condensed.contact
-        yields = (contact.flexibility > 0).all() and (contact.tangential_flexibility > 0).all()
-        if len(contact.rubbing) and not yields:
-            message = (
-                "EnergyDecaying steps with friction need elastic contact: a hard point has no "
-                "force at an instant that the mean over a step would tell; give the interfaces a "
-                "penalty and a tangential penalty, or take ImplicitEuler"
-            )
-            raise ModelError(message)
+        self.condensed.contact.check_mean_forces()
 
     def solve(
         self, free: Matrix, states: Sequence[ContactState], last: Matrix

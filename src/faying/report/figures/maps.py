@@ -133,8 +133,9 @@ def pressure_figure(results: Results, case: CaseResult) -> Drawn:
 
 
 def preload_figure(results: Results) -> Drawn:
-    """Draw preload pressure by interface, and the sticking area where nothing has friction."""
-    units, records, tied = results.unit_set, results.interfaces, not results.rubbing
+    """Draw preload pressure by interface, and the sticking area where something is tied."""
+    units, records = results.unit_set, results.interfaces
+    tied = any(record.stuck.any() for record in records.values())
 
     def pressed(name: str, record: InterfaceRecord, axes: Axes) -> str:
         plot_pressure(record, record.preload_pressure, axes, units)

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from faying._typing import Indices, Matrix, Vector
 from faying.assessment.envelope import Envelope
 from faying.files.described import Format, new_file, write_members
@@ -74,6 +76,16 @@ class RecoveredRecord:
     iterations: Indices
     traction: Matrix | None = None
     slip: Matrix | None = None
+
+    @property
+    def tractions(self) -> dict[str, Matrix]:
+        """Sizes of tractions (n_time, n_point) [force/length²] by name, where there are any."""
+        vectors = {"traction": self.traction}
+        return {
+            name: np.linalg.norm(value, axis=-1)
+            for name, value in vectors.items()
+            if value is not None
+        }
 
 
 SOLVED = Format(

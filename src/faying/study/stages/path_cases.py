@@ -176,8 +176,8 @@ MOST_CERTIFIED = 1000
 def _certificate(model: Model, path: Solution, preloaded: Solution) -> IncrementCertificate | None:
     """Certify the increments of a reduced model; those of the full one are what is meant."""
     contact = model.contact
-    certified = contact.rubbing_interfaces and contact.proportional
-    if path.system is model or not certified or contact.n_points > MOST_CERTIFIED:
+    certified = contact.proportional and contact.n_points <= MOST_CERTIFIED
+    if path.system is model or contact.forgets or not certified:
         return None
     return certify_increments(model, path, preloaded)
 

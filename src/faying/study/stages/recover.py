@@ -1,6 +1,6 @@
 """Recover pressures from the history of another program with what a finished run left behind."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -89,7 +89,6 @@ def recover(results: Results, path: Path, options: RecoverOptions) -> RecoveredR
     method = options.method or (MODAL_METHODS[0] if modal else "compliance")
     rom = reduced_model(results, method, options.joint_modes)
     recovered, derivatives = (_from_modal if modal else _from_loads)(rom, history, options)
-    rubs = recovered.shear_forces.size > 0
     return RecoveredRecord(
         title=results.title,
         units=results.units,
@@ -107,8 +106,7 @@ def recover(results: Results, path: Path, options: RecoverOptions) -> RecoveredR
         bolt_force={name: recovered.bolt_force(name) for name in rom.bolts},
         max_pressure=recovered.max_pressure,
         iterations=recovered.iterations,
-        traction=recovered.traction if rubs else None,
-        slip=recovered.slip if rubs else None,
+        **recovered.along_surfaces,
     )
 
 
@@ -131,7 +129,7 @@ def results_of(folder: Path | str) -> Results:
 
 def peak_table(results: Results, recovered: RecoveredRecord) -> Table:
     """Return the largest pressure, and traction, on every interface, when and where."""
-    vectors, units = recovered.traction, results.unit_set
+    units = results.unit_set
 
     def largest(name: str) -> tuple[int, int]:
         pressure = recovered.pressure[:, slice(*results.interfaces[name].slice)]
@@ -146,11 +144,8 @@ def peak_table(results: Results, recovered: RecoveredRecord) -> Table:
         instant, point = peaks[name]
         return float(recovered.pressure[instant, results.interfaces[name].slice[0] + point])
 
-    def traction(name: str) -> float | None:
-        points = slice(*results.interfaces[name].slice)
-        if vectors is None:
-            return None
-        return float(np.linalg.norm(vectors[:, points], axis=-1).max())
+    def largest_of(sizes: Matrix) -> Callable[[str], float]:
+        return lambda name: float(sizes[:, slice(*results.interfaces[name].slice)].max())
 
     peaks = {name: largest(name) for name in results.interfaces}
     columns = (
@@ -163,7 +158,10 @@ def peak_table(results: Results, recovered: RecoveredRecord) -> Table:
             "force",
             5,
         ),
-        Column("largest traction", traction, PRESSURE, 5),
+        *(
+            Column(f"largest {name}", largest_of(sizes), PRESSURE, 5)
+            for name, sizes in recovered.tractions.items()
+        ),
     )
     return described("interface", [(name, name) for name in peaks], columns, units)
 
@@ -179,10 +177,10 @@ def peak_fields(results: Results, recovered: RecoveredRecord, interface: str) ->
         f"gap [{units.length}]": nodal_average(record, recovered.gap[instant]),
         f"largest pressure over time [{units.pressure}]": averages.max(axis=0),
     }
-    if recovered.traction is not None:
-        tractions = nodal_average(record, np.linalg.norm(recovered.traction, axis=-1))
-        fields[f"traction [{units.pressure}]"] = tractions[instant]
-        fields[f"largest traction over time [{units.pressure}]"] = tractions.max(axis=0)
+    for name, sizes in recovered.tractions.items():
+        averages = nodal_average(record, sizes)
+        fields[f"{name} [{units.pressure}]"] = averages[instant]
+        fields[f"largest {name} over time [{units.pressure}]"] = averages.max(axis=0)
     return fields
 
 
