@@ -8,13 +8,13 @@ contact forces g_free,
 is Eq. (15.7) regularized by Eq. (15.12), or Eq. (15.7) itself where D vanishes (hard contact).
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol, Self
 
 import numpy as np
 import scipy.linalg as la
 
-from faying._typing import Mask, Matrix, Vector
+from faying._typing import Mask, Vector
 from faying.exceptions import ConvergenceError
 
 
@@ -35,12 +35,6 @@ class ContactForces:
     error
         Bound on the relative error of the forces in the norm (Σ λ²/(c_n w))½; zero where the
         problem was solved to round-off.
-    shear_forces : (n_tangent, n_point) [force]
-        Tangential components; by default none.
-    slip : (n_tangent, n_point) [length]
-        Tangential components of what has slipped so far.
-    dissipation
-        Energy that friction took [force·length].
     """
 
     forces: Vector
@@ -48,9 +42,6 @@ class ContactForces:
     active: Mask
     iterations: int
     error: float = 0.0
-    shear_forces: Matrix = field(default_factory=lambda: np.zeros((0, 1)))
-    slip: Matrix = field(default_factory=lambda: np.zeros((0, 1)))
-    dissipation: float = 0.0
 
 
 BLOCK_ATTEMPTS = 20

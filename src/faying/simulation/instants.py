@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Matrix
-from faying.contact.active_set import ContactForces
 from faying.exceptions import ModelError
 from faying.joint.system import System
 from faying.linalg.memory import require_room
 from faying.simulation.integrators import Motion
+from faying.simulation.path import PathStep
 from faying.simulation.solution import Solution
 
 MOST_STEPS = 10**9
@@ -86,16 +86,17 @@ class Instants:
         """Return the part of some instants, to be written in place."""
         return Instants(**{name: array[:, first:end] for name, array in vars(self).items()})
 
-    def note(self, n: int, motion: Motion, contacts: Sequence[ContactForces]) -> None:
+    def note(self, n: int, motion: Motion, ends: Sequence[PathStep]) -> None:
         """Note an instant; for the gaps the slacks, as the penetrations are still to be taken."""
         self.states[:, n], self.velocities[:, n] = motion.u.T, motion.v.T
         self.accelerations[:, n] = motion.a.T
-        for case, contact in enumerate(contacts):
-            self.forces[case, n], self.gaps[case, n] = contact.forces, contact.slack
-            self.iterations[case, n] = contact.iterations
-            self.errors[case, n] = contact.error
-            self.shear[case, n], self.slip[case, n] = contact.shear_forces, contact.slip
-            self.dissipation[case, n] = contact.dissipation
+        along = slice(self.shear.shape[2])
+        for case, end in enumerate(ends):
+            contact = end.increment
+            self.forces[case, n], self.gaps[case, n] = contact.forces[0], contact.slack[0]
+            self.iterations[case, n], self.errors[case, n] = end.iterations, contact.error
+            self.shear[case, n], self.slip[case, n] = contact.forces[1:][along], end.slip[along]
+            self.dissipation[case, n] = end.dissipation
 
 
 def require_history_room(n_case: int, n_time: int, system: System) -> None:

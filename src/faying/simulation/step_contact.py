@@ -12,13 +12,13 @@ from typing import Protocol, cast, final
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.contact.active_set import ContactForces
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
 from faying.contact.increment import Increment, IncrementSolver, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.state import ContactState
 from faying.linalg.compressed import Compliance
+from faying.simulation.path import PathStep
 
 ADMISSIBLE = 1e-12
 """Excess of a tangential force over its bound, over the largest force, that is round-off."""
@@ -32,7 +32,7 @@ class StepContact(Protocol):
 
     def solve(
         self, free: Matrix, states: Sequence[ContactState], last: Matrix
-    ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
+    ) -> tuple[Matrix, Sequence[PathStep], Sequence[ContactState]]:
         """Return the new forces of the balance, contact at the end, and its state, of all cases.
 
         Forces have all components, (n_case, components * n_point), as ``last`` at the start of the
@@ -53,7 +53,7 @@ class EndContact:
         free: Matrix,
         states: Sequence[ContactState],
         last: Matrix,  # noqa: ARG002
-    ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
+    ) -> tuple[Matrix, Sequence[PathStep], Sequence[ContactState]]:
         """Solve one increment for each case."""
         solver, contact = self.condensed.increments, self.condensed.contact
         acting, ends, states_after = [], [], []
@@ -61,9 +61,9 @@ class EndContact:
             offset = contact.offset(state.slip)
             increment = solver.solve(relative, offset, _start(solver, relative, state))
             slip = state.slip + increment.slack[1:]
-            ends.append(_contact_forces(contact, increment, increment.dissipation, slip))
+            ends.append(_end(relative, increment, increment.dissipation, slip))
             acting.append(increment.forces[: contact.components].ravel())
-            states_after.append(_state(ends[-1], increment, slip))
+            states_after.append(_state(ends[-1], increment))
         return np.array(acting), ends, states_after
 
 
@@ -97,7 +97,7 @@ class MeanContact:
 
     def solve(
         self, free: Matrix, states: Sequence[ContactState], last: Matrix
-    ) -> tuple[Matrix, Sequence[ContactForces], Sequence[ContactState]]:
+    ) -> tuple[Matrix, Sequence[PathStep], Sequence[ContactState]]:
         """Solve one increment for each case, and the law at the end where that is not obeyed."""
         solver, contact = self.condensed.increments, self.condensed.contact
         means, ends, states_after = [], [], []
@@ -111,8 +111,8 @@ class MeanContact:
             slip = state.slip + mean.slack[1:] + end.slack[1:]
             dissipated = 0.5 * mean.dissipation + end.dissipation
             means.append(mean.forces[:k].ravel())
-            ends.append(_contact_forces(contact, end, dissipated, slip))
-            states_after.append(_state(ends[-1], mean, slip))
+            ends.append(_end(relative, end, dissipated, slip))
+            states_after.append(_state(ends[-1], mean))
         return np.array(means), ends, states_after
 
     def _at_end(self, mean: Increment, forces: Matrix) -> Increment:
@@ -169,27 +169,21 @@ class MeanContact:
         return R if np.diagonal(R).max() > ROUND_OFF * whole.max() else None
 
 
-def _state(end: ContactForces, increment: Increment, slip: Matrix) -> ContactState:
-    """Return where contact stands after a step, with what has slipped so far (2, n_point)."""
-    return ContactState(
-        active=end.active, slip=slip, forces=increment.forces, moved=increment.moved
-    )
-
-
-def _contact_forces(
-    contact: Contact, increment: Increment, dissipation: float, slip: Matrix
-) -> ContactForces:
-    along = slice(contact.components - 1)
-    return ContactForces(
-        forces=increment.forces[0],
-        slack=increment.slack[0],
-        active=increment.forces[0] > 0,
+def _end(free: Vector, increment: Increment, dissipation: float, slip: Matrix) -> PathStep:
+    """Return where a step ends, with what has slipped so far (2, n_point)."""
+    return PathStep(
+        relative=free,
+        increment=increment,
+        slip=slip,
         iterations=increment.iterations,
-        error=increment.error,
-        shear_forces=increment.forces[1:][along],
-        slip=slip[along],
         dissipation=dissipation,
     )
+
+
+def _state(end: PathStep, begin: Increment) -> ContactState:
+    """Return where contact stands after a step; the next one begins at an increment."""
+    active = end.increment.forces[0] > 0
+    return ContactState(active=active, slip=end.slip, forces=begin.forces, moved=begin.moved)
 
 
 def _start(solver: IncrementSolver, free: Vector, state: ContactState) -> Increment | None:

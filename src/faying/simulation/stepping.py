@@ -7,8 +7,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from faying._typing import Matrix, Vector
-from faying.contact.active_set import ContactForces
+from faying._typing import Matrix
 from faying.contact.condensed import CondensedContact, relative_compliance
 from faying.contact.state import ContactState
 from faying.exceptions import ConvergenceError
@@ -26,11 +25,13 @@ from faying.simulation.energy_guard import EnergyGuard
 from faying.simulation.instants import Instants, check_times, require_history_room
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
 from faying.simulation.load import Load
+from faying.simulation.path import PathStep
 from faying.simulation.restart import Restart, each_of, side_by_side
 from faying.simulation.solution import Solution
-from faying.simulation.start import begun, stacked_forces, starting_states
+from faying.simulation.start import begun, starting_states
 from faying.simulation.static import relative_forces
 from faying.simulation.step_contact import StepContact
+from faying.simulation.transient_windows import transient_windows
 
 SIDE_BY_SIDE = 16
 """Cases advanced together; more gain nothing more and spread over more memory."""
@@ -136,12 +137,18 @@ class TransientSolver:
         check_times(self.step, duration)
         require_history_room(len(loads), round(duration / self.step) + 1, self.system)
         starts = starting_states(self.system, loads, initial)
-        times = self.step * np.arange(1, round(duration / self.step) + 1, dtype=np.float64)
         solutions: list[Solution] = []
         for first in range(0, len(loads), SIDE_BY_SIDE):
             cases = slice(first, first + SIDE_BY_SIDE)
-            restarts = begun(self.system, self.scheme, self.step, loads[cases], starts[cases])
-            solutions += self._advanced(restarts, loads[cases], times, starts[cases], progress)[0]
+            windows = transient_windows(
+                self,
+                loads[cases],
+                duration=duration,
+                length=None,
+                initial=starts[cases],
+                progress=progress,
+            )
+            solutions += [solution for window, _ in windows for solution in window]
         return solutions
 
     def begun(self, loads: Sequence[Load], starts: Sequence[Solution]) -> list[Restart]:
@@ -159,19 +166,8 @@ class TransientSolver:
         progress: Callable[[int], object] | None,
     ) -> tuple[list[Solution], list[Restart]]:
         """Integrate up to instant ``end``; see :class:`~.transient_windows.Steps`."""
-        times = self.step * np.arange(here[0].done + 1, end + 1, dtype=np.float64)
-        return self._advanced(here, loads, times, starts, progress)
-
-    def _advanced(
-        self,
-        here: Sequence[Restart],
-        loads: Sequence[Load],
-        times: Vector,
-        starts: Sequence[Solution],
-        progress: Callable[[int], object] | None,
-    ) -> tuple[list[Solution], list[Restart]]:
-        """Return the instants ``times``, after the starts where there are any, and their ends."""
         system = self.system
+        times = self.step * np.arange(here[0].done + 1, end + 1, dtype=np.float64)
         since = np.append(here[0].done * self.step, times)
         inputs = np.array([load.inputs(system, since) for load in loads])
         first = int(bool(starts))
@@ -242,30 +238,29 @@ class TransientSolver:
         states: Sequence[ContactState] = [restart.contact for restart in here]
         for n in range(n_step):
             with _naming_step(here[0].done + n + 1, self.step):
-                motion, states, contacts = self._step(motion, states, external[:, n].T)
-            history.note(first + n, motion, contacts)
+                motion, states, ends = self._step(motion, states, external[:, n].T)
+            history.note(first + n, motion, ends)
             if progress is not None:
                 progress(n_case)
         return each_of(here[0].done + n_step, motion, states)
 
     def _step(
         self, motion: Motion, states: Sequence[ContactState], applied: Matrix
-    ) -> tuple[Motion, Sequence[ContactState], Sequence[ContactForces]]:
-        """Return the motion one step on, where contact stands after it, and its forces.
+    ) -> tuple[Motion, Sequence[ContactState], Sequence[PathStep]]:
+        """Return the motion one step on, where contact stands after it, and how it ended.
 
         What is linear is done for all cases at once, with one case a column.
         """
         system, scheme = self.system, self.scheme
         right = scheme.right_hand_side(system, motion, self.step) + scheme.force_weight * applied
         free = system.contact.relative_operator @ self.effective.solve(right)
-        acting, contacts, states_after = self._step_contact.solve(free.T, states, motion.contact.T)
-        forces = np.array([contact.forces for contact in contacts])
+        acting, ends, states_after = self._step_contact.solve(free.T, states, motion.contact.T)
         from_contact = relative_forces(system, *system.contact.parts(acting)).T
         u = self.effective.solve(right + scheme.force_weight * from_contact)
         carried_force = scheme.kept_force(applied, from_contact)
         motion = scheme.advance(motion, u, carried_force, self.step)
-        shear = np.array([contact.shear_forces for contact in contacts])
-        return replace(motion, contact=stacked_forces(forces, shear).T), states_after, contacts
+        forces = [end.increment.forces[: system.contact.components].ravel() for end in ends]
+        return replace(motion, contact=np.array(forces).T), states_after, ends
 
     @cached_property
     def _step_contact(self) -> StepContact:
@@ -293,11 +288,11 @@ class TransientSolver:
                 done, state = compiled.advance(motion, state, chunk, history, first + n)
             failures = 0 if done else failures + 1
             if done < len(chunk):
-                moved, (state_after,), contacts = self._step(
+                moved, (state_after,), ends = self._step(
                     unstacked(motion[:, None]), [state], chunk[done][:, None]
                 )
                 state = replace(state_after, supported=state.supported)
-                history.note(first + n + done, moved, contacts)
+                history.note(first + n + done, moved, ends)
                 motion, done = stacked(moved), done + 1
             n += done
             if progress is not None:

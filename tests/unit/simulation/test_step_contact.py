@@ -87,8 +87,8 @@ def test_the_law_at_the_end_of_a_step(laws, residual):
     for relative, force, end, state in zip(free, acting, ends, after, strict=True):
         forces, slack = solved(H, INTERPOLATION @ relative + GAP)
         assert force == pytest.approx(forces, **SAME)
-        assert end.forces == pytest.approx(forces, **SAME)
-        assert end.slack == pytest.approx(slack, **SAME)
+        assert end.increment.forces[0] == pytest.approx(forces, **SAME)
+        assert end.increment.slack[0] == pytest.approx(slack, **SAME)
         assert (state.active == (forces > 0)).all()
 
 
@@ -98,10 +98,10 @@ def test_the_mean_over_a_step_and_the_law_at_its_end(laws, residual):
     """s = γ₁ + W (2 λ̄ − λ₀), and the contact law at γ₁; hard points have their mean instead."""
     problem, W = condensed(laws, residual), yielding(laws, residual)
     free, last, states = cases(W + 1e-3 * np.eye(N))
-    acting, ends, _ = MeanContact(problem).solve(free, states, last)
+    acting, ends, after = MeanContact(problem).solve(free, states, last)
     S = INTERPOLATION @ COMPLIANCE @ INTERPOLATION.T
     corrected = 0
-    for i, (relative, before, end) in enumerate(zip(free, last, ends, strict=True)):
+    for i, (relative, before, end, state) in enumerate(zip(free, last, ends, after, strict=True)):
         gap = INTERPOLATION @ relative + GAP
         twice, slack = solved(S + W, gap - W @ before)
         at_end = gap + S @ twice
@@ -114,9 +114,9 @@ def test_the_mean_over_a_step_and_the_law_at_its_end(laws, residual):
             forces, slack = np.where(own, lawful, forces), np.where(own, open_by, slack)
         corrected += bool(np.abs(forces - (twice - before)).max() > 1e-6)
         assert acting[i] == pytest.approx(twice, **SAME)
-        assert end.forces == pytest.approx(forces, **SAME)
-        assert end.slack == pytest.approx(slack, **SAME)
-        assert (end.active == (end.forces > 0)).all()
+        assert end.increment.forces[0] == pytest.approx(forces, **SAME)
+        assert end.increment.slack[0] == pytest.approx(slack, **SAME)
+        assert (state.active == (end.increment.forces[0] > 0)).all()
     assert corrected > 3  # forces at the end that the mean alone does not tell
 
 
@@ -137,7 +137,7 @@ def test_all_linear_systems_of_a_step_are_counted():
     )
     asked = np.array(
         [
-            np.abs(end.forces - (mean.forces[0] - before)).max() > 1e-6
+            np.abs(end.increment.forces[0] - (mean.forces[0] - before)).max() > 1e-6
             for end, mean, before in zip(ends, alone, last, strict=True)
         ]
     )
@@ -155,11 +155,11 @@ def test_residual_compliance_of_round_off_is_none_where_contact_is_hard(share, c
     free = -0.3 * np.ones((1, N))
     last = np.full((1, N), 2.0)
     acting, (end,), _ = MeanContact(problem).solve(free, [ContactState(active=last[0] > 0)], last)
-    half = end.forces == pytest.approx(acting[0] / 2, **SAME)
+    half = end.increment.forces[0] == pytest.approx(acting[0] / 2, **SAME)
     assert half is not counts
     soft = condensed((SOFT, HARD), residual)
     acting, (end,), _ = MeanContact(soft).solve(free, [ContactState(active=last[0] > 0)], last)
-    assert (end.forces[2:] == pytest.approx(acting[0, 2:] / 2, **SAME)) is not counts
+    assert (end.increment.forces[0][2:] == pytest.approx(acting[0, 2:] / 2, **SAME)) is not counts
 
 
 def test_forces_are_unknowns_where_contact_is_hard_alone():
