@@ -112,7 +112,7 @@ def test_of_a_compressed_interface(joint):
 def test_steps_are_counted_for_all_cases(rom):
     done = []
     fy.solve_transient_cases(rom, loads(3), step=STEP, duration=4 * STEP, progress=done.append)
-    assert done == [3] * 4
+    assert sum(done) == 3 * 4  # compiled steps of one case come together
 
 
 def test_nothing_to_do(rom):

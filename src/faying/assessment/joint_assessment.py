@@ -19,7 +19,7 @@ from faying.assessment.joint_record import (
 )
 from faying.assessment.opening import Openings, area_name
 from faying.assessment.requirements import Requirements
-from faying.assessment.slip_demand import SlipDemand
+from faying.assessment.slip_demand import NO_DEMAND, SlipDemand
 from faying.assessment.slip_reserve import SlipReserve
 from faying.assessment.strength.preload_ends import LEAST
 from faying.assessment.verdicts import verdicts
@@ -66,7 +66,7 @@ def judged(
     interfaces = {
         name: replace(
             _interface(surface, cases, clamps[name, ""]),
-            slip=needed.get((name, "")),
+            slip=needed.get((name, ""), NO_DEMAND),
             opening=_openings(followed_paths, name),
         )
         for name, surface in surfaces.items()

@@ -117,7 +117,7 @@ def _local_slip(
     limit = max((demand.limit for demand in demands), default=1.0)
     for place, demand in bolt.slip_around.items():
         whole = found.interfaces[place].slip
-        if whole is None or not whole.safety or not demand.safety:
+        if not whole.safety or not demand.safety:
             continue
         case, least = min(demand.safety, key=demand.safety.__getitem__), min(whole.safety.values())
         if demand.safety[case] < limit <= least:
@@ -208,9 +208,9 @@ def _slip(
     slip, check = interface.slip, Check(part=name, kind="interface", quantity="slip")
     if unknown:
         yield replace(check, reason=unknown[0], required=True)
-    elif slip is not None and slip.safety and (safety or not reserves):
+    elif slip.safety and (safety or not reserves):
         yield _least_factor(check, slip.safety, safety, unit="")
-    elif slip is not None and not reserves and not slip.safety:
+    elif slip.asked and not reserves and not slip.safety:
         if slip.coefficient is None:
             yield replace(check, reason=NO_COEFFICIENT)
         elif slip.unknown:

@@ -10,7 +10,7 @@ from faying._typing import Matrix, Vector
 from faying.assessment.check import Check
 from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import OPEN_BELOW, Verdict
-from faying.assessment.slip_demand import SlipDemand
+from faying.assessment.slip_demand import NO_DEMAND, SlipDemand
 from faying.assessment.strength.thread import ThreadStress
 
 
@@ -233,7 +233,7 @@ class InterfaceAssessment:
     closed_area_case
         Load case it belongs to.
     slip
-        Friction that static load cases need of it; None where no load case is static.
+        Friction that static load cases need of it; empty where no load case is static.
     opening : [1]
         Load case to the factor from which less than a share (``open_below``) of the area that the
         preload presses is pressed; infinite if it never is.
@@ -254,7 +254,7 @@ class InterfaceAssessment:
     max_nodal_pressure_case: str
     closed_area: float
     closed_area_case: str
-    slip: SlipDemand | None = None
+    slip: SlipDemand = NO_DEMAND
     opening: Mapping[str, float] = field(default_factory=dict)
 
 

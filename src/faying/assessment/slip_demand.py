@@ -68,6 +68,15 @@ class SlipDemand:
     safety: Mapping[str, float] = field(default_factory=dict)
     unknown: str = ""
 
+    @property
+    def asked(self) -> bool:
+        """Whether loads act on the area, with or without an answer."""
+        return bool(self.needed_friction or self.unknown)
+
+
+NO_DEMAND = SlipDemand()
+"""Of an area on which no static load case acts."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class AreaSums:

@@ -162,7 +162,7 @@ def _slip_verdict(
     asked = {
         name: interface.slip
         for name, interface in interfaces.items()
-        if interface.slip is not None and interface.slip.coefficient is not None
+        if interface.slip.coefficient is not None
     }
     for name, slip in asked.items():
         if slip.unknown:

@@ -215,9 +215,7 @@ def _least_case(factors: Mapping[str, float]) -> str | None:
 
 def _slip(results: Results, assessment: Assessment, album: Album) -> Section:
     demands, paths, notes = demand_table(results), friction_table(results), list[str]()
-    if any(
-        item.slip is not None and not item.slip.unknown for item in assessment.interfaces.values()
-    ):
+    if any(item.slip.needed_friction for item in assessment.interfaces.values()):
         notes.append(
             "Friction needed: for all that acts along the interface, the bolts carrying no shear."
         )

@@ -126,10 +126,9 @@ def demand_table(results: Results) -> Table:
     """Return the friction that interfaces and their parts nearest to bolts need, by sums."""
     assessment = results.assessment
     demands: dict[str, SlipDemand] = {}
-    for name, item in (assessment.interfaces if assessment else {}).items():
-        if item.slip is None:
-            continue
-        demands[name] = item.slip
+    interfaces = assessment.interfaces if assessment else {}
+    for name, item in interfaces.items():
+        demands |= {name: item.slip} if item.slip.asked else {}
         around = {
             bolt: area.slip_around[name]
             for bolt, area in (assessment.bolts if assessment else {}).items()
