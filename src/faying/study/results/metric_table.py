@@ -154,11 +154,11 @@ def _responses(name: str, curve: ResponseCurve) -> Iterator[tuple[object, ...]]:
 def _peaks(name: str, record: FrequencyRecord) -> Iterator[tuple[object, ...]]:
     for level in record.peaks():
         peak, expected = level.peak, level.expected
-        rubbed, damped = level.there("friction_energy"), level.there("damping_energy")
+        slid, damped = level.there("friction_energy"), level.there("damping_energy")
         damping: tuple[object, object] = "", ""
-        if rubbed is not None and damped is not None:
-            lost = rubbed + damped
-            damping = level.there("damping_ratio"), rubbed / lost if lost > 0 else 0.0
+        if slid is not None and damped is not None:
+            lost = slid + damped
+            damping = level.there("damping_ratio"), slid / lost if lost > 0 else 0.0
         expected_values = ("", "") if expected is None else (expected.frequency, expected.amplitude)
         motion = (peak.frequency, peak.amplitude, peak.phase)
         yield name, peak.level, record.at, *motion, *damping, *expected_values
