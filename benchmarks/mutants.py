@@ -71,6 +71,7 @@ TARGETS: dict[str, tuple[str, ...]] = {
     "reduction/pod.py": ("tests/properties/test_pod.py",),
     "reduction/basis.py": _REDUCTION,
     "reduction/compliance.py": _REDUCTION,
+    "reduction/contact_reduction.py": ("tests/unit/reduction/test_methods.py",),
 }
 """Files under test, below ``src/faying``, and the tests that must notice what is wrong in them."""
 

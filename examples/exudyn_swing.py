@@ -15,7 +15,6 @@ its modal coordinates. What comes back is compared three times:
 """
 
 import importlib.util
-import shutil
 import sys
 import tempfile
 from dataclasses import dataclass, replace
@@ -100,10 +99,8 @@ def frame_motion(times: Vector) -> FrameMotion:
     )
 
 
-def handed_over(rom: fy.ReducedModel, path: Path) -> ModuleType:
-    """Write the module and its data, as a user would, and import it."""
-    export(rom, "npz", out=path.with_suffix(".npz"))
-    shutil.copy(Path(__file__).with_name("exudyn_joint.py"), path)
+def imported(path: Path) -> ModuleType:
+    """Import the module that was handed over, wherever it is."""
     spec = importlib.util.spec_from_file_location(path.stem, path)
     module = importlib.util.module_from_spec(spec)
     sys.modules[path.stem] = module
@@ -227,7 +224,8 @@ def differences(
 ) -> dict[str, float]:
     """Return the differences, relative to the largest pressure in the loop, and that pressure."""
     with tempfile.TemporaryDirectory() as folder:
-        swing = simulate(handed_over(rom, Path(folder) / "arm.py"), step, periods)
+        module, _ = export(rom, "exudyn", out=Path(folder) / "arm.py")
+        swing = simulate(imported(module), step, periods)
     largest = swing.pressure.max()
 
     def largest_difference(pressure: Matrix) -> float:

@@ -322,5 +322,5 @@ def fake_results():
         factor_bytes=2_500_000,
         assessment=_assessment(),
         warnings=("load case LC1, jim-a with 40 joint modes: no solution",),
-        omissions=("unseen loads, jim-b: it met what <nobody> foresaw",),
+        omissions=("unseen loads, nmf: it met what <nobody> foresaw",),
     )

@@ -92,7 +92,6 @@ def run_shell(block: Block, page: Path, folder: Path) -> None:
 @named
 def test_code_runs(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "examples").symlink_to(ROOT / "examples")
     if page.name in RESULTS_OF_A_RUN:
         shutil.copytree(quick_demo().name, tmp_path, dirs_exist_ok=True)
     names: dict[str, Any] = {"__name__": "page"}

@@ -388,7 +388,7 @@ def rom_of(model):
     return fy.reduce(model, fy.craig_bampton(model, normal_modes=3), compliance=True)
 
 
-@pytest.mark.parametrize("to", ["vtk"])
+@pytest.mark.parametrize("to", ["exudyn", "vtk"])
 def test_no_hand_over_forgets_friction(coarse, to, tmp_path):
     wanted = (
         rf"'joint' has friction, which {to} does not carry; hand over the joint with it "

@@ -31,7 +31,7 @@ def export(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a finished run.")],
     to: Annotated[
         str,
-        typer.Option(metavar="FORMAT", help="nastran, mat, fmu, vtk or npz."),
+        typer.Option(metavar="FORMAT", help="nastran, mat, fmu, exudyn, vtk or npz."),
     ],
     method: Annotated[
         str | None,

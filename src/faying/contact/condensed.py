@@ -4,7 +4,7 @@ import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import cast
+from typing import Protocol, cast
 
 import numpy as np
 import scipy.linalg as la
@@ -37,6 +37,25 @@ from faying.linalg.sparse_stiffness import SparseStiffness
 _log = logging.getLogger("faying")
 
 
+class ContactSolver(Protocol):
+    """What a system's contact problem offers to solvers: exact, or itself reduced."""
+
+    @property
+    def flexibility(self) -> Matrix:
+        """H = S + D (n_point, n_point)."""
+        ...
+
+    @property
+    def frictional(self) -> FrictionalContact:
+        """Increments as problems of forces; refused where contact is itself reduced."""
+        ...
+
+    @property
+    def increments(self) -> IncrementSolver:
+        """The solver of cases, increments and steps."""
+        ...
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CondensedContact:
     """The contact of a system whose response to contact forces is known.
@@ -57,7 +76,7 @@ class CondensedContact:
     contact: Contact
     compliance: Compliance | BetweenPairs
     pulled: Vector | None = None
-    at_rest: "Callable[[], CondensedContact] | None" = None
+    at_rest: "Callable[[], ContactSolver] | None" = None
 
     @cached_property
     def between(self) -> BetweenPairs:

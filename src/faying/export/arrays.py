@@ -170,16 +170,8 @@ def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path
     """Write the variables of :mod:`faying.export.arrays` to a compressed archive.
 
     N and T are kept as three arrays each, such as ``N_rows``, ``N_columns`` and ``N_values``;
-    nothing is pickled. What supports that move need is there where the model knows it.
+    nothing is pickled.
     """
-    moving: dict[str, Any] = {
-        "nodes": rom.mesh.nodes,
-        "node_ids": rom.mesh.node_ids,
-        "modes": rom.mesh.modes,
-        "invariants": rom.invariants,
-        "recovery_frame": rom.recovery_frame,
-    }
-    known = {name: value for name, value in moving.items() if value is not None}
     with path.open("wb") as file:
-        np.savez_compressed(file, **numpy_variables(rom), **known)
+        np.savez_compressed(file, **numpy_variables(rom))
     return (path,)

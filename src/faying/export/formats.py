@@ -10,6 +10,7 @@ so that the receiving program opens and closes the joint itself. A *linear* one 
 linearized at its preloaded state (:mod:`faying.export.linearized`).
 """
 
+import re
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -74,6 +75,7 @@ FORMATS = {
     "nastran": Format(module="faying.export.nastran", kind=LINEAR, suffix=".op4", friction=STICKS),
     "mat": Format(module="faying.export.matlab", kind=CONTACT, suffix=".mat", friction=RUBS),
     "fmu": Format(module="faying.export.fmu", kind=CONTACT, suffix=".fmu", friction=RUBS),
+    "exudyn": Format(module="faying.export.exudyn", kind=CONTACT, suffix=".py", extra="exudyn"),
     "vtk": Format(module="faying.export.vtk", kind=PICTURES, suffix=""),
     "npz": Format(module="faying.export.arrays", kind=CONTACT, suffix=".npz", friction=RUBS),
     "uff": Format(
@@ -98,7 +100,7 @@ def export(
     source
         A reduced model, or its file; or a finished run, as its folder or its results.
     to
-        Name of a format: nastran, mat, fmu, vtk, npz, uff.
+        Name of a format: nastran, mat, fmu, exudyn, vtk, npz, uff.
     out
         File to write; without suffix it gets that of the format. By default it is named after the
         model, in the folder of the run.
@@ -166,12 +168,6 @@ def _given(
 
 def format_named(name: str) -> Format:
     """Return a format by name."""
-    if name == "exudyn":
-        message = (
-            "Exudyn takes the npz file: export to npz, and copy examples/exudyn_joint.py of the "
-            "sources of faying beside it under the same name (docs/how-to/export_to_exudyn.md)"
-        )
-        raise StudyError(message)
     if name not in FORMATS:
         message = f"there is no export format '{name}'; {nearest(name, FORMATS)}"
         raise StudyError(message)
@@ -184,6 +180,8 @@ def default_name(rom: ReducedModel, to: str) -> str:
         return f"frf{FORMATS[to].suffix}"
     label = f"{rom.method}-{rom.joint_modes}" if rom.joint_modes else rom.method
     stem, suffix = file_names([label])[label], FORMATS[to].suffix
+    if suffix == ".py":  # a module must have a name that can be imported
+        return re.sub(r"\W", "_", f"{stem}_{to}") + suffix
     return f"{stem}{suffix}" if suffix else f"{stem}-{to}"
 
 

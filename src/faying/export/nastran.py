@@ -210,7 +210,7 @@ def _refuse_deck_loads(rom: ReducedModel) -> None:
         names = ", ".join(f"'{name}'" for name in rom.load_patterns)
         message = (
             f"a Nastran superelement cannot apply the deck load {names} of this run; export to "
-            "mat, npz or fmu, or run the study without 'deck_load', with loads at a "
+            "mat, npz, fmu or exudyn, or run the study without 'deck_load', with loads at a "
             "[[boundary]]"
         )
         raise StudyError(message)

@@ -14,7 +14,7 @@ import numpy as np
 
 from faying._typing import Frozen, Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.contact.between_pairs import BetweenPairs, ByCompliance, BySubstitution
-from faying.contact.condensed import CondensedContact
+from faying.contact.condensed import CondensedContact, ContactSolver
 from faying.contact.contact import Contact
 from faying.joint.load_pattern import LoadPattern, pattern_forces
 from faying.joint.weak_support import WeakSupport
@@ -132,7 +132,7 @@ class Joint(Protocol):
         ...
 
     @property
-    def static_contact(self) -> CondensedContact:
+    def static_contact(self) -> ContactSolver:
         """The static contact problem, its flexibility formed once."""
         ...
 

@@ -6,9 +6,9 @@ from typing import Literal
 
 from faying._typing import Matrix
 from faying.joint.model import Model
+from faying.joint.system import System
 from faying.reduction.basis import Basis, ModeKind
 from faying.reduction.projection import projected
-from faying.reduction.reduced_model import ReducedModel
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -71,6 +71,12 @@ class Method:
         What its basis has beyond the classic one; None for nothing.
     compliance
         Whether the residual interface compliance is kept.
+    forces
+        For methods that reduce contact forces instead of displacements: takes the model, training
+        forces and the number of vectors or points; returns a system for statics.
+    source
+        Publication of a method that is here to compare with; studies compare the others unless
+        they name methods.
     on_request
         Whether studies compare it only where they name it.
     """
@@ -81,6 +87,8 @@ class Method:
     marker: str
     joint_modes: JointModes | None = None
     compliance: bool = False
+    forces: Callable[[Model, Matrix, int], System] | None = None
+    source: str = ""
     on_request: bool = False
 
     @property
@@ -89,22 +97,41 @@ class Method:
         return self.joint_modes.name if self.joint_modes else CLASSIC
 
     @property
+    def compared(self) -> bool:
+        """Whether studies compare it that name no methods."""
+        return not self.source and not self.on_request
+
+    @property
     def trained(self) -> bool:
         """Whether it learns from training runs."""
-        return self.joint_modes is not None and self.joint_modes.trained
+        by_modes = self.joint_modes is not None and self.joint_modes.trained
+        return by_modes or self.forces is not None
+
+    @property
+    def transient(self) -> bool:
+        """Whether it can be integrated in time, not only solved statically."""
+        return self.forces is None
 
     def counts(self, basis: Basis, sizes: Sequence[int]) -> list[int]:
         """Return the sizes it is built at: joint modes as far as there are any, or 0 without."""
+        if self.forces is not None:
+            return list(sizes)
         available = basis.count(ModeKind.JOINT) if self.joint_modes else 0
         return sorted({min(count, available) for count in sizes}) if available else [0]
 
-    def reduced(self, model: Model, basis: Basis, count: int) -> ReducedModel:
-        """Return the reduced model with some joint modes, without what recovers pressures.
+    def reduced(self, model: Model, basis: Basis, contact_forces: Matrix, count: int) -> System:
+        """Return the reduced model of a size, without what recovers pressures.
 
         Parameters
         ----------
         basis
             The classic basis, extended by :attr:`joint_modes` if there are any.
+        contact_forces : (n_point, n_snapshot) [force]
+            λ of training runs.
+        count
+            Joint modes, force vectors or sampling points.
         """
+        if self.forces is not None:
+            return self.forces(model, contact_forces, count)
         rom = projected(model, basis.with_joint_modes(count), compliance=self.compliance)
         return replace(rom, method=self.name)

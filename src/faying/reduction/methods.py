@@ -1,20 +1,30 @@
 """The methods that a study can name, each said once: how it is built, what it means, how it looks.
 
 The first six are compared unless a study says otherwise. The seventh, for transients, is compared
-where it is named, and where ``compliance`` is estimated to be off. Colours are from Okabe and Ito's
-palette, distinguishable with every colour vision (Color Universal Design, 2008), the seventh from
+where it is named, and where ``compliance`` is estimated to be off. The others come from the
+literature and are here to compare with. Colours are from Okabe and Ito's palette, distinguishable
+with every colour vision (Color Universal Design, 2008), those of the literature's methods from
 Tol's muted scheme (SRON/EPS/TN/09-002).
 """
 
 from collections.abc import Mapping
 from types import MappingProxyType
 
+from faying._typing import Matrix
 from faying.joint.model import Model
+from faying.joint.system import System
 from faying.reduction.attachment import attachment_modes
 from faying.reduction.basis import Basis
+from faying.reduction.deim import deim, with_deim
+from faying.reduction.force_basis import (
+    cone_projected_greedy,
+    nonnegative_factors,
+    with_force_basis,
+)
 from faying.reduction.jim_a import jim_a
 from faying.reduction.jim_b import jim_b
 from faying.reduction.method import JointModes, Method, OfflineData
+from faying.reduction.trial_vector_derivatives import trial_vector_derivatives
 
 _CONSTRAINED = (
     "constraint modes of the boundaries, fixed-interface normal modes and a shape per bolt"
@@ -40,12 +50,29 @@ def _training_forces(model: Model, data: OfflineData, count: int) -> Basis:
     return jim_b(model, data.contact_forces, joint_modes=count, classic=data.classic)
 
 
+def _derivatives(model: Model, data: OfflineData, count: int) -> Basis:
+    return trial_vector_derivatives(model, joint_modes=count, classic=data.classic)
+
+
 def _attachments(model: Model, data: OfflineData, count: int) -> Basis:  # noqa: ARG001
     return attachment_modes(model, classic=data.classic)
 
 
+def _cone_greedy(model: Model, forces: Matrix, count: int) -> System:
+    return with_force_basis(model, cone_projected_greedy(forces, count=count))
+
+
+def _nonnegative_factors(model: Model, forces: Matrix, count: int) -> System:
+    return with_force_basis(model, nonnegative_factors(forces, count=count))
+
+
+def _deim(model: Model, forces: Matrix, count: int) -> System:
+    return with_deim(model, deim(forces, count=count))
+
+
 _JIM_A = JointModes(name="jim-a", extended=_test_loads)
 _JIM_B = JointModes(name="jim-b", extended=_training_forces, trained=True)
+_DERIVATIVES = JointModes(name="trial-vector-derivatives", extended=_derivatives)
 _ATTACHED = JointModes(name="attachment modes", extended=_attachments)
 
 METHODS: Mapping[str, Method] = MappingProxyType(
@@ -106,6 +133,40 @@ METHODS: Mapping[str, Method] = MappingProxyType(
                 marker="*",
                 joint_modes=_ATTACHED,
                 on_request=True,
+            ),
+            Method(
+                name="trial-vector-derivatives",
+                meaning="as craig-bampton, and derivatives of its shapes with respect to one "
+                f"another; {_ONLY_THROUGH}.",
+                colour="#882255",
+                marker="<",
+                joint_modes=_DERIVATIVES,
+                source="Pichler, Witteveen & Fischer 2017, doi:10.1007/s11044-016-9555-2",
+            ),
+            Method(
+                name="cone-greedy",
+                meaning="contact forces as sums, without negative parts, of chosen training "
+                "forces.",
+                colour="#999933",
+                marker=">",
+                forces=_cone_greedy,
+                source="Benaceur, Ern & Ehrlacher 2020, doi:10.1002/nme.6261",
+            ),
+            Method(
+                name="nmf",
+                meaning="contact forces as sums of non-negative factors of the training forces.",
+                colour="#332288",
+                marker="X",
+                forces=_nonnegative_factors,
+                source="Balajewicz, Amsallem & Farhat 2016, arXiv:1503.01000",
+            ),
+            Method(
+                name="deim",
+                meaning="contact forces interpolated from a few points of the interface.",
+                colour="#44AA99",
+                marker="p",
+                forces=_deim,
+                source="Chaturantabut & Sorensen 2010, doi:10.1137/090766498",
             ),
         )
     }

@@ -100,7 +100,9 @@ def _judged(cases: Mapping[str, CaseResult], method: str) -> MethodVerdict | Non
     asked = cases
     if any(case.remedy and case.remedy.taken.method == method for case in cases.values()):
         asked = {name: case for name, case in cases.items() if method in case.methods}
-    only = "" if len(asked) == len(cases) else ", ".join(asked)
+    if not _is_transient(method):
+        asked = {name: case for name, case in asked.items() if case.times is None}
+    only = _only(method, asked, cases)
     worst = {count: _worst(asked, method, count) for count in counts}
     good = [
         count
@@ -118,6 +120,18 @@ def _judged(cases: Mapping[str, CaseResult], method: str) -> MethodVerdict | Non
         sentence=_sentence(asked, method, chosen, error, case, only, has_sizes=len(counts) > 1),
         only=only,
     )
+
+
+def _only(method: str, asked: Mapping[str, CaseResult], cases: Mapping[str, CaseResult]) -> str:
+    """Name the load cases a method was compared on, where it was not on all of them."""
+    if not _is_transient(method):
+        return "static loads"
+    return "" if len(asked) == len(cases) else ", ".join(asked)
+
+
+def _is_transient(method: str) -> bool:
+    """Return whether a method is for transients too; some of the literature's are not."""
+    return method not in METHODS or METHODS[method].transient
 
 
 def _worst(cases: Mapping[str, CaseResult], method: str, count: int) -> tuple[float, str]:
@@ -148,7 +162,7 @@ def _sentence(
     span = f"largest pressure {_span(ratios)} × {reference}'s"
     size = f"max relative pressure error against {reference} {percent(error)} ({case}), {span}"
     size += _recovery(_all(cases, method, count))
-    these = only or "these load cases"
+    these = only or "these load cases" if _is_transient(method) else "these static load cases"
     if error <= GOOD_ERROR:
         modes = f" from {_modes(count)} on" if count and has_sizes else ""
         return f"can be trusted for pressure on {these}{modes}: {size}."

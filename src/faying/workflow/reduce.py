@@ -47,7 +47,7 @@ def reduce_study(
     out
         File, written atomically.
     method
-        Whether or not the study names it.
+        One of those with a basis, whether or not the study names it.
     joint_modes
         Of methods that have them; by default the most that the study names.
     shapes
@@ -90,7 +90,7 @@ def reduce_study(
         for line in mode_sentences(modes.choices, study.unit_set):
             report(line)
     bare = reduced_models(joint, trained, choose_counts(joint, trained))
-    (rom,) = bare[chosen.name].values()
+    (rom,) = (model for model in bare[chosen.name].values() if isinstance(model, ReducedModel))
     with books.stage("recovery matrices"):
         (rom,) = completed(joint.model, [rom])
     title = study.title or study.path.stem
@@ -117,7 +117,9 @@ def _tightened(joint: PreparedJoint) -> dict[str, str]:
 
 
 def _method(name: str) -> Method:
-    if name not in METHODS:
-        message = f"method: {one_of(name, list(METHODS))}"
+    """Return a method that a file of one model can hold."""
+    names = [method.name for method in METHODS.values() if method.forces is None]
+    if name not in names:
+        message = f"method: {one_of(name, names)}"
         raise StudyError(message)
     return METHODS[name]

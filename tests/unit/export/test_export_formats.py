@@ -2,6 +2,7 @@
 
 import sys
 from dataclasses import replace
+from pathlib import Path
 from types import ModuleType
 
 import h5py
@@ -87,10 +88,13 @@ def test_every_format_has_its_class_and_meaning(name):
 
 
 def test_default_names_do_not_meet(run, given):
+    """Neither do those of files beside them: a module keeps its matrices under its own name."""
     names = [default_name(given, to) for to in FORMATS]
+    assert len({Path(name).stem for name in names if Path(name).suffix in (".py", ".npz")}) == 2
     assert len(set(names)) == len(FORMATS)
     several = run.reduced["jim-b+compliance"][20]
     assert default_name(several, "mat") == "jim-b+compliance-20.mat"
+    assert Path(default_name(several, "exudyn")).stem.isidentifier()
 
 
 def test_failure_leaves_what_was_there(given, tmp_path, format_module):

@@ -170,7 +170,7 @@ def test_pages_say_what_they_must(written, methods):
         "Not judged",
         "quadrature",
         "9962.2",
-        "unseen loads, jim-b: it met what <nobody> foresaw",
+        "unseen loads, nmf: it met what <nobody> foresaw",
         "jim-a with 40 joint modes: no solution",
         "tip Fz = −500 N, tip Mx = 20000 N·mm",
     ):
@@ -385,6 +385,16 @@ def test_method_good_on_the_load_cases_only_is_named():
     # The fixture's unseen loads: 10 % with five joint modes.
     assert "jim-b, 5 joint modes: good on the load cases, but 10 % off" in said
     assert "compliance: good on the load cases" not in said
+
+
+def test_static_rival_is_judged_by_static_cases():
+    results = with_errors(nmf={20: 0.01})
+    step = replace(results.cases["LC2-step"], methods={})
+    results = replace(results, cases={**results.cases, "LC2-step": step})
+    (verdict,) = verdicts(results)
+    assert verdict.grade == "good"
+    assert "static load cases" in verdict.sentence
+    assert "nmf, 20 joint modes (static loads only)" in headline([verdict], results)
 
 
 def test_coarse_time_step_is_told_first():

@@ -37,12 +37,12 @@ from faying.workflow import run as runs
 from faying.workflow.run import run
 from small_study import BEND, JUMP, NO_REPORT, SMALL_JOINT, TINY_JOINT, reduction, training
 
-METHODS = '"craig-bampton", "jim-a", "jim-b", "compliance"'
+METHODS = '"craig-bampton", "jim-a", "jim-b", "compliance", "nmf"'
 STUDY = (
     'title = "Tiny joint"\n'
     + SMALL_JOINT
     + "[sticking]\nstiffness = 1e6\n\n"
-    + reduction("craig-bampton", "jim-a", "jim-b", "compliance", joint_modes=[2, 4])
+    + reduction("craig-bampton", "jim-a", "jim-b", "compliance", "nmf", joint_modes=[2, 4])
     + training(levels=3)
     + BEND
     + JUMP
@@ -109,6 +109,8 @@ def test_the_summary_has_the_keys_that_scripts_rely_on(finished):
     assert {"offline", "per_static_case", "per_step"} == set(
         summary["timings"]["methods"]["compliance"]
     )
+    # Methods that only know statics are absent from transients.
+    assert summary["timings"]["methods"]["nmf"].keys() == {"offline", "per_static_case"}
 
 
 @pytest.mark.long
@@ -161,7 +163,7 @@ def test_work_that_may_take_long_is_in_a_stage(study, tmp_path, monkeypatch):
 def test_a_certified_bound_is_never_below_the_error(finished):
     methods = json.loads((finished / "summary.json").read_text())["load_cases"]["bend"]["methods"]
     figures = [entry for sizes in methods.values() for entry in sizes.values()]
-    assert len(figures) == 6
+    assert len(figures) == 8
     for entry in figures:
         # 1e-9: round-off of bound and error where both vanish.
         assert entry["certified_bound"] >= entry["max_relative_error"] - 1e-9
@@ -437,7 +439,7 @@ def test_hard_contact_with_a_training_box(tmp_path):
     text = STUDY.replace(
         "[[bolt]]", '[[interface]]\nname = "joint"\npenalty = "hard"\n\n[[bolt]]', 1
     )
-    text = text.replace('"jim-a", "jim-b", "compliance"', '"compliance"')
+    text = text.replace('"jim-a", "jim-b", "compliance", "nmf"', '"compliance"')
     path = tmp_path / "hard.toml"
     path.write_text(text)
     assert run(read_study(path), tmp_path)["converged"]

@@ -397,7 +397,7 @@ def test_file_keeps_what_made_it(model_file, rom, study):
 
 @pytest.mark.parametrize(
     ("method", "expected"),
-    [("deim", "expected one of"), ("complaince", "did you mean"), ("jim-b", "training")],
+    [("nmf", "expected one of"), ("complaince", "did you mean"), ("jim-b", "training")],
 )
 def test_methods_that_cannot_be_kept_are_refused(study, tmp_path, method, expected):
     with pytest.raises(StudyError, match=expected):

@@ -186,6 +186,10 @@ def _reduction(study: Study) -> Iterator[Problem]:
             'add a [[load_case]] of kind = "step" or "history"'
         )
         yield study.problem(("reduction", "normal_modes"), text)
+    without_basis = [name for name in reduction.methods if METHODS[name].forces is not None]
+    if not modes and without_basis:
+        text = f"'auto' does not choose for method '{without_basis[0]}'; give a list of numbers"
+        yield study.problem(("reduction", "joint_modes"), text)
     if not modes and not training.box:
         text = "joint_modes = 'auto' is certified at loads of [reduction.training] box; add a box"
         yield study.problem(("reduction", "joint_modes"), text)

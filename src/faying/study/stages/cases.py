@@ -18,6 +18,7 @@ from faying.joint.system import System
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.reduction.attachment import attachment_modes
 from faying.reduction.basis import Basis
+from faying.reduction.methods import METHODS
 from faying.reduction.projection import projected
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
@@ -50,7 +51,7 @@ from faying.study.stages.path_cases import (
 )
 from faying.study.stages.reference import REDUCED, Reference, Solved
 
-Models = Mapping[str, Mapping[int, ReducedModel]]
+Models = Mapping[str, Mapping[int, System]]
 
 
 @dataclass(eq=False, kw_only=True)
@@ -94,6 +95,8 @@ class CaseRunner:
         failures = _gained(f"{case.name}, {solved.name}", reference)
         for method, sizes in self.models.items():
             methods[method] = {}
+            if case.transient and not METHODS[method].transient:
+                continue
             for count, rom in sizes.items():
                 compared = self._compared(case, rom, method, count, reference, failures)
                 if compared is not None:
@@ -131,7 +134,7 @@ class CaseRunner:
     def _compared(
         self,
         case: LoadCaseSection,
-        rom: ReducedModel,
+        rom: System,
         method: str,
         count: int,
         reference: Response,
@@ -184,7 +187,7 @@ class CaseRunner:
         return remedy_of((EXACT, first.response), second, self._tolerance(case))
 
     @property
-    def _with_inertia(self) -> ReducedModel:
+    def _with_inertia(self) -> System:
         """The reduced model with inertia at the interface, once for all load cases.
 
         Notes

@@ -12,7 +12,7 @@ from faying.assessment.choose_joint_modes import JointModeChoice, choose_joint_m
 from faying.assessment.stuck_modes import preloaded_frequencies
 from faying.joint.model import Model
 from faying.joint.smooth_joint import smooth_joint
-from faying.joint.system import Joint
+from faying.joint.system import Joint, System
 from faying.reduction.basis import Basis, ModeKind
 from faying.reduction.craig_bampton import classic_basis
 from faying.reduction.method import CLASSIC, Method, OfflineData
@@ -20,7 +20,6 @@ from faying.reduction.methods import METHODS
 from faying.reduction.mode_count import ModeCount, check_modes
 from faying.reduction.normal_modes import NormalModes
 from faying.reduction.projection import projected
-from faying.reduction.reduced_model import ReducedModel
 from faying.reduction.snapshots import static_snapshots
 from faying.simulation.load import Load
 from faying.simulation.path import last_of, solve_static
@@ -174,11 +173,14 @@ class TrainedBases:
     ----------
     bases
         :data:`CLASSIC`, and by the name of their joint modes those that a method needs.
+    contact_forces : (n_point, n_snapshot) [force]
+        Of the training runs; no snapshot where no method is trained.
     mode_count
         Proof that no normal mode is missing from them.
     """
 
     bases: Mapping[str, Basis]
+    contact_forces: Matrix
     mode_count: ModeCount | None
 
     def of(self, method: Method) -> Basis:
@@ -214,7 +216,7 @@ def build_bases(joint: PreparedJoint, modes: NormalModes) -> TrainedBases:
         if joint_modes is not None:
             with books.stage(joint_modes.name):
                 bases[joint_modes.name] = joint_modes.extended(model, data, count)
-    return TrainedBases(bases=bases, mode_count=mode_count)
+    return TrainedBases(bases=bases, contact_forces=forces, mode_count=mode_count)
 
 
 MOST_AUTOMATIC = 60
@@ -271,16 +273,16 @@ def choose_counts(joint: PreparedJoint, trained: TrainedBases) -> dict[str, Join
 
 def reduced_models(
     joint: PreparedJoint, trained: TrainedBases, choices: Mapping[str, JointModeChoice]
-) -> dict[str, dict[int, ReducedModel]]:
+) -> dict[str, dict[int, System]]:
     """Reduce the model by every method the study names, at every number of joint modes."""
-    models: dict[str, dict[int, ReducedModel]] = {}
+    models: dict[str, dict[int, System]] = {}
     for name in joint.study.reduction.methods:
         with joint.books.stage(f"project {name}"):
             method, choice = METHODS[name], choices.get(METHODS[name].basis_name)
-            basis = trained.of(method)
+            basis, forces = trained.of(method), trained.contact_forces
             counts = [choice.count] if choice else joint.study.reduction.joint_modes
             models[name] = {
-                count: method.reduced(joint.model, basis, count)
+                count: method.reduced(joint.model, basis, forces, count)
                 for count in method.counts(basis, counts)
             }
     return models

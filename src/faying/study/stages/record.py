@@ -10,6 +10,7 @@ import scipy
 
 from faying import __version__
 from faying.joint.model import Model
+from faying.joint.system import System
 from faying.model.deck_bolt import bolt_ends
 from faying.model.matrices import mass_properties
 from faying.model.solid_cells import tangled
@@ -30,18 +31,24 @@ from faying.study.results.values import BoltRecord, CaseResult, Results, interfa
 from faying.study.stages.offline import PreparedJoint, TrainedBases
 from faying.study.stages.reference import Reference
 
+Models = Mapping[str, Mapping[int, System]]
 Kept = Mapping[str, Mapping[int, ReducedModel]]
 
 ALWAYS = (False, True)
 """Whether a residual compliance is with the classic basis, of the models kept in any case."""
 
 
-def kept_models(model: Model, models: Kept, classic: Basis, title: str) -> Kept:
-    """Return the reduced models of a run, the classic ones in any case.
+def kept_models(model: Model, models: Models, classic: Basis, title: str) -> Kept:
+    """Return the reduced models of a run that have a basis, the classic ones in any case.
 
     With all that recovery and exports need, computed once for all of them.
     """
-    chosen = {(name, n): rom for name, sizes in models.items() for n, rom in sizes.items()}
+    chosen = {
+        (name, count): rom
+        for name, sizes in models.items()
+        for count, rom in sizes.items()
+        if isinstance(rom, ReducedModel)
+    }
     for compliance in ALWAYS:
         rom = projected(model, classic, compliance=compliance)
         if rom.method not in models:
@@ -50,6 +57,16 @@ def kept_models(model: Model, models: Kept, classic: Basis, title: str) -> Kept:
     for (name, count), rom in zip(chosen, completed(model, list(chosen.values())), strict=True):
         models_by_method.setdefault(name, {})[count] = replace(rom, name=title)
     return models_by_method
+
+
+def with_kept(models: Models, recoverable: Kept) -> dict[str, dict[int, System]]:
+    """Return the models of a run with those that are kept in place of what they came from."""
+    return {
+        name: {
+            count: recoverable.get(name, {}).get(count, system) for count, system in sizes.items()
+        }
+        for name, sizes in models.items()
+    }
 
 
 def record(

@@ -6,7 +6,7 @@ import numpy as np
 
 from faying.assessment.choose_joint_modes import JointModeChoice
 from faying.joint.model import Model
-from faying.reduction.reduced_model import ReducedModel
+from faying.joint.system import System
 from faying.reduction.snapshots import LoadBox
 from faying.simulation.static import solve_static_cases
 from faying.study.inputs.loads import training_box
@@ -18,7 +18,7 @@ from faying.study.results.validation_record import (
 from faying.study.stages.books import Books
 from faying.study.stages.offline import PreparedJoint
 
-Models = Mapping[str, Mapping[int, ReducedModel]]
+Models = Mapping[str, Mapping[int, System]]
 
 
 def validate(

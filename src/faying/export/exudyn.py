@@ -1,0 +1,74 @@
+"""A contact-capable hand-over for Exudyn: a Python module and its data."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from faying.exceptions import StudyError
+from faying.export.arrays import numpy_variables
+from faying.reduction.reduced_model import ReducedModel
+from faying.study.results.values import Results
+
+PARTS = ("exudyn_joint.py", "exudyn_contact.py")
+"""What is handed over, word for word: the second takes the place of its import in the first."""
+
+
+def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path, ...]:
+    """Write a module that adds the joint to a multibody system, and its ``.npz`` beside it.
+
+    What Python cannot import by name, as in ``jim-b-20.py``, becomes an underscore.
+
+    Raises
+    ------
+    StudyError
+        If contact is hard and the model does not keep its residual compliance, so that no function
+        of q gives the contact forces.
+    """
+    _check_law(rom)
+    module = path.with_name(f"{_importable(path.stem)}.py")
+    data = module.with_suffix(".npz")
+    module.write_text(_source(), encoding="utf-8")
+    with data.open("wb") as file:
+        np.savez_compressed(file, **_arrays(rom))
+    return module, data
+
+
+def _source() -> str:
+    """Return the text of the module, one file that does not import faying."""
+    whole, contact = (Path(__file__).with_name(name).read_text(encoding="utf-8") for name in PARTS)
+    head, _, tail = whole.partition("from faying.")
+    body = tail.split("\n", 1)[1]
+    return head + contact[contact.index("Array = ") :] + body
+
+
+def _arrays(rom: ReducedModel) -> dict[str, Any]:
+    """Return the variables of the model, and what floating frames need where it is known."""
+    floating = {
+        "invariants": rom.invariants,
+        "modes": rom.mesh.modes,
+        "recovery_frame": rom.recovery_frame,
+    }
+    return {
+        **numpy_variables(rom),
+        "nodes": rom.mesh.nodes,
+        "node_ids": rom.mesh.node_ids,
+        **{name: value for name, value in floating.items() if value is not None},
+    }
+
+
+def _check_law(rom: ReducedModel) -> None:
+    contact = rom.contact
+    if contact.residual_compliance is None and np.isinf(contact.penalty).any():
+        message = (
+            f"contact is hard and '{rom.method}' keeps no compliance besides its trial vectors, "
+            "so the contact forces are no function of the coordinates, as Exudyn wants them; "
+            "export 'compliance' or a method ending in '+compliance', or give a penalty"
+        )
+        raise StudyError(message)
+
+
+def _importable(stem: str) -> str:
+    name = re.sub(r"\W", "_", stem, flags=re.ASCII)
+    return f"joint_{name}" if not name[:1].isalpha() else name
