@@ -21,7 +21,7 @@ from faying.contact.contact import Contact
 from faying.contact.dense_points import DensePoints
 from faying.contact.frictional import FrictionalContact
 from faying.contact.glued_pairs import factorized_whole
-from faying.contact.held_pairs import pressed_points
+from faying.contact.held_pairs import NormalPairs
 from faying.contact.increment import IncrementSolver
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.point_springs import PointSprings
@@ -165,7 +165,8 @@ class CondensedContact:
             return None
         springs = LawsAtPoints(contact=self.contact).springs
         points = PointSprings(G=self.contact.rows, components=len(springs))
-        return pressed_points(points, springs, between.stiffness, rest.pulled)
+        normal = NormalPairs.of(points, between.stiffness)
+        return normal.pressed(springs[0], (between.stiffness @ rest.pulled)[normal.felt])
 
     def _for_forces(self, what: str, instead: str) -> IncrementSolver:
         """Return the solver of problems of forces, which refuses laws that remember."""

@@ -24,6 +24,7 @@ from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.contact.between_pairs import DenseBetweenPairs
 from faying.contact.held_pairs import (
     HeldPairs,
+    NormalPairs,
     anchored_pairs,
     change_from,
     symmetric_product,
@@ -137,6 +138,14 @@ class GluedPairs:
     def resisted(self, displacements: Vector) -> Vector:
         """Return Σ w of displacements w (n_relative,)."""
         return symmetric_product(self.structure, displacements)
+
+    @cached_property
+    def normal(self) -> NormalPairs | None:
+        """The pairs along normals; None where these do not stand alone, or a step takes little."""
+        if self.whole or self.points.components == 1:
+            return None
+        normal = NormalPairs.of(self.points, self.structure)
+        return normal if 2 * len(normal.felt) <= len(self.structure) else None
 
     def loosened(self, shapes: Matrix, yields: Matrix) -> "GluedPairs":
         """Return the pairs of the structure less springs across it (T1).

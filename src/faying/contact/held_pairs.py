@@ -19,7 +19,7 @@ from scipy.linalg import (
     solve_triangular,
 )
 
-from faying._typing import Matrix, SparseMatrix, Vector, frozen
+from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.contact.point_springs import PointSprings
 from faying.linalg.cholesky import inverse
 
@@ -156,30 +156,56 @@ def symmetric_product(matrix: npt.NDArray[Any], vector: Vector) -> Vector:
     return np.asarray(multiply(1.0, matrix.T, vector, lower=1), dtype=float)
 
 
-def pressed_points(
-    points: PointSprings, springs: Matrix, structure: Matrix, pulled: Vector
-) -> Vector:
-    """Return ones (n_point,) at points that the bolts press on, all of them where none is left.
+@final
+@dataclass(frozen=True, eq=False)
+class NormalPairs:
+    """The structure along the normals of its points: what moves along tangents is held.
 
-    Pairs move along normals alone: what slips makes little difference, nor does single precision.
+    In single precision, which serves steps that later ones correct.
+
+    Attributes
+    ----------
+    felt : (n_felt,)
+        Relative displacements that gaps feel.
+    points
+        What they move gaps by.
+    structure : (n_felt, n_felt) [force/length]
+        Σ between them.
     """
-    every = np.ones(springs.shape[1])
-    gaps = points.G[: len(every)]
-    felt = np.flatnonzero(abs(gaps).sum(axis=0))
-    normal = PointSprings(G=gaps[:, felt], components=1)
-    stiffness = structure[np.ix_(felt, felt)].astype(np.float32)
-    pull = (structure @ pulled)[felt].astype(np.float32)
-    pressed = every
-    for _ in range(MOST_ROUNDS):
-        system = stiffness.copy()
-        _add(system, normal.of_diagonal(springs[:1] * pressed))
-        _, lifted, failed = lapack.sposv(system.T, pull, lower=1, overwrite_a=1)
-        if failed:
-            break
-        previous, pressed = pressed, 1.0 * (normal.G @ lifted < 0)
-        if np.array_equal(previous, pressed):
-            break
-    return pressed if pressed.any() else every
+
+    felt: Indices
+    points: PointSprings
+    structure: npt.NDArray[np.float32]
+
+    @classmethod
+    def of(cls, points: PointSprings, structure: Matrix) -> "NormalPairs":
+        """Return them of a structure Σ between all relative displacements."""
+        gaps = points.G[: points.G.shape[0] // points.components]
+        felt = np.flatnonzero(abs(gaps).sum(axis=0))
+        normal = PointSprings(G=gaps[:, felt], components=1)
+        return cls(felt, normal, structure[np.ix_(felt, felt)].astype(np.float32))
+
+    def moved_by(self, forces: Vector, springs: Vector) -> Vector | None:
+        """Return d (n_felt,) of forces, on springs (n_point,); None where they hold nothing."""
+        system = self.structure.copy()
+        _add(system, self.points.of_diagonal(springs[None]))
+        _, moved, failed = lapack.sposv(system.T, forces.astype(np.float32), lower=1, overwrite_a=1)
+        return None if failed else np.asarray(moved, dtype=float)
+
+    def pressed(self, springs: Vector, pull: Vector) -> Vector:
+        """Return ones (n_point,) at points that the bolts press on, all of them where none is left.
+
+        Forces between pairs pull them apart (n_felt,); what slips makes little difference.
+        """
+        pressed = every = np.ones(len(springs))
+        for _ in range(MOST_ROUNDS):
+            lifted = self.moved_by(pull, springs * pressed)
+            if lifted is None:
+                break
+            previous, pressed = pressed, np.where(self.points.G @ lifted < 0, 1.0, 0.0)
+            if np.array_equal(previous, pressed):
+                break
+        return pressed if pressed.any() else every
 
 
 def _add(matrix: npt.NDArray[Any], entries: SparseMatrix | Matrix) -> None:

@@ -21,6 +21,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from faying._typing import Mask, Matrix, SparseMatrix, Vector
+from faying.contact.held_pairs import NormalPairs
 from faying.contact.increment import Increment
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.point_springs import PointSprings
@@ -62,6 +63,9 @@ SHORT_STEP = 0.15
 MOST_SHORT = 8
 """Short steps with friction after which Newton's method has gone astray."""
 
+MOST_ALONG_NORMALS = 12
+"""Steps along normals alone between whole ones."""
+
 SLIP_ON_SCALE = 1.0 + 1e-9
 """What tangential displacements are scaled by, so that points at their bound slip on at first."""
 
@@ -90,6 +94,11 @@ class Pairs(Protocol):
     @property
     def glued(self) -> PairsOnSprings:
         """The pairs where points are closed and stick."""
+        ...
+
+    @property
+    def normal(self) -> NormalPairs | None:
+        """The pairs along normals, where steps along these take little beside whole ones."""
         ...
 
     def resisted(self, displacements: Vector) -> Vector:
@@ -149,7 +158,7 @@ def solve_yielding(
     shape, law_offset = (k, offset.shape[1]), offset[:k]
 
     pulled = np.zeros(len(free)) if pull is None else pull
-    state = _begun(laws, pairs, free, law_offset, start, pulled)
+    state = _pressed(laws, pairs, _begun(laws, pairs, free, law_offset, start, pulled))
     steps, short, bounded, formed = 0, 0, False, False
     factors = None
     previous = np.inf
@@ -172,7 +181,7 @@ def solve_yielding(
         trial, length, descends = _along(laws, state, d, pairs.resisted(d), moved)
         bounded = k > 1 and not bounded and (not descends or length < SHORT_STEP)
         short += k > 1 and length < SHORT_STEP
-        state, steps = trial, steps + 1
+        state, steps = _pressed(laws, pairs, trial), steps + 1
     if not state.left <= SOLVED:
         message = (
             f"contact was not solved in {steps} Newton steps (residual {state.left:.1e} of the "
@@ -243,6 +252,30 @@ def _begun(
         K = laws.respond(onward)[1]
     floor = max(SMALLEST_FORCE_SHARE * float(np.abs(p).max(initial=0.0)), np.finfo(float).tiny)
     return _State(y, p, z, forces, K, pairs.points.transposed, floor)
+
+
+def _pressed(laws: LawsAtPoints, pairs: Pairs, state: _State) -> _State:
+    """Return the state once points have closed and opened along normals, tangents held.
+
+    Where a contact zone grows or shrinks whole steps take it on by a row of points each. Along
+    normals, a third of the unknowns, they are solved in less than a tenth of the time; as long as
+    these leave most of the residual.
+    """
+    normal = pairs.normal
+    if normal is None:
+        return state
+    for _ in range(MOST_ALONG_NORMALS):
+        rest = np.abs(state.rest)
+        if state.left <= FORMED or rest[normal.felt].max(initial=0.0) < rest.max(initial=0.0):
+            break
+        moved = normal.moved_by(-state.rest[normal.felt], state.K[:, 0, 0])
+        if moved is None:
+            break
+        d = np.zeros_like(state.y)
+        d[normal.felt] = moved
+        along = (pairs.points.G @ d).reshape(state.z.shape)
+        state, _, _ = _along(laws, state, d, pairs.resisted(d), along)
+    return state
 
 
 def _at(G: SparseMatrix | Matrix, y: Vector, offset: Matrix) -> Matrix:

@@ -105,6 +105,10 @@ class SparsePairs:
         """The pairs with all points closed and stuck, by their springs."""
         return self
 
+    @property
+    def normal(self) -> None:
+        """Nothing: dense matrices along normals have no room either."""
+
     def resisted(self, displacements: Vector) -> Vector:
         """Return Σ w of displacements w (n_relative,)."""
         shapes, yields = self.across

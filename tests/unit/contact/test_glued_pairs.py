@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from scipy.linalg import LinAlgError
 
+import faying as fy
 from faying.contact.between_pairs import ByCompliance
 from faying.contact.glued_pairs import ACCURATE, GluedPairs
+from faying.simulation.bolts_by_force import BoltsByForce
 from few_points import ELASTIC, PAIRS, N, joint
 
 
@@ -109,3 +111,19 @@ def test_points_that_feel_every_pair_are_solved_with_the_whole_matrix(monkeypatc
     # What factors in single precision leave.
     small = 10 * ACCURATE * np.abs(exact).max()
     np.testing.assert_allclose(pairs.step(K, right, 0.0)[0], exact, rtol=0, atol=small)
+
+
+def test_contact_zones_shrink_along_normals_between_steps(monkeypatch):
+    """A bolt's first increment takes fewer whole steps to the same forces."""
+    monkeypatch.setattr("faying.contact.glued_pairs.DIRECT", 0)
+    iterations, forces = [], []
+    for normal in (GluedPairs.normal, None):
+        monkeypatch.setattr(GluedPairs, "normal", normal)
+        # Prepared anew: pairs remember what they are along normals.
+        lap = fy.lap_joint(element_size=2.5).with_friction(0.2)
+        bolt = BoltsByForce(joint=lap, bolts=np.array([0]))
+        pressed, _ = bolt.solve(np.array([10e3]), np.zeros(1), 0.0, None)
+        iterations.append(pressed.iterations)
+        forces.append(pressed.forces)
+    assert iterations[0] < iterations[1]
+    np.testing.assert_allclose(forces[0], forces[1], rtol=0, atol=1e-11 * forces[1].max())
