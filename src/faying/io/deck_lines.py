@@ -1,7 +1,7 @@
 """Lines of a deck as places in its text, and the file and line each comes from."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from os import PathLike, fspath
@@ -55,6 +55,10 @@ class LineTexts(Sequence[bytes]):
 
     def __iter__(self) -> Iterator[bytes]:
         return (self[line] for line in range(len(self)))
+
+    def split(self) -> list[bytes]:
+        """Return consecutive lines of a text, faster than one by one."""
+        return self.data[self.begin[0] : self.end[-1]].splitlines() if len(self) else []
 
     def upper(self) -> "LineTexts":
         """Return the lines in upper case."""
@@ -143,16 +147,16 @@ def joined(parts: Sequence[Sequence[bytes]]) -> LineTexts:
             continue
         if isinstance(part, LineTexts):
             first, last = int(part.begin[0]), int(part.end[-1])
-            texts.append(part.data[first:last])
+            texts += [part.data[first:last], b"\n"]
             begin, end = part.begin - first, part.end - first
         else:
-            texts += part
-            length = np.array([len(line) for line in part], dtype=np.int64)
-            end = np.cumsum(length)
-            begin = end - length
+            texts += [line + b"\n" for line in part]
+            length = np.array([len(line) + 1 for line in part], dtype=np.int64)
+            end = np.cumsum(length) - 1
+            begin = end + 1 - length
         begins.append(size + begin)
         ends.append(size + end)
-        size += int(end[-1])
+        size += int(end[-1]) + 1
     return LineTexts(b"".join(texts), np.concatenate(begins), np.concatenate(ends))
 
 
@@ -225,46 +229,105 @@ def naming(path: str | PathLike[str]) -> Iterator[None]:
         raise type(error)(message) from error
 
 
-class DeckFiles:
-    """The files of a deck as they are read, the deck itself first.
+@dataclass(frozen=True, kw_only=True)
+class Dialect:
+    """How decks of a program include files.
 
     Attributes
     ----------
-    names
-        As messages show them.
+    kind, include
+        What messages call a deck, and the statement that includes a file.
+    statements
+        Yields the first line of each, the line behind it, and the name of the file. It takes lines
+        and what returns file:line of one of them.
+    deck_first
+        Whether names are those of files beside the deck, before those beside the including file.
     """
 
-    def __init__(self, kind: str, include: str) -> None:
-        self.names: list[str] = []
-        self._kind, self._include, self._size = kind, include, 0
+    kind: str
+    include: str
+    statements: Callable[[LineTexts, Callable[[int], str]], Iterator[tuple[int, int, str]]]
+    deck_first: bool = False
 
-    def read(self, path: Path, included_from: str, parents: Sequence[Path]) -> bytes:
-        """Return the text of the next file, included from a place unless that is empty.
 
-        ``parents`` are the files, resolved, that include one another up to it.
-        """
-        try:
-            data = deck_text(file_bytes(path), path)
-            self._size += len(data)
-            check_room(self._size, path)
-        except ValueError as error:  # a path with a NUL character
-            message = f"{included_from}: {self._include} names an impossible path; correct it"
-            raise FormatError(message) from error
-        except OSError as error:
-            origin = f"{included_from}: {self._include}: " if included_from else ""
-            reason = f"cannot be read ({error.strerror})"
-            if isinstance(error, FileNotFoundError):
-                reason = "is not there"
-            message = f"{origin}{self._kind} '{path}' {reason}; check the path"
-            raise FormatError(message) from error
-        if path.resolve() in parents or len(parents) >= DEEPEST:
-            refuse(
-                f"{included_from}: {self._include} of '{path}' goes in a circle; remove one of them"
+def read_lines(path: Path, dialect: Dialect) -> Lines:
+    """Read a deck and what it includes, line by line in their order."""
+    names: list[str] = []
+    parts: list[tuple[LineTexts, Indices, int]] = []
+    size = 0
+
+    def expand(path: Path, parents: tuple[Path, ...], included_from: str) -> None:
+        nonlocal size
+        data = _file_text(path, dialect, parents, included_from)
+        size += len(data)
+        check_room(size, path)
+        names.append(path.name if names else str(path))
+        if len(names) > MOST_FILES:
+            refuse(f"{included_from}: {dialect.include}: more than {MOST_FILES} files; merge them")
+        index, text = len(names) - 1, split_lines(data)
+        number = np.arange(1, len(text) + 1, dtype=np.int64)
+        start = 0
+        for begin, end, name in dialect.statements(text, lambda i: f"{names[index]}:{i + 1}"):
+            parts.append((text[start:begin], number[start:begin], index))
+            expand(
+                _included(path.parent, home, name, dialect),
+                (*parents, path.resolve()),
+                f"{names[index]}:{begin + 1}",
             )
-        self.names.append(path.name if self.names else str(path))
-        if len(self.names) > MOST_FILES:
-            refuse(f"{included_from}: {self._include}: more than {MOST_FILES} files; merge them")
-        return data
+            start = end
+        parts.append((text[start:], number[start:], index))
+
+    home = path.parent
+    expand(path, (), "")
+    return Lines(
+        text=joined([text for text, _, _ in parts]),
+        number=np.concatenate([number for _, number, _ in parts]),
+        file=np.repeat([f for _, _, f in parts], [len(t) for t, _, _ in parts]).astype(np.int64),
+        files=tuple(names),
+    )
+
+
+def lines_of_file(path: str | PathLike[str]) -> Lines:
+    """Return the lines of a file of cards in upper case."""
+    text = split_lines(file_bytes(Path(path)).upper())
+    return Lines(
+        text=text,
+        number=np.arange(1, len(text) + 1, dtype=np.int64),
+        file=np.zeros(len(text), dtype=np.int64),
+        files=(fspath(path),),
+    )
+
+
+def _included(folder: Path, home: Path, name: str, dialect: Dialect) -> Path:
+    places = [home / name, folder / name] if dialect.deck_first else [folder / name, home / name]
+    try:
+        return next((place for place in places if place.is_file()), places[0])
+    except (OSError, ValueError):  # no name of a file: refused when it is read
+        return places[0]
+
+
+def _file_text(path: Path, dialect: Dialect, parents: Sequence[Path], included_from: str) -> bytes:
+    """Return the text of a file, included from a place unless that is empty.
+
+    ``parents`` are the files, resolved, that include one another up to it.
+    """
+    try:
+        data = deck_text(file_bytes(path), path)
+    except ValueError as error:  # a path with a NUL character
+        message = f"{included_from}: {dialect.include} names an impossible path; correct it"
+        raise FormatError(message) from error
+    except OSError as error:
+        origin = f"{included_from}: {dialect.include}: " if included_from else ""
+        reason = f"cannot be read ({error.strerror})"
+        if isinstance(error, FileNotFoundError):
+            reason = "is not there"
+        message = f"{origin}{dialect.kind} '{path}' {reason}; check the path"
+        raise FormatError(message) from error
+    if path.resolve() in parents or len(parents) >= DEEPEST:
+        refuse(
+            f"{included_from}: {dialect.include} of '{path}' goes in a circle; remove one of them"
+        )
+    return data
 
 
 def deck_text(data: bytes, path: str | PathLike[str]) -> bytes:

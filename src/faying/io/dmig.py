@@ -14,8 +14,7 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import FormatError, refuse
-from faying.files.contents import file_bytes
-from faying.io.deck_lines import Lines, split_lines
+from faying.io.deck_lines import lines_of_file
 from faying.io.matrix_labels import (
     REAL_DOUBLE,
     SQUARE,
@@ -61,16 +60,10 @@ def read_dmig(path: Path, name: str) -> LabelledMatrix:
 def _cards(path: Path) -> tuple[Cards, dict[str, int]]:
     """Return the DMIG cards of a file and the header of each matrix."""
     try:
-        text = split_lines(file_bytes(path).upper())
+        lines = lines_of_file(path)
     except OSError as error:
         message = f"DMIG file '{path}' cannot be read ({error.strerror}); check the path"
         raise FormatError(message) from error
-    lines = Lines(
-        text=text,
-        number=np.arange(1, len(text) + 1, dtype=np.int64),
-        file=np.zeros(len(text), dtype=np.int64),
-        files=(str(path),),
-    )
     cards = read_cards(lines).cards().get("DMIG")
     if cards is None:
         refuse(f"'{path}' holds no DMIG card; write the matrix with PARAM,EXTOUT,DMIGPCH or so")

@@ -20,13 +20,12 @@ from faying.exceptions import FayingError, FormatError, refuse
 from faying.files.contents import (
     check_room,
     check_rows,
-    file_bytes,
     file_size,
     file_text,
     reason_of,
 )
 from faying.files.numpy_archive import read_arrays, read_matrices
-from faying.io.deck_lines import Lines, split_lines
+from faying.io.deck_lines import lines_of_file
 from faying.io.isolated import read_isolated
 from faying.io.matrix_labels import LabelledMatrix
 from faying.io.nastran.cards import Card
@@ -329,14 +328,7 @@ def read_extrn(path: Path) -> Indices:
     They are in the ``.pch`` that Nastran wrote beside the OP4 file (EXTSEOUT with MATOP4 or
     DMIGOP4). Scalar points get component 1.
     """
-    text = split_lines(file_bytes(path).upper())
-    lines = Lines(
-        text=text,
-        number=np.arange(1, len(text) + 1, dtype=np.int64),
-        file=np.zeros(len(text), dtype=np.int64),
-        files=(str(path),),
-    )
-    cards = read_cards(lines).cards().get("EXTRN")
+    cards = read_cards(lines_of_file(path)).cards().get("EXTRN")
     if cards is None or len(cards) != 1:
         refuse(
             f"dof table '{path}' has {0 if cards is None else len(cards)} EXTRN cards; "

@@ -14,7 +14,8 @@ import scipy.io
 import faying as fy
 from faying.exceptions import FormatError, StudyError
 from faying.files.numpy_archive import read_matrices
-from faying.io.abaqus.deck import read_spans
+from faying.io.abaqus.deck import DIALECT
+from faying.io.deck_lines import read_lines
 from faying.io.isolated import read_isolated
 from faying.io.matrix_tables import read_matrix, read_node_table
 from faying.io.mesh_files import read_mesh_file
@@ -84,7 +85,7 @@ def test_readers_of_scipy_meet_damage_in_a_process_of_their_own(tmp_path, monkey
 
 DECKS = {
     "deck.bdf": (read_source, "BEGIN BULK\nINCLUDE '{}'\n"),
-    "deck.inp": (read_spans, "*INCLUDE, INPUT={}\n"),
+    "deck.inp": (lambda path: read_lines(path, DIALECT), "*INCLUDE, INPUT={}\n"),
 }
 
 

@@ -3,94 +3,60 @@
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import zip_longest
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
-from faying.exceptions import FormatError, refuse
+from faying.exceptions import refuse
 from faying.io.abaqus.instances import instantiated
 from faying.io.abaqus.keyword import (
     PARAMETERS,
     Body,
     Keyword,
-    Span,
-    TextFile,
     is_content,
     keyword_name,
     without_blanks,
 )
-from faying.io.deck_lines import DeckFiles, with_usual_ends
+from faying.io.deck_lines import Dialect, Lines, LineTexts, read_lines
 
 _PARTS = re.compile(r"(?:^|,)((?:\"[^\"]*\"|'[^']*'|[^,])*)")
 
 
-def read_keywords(parts: Sequence[Span]) -> list[Keyword]:
+def read_keywords(lines: Lines) -> list[Keyword]:
     """Split a deck into its keywords, in order.
 
-    A keyword line that ends in a comma continues on the next line.
-
-    Notes
-    -----
-    Data lines are not touched: about a second for 2 GB.
+    A keyword line that ends in a comma continues on the next line. Data lines are not touched.
     """
+    text = lines.text
     heads = [
-        (number, begin, end)
-        for number, part in enumerate(parts)
-        for begin, end in part.starred()
-        if is_content(part.file.text[begin:end])
+        i
+        for i in text.holding(b"*").tolist()
+        if text[i].lstrip()[:1] == b"*" and is_content(text[i])
     ]
-    first = next(((n, begin) for n, p in enumerate(parts) for begin, _ in p.content()), None)
-    if first is not None and (not heads or heads[0][:2] != first):
-        file = parts[first[0]].file
+    first = next((i for i in range(len(text)) if is_content(text[i])), None)
+    if first is not None and heads[:1] != [first]:
         refuse(
-            f"{file.name}:{file.line(first[1])}: data before the first keyword; a deck starts with "
+            f"{lines.where(first)}: data before the first keyword; a deck starts with "
             "a line such as *HEADING or *NODE"
         )
-    return [_keyword(parts, head, following) for head, following in zip_longest(heads, heads[1:])]
+    return [_keyword(lines, i, end) for i, end in pairwise([*heads, len(text)])]
 
 
-_Head = tuple[int, int, int]
-"""Span, and where the line of a keyword begins and ends."""
-
-
-def _keyword(parts: Sequence[Span], head: _Head, following: _Head | None) -> Keyword:
-    number, begin, end = head
-    file = parts[number].file
-    text = _decoded(file.text[begin:end])
-    body = _between(parts, head, following)
-    while text.endswith(","):
-        content = next(((k, span) for k, p in enumerate(body) for span in p.content()), None)
-        if content is None:
+def _keyword(lines: Lines, begin: int, end: int) -> Keyword:
+    head, start, where = _decoded(lines.text[begin]), begin + 1, lines.where(begin)
+    while head.endswith(","):
+        k = next((k for k in range(start, end) if is_content(lines.text[k])), end)
+        if k == end or not _is_continuation(lines.text[k]):
             break
-        k, (start, stop) = content
-        line = body[k].file.text[start:stop]
-        if not _is_continuation(line):
-            break
-        text += " " + _decoded(line)
-        body = [replace(body[k], start=min(stop + 1, body[k].end)), *body[k + 1 :]]
-    name, *arguments = _split(text.lstrip("* \t"))
+        head, start = f"{head} {_decoded(lines.text[k])}", k + 1
+    name, *arguments = _split(head.lstrip("* \t"))
     return Keyword(
         name=keyword_name(name),
-        parameters=dict(_parameters(arguments, lambda: f"{file.name}:{file.line(begin)}")),
-        body=Body(spans=tuple(body)),
-        file=file,
-        begin=begin,
+        parameters=dict(_parameters(arguments, where)),
+        body=Body(lines[start:end]),
+        place=where,
     )
-
-
-def _between(parts: Sequence[Span], head: _Head, following: _Head | None) -> list[Span]:
-    """Return the pieces of the deck from behind a keyword's line to the next keyword."""
-    number, _, end = head
-    last = len(parts) - 1 if following is None else following[0]
-    between = []
-    for k in range(number, last + 1):
-        part = parts[k]
-        start = min(end + 1, part.end) if k == number else part.start
-        stop = part.end if following is None or k < last else following[1]
-        if start < stop:
-            between.append(replace(part, start=start, end=stop))
-    return between
 
 
 def _is_continuation(line: bytes) -> bool:
@@ -113,7 +79,7 @@ def _split(text: str) -> list[str]:
     return [part.strip() for part in _PARTS.findall(text)]
 
 
-def _parameters(parts: list[str], where: Callable[[], str]) -> Iterator[tuple[str, str]]:
+def _parameters(parts: list[str], where: str) -> Iterator[tuple[str, str]]:
     seen = set()
     for part in parts:
         name, _, value = part.partition("=")
@@ -122,7 +88,7 @@ def _parameters(parts: list[str], where: Callable[[], str]) -> Iterator[tuple[st
             continue
         if not name or name in seen:
             problem = "has no name" if not name else "is given twice"
-            refuse(f"{where()}: the parameter '{part}' {problem}; correct the keyword line")
+            refuse(f"{where}: the parameter '{part}' {problem}; correct the keyword line")
         seen.add(name)
         value = value.strip()
         if len(value) > 1 and value[0] == value[-1] and value[0] in "\"'":
@@ -216,7 +182,7 @@ def check_parameters(deck: Deck) -> None:
 
 def read_keyword_deck(path: Path, ignore: frozenset[str] = frozenset()) -> Deck:
     """Read a deck into keywords, whose data nobody has looked at."""
-    keywords = instantiated(read_keywords(read_spans(path)))
+    keywords = instantiated(read_keywords(read_lines(path, DIALECT)))
     if not keywords:
         refuse(f"{path}: the deck is empty; it needs *NODE, *ELEMENT, …")
     numbered, step, inside = [], 0, False
@@ -249,46 +215,11 @@ _INCLUDE = re.compile(rb"^\s*\*\s*INCLUDE\s*,", re.IGNORECASE)
 _INPUT = re.compile(rb"INPUT\s*=\s*(?:\"([^\"]*)\"|'([^']*)'|([^,]*))", re.IGNORECASE)
 
 
-def read_spans(path: Path) -> list[Span]:
-    """Read a deck and what it includes, as pieces of files in their order.
-
-    Included files are looked for beside the deck, where both programs run, then beside the file
-    that includes them.
-    """
-    return _expand(path, path.parent, DeckFiles("input deck", "*INCLUDE"), (), "")
-
-
-def _expand(
-    path: Path, home: Path, files: DeckFiles, parents: tuple[Path, ...], included_from: str
-) -> list[Span]:
-    text = with_usual_ends(files.read(path, included_from, parents))
-    file = TextFile(name=files.names[-1], text=text)
-    parts, start = [], 0
-    for begin, end in Span(file=file, start=0, end=len(text)).starred():
-        line = text[begin:end]
-        if not (b"*" in line[:8] and _INCLUDE.match(line)):
-            continue
-        parts.append(Span(file=file, start=start, end=begin))
-        origin = f"{file.name}:{file.line(begin)}"
-        name = _file_name(line, origin)
-        places = (home / name, path.parent / name)
-        included = next(
-            (candidate for candidate in places if _is_file(candidate, origin)), places[0]
-        )
-        parts += _expand(included, home, files, (*parents, path.resolve()), origin)
-        start = min(end + 1, len(text))
-    parts.append(Span(file=file, start=start, end=len(text)))
-    return parts
-
-
-def _is_file(path: Path, origin: str) -> bool:
-    try:
-        return path.is_file()
-    except OSError:  # a name too long for any file
-        return False
-    except ValueError as error:  # a path with a NUL character
-        message = f"{origin}: *INCLUDE names an impossible path; correct it"
-        raise FormatError(message) from error
+def _includes(text: LineTexts, where: Callable[[int], str]) -> Iterator[tuple[int, int, str]]:
+    """Yield first line, line behind and file name of each *INCLUDE."""
+    for i in text.holding(b"*").tolist():
+        if _INCLUDE.match(text[i]):
+            yield i, i + 1, _file_name(text[i], where(i))
 
 
 def _file_name(line: bytes, origin: str) -> str:
@@ -297,3 +228,8 @@ def _file_name(line: bytes, origin: str) -> str:
     if not name.strip():
         refuse(f"{origin}: *INCLUDE names no file; give INPUT=file")
     return name.strip().decode("utf-8", "surrogateescape")
+
+
+DIALECT = Dialect(kind="input deck", include="*INCLUDE", statements=_includes, deck_first=True)
+"""Included files are looked for beside the deck, where both programs run, then beside the file that
+includes them."""

@@ -5,8 +5,8 @@ lines at once; a Python loop touches only free-field lines.
 """
 
 import re
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from faying._typing import Indices, Mask
 from faying.exceptions import refuse
-from faying.io.deck_lines import DeckFiles, Lines, LineTexts, joined, split_lines
+from faying.io.deck_lines import Dialect, Lines, LineTexts, joined, read_lines
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Bulk
 from faying.io.nastran.fields import Fields
@@ -40,15 +40,8 @@ def read_source(path: Path) -> Source:
 
     A file without BEGIN BULK is bulk data from its first line, unless it holds a CEND or SOL.
     """
-    files = DeckFiles("Nastran deck", "INCLUDE")
-    parts = _expand(path, files, ())
-    lines = Lines(
-        text=joined([text for text, _, _ in parts]),
-        number=np.concatenate([number for _, number, _ in parts]),
-        file=np.repeat([f for _, _, f in parts], [len(t) for t, _, _ in parts]).astype(np.int64),
-        files=tuple(files.names),
-    )
-    return _sections(lines, path)
+    lines = read_lines(path, _DIALECT)
+    return _sections(replace(lines, text=lines.text.upper()), path)
 
 
 def _sections(lines: Lines, path: Path) -> Source:
@@ -79,43 +72,14 @@ def _matching(text: LineTexts, keyword: bytes, pattern: re.Pattern[bytes]) -> It
     return (i for i in text.holding(keyword).tolist() if pattern.match(text[i]))
 
 
-_Part = tuple[LineTexts, Indices, int]
-"""Lines in upper case, their numbers, and the index of their file."""
-
-
-def _expand(
-    path: Path, files: DeckFiles, parents: tuple[Path, ...], included_from: str = ""
-) -> list[_Part]:
-    """Parts of a file and of what it includes, in their order."""
-    index = len(files.names)
-    data = files.read(path, included_from, parents)
-    original = split_lines(data)
-    number = np.arange(1, len(original) + 1, dtype=np.int64)
-    upper = original.upper()
-    parts: list[_Part] = []
-    start = line = 0
-    for candidate in upper.holding(b"INCLUDE").tolist():
-        match = _INCLUDE.match(original[candidate])
-        if match is None or candidate < line:
-            continue
-        parts.append((upper[start:candidate], number[start:candidate], index))
-        origin = f"{files.names[index]}:{number[candidate]}"
-        name, line = _file_name(original, candidate, match.end(), origin)
-        included = _included(name, path, parents)
-        parts += _expand(included, files, (*parents, path.resolve()), origin)
-        start = line
-    parts.append((upper[start:], number[start:], index))
-    return parts
-
-
-def _included(name: str, path: Path, parents: tuple[Path, ...]) -> Path:
-    """Return an included file: beside the one that includes it, else beside the deck."""
-    neighbour = path.parent / name
-    deck = (parents[0] if parents else path).parent / name
-    try:
-        return deck if deck.is_file() and not neighbour.is_file() else neighbour
-    except (OSError, ValueError):  # no name of a file: refused when it is read
-        return neighbour
+def _includes(text: LineTexts, where: Callable[[int], str]) -> Iterator[tuple[int, int, str]]:
+    """Yield first line, line behind and file name of each INCLUDE."""
+    line = 0
+    for candidate in text.upper().holding(b"INCLUDE").tolist():
+        match = _INCLUDE.match(text[candidate])
+        if match is not None and candidate >= line:
+            name, line = _file_name(text, candidate, match.end(), where(candidate))
+            yield candidate, line, name
 
 
 def _file_name(lines: LineTexts, line: int, start: int, origin: str) -> tuple[str, int]:
@@ -138,6 +102,9 @@ def _decoded(name: bytes, origin: str) -> str:
     if not name:
         refuse(f"{origin}: INCLUDE names no file; give one in quotes")
     return name.decode("utf-8", "surrogateescape")
+
+
+_DIALECT = Dialect(kind="Nastran deck", include="INCLUDE", statements=_includes)
 
 
 _BLANK, _STAR, _PLUS, _COMMA = (ord(c) for c in " *+,")
