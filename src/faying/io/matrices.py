@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from faying._typing import Indices, Matrix, SparseMatrix
 from faying.exceptions import ModelError, naming, refuse, refuse_model
-from faying.io.deck_geometry import DeckGeometry, is_deck, read_deck_geometry
+from faying.io.deck_geometry import is_deck, read_geometry
 from faying.io.matrix_checks import (
     RowLabel,
     check_mass,
@@ -157,8 +157,9 @@ def read_matrices(
     ModelError
         If the contents do not fit together.
     """
-    geometry = _places(nodes)
-    sides = {**geometry.faces, **_given_faces(faces)}
+    mesh, surfaces = read_geometry(nodes) if is_deck(nodes) else (_table_mesh(nodes), {})
+    sides = {name: mesh.node_ids[side.nodes] for name, side in surfaces.items()}
+    sides |= _given_faces(faces)
     named = read_id_sets(node_sets, "node set") if node_sets is not None else {}
     files = {"M": M, "K": K, "C": C}
     labelled = {key: read_matrix(file, key) for key, file in files.items() if file is not None}
@@ -167,11 +168,14 @@ def read_matrices(
         matrices["M"],
         matrices["K"],
         matrices.get("C"),
-        nodes=geometry.nodes,
-        node_ids=geometry.node_ids,
+        nodes=mesh.nodes,
+        node_ids=mesh.node_ids,
         dofs=rows,
         faces=sides,
-        node_sets={**geometry.node_sets, **{k: np.concatenate(v) for k, v in named.items()}},
+        node_sets={
+            **{name: mesh.node_ids[members] for name, members in mesh.node_sets.items()},
+            **{name: np.concatenate(parts) for name, parts in named.items()},
+        },
         **parts,
     )
     if held is None:
@@ -180,12 +184,9 @@ def read_matrices(
     return replace(assembly, supports=(*assembly.supports, *supports))
 
 
-def _places(nodes: _Path) -> DeckGeometry:
-    """Nodes of a table, or nodes, facets and sets of a deck."""
-    if is_deck(nodes):
-        return read_deck_geometry(nodes)
-    ids, points = read_node_table(nodes)
-    return DeckGeometry(nodes=points, node_ids=ids, faces={}, node_sets={})
+def _table_mesh(path: _Path) -> Mesh:
+    ids, points = read_node_table(path)
+    return Mesh(nodes=points, node_ids=ids)
 
 
 def _given_faces(faces: _Path | None) -> dict[str, Indices]:

@@ -18,7 +18,7 @@ from faying.io.nastran.fields import SHORT_DIGITS
 from faying.io.nastran.grids import BulkData, Grids
 from faying.io.nastran.pressures import Part, read_directed_loads, read_pressures
 from faying.io.nastran.sections import turned_properties
-from faying.io.nastran.supports import ALWAYS, Moving
+from faying.io.nastran.supports import ALWAYS
 from faying.model.assembly import Assembly, Beam, NodalLoads, PointMass
 from faying.model.body_forces import body_forces, centrifugal, nodal_forces_of_beams
 from faying.model.elements.beam import beam_frames
@@ -160,18 +160,24 @@ _Load = tuple[int, Indices, Matrix]
 """Load set, nodes (n,), forces and moments (n, 6)."""
 
 
-def read_loads(bulk: BulkData, structure: Assembly, moving: Moving) -> dict[str, NodalLoads]:
+def read_loads(
+    bulk: BulkData,
+    structure: Assembly,
+    pulls: Mapping[int | None, Matrix],
+    unread: Mapping[int, str],
+) -> dict[str, NodalLoads]:
     """Read load sets; the one case control selects comes first.
 
     A set that uses a kind of load that is not supported is left out, with a note. The structure has
-    all elements, whose mass GRAV and RFORCE act on; ``moving`` moves supports.
+    all elements, whose mass GRAV and RFORCE act on. Supports are moved by ``pulls`` (n_node, 6), by
+    load set and by SPC (None); sets that are ``unread`` move them otherwise.
     """
     places, chosen = structure.mesh.nodes, bulk.control.load
-    spoiled = {**moving.unread, **_unsupported(bulk.cards)}
+    spoiled = {**unread, **_unsupported(bulk.cards)}
     nodal = [*read_directed_loads(bulk, structure), *_on_scalar_points(bulk, spoiled)]
     nodal += read_pressures(bulk, structure)
     loads = [load for part in nodal for load in _by_set(*part)]
-    loads += [(number, *_loaded(forces)) for number, forces in moving.by_load.items()]
+    loads += [(number, *_loaded(forces)) for number, forces in pulls.items() if number is not None]
     along = read_line_loads(bulk.cards, places, structure.beams, spoiled)
     loads += [load for part in along for load in _by_set(*part)]
     accelerations = read_accelerations(bulk, places, structure.masses, spoiled)
@@ -200,7 +206,7 @@ def read_loads(bulk: BulkData, structure: Assembly, moving: Moving) -> dict[str,
         bulk.ignored.append(
             f"case control LOAD = {chosen} (no load of the deck that is read has it)"
         )
-    always = [_loaded(moving.always)] if moving.always.any() else []
+    always = [_loaded(pulls[None])] if pulls[None].any() else []
     if chosen in parts:
         parts[chosen] += always
     order = sorted(parts, key=lambda number: (number != chosen, number))

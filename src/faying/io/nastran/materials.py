@@ -128,8 +128,7 @@ def read_materials(bulk: BulkData) -> tuple[dict[int, Material], dict[int, float
     factors: dict[int, float] = {}
     origin: dict[int, str] = {}
     damped = 0
-    contradicting: list[int] = []
-    single: list[int] = []
+    unusual: dict[str, list[int]] = {}
     named, shells = (materials_of(bulk.cards, *names) for names in (FIELDS, SHELL_PROPERTIES))
     only_lines = named - shells - materials_of(bulk.cards, *SOLID_PROPERTIES)
     for card in bulk.cards.get("MAT1", ()):
@@ -139,16 +138,10 @@ def read_materials(bulk: BulkData) -> tuple[dict[int, Material], dict[int, float
         if number in origin:
             card.refuse(f"material {number} is already defined at {origin[number]}; renumber one")
         origin[number] = card.where()
-        lines = _line_constants(card) if number in only_lines else None
-        youngs, poisson = _constants(card, number, shells) if lines is None else (lines[0], 0.0)
-        if lines is not None:
-            factors[number] = 2 * lines[1] / lines[0]
-        elif _contradict(card):
-            contradicting.append(number)
-            factors[number] = card.real(2) / _consistent(card)
-        elif not (card.text(2) or card.text(3)):
-            single.append(number)
-            factors[number] = 0.0
+        youngs, poisson, factor, kind = _constants(card, number in only_lines, number in shells)
+        unusual.setdefault(kind, []).append(number)
+        if factor != 1.0:
+            factors[number] = factor
         if not math.isfinite(youngs + poisson):
             card.refuse(
                 f"material {number}: E, G and NU are too large for a number; check the units"
@@ -166,13 +159,13 @@ def read_materials(bulk: BulkData) -> tuple[dict[int, Material], dict[int, float
         damped += card.real(7, 0.0) != 0.0
     if damped:
         bulk.ignored.append(f"structural damping GE of {damped} MAT1 (give [damping] in the study)")
-    if contradicting:
+    if contradicting := unusual.get("contradicting"):
         bulk.ignored.append(
             f"E, G and NU of MAT1 {_listed(contradicting)} contradict each other by more than 1 %: "
             "as in Nastran solids and membranes of shells have E and NU, transverse shear and "
             "torsion of lines G"
         )
-    if single:
+    if single := unusual.get("E alone"):
         bulk.ignored.append(
             f"MAT1 {_listed(single)} with E alone: as in Nastran NU is 0, and G is 0 for torsion "
             "and shear of lines"
@@ -185,45 +178,29 @@ def _listed(numbers: list[int]) -> str:
     return shown if len(numbers) <= 5 else f"{shown} and {len(numbers) - 5} more"
 
 
-def _line_constants(card: Card) -> tuple[float, float] | None:
-    """E and G that contradict each other as those of an isotropic material; None if they do not."""
-    youngs, shear = card.real(1, 0.0), card.real(2, 0.0)
-    if not (youngs > 0 and shear > 0):
-        return None
-    ratio = card.real(3, youngs / (2 * shear) - 1)
-    consistent = youngs / (2 * (1 + ratio)) if ratio > -1 else 0.0
-    contradict = abs(shear - consistent) > _CONTRADICTION * consistent
-    return (youngs, shear) if contradict or not -1 < ratio < _INCOMPRESSIBLE else None
-
-
-def _consistent(card: Card) -> float:
-    """G of E and NU."""
-    return card.real(1) / (2 * (1 + card.real(3)))
-
-
-def _contradict(card: Card) -> bool:
-    """Whether E, G and NU are all given, and are not those of an isotropic material."""
-    if not all(card.text(j) for j in (1, 2, 3)) or not card.real(1) > 0 or card.real(3) <= -1:
-        return False
-    consistent = _consistent(card)
-    return card.real(2) > 0 and abs(card.real(2) - consistent) > _CONTRADICTION * consistent
-
-
-def _constants(card: Card, number: int, shells: frozenset[int]) -> tuple[float, float]:
-    """E and NU, from G where one of them is blank."""
-    filled = [bool(card.text(j)) for j in (1, 2, 3)]
+def _constants(card: Card, only_lines: bool, of_shells: bool) -> tuple[float, float, float, str]:
+    """Return E, NU, G over that of both, and what is unusual about the three."""
+    number, filled = card.integer(0), [bool(card.text(j)) for j in (1, 2, 3)]
     youngs, shear, poisson = (card.real(j, 0.0) for j in (1, 2, 3))
-    if filled == [True, False, False] and number not in shells:
-        return youngs, 0.0
+    if youngs > 0 and shear > 0:
+        ratio = poisson if filled[2] else youngs / (2 * shear) - 1
+        consistent = youngs / (2 * (1 + ratio)) if ratio > -1 else 0.0
+        contradict = abs(shear - consistent) > _CONTRADICTION * consistent
+        if only_lines and (contradict or not -1 < ratio < _INCOMPRESSIBLE):
+            return youngs, 0.0, 2 * shear / youngs, "of lines"
+        if contradict and consistent > 0:
+            return youngs, ratio, shear / consistent, "contradicting"
+    if filled == [True, False, False] and not of_shells:
+        return youngs, 0.0, 0.0, "E alone"
     if sum(filled) < 2:
         card.refuse(f"material {number} gives {sum(filled)} of E, G, NU; two are needed")
     if not filled[0]:
-        return 2 * shear * (1 + poisson), poisson
-    if not filled[2]:
-        if not shear > 0:
-            card.refuse(f"material {number} has G = {shear:g}; it must be positive")
-        return youngs, youngs / (2 * shear) - 1
-    return youngs, poisson
+        return 2 * shear * (1 + poisson), poisson, 1.0, ""
+    if filled[2]:
+        return youngs, poisson, 1.0, ""
+    if not shear > 0:
+        card.refuse(f"material {number} has G = {shear:g}; it must be positive")
+    return youngs, youngs / (2 * shear) - 1, 1.0, ""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

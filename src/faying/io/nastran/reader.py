@@ -190,8 +190,8 @@ def read_parts(
         sides = read_panel_sides(bulk, materials, assembly.largest_id + 1)
         assembly = replace(assembly, beams=(*assembly.beams, *sides))
         resting = moved.without(control_grids(bulk))
-        assembly, moving = with_moving(bulk, assembly, resting)
-        loads = read_loads(bulk, assembly, moving)
+        assembly, pulls = with_moving(bulk, assembly, resting)
+        loads = read_loads(bulk, assembly, pulls, moved.unread)
         assembly = replace(assembly, loads=loads)
     return Deck(
         cards=cards,

@@ -11,6 +11,8 @@ above a node of the shell at the part t of h = x_B - x_A its motion is u = (1 - 
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import groupby
+from operator import itemgetter
 
 import numpy as np
 import scipy.linalg
@@ -36,46 +38,36 @@ def read_rigid_elements(bulk: BulkData) -> tuple[list[RigidCoupling], list[Equat
     """Read RBE2, RBAR, RBE1, RROD and RTRPLT; thermal coefficients at their ends are left out."""
     couplings: list[RigidCoupling] = []
     equations: list[Equation] = []
-    for card in bulk.cards.get("RBE2", ()):
-        reference, nodes, chosen = _rbe2(card, bulk.grids)
-        turned = np.array([not _plain(node, chosen, bulk.grids) for node in nodes.tolist()])
-        if not turned.all():
-            couplings.append(_coupling(card, reference, nodes[~turned], chosen))
-        if turned.any():
-            free = [(reference, c) for c in range(6)]
-            for node in nodes[turned].tolist():
-                equations += rigid_equations(card, free, [(node, c) for c in chosen], bulk.grids)
-    for card in bulk.cards.get("RBAR", ()):
-        ends = [bulk.grids.one(card, 1), bulk.grids.one(card, 2)]
-        free, tied = _sides(card, ends, 3)
-        if free == [(ends[0], c) for c in range(6)] or free == [(ends[1], c) for c in range(6)]:
-            dependent = ends[1] if free[0][0] == ends[0] else ends[0]
-            chosen = tuple(c for node, c in tied if node == dependent)
-            if _plain(dependent, chosen, bulk.grids):
-                couplings.append(_coupling(card, free[0][0], np.array([dependent]), chosen))
+    for name, sides in (("RBE2", _rbe2), ("RBAR", _ends), ("RTRPLT", _ends), ("RBE1", _rbe1)):
+        for card in bulk.cards.get(name, ()):
+            free, tied = sides(card, bulk.grids)
+            if not tied or free != [(free[0][0] if free else -1, c) for c in range(6)]:
+                equations += rigid_equations(card, free, tied, bulk.grids)
                 continue
-        equations += rigid_equations(card, free, tied, bulk.grids)
-    for card in bulk.cards.get("RTRPLT", ()):
-        corners = [bulk.grids.one(card, field) for field in (1, 2, 3)]
-        free, tied = _sides(card, corners, 4)
-        equations += rigid_equations(card, free, tied, bulk.grids)
-    for card in bulk.cards.get("RBE1", ()):
-        equations += rigid_equations(card, *_rbe1(card, bulk.grids), bulk.grids)
+            plain: dict[tuple[int, ...], list[int]] = {}
+            for node, dofs in groupby(tied, key=itemgetter(0)):
+                chosen = tuple(c for _, c in dofs)
+                if frame_independent(chosen) or bulk.grids.systems.axes(node) is None:
+                    plain.setdefault(chosen, []).append(node)
+                else:
+                    of_node = [(node, c) for c in chosen]
+                    equations += rigid_equations(card, free, of_node, bulk.grids)
+            couplings += [
+                RigidCoupling(
+                    id=card.integer(0),
+                    reference=free[0][0],
+                    nodes=np.array(nodes),
+                    components=chosen,
+                )
+                for chosen, nodes in plain.items()
+            ]
     for card in bulk.cards.get("RROD", ()):
         equations.append(_rrod(card, bulk.grids))
     return couplings, equations
 
 
-def _plain(node: int, chosen: tuple[int, ...], grids: Grids) -> bool:
-    return frame_independent(chosen) or grids.systems.axes(node) is None
-
-
-def _coupling(card: Card, reference: int, nodes: Indices, chosen: tuple[int, ...]) -> RigidCoupling:
-    return RigidCoupling(id=card.integer(0), reference=reference, nodes=nodes, components=chosen)
-
-
-def _rbe2(card: Card, grids: Grids) -> tuple[int, Indices, tuple[int, ...]]:
-    """Independent node, dependent nodes and their components."""
+def _rbe2(card: Card, grids: Grids) -> tuple[list[Place], list[Place]]:
+    """All components of the independent node, and those of the dependent ones."""
     reference = grids.one(card, 1)
     chosen = components(card.text(2), card.error)
     texts = [text for text in card.texts[3:] if text]
@@ -84,14 +76,16 @@ def _rbe2(card: Card, grids: Grids) -> tuple[int, Indices, tuple[int, ...]]:
     nodes = np.unique(grids.several(card, id_list(card, texts)))
     if not len(nodes) or reference in nodes:
         card.refuse("it needs dependent nodes other than its independent one")
-    return reference, nodes, chosen
+    free = [(reference, c) for c in range(6)]
+    return free, [(node, c) for node in nodes.tolist() for c in chosen]
 
 
-def _sides(card: Card, nodes: Sequence[int], first: int) -> tuple[list[Place], list[Place]]:
+def _ends(card: Card, grids: Grids) -> tuple[list[Place], list[Place]]:
     """Independent components of all nodes in turn, then dependent ones; blank is all others."""
-    count = len(nodes)
+    count = 2 if card.cards.name == "RBAR" else 3
+    nodes = [grids.one(card, 1 + i) for i in range(count)]
     # RTRPLT starts a new row for the dependent components.
-    second = first + count if count == 2 else 8
+    first, second = (3, 5) if count == 2 else (4, 8)
     free = _listed(card, nodes, range(first, first + count))
     tied = _listed(card, nodes, range(second, second + count))
     if not tied:

@@ -4,9 +4,8 @@ MSC Nastran Quick Reference Guide: SPC displaces in every subcase that selects i
 load set, in place of what SPC says and where a selected SPC or SPC1 holds the component.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -23,46 +22,25 @@ ALWAYS = "spc"
 """Load of what SPC moves where no load set is selected that would take it along."""
 
 
-class Displacement(NamedTuple):
-    """A component that moves, by which set and where that is said."""
-
-    number: int
-    dof: Place
-    value: float
-    where: str
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Moved:
     """What SPC and SPCD displace.
 
     Attributes
     ----------
-    always
-        Places to displacements by SPC.
     by_load
-        Load sets to displacements by SPCD.
+        Load sets to places and displacements by SPCD; None, the first, is of those by SPC.
     unread
         Load sets to why they are left out.
     """
 
-    always: Mapping[Place, float] = field(default_factory=dict)
-    by_load: Mapping[int, Mapping[Place, float]] = field(default_factory=dict)
+    by_load: Mapping[int | None, Mapping[Place, float]] = field(default_factory=lambda: {None: {}})
     unread: Mapping[int, str] = field(default_factory=dict)
 
     @property
     def places(self) -> list[Place]:
         """All that moves, each once."""
-        every = [dof for displaced in self.by_load.values() for dof in displaced]
-        return [*dict.fromkeys([*self.always, *every])]
-
-    def mask(self, n_node: int) -> Mask:
-        """Components (n_node, 6) that move."""
-        result = np.zeros((n_node, 6), dtype=bool)
-        places = self.places
-        if places:
-            result[tuple(np.array(places).T)] = True
-        return result
+        return [*dict.fromkeys(dof for moved in self.by_load.values() for dof in moved)]
 
     def of_node(self, node: int, axes: Matrix | None) -> dict[str, Vector]:
         """Return how far a node is moved (3,), by load set and :data:`ALWAYS`.
@@ -71,34 +49,24 @@ class Moved:
         """
         rows = np.eye(3) if axes is None else axes
         motions = {}
-        for name, moved in ((ALWAYS, self.always), *self.by_load.items()):
+        for number, moved in self.by_load.items():
             along = np.array([moved.get((node, c), 0.0) for c in range(3)])
             if along.any():
-                motions[str(name)] = along @ rows
+                motions[ALWAYS if number is None else str(number)] = along @ rows
         return motions
 
     def without(self, nodes: Indices) -> "Moved":
         """Return what moves at other nodes."""
         gone = set(nodes.tolist())
-
-        def others(moved: Mapping[Place, float]) -> dict[Place, float]:
-            return {dof: value for dof, value in moved.items() if dof[0] not in gone}
-
-        by_load = {number: others(moved) for number, moved in self.by_load.items()}
-        return replace(self, always=others(self.always), by_load=by_load)
-
-
-class Moving(NamedTuple):
-    """Forces (n_node, 6) that move supports: of SPC, of each load set, and sets left out."""
-
-    always: Matrix
-    by_load: Mapping[int, Matrix]
-    unread: Mapping[int, str]
+        by_load = {
+            number: {dof: value for dof, value in moved.items() if dof[0] not in gone}
+            for number, moved in self.by_load.items()
+        }
+        return replace(self, by_load=by_load)
 
 
-def displacements(bulk: BulkData, cards: Cards) -> list[Displacement]:
-    """Return the displacements other than zero of SPC, and all of SPCD."""
-    moves = []
+def _displacements(bulk: BulkData, cards: Cards) -> Iterator[tuple[int, Place, float, str]]:
+    """Yield set, component, value and place of displacements: of SPC those other than zero."""
     for first in (1, 4):
         these = cards.take(cards.given(first))
         values = these.reals(first + 2, 0.0)
@@ -122,46 +90,42 @@ def displacements(bulk: BulkData, cards: Cards) -> list[Displacement]:
                 digits[i],
                 lambda text, i=i: these.error(i, text, first + 1),  # type: ignore[misc]  # noqa: B023
             )
-            where = these.where(i)
-            moves += [
-                Displacement(int(sets[i]), (node, c), float(values[i]), where) for c in chosen
-            ]
-    return moves
+            for c in chosen:
+                yield int(sets[i]), (node, c), float(values[i]), these.where(i)
 
 
-def read_moved(bulk: BulkData, by_support: Sequence[Displacement], fixed: Mask) -> Moved:
+def _moved(bulk: BulkData, single: Cards | None, fixed: Mask) -> Moved:
     """Return what moves; load sets that move what nothing holds belong to other supports.
 
-    The selected SPC displace ``by_support``, and hold with SPC1 what is fixed (n_node, 6).
+    The selected SPC (``single``) hold with SPC1 what is fixed (n_node, 6).
     """
     always: dict[Place, float] = {}
-    for move in by_support:
-        if always.setdefault(move.dof, move.value) != move.value:
+    for _, dof, value, where in () if single is None else _displacements(bulk, single):
+        if always.setdefault(dof, value) != value:
             refuse(
-                f"{move.where}: GRID {bulk.grids.ids[move.dof[0]]} is moved along component "
-                f"{move.dof[1] + 1} by another SPC too; remove one"
+                f"{where}: GRID {bulk.grids.ids[dof[0]]} is moved along component {dof[1] + 1} by "
+                "another SPC too; remove one"
             )
-    by_load: dict[int, dict[Place, float]] = {}
+    by_load: dict[int | None, dict[Place, float]] = {None: always}
     unread: dict[int, str] = {}
-    for move in displacements(bulk, bulk.cards["SPCD"]) if "SPCD" in bulk.cards else ():
-        node, component = move.dof
-        location = f"GRID {bulk.grids.ids[node]} along component {component + 1}"
-        if not fixed[move.dof]:
-            unread.setdefault(
-                move.number, f"{move.where} moves {location}, where no selected SPC holds it; that"
-            )
-        elif move.dof in always:
-            unread.setdefault(move.number, f"{move.where} moves {location}, as SPC does; that")
-        by_load.setdefault(move.number, {})[move.dof] = move.value
-    return Moved(
-        always=always,
-        by_load={number: move for number, move in by_load.items() if number not in unread},
-        unread=unread,
-    )
+    spcd = bulk.cards.get("SPCD")
+    for number, dof, value, where in () if spcd is None else _displacements(bulk, spcd):
+        location = f"{where} moves GRID {bulk.grids.ids[dof[0]]} along component {dof[1] + 1}"
+        if not fixed[dof]:
+            unread.setdefault(number, f"{location}, where no selected SPC holds it; that")
+        elif dof in always:
+            unread.setdefault(number, f"{location}, as SPC does; that")
+        by_load.setdefault(number, {})[dof] = value
+    readable = {number: moves for number, moves in by_load.items() if number not in unread}
+    return Moved(by_load=readable, unread=unread)
 
 
-def with_moving(bulk: BulkData, assembly: Assembly, moved: Moved) -> tuple[Assembly, Moving]:
-    """Return the assembly with springs where supports move, and what moves them.
+def with_moving(
+    bulk: BulkData, assembly: Assembly, moved: Moved
+) -> tuple[Assembly, dict[int | None, Matrix]]:
+    """Return the assembly with springs where supports move, and the forces (n_node, 6) on these.
+
+    Forces are by load set, those of SPC by None.
 
     Raises
     ------
@@ -170,33 +134,26 @@ def with_moving(bulk: BulkData, assembly: Assembly, moved: Moved) -> tuple[Assem
     ModelError
         If something else holds what is to be moved.
     """
-    numbers = [*moved.by_load]
-    courses = {
-        dof: (
-            moved.always.get(dof, 0.0),
-            *(moved.by_load[number].get(dof, 0.0) for number in numbers),
-        )
-        for dof in moved.places
-    }
+    sets = moved.by_load
+    courses = {dof: tuple(moves.get(dof, 0.0) for moves in sets.values()) for dof in moved.places}
     nodes = sorted({node for node, _ in courses})
-    axes = {
-        node: axes_of_node
-        for node in nodes
-        if (axes_of_node := bulk.grids.systems.axes(node)) is not None
-    }
-    assembly, forces = with_moved_supports(assembly, courses, len(numbers) + 1, axes)
+    turned = {node: bulk.grids.systems.axes(node) for node in nodes}
+    axes = {node: rows for node, rows in turned.items() if rows is not None}
+    assembly, forces = with_moved_supports(assembly, courses, len(sets), axes)
     if not np.isfinite(forces).all():
         refuse("SPC or SPCD: a displacement is too large for a number; check the units")
-    every = [*moved.by_load.values()]
     always = f"the selected load set, or load '{ALWAYS}' without one that is read,"
-    for moving, cause, loads in (([moved.always], "SPC", always), (every, "SPCD", "load sets")):
-        if count := len({dof for displaced in moving for dof in displaced}):
+    by_loads = {dof for number, moves in sets.items() if number is not None for dof in moves}
+    for count, cause, loads in (
+        (len(sets[None]), "SPC", always),
+        (len(by_loads), "SPCD", "load sets"),
+    ):
+        if count:
             bulk.ignored.append(moved_note(count, cause, loads))
-    by_load = dict(zip(numbers, forces[1:], strict=True))
-    return assembly, Moving(always=forces[0], by_load=by_load, unread=moved.unread)
+    return assembly, dict(zip(sets, forces, strict=True))
 
 
-_Held = dict[tuple[int, tuple[int, ...]], list[Indices]]
+_Constrained = dict[tuple[int, tuple[int, ...]], list[Indices]]
 """Set id and components to node indices."""
 
 
@@ -208,7 +165,7 @@ def read_supports(bulk: BulkData) -> tuple[list[Support], Moved]:
     Permanent supports of GRID have the id 0. Returned is what stands still, and what SPC and SPCD
     displace.
     """
-    constrained: _Held = {}
+    constrained: _Constrained = {}
     members: set[int] = set()
     for name in ("SPC", "SPC1"):
         if name in bulk.cards:
@@ -228,9 +185,10 @@ def read_supports(bulk: BulkData) -> tuple[list[Support], Moved]:
     fixed = np.zeros((len(bulk.grids.ids), 6), dtype=bool)
     for (_, numbers), nodes in joined.items():
         fixed[nodes[:, None], list(numbers)] = True
-    by_support = [] if single is None else displacements(bulk, single)
-    moved = read_moved(bulk, by_support, fixed)
-    moving = moved.mask(len(bulk.grids.ids))
+    moved = _moved(bulk, single, fixed)
+    moving = np.zeros_like(fixed)
+    for dof in moved.places:
+        moving[dof] = True
     supports: list[Support] = []
     for (number, numbers), nodes in joined.items():
         for standing, remaining in _standing(nodes, numbers, moving):
@@ -256,7 +214,7 @@ def _permanent_error(text: str) -> FormatError:
     return FormatError(f"GRID or GRDSET: permanent support (PS): {text}")
 
 
-def _collect(cards: Cards, nodes: Indices, field: int, fixed: _Held, grids: Grids) -> None:
+def _collect(cards: Cards, nodes: Indices, field: int, fixed: _Constrained, grids: Grids) -> None:
     """Add one node per card, grouped by set and components."""
     if not len(cards):
         return
@@ -278,7 +236,7 @@ def _collect(cards: Cards, nodes: Indices, field: int, fixed: _Held, grids: Grid
         fixed.setdefault((int(number), chosen), []).append(nodes[which == i])
 
 
-def _lists(cards: Cards, grids: Grids, sets: set[int], fixed: _Held) -> None:
+def _lists(cards: Cards, grids: Grids, sets: set[int], fixed: _Constrained) -> None:
     for card in cards.take(np.isin(cards.integers(0), list(sets))):
         texts = card.texts[2:]
         ids = id_list(card, texts, grids.ids)
