@@ -6,21 +6,18 @@ import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
 from faying.digits import DECK_DIGITS
-from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.dofs import Dofs, component
+from faying.io.abaqus.deck_data import DeckData, component
 from faying.io.abaqus.fields import integer, is_integer, real
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.mesh import Elements, Nodes
-from faying.io.abaqus.sets import NamedSets
 from faying.model.assembly import Equation, RigidCoupling
 
 Term = tuple[int, int, float]
 
 
-def read_equations(deck: Deck, dofs: Dofs) -> Iterator[Equation]:
+def read_equations(data: DeckData) -> Iterator[Equation]:
     """Read all *EQUATION; the first term is the one that is eliminated."""
     number = 0
-    for keyword in deck.of("EQUATION"):
+    for keyword in data.deck.of("EQUATION"):
         rows = keyword.rows()
         row = 0
         while row < len(rows):
@@ -38,16 +35,16 @@ def read_equations(deck: Deck, dofs: Dofs) -> Iterator[Equation]:
                 row += 1
             if len(fields) != count:
                 keyword.refuse(f"found {len(fields)} terms, expected {count}", start)
-            for terms in _per_node(keyword, fields, dofs):
+            for terms in _per_node(keyword, fields, data):
                 number += 1
                 yield Equation(id=number, terms=terms)
 
 
 def _per_node(
-    keyword: Keyword, fields: list[tuple[int, list[str]]], dofs: Dofs
+    keyword: Keyword, fields: list[tuple[int, list[str]]], data: DeckData
 ) -> Iterator[tuple[Term, ...]]:
     """One equation; or several, where the terms are node sets that are taken member by member."""
-    nodes = [dofs.find(keyword, row, label).tolist() for row, (label, _, _) in fields]
+    nodes = [data.find(keyword, row, label).tolist() for row, (label, _, _) in fields]
     count = len(nodes[0])
     for (row, _), members in zip(fields, nodes, strict=True):
         if len(members) not in (1, count) or (count > 1 and members != sorted(members)):
@@ -57,14 +54,14 @@ def _per_node(
         for (row, (_, dof, text)), members in zip(fields, nodes, strict=True):
             node = members[i] if len(members) > 1 else members[0]
             value = real(keyword, row, text, "a coefficient")
-            terms += _term(node, component(keyword, row, dof), value, dofs)
+            terms += _term(node, component(keyword, row, dof), value, data)
         yield tuple(terms)
 
 
-def _term(node: int, c: int, value: float, dofs: Dofs) -> list[Term]:
-    axes = dofs.axes(node)
+def _term(node: int, c: int, value: float, data: DeckData) -> list[Term]:
+    axes = data.axes(node)
     if axes is None:
-        return [(*dofs.place(node, c), value)]
+        return [(*data.place(node, c), value)]
     first = 3 * (c // 3)
     turned = [(node, first + k, value * float(axes[c % 3, k])) for k in range(3)]
     # The largest comes first, for the first term of an equation is eliminated.
@@ -84,7 +81,7 @@ passes over a node of MEANROT."""
 Terms = tuple[tuple[int, int, float], ...]
 
 
-def read_mpcs(deck: Deck, dofs: Dofs, first_id: int) -> tuple[list[Equation], list[RigidCoupling]]:
+def read_mpcs(data: DeckData, first_id: int) -> tuple[list[Equation], list[RigidCoupling]]:
     """Read *MPC of type PIN, TIE, BEAM, PLANE, STRAIGHT and MEANROT.
 
     The last four are linearized about the geometry of the deck: with unit axis a and p_i the arms
@@ -93,19 +90,19 @@ def read_mpcs(deck: Deck, dofs: Dofs, first_id: int) -> tuple[list[Equation], li
     """
     equations: list[Equation] = []
     rigid: list[RigidCoupling] = []
-    for keyword in deck.of("MPC"):
+    for keyword in data.deck.of("MPC"):
         for row, kind, fields in _definitions(keyword):
             number = first_id + len(equations) + len(rigid)
             if kind == "BEAM":
-                rigid.append(_beam(keyword, row, fields, dofs, number))
+                rigid.append(_beam(keyword, row, fields, data, number))
             else:
-                for terms in _terms(keyword, row, kind, fields, dofs):
+                for terms in _terms(keyword, row, kind, fields, data):
                     next_id = first_id + len(equations) + len(rigid)
                     equations.append(Equation(id=next_id, terms=terms))
             if kind in ("BEAM", "PLANE", "STRAIGHT", "MEANROT"):
                 note = f"*MPC of type {kind}: linear about the geometry of the deck"
-                if note not in deck.ignored:
-                    deck.ignored.append(note)
+                if note not in data.deck.ignored:
+                    data.deck.ignored.append(note)
     return equations, rigid
 
 
@@ -124,21 +121,25 @@ def _definitions(keyword: Keyword) -> Iterator[tuple[int, str, list[str]]]:
     return iter(definitions)
 
 
-def _beam(keyword: Keyword, row: int, fields: list[str], dofs: Dofs, number: int) -> RigidCoupling:
+def _beam(
+    keyword: Keyword, row: int, fields: list[str], data: DeckData, number: int
+) -> RigidCoupling:
     _check_two(keyword, row, "BEAM", fields)
     return RigidCoupling(
         id=number,
-        reference=dofs.one(keyword, row, fields[1], "the independent node"),
-        nodes=dofs.find(keyword, row, fields[0]),
+        reference=data.one(keyword, row, fields[1], "the independent node"),
+        nodes=data.find(keyword, row, fields[0]),
         components=tuple(range(6)),
     )
 
 
-def _terms(keyword: Keyword, row: int, kind: str, fields: list[str], dofs: Dofs) -> Iterator[Terms]:
+def _terms(
+    keyword: Keyword, row: int, kind: str, fields: list[str], data: DeckData
+) -> Iterator[Terms]:
     if kind in ("PIN", "TIE"):
         _check_two(keyword, row, kind, fields)
-        dependent = dofs.find(keyword, row, fields[0]).tolist()
-        leader = dofs.one(keyword, row, fields[1], "the independent node")
+        dependent = data.find(keyword, row, fields[0]).tolist()
+        leader = data.one(keyword, row, fields[1], "the independent node")
         for node in dependent:
             for c in range(3 if kind == "PIN" else 6):
                 yield ((node, c, 1.0), (leader, c, -1.0))
@@ -147,14 +148,14 @@ def _terms(keyword: Keyword, row: int, kind: str, fields: list[str], dofs: Dofs)
         node
         for label in fields
         if label and not (is_integer(label) and int(label) == 0)
-        for node in dofs.find(keyword, row, label).tolist()
+        for node in data.find(keyword, row, label).tolist()
     ]
     if kind == "MEANROT":
-        yield _mean_rotation(keyword, row, nodes, dofs.nodes.coordinates)
+        yield _mean_rotation(keyword, row, nodes, data.nodes.coordinates)
     elif kind == "PLANE":
-        yield from _plane(keyword, row, nodes, dofs.nodes.coordinates)
+        yield from _plane(keyword, row, nodes, data.nodes.coordinates)
     else:
-        yield from _straight(keyword, row, nodes, dofs.nodes.coordinates)
+        yield from _straight(keyword, row, nodes, data.nodes.coordinates)
 
 
 def _check_two(keyword: Keyword, row: int, kind: str, fields: list[str]) -> None:
@@ -270,14 +271,14 @@ Group = tuple[Indices, tuple[int, ...]]
 """Nodes and the components in which they follow."""
 
 
-def rotation_nodes(deck: Deck, nodes: Nodes, sets: NamedSets) -> dict[int, int]:
+def rotation_nodes(data: DeckData) -> dict[int, int]:
     """Return CalculiX's rotation nodes: their index to that of the first reference node."""
-    return {rotation: reference for reference, rotation in reversed(_turning(deck, nodes, sets))}
+    return {rotation: reference for reference, rotation in reversed(_turning(data))}
 
 
-def shared_rotations(deck: Deck, nodes: Nodes, sets: NamedSets, first_id: int) -> list[Equation]:
+def shared_rotations(data: DeckData, first_id: int) -> list[Equation]:
     """Return the equations by which bodies with one rotation node turn together."""
-    pairs, first = _turning(deck, nodes, sets), rotation_nodes(deck, nodes, sets)
+    pairs, first = _turning(data), rotation_nodes(data)
     others = [
         (reference, first[rotation])
         for reference, rotation in pairs
@@ -291,31 +292,28 @@ def shared_rotations(deck: Deck, nodes: Nodes, sets: NamedSets, first_id: int) -
     ]
 
 
-def _turning(deck: Deck, nodes: Nodes, sets: NamedSets) -> list[tuple[int, int]]:
+def _turning(data: DeckData) -> list[tuple[int, int]]:
     """Return the reference and the rotation node of each rigid body that has one."""
     pairs = []
-    plain = Dofs(nodes=nodes, sets=sets, system=np.full(len(nodes.ids), -1), transforms=())
-    for keyword in deck.of("RIGID BODY"):
+    for keyword in data.deck.of("RIGID BODY"):
         if keyword.has("ROT NODE"):
             what = "the rotation node"
-            rotation = plain.one(keyword, None, keyword.required("ROT NODE"), what)
-            reference = _reference(keyword, plain, _named_nodes(keyword, plain))
+            rotation = data.one(keyword, None, keyword.required("ROT NODE"), what)
+            reference = _reference(keyword, data, _named_nodes(keyword, data))
             if rotation == reference:
                 keyword.refuse("the rotation node must be another one than the reference node")
             pairs.append((reference, rotation))
     return pairs
 
 
-def read_rigid_bodies(
-    deck: Deck, dofs: Dofs, elements: Elements, by_element: NamedSets, first_id: int
-) -> Iterator[RigidCoupling]:
+def read_rigid_bodies(data: DeckData, first_id: int) -> Iterator[RigidCoupling]:
     """Read all *RIGID BODY of CalculiX (NSET or ELSET) and Abaqus (PIN NSET, TIE NSET, ELSET)."""
     number = first_id
-    for keyword in deck.of("RIGID BODY"):
-        groups = _groups(keyword, dofs, elements, by_element)
+    for keyword in data.deck.of("RIGID BODY"):
+        groups = _groups(keyword, data)
         if not sum(len(nodes) for nodes, _ in groups):
             keyword.refuse("it names no nodes; give NSET=, ELSET=, PIN NSET= or TIE NSET=")
-        reference = _reference(keyword, dofs, groups)
+        reference = _reference(keyword, data, groups)
         for nodes, components in groups:
             others = nodes[nodes != reference]
             if len(others):
@@ -325,28 +323,26 @@ def read_rigid_bodies(
                 number += 1
 
 
-def _reference(keyword: Keyword, dofs: Dofs, groups: list[Group]) -> int:
+def _reference(keyword: Keyword, data: DeckData, groups: list[Group]) -> int:
     """Return the reference node, or any node of the body where none is named."""
     nodes = next((nodes for nodes, _ in groups if len(nodes)), None)
     if keyword.has("REF NODE") or nodes is None:
-        return dofs.one(keyword, None, keyword.required("REF NODE"), "the reference node")
+        return data.one(keyword, None, keyword.required("REF NODE"), "the reference node")
     return int(nodes[0])
 
 
-def _groups(keyword: Keyword, dofs: Dofs, elements: Elements, by_element: NamedSets) -> list[Group]:
-    groups = _named_nodes(keyword, dofs)
+def _groups(keyword: Keyword, data: DeckData) -> list[Group]:
+    groups = _named_nodes(keyword, data)
     if keyword.has("ELSET"):
-        ids = by_element.find(keyword, keyword.required("ELSET"))
-        parts = [b.nodes[np.isin(b.ids, ids)].ravel() for b in elements.blocks]
+        ids = data.element_sets.find(keyword, keyword.required("ELSET"))
+        parts = [b.nodes[np.isin(b.ids, ids)].ravel() for b in data.elements.blocks]
         groups.append((np.unique(np.concatenate(parts)), tuple(range(6))))
     return groups
 
 
-def _named_nodes(keyword: Keyword, dofs: Dofs) -> list[Group]:
+def _named_nodes(keyword: Keyword, data: DeckData) -> list[Group]:
     groups: list[Group] = []
     for name, components in (("NSET", range(3)), ("PIN NSET", range(3)), ("TIE NSET", range(6))):
         if keyword.has(name):
-            ids = dofs.sets.find(keyword, keyword.required(name))
-            nodes = dofs.nodes.index(ids, keyword, np.full(len(ids), -1))
-            groups.append((nodes, tuple(components)))
+            groups.append((data.named_nodes(keyword, name), tuple(components)))
     return groups

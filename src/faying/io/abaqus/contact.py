@@ -18,6 +18,7 @@ from faying.interface.gap_pairing import declared
 from faying.interface.projection import nearest_places
 from faying.interface.selection import select_facets
 from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.deck_data import DeckData
 from faying.io.abaqus.fields import parameter
 from faying.io.abaqus.interactions import Interaction
 from faying.io.abaqus.keyword import Keyword, named
@@ -48,13 +49,15 @@ class Pair:
 
 
 def read_pairs(
-    deck: Deck, interactions: Mapping[str, Interaction], surfaces: Surfaces, sets: NamedSets
+    data: DeckData, interactions: Mapping[str, Interaction], surfaces: Surfaces
 ) -> list[Pair]:
     """Read all *CONTACT PAIR."""
     return [
         pair
-        for keyword in deck.of("CONTACT PAIR")
-        for pair in _pairs(keyword, surfaces, _adjust(keyword, sets), interactions, deck.ignored)
+        for keyword in data.deck.of("CONTACT PAIR")
+        for pair in _pairs(
+            keyword, surfaces, _adjust(keyword, data.node_sets), interactions, data.deck.ignored
+        )
     ]
 
 

@@ -8,13 +8,11 @@ import numpy as np
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.digits import ROUND_OFF
 from faying.interface.facets import gauss_rule, shape_functions, surface
-from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.dofs import Dofs, component_range
+from faying.io.abaqus.deck_data import DeckData, component_range
 from faying.io.abaqus.fields import check_count, positive
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.line_elements import TYPES
-from faying.io.abaqus.mesh import SHELL_TYPES, Elements, Nodes
-from faying.io.abaqus.sets import NamedSets
+from faying.io.abaqus.mesh import SHELL_TYPES, Elements
 from faying.io.abaqus.solid_sections import is_of_abaqus, orientation_at
 from faying.io.abaqus.surfaces import DeckSurface, Surfaces, find_surface
 from faying.model.assembly import AverageCoupling, Equation, RigidCoupling
@@ -33,9 +31,7 @@ class Couplings:
     turned_references: list[int]
 
 
-def read_couplings(
-    deck: Deck, dofs: Dofs, elements: Elements, surfaces: Surfaces, first_id: int
-) -> Couplings:
+def read_couplings(data: DeckData, surfaces: Surfaces, first_id: int) -> Couplings:
     """Read all *COUPLING with their *KINEMATIC or *DISTRIBUTING.
 
     Distributing couplings weight nodes by their share of the surface's area, ∫N dA. Kinematic ones
@@ -46,11 +42,12 @@ def read_couplings(
     average: list[AverageCoupling] = []
     turned: list[Equation] = []
     references: list[int] = []
+    deck = data.deck
     for number, (head, members) in enumerate(deck.groups("COUPLING", *MEMBERS), start=first_id):
         if len(members) != 1:
             head.refuse("expected one *KINEMATIC or *DISTRIBUTING below it")
         (member,) = members
-        reference = dofs.one(head, None, head.required("REF NODE"), "the reference node")
+        reference = data.one(head, None, head.required("REF NODE"), "the reference node")
         coupled = find_surface(surfaces, head, head.required("SURFACE"), None)
         nodes = coupled.nodes[coupled.nodes != reference]
         components = _components(member)
@@ -61,8 +58,8 @@ def read_couplings(
                     message = "rotations along an ORIENTATION are not supported beside some, not "
                     message += "all, translations; tie all translations, or no rotations"
                     raise member.error(message)
-                axes = orientation_at(deck, head, dofs.nodes.coordinates[nodes])
-                turned += _along(dofs.nodes.coordinates, reference, nodes, axes[:, translations])
+                axes = orientation_at(deck, head, data.nodes.coordinates[nodes])
+                turned += _along(data.nodes.coordinates, reference, nodes, axes[:, translations])
                 references.append(reference)
                 continue
             rigid.append(
@@ -75,8 +72,8 @@ def read_couplings(
                 "ORIENTATION of *DISTRIBUTING: forces on its node are along these axes, as in "
                 "CalculiX, but in decks that only Abaqus reads; all rotations are tied"
             )
-        _check_distributing(member, elements, nodes)
-        weights = _areas(coupled, dofs.nodes.coordinates)[coupled.nodes != reference]
+        _check_distributing(member, data.elements, nodes)
+        weights = _areas(coupled, data.nodes.coordinates)[coupled.nodes != reference]
         average.append(
             AverageCoupling(
                 id=number,
@@ -90,20 +87,19 @@ def read_couplings(
     return Couplings(rigid=rigid, average=average, turned=turned, turned_references=references)
 
 
-def reference_axes(deck: Deck, nodes: Nodes, sets: NamedSets) -> dict[int, Matrix]:
+def reference_axes(data: DeckData) -> dict[int, Matrix]:
     """Return the axes of reference nodes of *DISTRIBUTING with ORIENTATION; none of Abaqus.
 
     CalculiX (User's Manual, *COUPLING) takes forces and moments on them along these axes; in Abaqus
     they say which rotations are tied.
     """
-    plain = Dofs(nodes=nodes, sets=sets, system=np.full(len(nodes.ids), -1), transforms=())
-    axes = {}
+    axes, deck = {}, data.deck
     for head, members in deck.groups("COUPLING", *MEMBERS):
         of_forces = any(member.name == "DISTRIBUTING" for member in members)
         if not head.has("ORIENTATION") or not of_forces or is_of_abaqus(deck):
             continue
-        reference = plain.one(head, None, head.required("REF NODE"), "the reference node")
-        points = nodes.coordinates[[reference]]
+        reference = data.one(head, None, head.required("REF NODE"), "the reference node")
+        points = data.nodes.coordinates[[reference]]
         axes[reference] = orientation_at(deck, head, points)[0]
     return axes
 
@@ -158,9 +154,7 @@ def _areas(coupled: DeckSurface, coordinates: Matrix) -> Vector:
     return weights
 
 
-def read_distributing(
-    deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets, first_id: int
-) -> list[Equation]:
+def read_distributing(data: DeckData, first_id: int) -> list[Equation]:
     """Read all *DISTRIBUTING COUPLING: one DCOUP3D element, then nodes or sets and weights.
 
     As in CalculiX the displacement of the element's node is the weighted mean, and nothing turns;
@@ -169,18 +163,18 @@ def read_distributing(
     equations: list[Equation] = []
     reference_of = {
         int(i): int(node)
-        for block in elements.of("DCOUP3D")
+        for block in data.elements.of("DCOUP3D")
         for i, node in zip(block.ids, block.nodes[:, 0], strict=True)
     }
-    for keyword in deck.of("DISTRIBUTING COUPLING"):
-        members = sets.find(keyword, keyword.required("ELSET")).tolist()
+    for keyword in data.deck.of("DISTRIBUTING COUPLING"):
+        members = data.element_sets.find(keyword, keyword.required("ELSET")).tolist()
         if len(members) != 1 or members[0] not in reference_of:
             keyword.refuse(f"the set '{keyword.value('ELSET')}' is not one DCOUP3D element")
         weights: dict[int, float] = {}
         for row, fields in enumerate(keyword.rows()):
             check_count(keyword, row, fields, (2,), "node or node set and weight")
             weight = positive(keyword, row, fields[1], "the weight")
-            weights.update(dict.fromkeys(dofs.find(keyword, row, fields[0]).tolist(), weight))
+            weights.update(dict.fromkeys(data.find(keyword, row, fields[0]).tolist(), weight))
         reference = reference_of[members[0]]
         weights.pop(reference, None)
         total = sum(weights.values())
@@ -188,7 +182,7 @@ def read_distributing(
             terms = [(reference, c, 1.0)]
             terms += [(node, c, -weight / total) for node, weight in weights.items()]
             equations.append(Equation(id=first_id + len(equations), terms=tuple(terms)))
-        deck.ignored.append(
+        data.deck.ignored.append(
             f"rotations of *DISTRIBUTING COUPLING {keyword.value('ELSET')}: the mean displacement "
             "as in CalculiX; Abaqus turns it too, as *COUPLING with *DISTRIBUTING does"
         )

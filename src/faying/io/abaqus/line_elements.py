@@ -10,7 +10,7 @@ from faying._typing import Matrix
 from faying.digits import DECK_DIGITS
 from faying.exceptions import ModelError
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.dofs import component
+from faying.io.abaqus.deck_data import DeckData, component
 from faying.io.abaqus.fields import (
     check_count,
     numbers,
@@ -21,8 +21,8 @@ from faying.io.abaqus.fields import (
     real,
 )
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.mesh import ElementBlock, Elements
-from faying.io.abaqus.sets import NamedSets, assign
+from faying.io.abaqus.mesh import ElementBlock
+from faying.io.abaqus.sets import assign
 from faying.io.abaqus.solid_sections import find_isotropic
 from faying.model.assembly import Beam, BeamSection, Bush, Material, PointMass, Spring
 from faying.model.axes import any_across, axes_along, rectangular_section, round_section
@@ -40,17 +40,16 @@ class _Section:
     first_axis: Direction
 
 
-def read_beams(
-    deck: Deck, elements: Elements, sets: NamedSets, materials: Mapping[str, Material]
-) -> Iterator[Beam]:
+def read_beams(data: DeckData, materials: Mapping[str, Material]) -> Iterator[Beam]:
     """Read beams: two-node ones as they are, three-node ones as two beams.
 
     The second half of a three-node beam gets the id of the beam, the first half a new one.
     """
+    deck, elements = data.deck, data.elements
     blocks = elements.of(*TYPES)
     if not blocks:
         return
-    sections = _sections(deck, sets, materials)
+    sections = _sections(data, materials)
     deck.ignored.extend(
         f"{name}: taken as beams exact for end loads, not as the element's own"
         for name in sorted({block.type for block in blocks} - {"B33"})
@@ -80,9 +79,8 @@ def _beam(kind: str, section: _Section, number: int, ends: tuple[int, int]) -> B
     )
 
 
-def _sections(
-    deck: Deck, sets: NamedSets, materials: Mapping[str, Material]
-) -> dict[int, _Section]:
+def _sections(data: DeckData, materials: Mapping[str, Material]) -> dict[int, _Section]:
+    deck, sets = data.deck, data.element_sets
     sections: dict[int, _Section] = {}
     first = len(deck.of("SOLID SECTION")) + 1
     named = ("BEAM SECTION", "BEAM GENERAL SECTION", "TRANSVERSE SHEAR STIFFNESS")
@@ -177,21 +175,15 @@ def _direction(keyword: Keyword, rows: list[list[str]]) -> Direction:
 TRUSSES = ("T3D2",)
 
 
-def read_trusses(
-    deck: Deck,
-    elements: Elements,
-    sets: NamedSets,
-    materials: Mapping[str, Material],
-    coordinates: Matrix,
-) -> Iterator[Beam]:
+def read_trusses(data: DeckData, materials: Mapping[str, Material]) -> Iterator[Beam]:
     """Read trusses; their area is 1 where the section gives none, as in both programs."""
-    blocks = elements.of(*TRUSSES)
+    blocks, coordinates = data.elements.of(*TRUSSES), data.nodes.coordinates
     if not blocks:
         return
     truss_ids = np.concatenate([block.ids for block in blocks])
     sections: dict[int, tuple[int, BeamSection, Material]] = {}
-    for number, keyword in enumerate(deck.of("SOLID SECTION"), start=1):
-        ids = sets.find(keyword, keyword.required("ELSET"))
+    for number, keyword in enumerate(data.deck.of("SOLID SECTION"), start=1):
+        ids = data.element_sets.find(keyword, keyword.required("ELSET"))
         members = ids[np.isin(ids, truss_ids)].tolist()
         if members:
             member = number, _section(keyword), find_isotropic(materials, keyword)
@@ -220,18 +212,17 @@ def _section(keyword: Keyword) -> BeamSection:
     return BeamSection(area=area, inertia_y=0.0, inertia_z=0.0, torsion=0.0)
 
 
-def read_springs(
-    deck: Deck, elements: Elements, sets: NamedSets, coordinates: Matrix
-) -> tuple[tuple[Spring, ...], tuple[Bush, ...]]:
+def read_springs(data: DeckData) -> tuple[tuple[Spring, ...], tuple[Bush, ...]]:
     """Read SPRING1, SPRING2 and SPRINGA; those off the coordinate axes are bushes."""
     stiffness: dict[int, Keyword] = {}
-    for keyword in deck.of("SPRING"):
-        assign(stiffness, keyword, sets, keyword)
+    for keyword in data.deck.of("SPRING"):
+        assign(stiffness, keyword, data.element_sets, keyword)
     springs: list[Spring] = []
     bushes: list[Bush] = []
-    for block in elements.of("SPRING1", "SPRING2", "SPRINGA"):
+    for block in data.elements.of("SPRING1", "SPRING2", "SPRINGA"):
         for i in range(len(block.ids)):
-            spring = _spring(block, i, block.section(i, stiffness, "SPRING"), coordinates)
+            section = block.section(i, stiffness, "SPRING")
+            spring = _spring(block, i, section, data.nodes.coordinates)
             if isinstance(spring, Bush):
                 bushes.append(spring)
             else:
@@ -298,16 +289,17 @@ def _inclined(block: ElementBlock, i: int, stiffness: float, coordinates: Matrix
 Tensor = tuple[tuple[float, float, float], ...]
 
 
-def read_masses(deck: Deck, elements: Elements, sets: NamedSets) -> Iterator[PointMass]:
+def read_masses(data: DeckData) -> Iterator[PointMass]:
     """Read MASS and ROTARYI elements."""
     values: dict[int, float] = {}
     inertias: dict[int, Tensor] = {}
-    for keyword in deck.of("MASS", "ROTARY INERTIA"):
+    sets = data.element_sets
+    for keyword in data.deck.of("MASS", "ROTARY INERTIA"):
         if keyword.name == "MASS":
             assign(values, keyword, sets, _mass(keyword))
         else:
             assign(inertias, keyword, sets, _inertia(keyword))
-    for block in elements.of("MASS", "ROTARYI"):
+    for block in data.elements.of("MASS", "ROTARYI"):
         for i, (number, node) in enumerate(zip(block.ids.tolist(), block.nodes[:, 0], strict=True)):
             if block.type == "MASS":
                 mass = block.section(i, values, "MASS")

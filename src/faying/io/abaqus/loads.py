@@ -9,7 +9,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.dofs import Dofs, component
+from faying.io.abaqus.deck_data import DeckData, component
 from faying.io.abaqus.fields import check_count, integer, numbers, parameter, real
 from faying.io.abaqus.keyword import Keyword, add, named
 from faying.io.abaqus.sets import NamedSets
@@ -124,11 +124,12 @@ def in_force(
 Forces = dict[tuple[int, int], float]
 
 
-def read_concentrated(deck: Deck, dofs: Dofs, amplitudes: Amplitudes) -> Iterator[Forces]:
+def read_concentrated(data: DeckData, amplitudes: Amplitudes) -> Iterator[Forces]:
     """Yield the *CLOAD in force, step by step from 0: (node, component) of the deck to the value.
 
     As of :func:`~.in_force.in_force`.
     """
+    deck = data.deck
     for load in deck.of("CLOAD"):
         amplitudes.note(load, deck.ignored)
         if _is_imaginary(load):
@@ -140,7 +141,7 @@ def read_concentrated(deck: Deck, dofs: Dofs, amplitudes: Amplitudes) -> Iterato
             deck.ignored.append(
                 f"{load.where()}: OMEGA0 of *CLOAD: loads of statics have no frequency"
             )
-    for step, forces in enumerate(in_force(deck, ("CLOAD",), partial(_concentrated, dofs=dofs))):
+    for step, forces in enumerate(in_force(deck, ("CLOAD",), partial(_concentrated, data=data))):
         yield {
             dof: sum(value * amplitudes.factor(keyword, step) for value, keyword in values)
             for dof, values in forces.items()
@@ -152,24 +153,24 @@ def _is_imaginary(keyword: Keyword) -> bool:
     return keyword.choice("LOAD CASE", "1") == "2"
 
 
-def _concentrated(keyword: Keyword, dofs: Dofs) -> Iterator[tuple[tuple[int, int], float]]:
+def _concentrated(keyword: Keyword, data: DeckData) -> Iterator[tuple[tuple[int, int], float]]:
     if _is_imaginary(keyword):
         return
     for row, fields in enumerate(keyword.rows()):
         check_count(keyword, row, fields, (3,), "node or node set, degree of freedom, force")
         c = component(keyword, row, fields[1])
         value = real(keyword, row, fields[2], "a force")
-        for node in dofs.find(keyword, row, fields[0]).tolist():
+        for node in data.find(keyword, row, fields[0]).tolist():
             yield (node, c), value
 
 
-def concentrated_forces(forces: Forces, dofs: Dofs) -> Matrix:
+def concentrated_forces(forces: Forces, data: DeckData) -> Matrix:
     """Return forces and moments (n_node, 6) in the basic frame."""
-    result = np.zeros((len(dofs.nodes.ids), 6))
+    result = np.zeros((len(data.nodes.ids), 6))
     for (node, c), value in forces.items():
-        axes = dofs.axes(node)
+        axes = data.axes(node)
         if axes is None:
-            result[dofs.place(node, c)] += value
+            result[data.place(node, c)] += value
         else:
             first = 3 * (c // 3)
             result[node, first : first + 3] += value * axes[c % 3]
@@ -180,17 +181,17 @@ LoadKey = tuple[str, str]
 
 
 def read_distributed(
-    deck: Deck, assembly: Assembly, sets: NamedSets, surfaces: Surfaces, amplitudes: Amplitudes
+    data: DeckData, assembly: Assembly, surfaces: Surfaces, amplitudes: Amplitudes
 ) -> Iterator[Matrix]:
     """Yield the forces (n_node, 6) of all distributed loads in force, step by step from 0.
 
     As of :func:`~.in_force.in_force`, of the same kind on the same set or surface. The assembly has
     all elements, whose mass gravity acts on.
     """
-    for keyword in deck.of("DLOAD", "DSLOAD"):
-        amplitudes.note(keyword, deck.ignored)
-    read = partial(_lines, assembly=assembly, sets=sets, surfaces=surfaces)
-    for step, loads in enumerate(in_force(deck, ("DLOAD", "DSLOAD"), read)):
+    for keyword in data.deck.of("DLOAD", "DSLOAD"):
+        amplitudes.note(keyword, data.deck.ignored)
+    read = partial(_lines, assembly=assembly, sets=data.element_sets, surfaces=surfaces)
+    for step, loads in enumerate(in_force(data.deck, ("DLOAD", "DSLOAD"), read)):
         total = np.zeros((len(assembly.mesh.nodes), 6))
         for forces, keyword in (load for loads_of_key in loads.values() for load in loads_of_key):
             total += amplitudes.factor(keyword, step) * forces

@@ -10,7 +10,7 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import ModelError
 from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.dofs import Dofs
+from faying.io.abaqus.deck_data import DeckData
 from faying.io.abaqus.fields import numbers, optional_real, parameter, real
 from faying.io.abaqus.keyword import READ, Keyword, add
 from faying.io.abaqus.left_out import KEYWORDS
@@ -57,12 +57,12 @@ def _initial(deck: Deck) -> list[Keyword]:
     return [keyword for keyword in conditions if keyword.choice("TYPE") == "TEMPERATURE"]
 
 
-def read_temperatures(deck: Deck, dofs: Dofs, amplitudes: Amplitudes) -> Temperatures:
+def read_temperatures(data: DeckData, amplitudes: Amplitudes) -> Temperatures:
     """Read the temperatures at the start and in each step."""
-    initial = np.zeros(len(dofs.nodes.ids))
+    deck, initial = data.deck, np.zeros(len(data.nodes.ids))
     for keyword in _initial(deck):
         keyword.check()
-        for nodes, value in _lines(keyword, dofs):
+        for nodes, value in _lines(keyword, data):
             initial[nodes] = value
     current, steps = initial, []
     keywords = deck.of("TEMPERATURE")
@@ -72,14 +72,14 @@ def read_temperatures(deck: Deck, dofs: Dofs, amplitudes: Amplitudes) -> Tempera
             if keyword.choice("OP") == "NEW":
                 current = initial.copy()
             factor = amplitudes.factor(keyword, step)
-            for nodes, value in _lines(keyword, dofs):
+            for nodes, value in _lines(keyword, data):
                 # With an amplitude CalculiX goes from the initial temperature; at 1 none matters.
                 current[nodes] = factor * value
         steps.append(current)
     return Temperatures(initial=initial, steps=steps, first=keywords[0] if keywords else None)
 
 
-def _lines(keyword: Keyword, dofs: Dofs) -> Iterator[tuple[Indices, float]]:
+def _lines(keyword: Keyword, data: DeckData) -> Iterator[tuple[Indices, float]]:
     for row, fields in enumerate(keyword.rows()):
         if len(fields) < 2:
             keyword.refuse(
@@ -93,7 +93,7 @@ def _lines(keyword: Keyword, dofs: Dofs) -> Iterator[tuple[Indices, float]]:
                     "those of their nodes",
                     row,
                 )
-        yield dofs.find(keyword, row, fields[0]), value
+        yield data.find(keyword, row, fields[0]), value
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

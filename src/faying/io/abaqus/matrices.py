@@ -13,9 +13,9 @@ from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.exceptions import FormatError, refuse
 from faying.files.contents import file_bytes
 from faying.io.abaqus.deck import check_parameters, read_keyword_deck
+from faying.io.abaqus.deck_data import read_data
 from faying.io.abaqus.instances import with_distinct_ids
-from faying.io.abaqus.mesh import LINE_TYPES, SOLID_TYPES, read_elements, read_nodes
-from faying.io.abaqus.sets import read_element_sets, read_node_sets
+from faying.io.abaqus.mesh import LINE_TYPES, SOLID_TYPES
 from faying.io.abaqus.solid_sections import cells
 from faying.io.abaqus.surfaces import face_sets, read_surfaces
 from faying.io.matrix_labels import LabelledMatrix
@@ -40,18 +40,15 @@ def read_geometry(path: str | PathLike[str]) -> tuple[Mesh, Mapping[str, FaceSet
     ]
     deck = replace(deck, keywords=keywords)
     check_parameters(deck)
-    nodes = read_nodes(deck)
-    elements = read_elements(deck, nodes)
-    by_element = read_element_sets(deck, elements)
-    by_node = read_node_sets(deck, nodes, elements, by_element)
-    ids = sum(len(block.ids) for block in elements.solids)
+    data = read_data(deck)
+    ids = sum(len(block.ids) for block in data.elements.solids)
     mesh = Mesh(
-        nodes=nodes.coordinates,
-        node_ids=nodes.ids,
-        blocks=tuple(cells(elements.solids, np.zeros(ids, dtype=np.int64))),
-        node_sets=by_node.indices(nodes),
+        nodes=data.nodes.coordinates,
+        node_ids=data.nodes.ids,
+        blocks=tuple(cells(data.elements.solids, np.zeros(ids, dtype=np.int64))),
+        node_sets=data.node_sets.indices(data.nodes),
     )
-    return mesh, face_sets(read_surfaces(deck, mesh, by_element, by_node))
+    return mesh, face_sets(read_surfaces(data, mesh))
 
 
 _ALLOWED = re.compile(rb"[\d\s,.+\-EeDd]*")

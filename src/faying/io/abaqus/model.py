@@ -22,7 +22,7 @@ from faying.io.abaqus.couplings import (
     with_real_rotations,
 )
 from faying.io.abaqus.deck import Deck, check_parameters
-from faying.io.abaqus.dofs import Dofs, read_dofs
+from faying.io.abaqus.deck_data import DeckData, read_data, with_transforms
 from faying.io.abaqus.general_contact import (
     joined_bodies,
     read_general_contact,
@@ -54,9 +54,6 @@ from faying.io.abaqus.mesh import (
     LINE_TYPES,
     SHELL_TYPES,
     SOLID_TYPES,
-    Elements,
-    read_elements,
-    read_nodes,
 )
 from faying.io.abaqus.model_changes import (
     is_from_the_start,
@@ -64,7 +61,6 @@ from faying.io.abaqus.model_changes import (
     without_removed_pairs,
 )
 from faying.io.abaqus.pretension import step_name
-from faying.io.abaqus.sets import NamedSets, read_element_sets, read_node_sets
 from faying.io.abaqus.shells import Shells, read_shells
 from faying.io.abaqus.solid_sections import formulation, note_controls, read_solid_sections
 from faying.io.abaqus.supports import read_supports
@@ -86,37 +82,36 @@ def description(deck: Deck) -> JointDescription:
     check_supported(deck)
     check_parameters(deck)
     deck = replace(deck, keywords=with_distinct_ids(deck.keywords, ignored))
-    nodes = read_nodes(deck)
-    elements = read_elements(deck, nodes)
-    by_element = read_element_sets(deck, elements)
-    by_node = read_node_sets(deck, nodes, elements, by_element)
-    elements, by_element = without_removed(deck, elements, by_element)
-    dofs = read_dofs(deck, nodes, by_node, rotation_nodes(deck, nodes, by_node))
-    dofs = replace(dofs, turned=reference_axes(deck, nodes, by_node))
+    data = without_removed(read_data(deck))
+    nodes, elements = data.nodes, data.elements
+    rotations = rotation_nodes(data)
+    data = replace(with_transforms(data), rotations=rotations, turned=reference_axes(data))
     amplitudes = read_amplitudes(deck)
-    temperatures = read_temperatures(deck, dofs, amplitudes)
+    temperatures = read_temperatures(data, amplitudes)
     used = np.concatenate([np.empty(0, np.int64), *(b.nodes.ravel() for b in elements.blocks)])
     named = materials.read_materials(deck, temperatures.uniform(np.unique(used)))
-    solids, of_property = read_solid_sections(deck, elements, by_element, named)
+    solids, of_property = read_solid_sections(data, named)
     note_controls(deck, elements.solids)
     note_masses(deck, elements.solids)
     mesh = Mesh(
         nodes=nodes.coordinates,
         node_ids=nodes.ids,
         blocks=solids,
-        node_sets=by_node.indices(nodes),
-        element_sets={by_element.names[key]: ids for key, ids in by_element.ids.items()},
+        node_sets=data.node_sets.indices(nodes),
+        element_sets={
+            data.element_sets.names[key]: ids for key, ids in data.element_sets.ids.items()
+        },
     )
-    sections = pretension.read_sections(deck, dofs, elements, by_element)
-    shells = read_shells(deck, elements, by_element, named)
-    mesh, cuts = _cut(deck, mesh, sections, by_element, by_node, shells)
-    surfaces = read_surfaces(deck, mesh, by_element, by_node, shells)
-    forces = list(read_concentrated(deck, dofs, amplitudes))
+    sections = pretension.read_sections(data)
+    shells = read_shells(data, named)
+    mesh, cuts = _cut(data, mesh, sections, shells)
+    surfaces = read_surfaces(data, mesh, shells)
+    forces = list(read_concentrated(data, amplitudes))
     general = forces[: len(forces) - (deck.n_step in deck.perturbations)]
-    holds = read_supports(deck, dofs, frozenset(section.node for section in sections), amplitudes)
-    springs, bushes = read_springs(deck, elements, by_element, nodes.coordinates)
+    holds = read_supports(data, frozenset(section.node for section in sections), amplitudes)
+    springs, bushes = read_springs(data)
     interactions = read_interactions(deck)
-    declared = contact.read_pairs(deck, interactions, surfaces, by_node)
+    declared = contact.read_pairs(data, interactions, surfaces)
     declared += read_listed(deck, interactions, surfaces)
     deck, declared = without_removed_pairs(deck, declared)
     pairs = [pair for pair in declared if not pair.interaction.tied]
@@ -126,14 +121,14 @@ def description(deck: Deck) -> JointDescription:
         materials=of_property,
         element=formulation(deck, elements.solids),
         beams=(
-            *read_beams(deck, elements, by_element, named),
-            *read_trusses(deck, elements, by_element, named, nodes.coordinates),
+            *read_beams(data, named),
+            *read_trusses(data, named),
         ),
         shells=shells.blocks,
         shell_sections=shells.sections,
         springs=springs,
         bushes=bushes,
-        masses=tuple(read_masses(deck, elements, by_element)),
+        masses=tuple(read_masses(data)),
         supports=holds.supports,
         face_sets=face_sets(surfaces),
         name=deck.path.stem,
@@ -141,17 +136,17 @@ def description(deck: Deck) -> JointDescription:
     apart = {section.node for section in sections}
     concentrated = (
         concentrated_forces(
-            {component: f for component, f in in_step.items() if component[0] not in apart}, dofs
+            {component: f for component, f in in_step.items() if component[0] not in apart}, data
         )
         for in_step in forces
     )
-    distributed = list(read_distributed(deck, assembly, by_element, surfaces, amplitudes))
+    distributed = list(read_distributed(data, assembly, surfaces, amplitudes))
     expansions = materials.read_expansions(deck)
     free = [item for item in sections if item.element is not None and item.node not in holds.since]
     heated = with_unlocked_bolts(assembly, pretension.bolts(free, []))
     locked = [item.element for item in sections if item.node in holds.since]
     thermal = thermal_forces(heated, temperatures, expansions, origins(mesh, cuts), locked, ignored)
-    assembly = _tied(deck, assembly, dofs, elements, by_element, surfaces)
+    assembly = _tied(data, assembly, surfaces)
     assembly = with_ties(assembly, ties, ignored)
     assembly = close_cuts(assembly, cuts)
     closing = assembly.springs[len(assembly.springs) - len(cuts) :]
@@ -175,7 +170,7 @@ def description(deck: Deck) -> JointDescription:
         ),
         loads=loads,
     )
-    senses = pretension.beam_senses(sections, elements, nodes.coordinates)
+    senses = pretension.beam_senses(sections, data)
     pretension.note_displaced(sections, general, holds.pretension, nodes.ids, ignored)
     senses |= {cut.name: cut.sense for cut in cuts}
     preloads = pretension.preloads(sections, general, holds, senses)
@@ -204,27 +199,22 @@ def description(deck: Deck) -> JointDescription:
 
 
 def _cut(
-    deck: Deck,
-    mesh: Mesh,
-    sections: list[pretension.Section],
-    by_element: NamedSets,
-    by_node: NamedSets,
-    shells: Shells,
+    data: DeckData, mesh: Mesh, sections: list[pretension.Section], shells: Shells
 ) -> tuple[Mesh, list[Cut]]:
     """Cut the solids at pretension sections; surfaces are read again on the result."""
     through_solids = [section for section in sections if section.element is None]
     cuts = []
     for section in through_solids:
-        surfaces = read_surfaces(deck, mesh, by_element, by_node, shells)
+        surfaces = read_surfaces(data, mesh, shells)
         surface = find_surface(surfaces, section.keyword, section.surface, None)
         mesh, cut = cut_mesh(mesh, section.through(surface))
         cuts.append(cut)
     if cuts:
-        deck.ignored.append(
+        data.deck.ignored.append(
             "solids are cut at *PRE-TENSION SECTION: name the sides of interfaces, for minus = "
             '"auto" would find the cuts too'
         )
-    deck.ignored.extend(
+    data.deck.ignored.extend(
         f"*PRE-TENSION SECTION {cut.name}: {cut.touching} elements of the side that "
         "owns the surface touch it with an edge or a corner only; they are parted from the other "
         "side like all, where CalculiX 2.20 leaves them on both, so that its bolt is tightened "
@@ -235,24 +225,17 @@ def _cut(
     return mesh, cuts
 
 
-def _tied(
-    deck: Deck,
-    assembly: Assembly,
-    dofs: Dofs,
-    elements: Elements,
-    by_element: NamedSets,
-    surfaces: Mapping[str, DeckSurface],
-) -> Assembly:
+def _tied(data: DeckData, assembly: Assembly, surfaces: Mapping[str, DeckSurface]) -> Assembly:
     """Add couplings and equations."""
-    equations = list(read_equations(deck, dofs))
-    equations += shared_rotations(deck, dofs.nodes, dofs.sets, len(equations) + 1)
-    more, links = read_mpcs(deck, dofs, len(equations) + 1)
+    equations = list(read_equations(data))
+    equations += shared_rotations(data, len(equations) + 1)
+    more, links = read_mpcs(data, len(equations) + 1)
     first = len(equations) + len(more) + len(links) + 1
-    bodies = list(read_rigid_bodies(deck, dofs, elements, by_element, first))
-    couplings = read_couplings(deck, dofs, elements, surfaces, first + len(bodies))
+    bodies = list(read_rigid_bodies(data, first))
+    couplings = read_couplings(data, surfaces, first + len(bodies))
     kinematic, average = couplings.rigid, couplings.average
     first += len(bodies) + len(kinematic) + len(average) + len(couplings.turned)
-    means = read_distributing(deck, dofs, elements, by_element, first)
+    means = read_distributing(data, first)
     rigid = [*links, *bodies, *kinematic]
     rotating = np.zeros(len(assembly.mesh.nodes), dtype=bool)
     rotating[[coupling.reference for coupling in rigid]] = True

@@ -8,9 +8,8 @@ import numpy as np
 from faying._typing import Indices
 from faying.io.abaqus.contact import Pair
 from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.deck_data import DeckData
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.mesh import Elements
-from faying.io.abaqus.sets import NamedSets
 
 
 def is_from_the_start(keyword: Keyword) -> bool:
@@ -24,8 +23,9 @@ def is_from_the_start(keyword: Keyword) -> bool:
     return (kind == "ELEMENT" and keyword.has("REMOVE")) or kind == "CONTACT PAIR"
 
 
-def without_removed(deck: Deck, elements: Elements, sets: NamedSets) -> tuple[Elements, NamedSets]:
-    """Return elements and element sets without what *MODEL CHANGE, TYPE=ELEMENT removes."""
+def without_removed(data: DeckData) -> DeckData:
+    """Return the deck's elements and sets without what *MODEL CHANGE, TYPE=ELEMENT removes."""
+    deck, elements, sets = data.deck, data.elements, data.element_sets
     parts: list[Indices] = []
     all_ids = np.concatenate([block.ids for block in elements.blocks])
     for keyword in (
@@ -40,11 +40,12 @@ def without_removed(deck: Deck, elements: Elements, sets: NamedSets) -> tuple[El
         if np.isin(all_ids, np.concatenate([np.empty(0, dtype=np.int64), *parts])).all():
             keyword.refuse("it removes all elements; nothing remains")
     if not parts:
-        return elements, sets
+        return data
     gone = np.unique(np.concatenate(parts))
     deck.ignored.append(f"*MODEL CHANGE in step 1: {len(gone)} elements are not there, in no step")
     left = {name: np.setdiff1d(ids, gone) for name, ids in sets.ids.items()}
-    return elements.without(gone), replace(sets, ids=left, absent=gone)
+    remaining = replace(sets, ids=left, absent=gone)
+    return replace(data, elements=elements.without(gone), element_sets=remaining)
 
 
 def without_removed_pairs(deck: Deck, pairs: Sequence[Pair]) -> tuple[Deck, list[Pair]]:

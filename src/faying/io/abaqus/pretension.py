@@ -5,17 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying._typing import Indices, Matrix
+from faying._typing import Indices
 from faying.io import solid_cuts
-from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.dofs import Dofs
+from faying.io.abaqus.deck_data import DeckData
 from faying.io.abaqus.fields import is_integer, numbers, only_line
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.line_elements import TYPES
 from faying.io.abaqus.loads import Forces
-from faying.io.abaqus.mesh import Elements
-from faying.io.abaqus.sets import NamedSets
-from faying.io.abaqus.supports import Held
+from faying.io.abaqus.supports import Boundary
 from faying.io.abaqus.surfaces import DeckSurface
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.deck_bolt import axial_stiffness, bolt_axis_element
@@ -61,11 +58,11 @@ class Section:
         )
 
 
-def read_sections(deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets) -> list[Section]:
+def read_sections(data: DeckData) -> list[Section]:
     """Read all *PRE-TENSION SECTION."""
     sections: list[Section] = []
-    for keyword in deck.of("PRE-TENSION SECTION"):
-        node = dofs.one(keyword, None, keyword.required("NODE"), "the pretension node")
+    for keyword in data.deck.of("PRE-TENSION SECTION"):
+        node = data.one(keyword, None, keyword.required("NODE"), "the pretension node")
         if keyword.has("SURFACE") == keyword.has("ELEMENT"):
             keyword.refuse("give either SURFACE= or ELEMENT=")
         if any(section.node == node for section in sections):
@@ -73,7 +70,7 @@ def read_sections(deck: Deck, dofs: Dofs, elements: Elements, sets: NamedSets) -
                 f"the pretension node {keyword.value('NODE')} belongs to another section too, "
                 "which would share its force; give each section a node of its own"
             )
-        element = _beam(keyword, elements, sets) if keyword.has("ELEMENT") else None
+        element = _beam(keyword, data) if keyword.has("ELEMENT") else None
         surface = keyword.value("SURFACE")
         label = keyword.value("NODE")
         plain = surface or (f"bolt {element}" if is_integer(label) else label)
@@ -101,25 +98,24 @@ def _direction(keyword: Keyword) -> tuple[float, ...] | None:
     return tuple(numbers(keyword, 0, fields, "a direction"))
 
 
-def _beam(keyword: Keyword, elements: Elements, sets: NamedSets) -> int:
-    members = sets.members(keyword, keyword.required("ELEMENT"))
-    beams = elements.of(*TYPES)
+def _beam(keyword: Keyword, data: DeckData) -> int:
+    members = data.element_sets.members(keyword, keyword.required("ELEMENT"))
+    beams = data.elements.of(*TYPES)
     beam_ids = {i for block in beams for i in block.ids.tolist()}
     if len(members) != 1 or int(members[0]) not in beam_ids:
         keyword.refuse(f"ELEMENT={keyword.value('ELEMENT')} is not one beam element")
     return int(members[0])
 
 
-def beam_senses(
-    sections: list[Section], elements: Elements, coordinates: Matrix
-) -> dict[str, float]:
+def beam_senses(sections: list[Section], data: DeckData) -> dict[str, float]:
     """Return the senses of sections of beams: from their first node to their last a force pulls."""
     senses = {}
     for section in (candidate for candidate in sections if candidate.element is not None):
         senses[section.name] = 1.0
         if section.direction is None:
             continue
-        for block in elements.of(*TYPES):
+        coordinates = data.nodes.coordinates
+        for block in data.elements.of(*TYPES):
             for start, *_, end in block.nodes[block.ids == section.element].tolist():
                 cosine = float(np.dot(section.direction, coordinates[end] - coordinates[start]))
                 if cosine == 0.0:
@@ -143,7 +139,10 @@ def bolts(sections: list[Section], springs: list[int]) -> tuple[BoltSpec, ...]:
 
 
 def preloads(
-    sections: list[Section], forces: Sequence[Forces], holds: Held, senses: Mapping[str, float]
+    sections: list[Section],
+    forces: Sequence[Forces],
+    holds: Boundary,
+    senses: Mapping[str, float],
 ) -> dict[str, float]:
     """Return the force of each bolt: the *CLOAD on its pretension node, unless that is displaced.
 
@@ -172,7 +171,7 @@ def preloads(
 
 def unlocked(
     sections: list[Section],
-    holds: Held,
+    holds: Boundary,
     preloads: Mapping[str, float],
     loads: Mapping[str, NodalLoads],
     step: int,

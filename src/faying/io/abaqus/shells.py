@@ -6,11 +6,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from faying._typing import Indices, Vector
-from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.deck_data import DeckData
 from faying.io.abaqus.fields import only_line, positive, real
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.mesh import SHELL_TYPES, Elements
-from faying.io.abaqus.sets import NamedSets
+from faying.io.abaqus.mesh import SHELL_TYPES
 from faying.io.abaqus.solid_sections import find_isotropic
 from faying.model.assembly import Material
 from faying.model.elements import FACES
@@ -52,11 +51,10 @@ class Shells:
         return joined, np.concatenate(heights)
 
 
-def read_shells(
-    deck: Deck, elements: Elements, sets: NamedSets, materials: Mapping[str, Material]
-) -> Shells:
+def read_shells(data: DeckData, materials: Mapping[str, Material]) -> Shells:
     """Read all shells; their sections are numbered behind those of solids and beams."""
-    all_blocks = elements.of(*SHELL_TYPES)
+    deck, sets = data.deck, data.element_sets
+    all_blocks = data.elements.of(*SHELL_TYPES)
     if not all_blocks:
         return Shells()
     ids = np.concatenate([block.ids for block in all_blocks])

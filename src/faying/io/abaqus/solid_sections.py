@@ -9,9 +9,10 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector
 from faying.digits import SOLVED
 from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.deck_data import DeckData
 from faying.io.abaqus.fields import integer, padded, real
 from faying.io.abaqus.keyword import Keyword, named
-from faying.io.abaqus.mesh import SOLID_TYPES, ElementBlock, Elements
+from faying.io.abaqus.mesh import SOLID_TYPES, ElementBlock
 from faying.io.abaqus.sets import NamedSets
 from faying.model.assembly import Material
 from faying.model.axes import axes_along
@@ -144,9 +145,10 @@ def find_material(materials: Mapping[str, Material], keyword: Keyword) -> Materi
 
 
 def read_solid_sections(
-    deck: Deck, elements: Elements, sets: NamedSets, materials: Mapping[str, Material]
+    data: DeckData, materials: Mapping[str, Material]
 ) -> tuple[tuple[CellBlock, ...], dict[int, Material]]:
     """Return blocks of cells, whose properties number the sections from 1, and their materials."""
+    deck, elements, sets = data.deck, data.elements, data.element_sets
     ids = np.concatenate([np.empty(0, dtype=np.int64), *(b.ids for b in elements.solids)])
     section = np.zeros(len(ids), dtype=np.int64)
     used: dict[int, Material] = {}

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying.io.abaqus.deck import Deck
-from faying.io.abaqus.dofs import Dofs, component_range
+from faying.io.abaqus.deck_data import DeckData, component_range
 from faying.io.abaqus.fields import check_count, optional_real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.loads import Amplitudes
@@ -29,7 +28,7 @@ Holds = dict[Place, tuple[float, Keyword, int]]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Held:
+class Boundary:
     """What *BOUNDARY holds in the step the deck has been cut to.
 
     Attributes
@@ -52,18 +51,19 @@ class Held:
     since: Mapping[int, int]
 
 
-def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int], amplitudes: Amplitudes) -> Held:
+def read_supports(data: DeckData, apart: frozenset[int], amplitudes: Amplitudes) -> Boundary:
     """Return what is held in the step the deck has been cut to, and how it moves.
 
     ``apart`` are nodes of pretension sections, whose boundary conditions lock a bolt or say how far
     its section is closed.
     """
+    deck = data.deck
     courses: dict[Place, list[float]] = {}
     holds: Holds = {}
     since: dict[Place, int] = {}
     for step in range(deck.n_step + 1):
         left = {dof: courses[dof][step - 1] for dof in holds}
-        holds = _after(holds, left, deck, step, dofs, apart)
+        holds = _after(holds, left, step, data, apart)
         since = {dof: since.get(dof, step) for dof in holds}
         for dof, (value, keyword, _) in holds.items():
             course = courses.setdefault(dof, [0.0] * (deck.n_step + 1))
@@ -75,15 +75,15 @@ def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int], amplitudes: Amp
     moved = {}
     for dof in [dof for dof in holds if any(courses[dof])]:
         _, keyword, row = holds.pop(dof)
-        if dofs.axes(dof[0]) is not None:
+        if data.axes(dof[0]) is not None:
             keyword.refuse(
-                f"node {dofs.nodes.ids[dof[0]]} is moved along axes of a *TRANSFORM; only basic "
+                f"node {data.nodes.ids[dof[0]]} is moved along axes of a *TRANSFORM; only basic "
                 "directions are supported for other displacements than zero",
                 row,
             )
-        moved[dofs.place(*dof)] = tuple(courses[dof])
-    supports = tuple(_supports(list(holds), dofs))
-    return Held(
+        moved[data.place(*dof)] = tuple(courses[dof])
+    supports = tuple(_supports(list(holds), data))
+    return Boundary(
         supports=supports,
         moved=moved,
         pretension={node: courses[node, 0][last] for node in bolts},
@@ -94,9 +94,8 @@ def read_supports(deck: Deck, dofs: Dofs, apart: frozenset[int], amplitudes: Amp
 def _after(
     holds: Holds,
     left: Mapping[Place, float],
-    deck: Deck,
     step: int,
-    dofs: Dofs,
+    data: DeckData,
     apart: frozenset[int],
 ) -> Holds:
     """Return what is held in a step, given what was held in the one before, and where it left it.
@@ -104,13 +103,13 @@ def _after(
     What FIXED holds that was not held before is not a number: it is where a force left it.
     """
     holds = dict(holds)
-    for keyword in (item for item in deck.of("BOUNDARY") if item.step == step):
+    for keyword in (item for item in data.deck.of("BOUNDARY") if item.step == step):
         if keyword.choice("OP") == "NEW":
             holds = {dof: item for dof, item in holds.items() if item[1].step == step}
         new = {
             dof: (value, keyword, row)
             for row, fields in enumerate(keyword.rows())
-            for dof, value in _line(keyword, row, fields, dofs, "temperature" in deck.ignore)
+            for dof, value in _line(keyword, row, fields, data, "temperature" in data.deck.ignore)
         }
         if keyword.has("FIXED"):
             new = {
@@ -126,14 +125,14 @@ def _after(
 
 
 def _line(
-    keyword: Keyword, row: int, fields: list[str], dofs: Dofs, cold: bool
+    keyword: Keyword, row: int, fields: list[str], data: DeckData, cold: bool
 ) -> Iterator[tuple[Place, float]]:
     """Read a line; of temperatures (11, 0) nothing where they are left out."""
     expected = "node or node set, first and last degree of freedom, value"
     check_count(keyword, row, fields, range(2, 5), expected)
     if cold and fields[1] in ("0", "11"):
         return
-    nodes = dofs.find(keyword, row, fields[0])
+    nodes = data.find(keyword, row, fields[0])
     if fields[1].upper() in TYPES:
         if len(fields) > 2:
             keyword.refuse(f"found fields behind {fields[1]}; expected none", row)
@@ -146,7 +145,7 @@ def _line(
             yield (node, c), value
 
 
-def _supports(dofs_of_supports: list[Place], dofs: Dofs) -> Iterator[Support]:
+def _supports(dofs_of_supports: list[Place], data: DeckData) -> Iterator[Support]:
     """One support per set of components, and one per node with axes of its own."""
     by_node: dict[int, list[int]] = {}
     for node, c in dofs_of_supports:
@@ -156,9 +155,9 @@ def _supports(dofs_of_supports: list[Place], dofs: Dofs) -> Iterator[Support]:
     for node, components in by_node.items():
         # Where all directions are held it does not matter along which.
         whole = set(components) in ({0, 1, 2}, {3, 4, 5}, {0, 1, 2, 3, 4, 5})
-        axes = None if whole else dofs.axes(node)
+        axes = None if whole else data.axes(node)
         if axes is None:
-            for key, owner in _placed(dofs, node, sorted(components)):
+            for key, owner in _placed(data, node, sorted(components)):
                 groups.setdefault(key, []).append(owner)
         else:
             yield Support(
@@ -170,7 +169,7 @@ def _supports(dofs_of_supports: list[Place], dofs: Dofs) -> Iterator[Support]:
         number += 1
 
 
-def _placed(dofs: Dofs, node: int, components: list[int]) -> list[tuple[tuple[int, ...], int]]:
-    places = [dofs.place(node, c) for c in components]
+def _placed(data: DeckData, node: int, components: list[int]) -> list[tuple[tuple[int, ...], int]]:
+    places = [data.place(node, c) for c in components]
     owners = dict.fromkeys(owner for owner, _ in places)
     return [(tuple(c for dof_owner, c in places if dof_owner == owner), owner) for owner in owners]

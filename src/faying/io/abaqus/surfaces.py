@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices
-from faying.io.abaqus.deck import Deck
+from faying.io.abaqus.deck_data import DeckData
 from faying.io.abaqus.fields import check_count, is_integer, table
 from faying.io.abaqus.keyword import Keyword, add, named
 from faying.io.abaqus.sets import NamedSets
@@ -83,22 +83,22 @@ def face_sets(surfaces: Surfaces) -> dict[str, FaceSet]:
 
 
 def read_surfaces(
-    deck: Deck, mesh: Mesh, by_element: NamedSets, by_node: NamedSets, shells: Shells = _NO_SHELLS
+    data: DeckData, mesh: Mesh, shells: Shells = _NO_SHELLS
 ) -> dict[str, DeckSurface]:
     """Read all *SURFACE: element faces S1 … S6, whole elements (their exterior), or nodes.
 
     Faces SPOS (2) and SNEG (1) of shells are their sides along and against their normal.
     """
     surfaces: dict[str, DeckSurface] = {}
-    for keyword in deck.of("SURFACE"):
+    for keyword in data.deck.of("SURFACE"):
         label = keyword.required("NAME")
         name = f"{keyword.scope.name}.{label}" if keyword.scope.name else label
         if not keyword.data:
             continue  # meshers write surfaces of nothing; whoever names one is told
         surface = (
-            _of_nodes(keyword, name, mesh, by_node)
+            _of_nodes(keyword, name, mesh, data.node_sets)
             if keyword.choice("TYPE") == "NODE"
-            else _of_elements(keyword, name, mesh, by_element, shells)
+            else _of_elements(keyword, name, mesh, data.element_sets, shells)
         )
         add(surfaces, keyword, name, surface, "surfaces")
     return surfaces

@@ -1,7 +1,7 @@
-"""What degrees of freedom of a deck are here: local axes, and nodes that stand for rotations."""
+"""Keywords of a deck with the nodes, elements and sets they refer to, and local axes."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -9,19 +9,17 @@ from faying._typing import Indices, Matrix, Vector
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import integer, only_line, padded
 from faying.io.abaqus.keyword import Keyword
-from faying.io.abaqus.mesh import Nodes
-from faying.io.abaqus.sets import NamedSets
+from faying.io.abaqus.mesh import Elements, Nodes, read_elements, read_nodes
+from faying.io.abaqus.sets import NamedSets, read_element_sets, read_node_sets
 from faying.model.axes import axes_along
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Dofs:
-    """Nodes and components of data lines, as our nodes and components.
+class DeckData:
+    """A deck, its nodes, elements and sets; degrees of freedom as our nodes and components.
 
     Attributes
     ----------
-    sets
-        Node sets.
     system : (n_node,)
         Number of the *TRANSFORM of each node, -1 for none.
     transforms
@@ -33,21 +31,29 @@ class Dofs:
         Axes of reference nodes of *DISTRIBUTING with an ORIENTATION, as CalculiX has it.
     """
 
+    deck: Deck
     nodes: Nodes
-    sets: NamedSets
+    elements: Elements
+    element_sets: NamedSets
+    node_sets: NamedSets
     system: Indices
-    transforms: Sequence[Keyword]
+    transforms: Sequence[Keyword] = ()
     rotations: Mapping[int, int] = field(default_factory=dict)
     turned: Mapping[int, Matrix] = field(default_factory=dict)
 
     def find(self, keyword: Keyword, row: int, label: str) -> Indices:
         """Return the indices of the nodes a field stands for: an id, or a node set."""
-        ids = self.sets.members(keyword, label, row)
+        ids = self.node_sets.members(keyword, label, row)
         return self.nodes.index(ids, keyword, np.full(len(ids), row))
+
+    def named_nodes(self, keyword: Keyword, name: str) -> Indices:
+        """Return the indices of the nodes of the set that a parameter names."""
+        ids = self.node_sets.find(keyword, keyword.required(name))
+        return self.nodes.index(ids, keyword, np.full(len(ids), -1))
 
     def one(self, keyword: Keyword, row: int | None, label: str, what: str) -> int:
         """Return the index of the single node a field stands for."""
-        ids = self.sets.members(keyword, label, row)
+        ids = self.node_sets.members(keyword, label, row)
         if len(ids) != 1:
             keyword.refuse(f"'{label}' has {len(ids)} nodes; {what} is one node", row)
         rows = np.array([-1 if row is None else row])
@@ -69,18 +75,30 @@ class Dofs:
         return node, component
 
 
-def read_dofs(deck: Deck, nodes: Nodes, sets: NamedSets, rotations: Mapping[int, int]) -> Dofs:
+def read_data(deck: Deck) -> DeckData:
+    """Read nodes, elements and sets."""
+    nodes = read_nodes(deck)
+    elements = read_elements(deck, nodes)
+    element_sets = read_element_sets(deck, elements)
+    return DeckData(
+        deck=deck,
+        nodes=nodes,
+        elements=elements,
+        element_sets=element_sets,
+        node_sets=read_node_sets(deck, nodes, elements, element_sets),
+        system=np.full(len(nodes.ids), -1),
+    )
+
+
+def with_transforms(data: DeckData) -> DeckData:
     """Read all *TRANSFORM."""
-    system = np.full(len(nodes.ids), -1)
-    transforms = deck.of("TRANSFORM")
+    system = data.system.copy()
+    transforms = data.deck.of("TRANSFORM")
     for number, keyword in enumerate(transforms):
-        ids = sets.find(keyword, keyword.required("NSET"))
-        system[nodes.index(ids, keyword, np.full(len(ids), -1))] = number
+        system[data.named_nodes(keyword, "NSET")] = number
         first, second = _points(keyword)
         _axes(keyword, first + 0.371 * second + np.array([0.1, 0.7, 0.3]))
-    return Dofs(
-        nodes=nodes, sets=sets, system=system, transforms=transforms, rotations=dict(rotations)
-    )
+    return replace(data, system=system, transforms=transforms)
 
 
 def _points(keyword: Keyword) -> tuple[Vector, Vector]:
