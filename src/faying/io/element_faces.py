@@ -60,6 +60,16 @@ def find_faces(blocks: Sequence[CellBlock], elements: Indices, fits: Fits) -> tu
     return faces, fitting
 
 
+def shell_facets(block: ShellBlock, chosen: Indices | Mask, turned: Mask) -> Indices:
+    """Return shells as facets (n, n_node), seen from the side of their normal or turned (n,)."""
+    corners, count = 3 if block.kind.startswith("tri") else 4, block.nodes.shape[1]
+    middle = [*range(corners, count)][::-1]
+    # Backwards from the last corner: the middle of the last two corners comes first.
+    order = [*range(corners)][::-1] + middle[1:] + middle[:1]
+    nodes = block.nodes[chosen]
+    return np.where(turned[:, None], nodes[:, order], nodes)
+
+
 def face_areas(kind: str, places: Matrix) -> Matrix:
     """Return area vectors (n, n_q, 3) of faces at the points where pressures are integrated."""
     return area_vectors(kind, places, gauss_rule(kind, FACES[kind].pressure_order).points)

@@ -1,7 +1,7 @@
 """``*COUPLING`` and ``*DISTRIBUTING COUPLING``: nodes tied rigidly or on average."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,17 +21,9 @@ MEMBERS = ("KINEMATIC", "DISTRIBUTING")
 _ALL = tuple(range(6))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Couplings:
-    """What *COUPLING becomes: rigid and average couplings, equations along turned axes."""
-
-    rigid: list[RigidCoupling]
-    average: list[AverageCoupling]
-    turned: list[Equation]
-    turned_references: list[int]
-
-
-def read_couplings(data: DeckData, surfaces: Surfaces, first_id: int) -> Couplings:
+def read_couplings(
+    data: DeckData, surfaces: Surfaces, first_id: int
+) -> tuple[list[RigidCoupling], list[AverageCoupling], list[Equation]]:
     """Read all *COUPLING with their *KINEMATIC or *DISTRIBUTING.
 
     Distributing couplings weight nodes by their share of the surface's area, ∫N dA. Kinematic ones
@@ -41,7 +33,6 @@ def read_couplings(data: DeckData, surfaces: Surfaces, first_id: int) -> Couplin
     rigid: list[RigidCoupling] = []
     average: list[AverageCoupling] = []
     turned: list[Equation] = []
-    references: list[int] = []
     deck = data.deck
     for number, (head, members) in enumerate(deck.groups("COUPLING", *MEMBERS), start=first_id):
         if len(members) != 1:
@@ -60,7 +51,6 @@ def read_couplings(data: DeckData, surfaces: Surfaces, first_id: int) -> Couplin
                     raise member.error(message)
                 axes = orientation_at(deck, head, data.nodes.coordinates[nodes])
                 turned += _along(data.nodes.coordinates, reference, nodes, axes[:, translations])
-                references.append(reference)
                 continue
             rigid.append(
                 RigidCoupling(id=number, reference=reference, nodes=nodes, components=components)
@@ -84,7 +74,7 @@ def read_couplings(data: DeckData, surfaces: Surfaces, first_id: int) -> Couplin
             )
         )
     turned = [replace(e, id=first_id + len(rigid) + len(average) + i) for i, e in enumerate(turned)]
-    return Couplings(rigid=rigid, average=average, turned=turned, turned_references=references)
+    return rigid, average, turned
 
 
 def reference_axes(data: DeckData) -> dict[int, Matrix]:

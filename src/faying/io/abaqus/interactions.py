@@ -23,32 +23,8 @@ _NO_SLIP = 1e6
 _ELASTIC_SLIPS = ("SLIP TOLERANCE", "ELASTIC SLIP")
 
 
-@dataclass(frozen=True, kw_only=True)
-class DeckFriction:
-    """Coefficient and stick stiffness of an interaction.
-
-    Attributes
-    ----------
-    coefficient
-        μ; zero without friction.
-    tangential_penalty : [force/length³]
-        c_t; ``inf`` by Lagrange multipliers.
-    """
-
-    coefficient: float = 0.0
-    tangential_penalty: float | Literal["auto"] = "auto"
-
-
-FRICTIONLESS = DeckFriction()
-
-
-def read_friction(members: list[Keyword], ignored: list[str]) -> DeckFriction:
-    """Return the friction of an interaction; what its program defines otherwise is noted."""
-    friction = FRICTIONLESS
-    for keyword in members:
-        if keyword.name == "FRICTION":
-            friction = _read(keyword, ignored)
-    return friction
+Stick = float | Literal["auto"]
+"""Stick stiffness [force/length³], ``inf`` by Lagrange multipliers."""
 
 
 def tied_slopes(
@@ -79,7 +55,8 @@ def tied_slopes(
     return slope, along
 
 
-def _read(keyword: Keyword, ignored: list[str]) -> DeckFriction:
+def read_friction(keyword: Keyword, ignored: list[str]) -> tuple[float, Stick]:
+    """Return coefficient and stick stiffness; what its program defines otherwise is noted."""
     keyword.check()
     laws = [name for name in _OTHER_LAWS if keyword.has(name)]
     rows = keyword.rows()
@@ -102,14 +79,10 @@ def _read(keyword: Keyword, ignored: list[str]) -> DeckFriction:
             "here, which is the same as long as nothing slips"
         )
         coefficient = LARGEST_FRICTION
-    if coefficient == 0:
-        return FRICTIONLESS
-    return DeckFriction(
-        coefficient=coefficient, tangential_penalty=_stiffness(keyword, rows[0], ignored)
-    )
+    return coefficient, _stiffness(keyword, rows[0], ignored) if coefficient else "auto"
 
 
-def _stiffness(keyword: Keyword, row: list[str], ignored: list[str]) -> float | Literal["auto"]:
+def _stiffness(keyword: Keyword, row: list[str], ignored: list[str]) -> Stick:
     """Return the stick stiffness: a slope is the same thing here, an elastic slip is not."""
     slope = optional_real(keyword, 0, row, 1, 0.0, "the stick slope") if len(row) > 1 else 0.0
     if keyword.has("SHEAR TRACTION SLOPE"):
@@ -218,7 +191,8 @@ class Interaction:
 
     name: str
     penalty: Normal = "hard"
-    friction: DeckFriction = FRICTIONLESS
+    friction: float = 0.0
+    tangential_penalty: Stick = "auto"
     tied: bool = False
 
     def spec(self, name: str, minus: str, plus: str) -> InterfaceSpec:
@@ -229,29 +203,34 @@ class Interaction:
             plus=plus,
             penalty="auto" if isinstance(self.penalty, Curve) else self.penalty,
             closure=self.penalty if isinstance(self.penalty, Curve) else None,
-            friction=self.friction.coefficient,
-            tangential_penalty=self.friction.tangential_penalty,
+            friction=self.friction,
+            tangential_penalty=self.tangential_penalty,
         )
 
 
 def read_interactions(deck: Deck) -> dict[str, Interaction]:
     """Read all *SURFACE INTERACTION, by upper-case name."""
     interactions = {}
+    along: Stick
     for head, members in deck.groups("SURFACE INTERACTION", *MEMBERS):
         name = head.required("NAME")
         if tied := [member for member in members if _is_tied(member)]:
             stick = [member for member in members if member.name == "FRICTION"]
-            slopes = tied_slopes(deck, name, tied[0], stick)
-            stiffness = DeckFriction(tangential_penalty=slopes[1])
+            slope, along = tied_slopes(deck, name, tied[0], stick)
             interactions[name.upper()] = Interaction(
-                name=name, tied=True, penalty=slopes[0], friction=stiffness
+                name=name, tied=True, penalty=slope, tangential_penalty=along
             )
             continue
         if "friction" in deck.ignore:
             members = _frictionless(members, deck.ignored)
         penalty = read_behaviour(head, members, is_of_abaqus(deck), deck.ignored)
-        friction = read_friction(members, deck.ignored)
-        interactions[name.upper()] = Interaction(name=name, penalty=penalty, friction=friction)
+        friction, along = 0.0, "auto"
+        for member in members:
+            if member.name == "FRICTION":
+                friction, along = read_friction(member, deck.ignored)
+        interactions[name.upper()] = Interaction(
+            name=name, penalty=penalty, friction=friction, tangential_penalty=along
+        )
     return interactions
 
 

@@ -1,7 +1,7 @@
 """Beams, trusses, springs and masses."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -32,14 +32,6 @@ TYPES = ("B31", "B31R", "B33", "B32", "B32R")
 Direction = tuple[float, float, float]
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Section:
-    number: int
-    section: BeamSection
-    material: Material
-    first_axis: Direction
-
-
 def read_beams(data: DeckData, materials: Mapping[str, Material]) -> Iterator[Beam]:
     """Read beams: two-node ones as they are, three-node ones as two beams.
 
@@ -61,27 +53,17 @@ def read_beams(data: DeckData, materials: Mapping[str, Material]) -> Iterator[Be
             for start, end in pairwise(ends):
                 last = end == ends[-1]
                 section = block.section(i, sections, "BEAM SECTION")
-                yield _beam(block.type, section, element_id if last else halves, (start, end))
+                if block.type == "B33":
+                    rigid = replace(section.section, shear_factor_y=np.inf, shear_factor_z=np.inf)
+                    section = replace(section, section=rigid)
+                yield replace(section, id=element_id if last else halves, nodes=(start, end))
                 halves += not last
 
 
-def _beam(kind: str, section: _Section, number: int, ends: tuple[int, int]) -> Beam:
-    used = section.section
-    if kind == "B33":
-        used = replace(used, shear_factor_y=np.inf, shear_factor_z=np.inf)
-    return Beam(
-        id=number,
-        nodes=ends,
-        section=used,
-        material=section.material,
-        orientation=section.first_axis,
-        property=section.number,
-    )
-
-
-def _sections(data: DeckData, materials: Mapping[str, Material]) -> dict[int, _Section]:
+def _sections(data: DeckData, materials: Mapping[str, Material]) -> dict[int, Beam]:
+    """Return beams of nowhere that have the sections of elements."""
     deck, sets = data.deck, data.element_sets
-    sections: dict[int, _Section] = {}
+    sections: dict[int, Beam] = {}
     first = len(deck.of("SOLID SECTION")) + 1
     named = ("BEAM SECTION", "BEAM GENERAL SECTION", "TRANSVERSE SHEAR STIFFNESS")
     for number, keyword in enumerate(deck.of(*named), start=first):
@@ -95,8 +77,14 @@ def _sections(data: DeckData, materials: Mapping[str, Material]) -> dict[int, _S
             section = _profile(keyword, rows, material.poissons_ratio)
         else:
             section, material = _general(keyword, rows)
-        axis = _direction(keyword, rows)
-        beam = _Section(number=number, section=section, material=material, first_axis=axis)
+        beam = Beam(
+            id=0,
+            nodes=(0, 0),
+            section=section,
+            material=material,
+            orientation=_direction(keyword, rows),
+            property=number,
+        )
         assign(sections, keyword, sets, beam)
     return sections
 

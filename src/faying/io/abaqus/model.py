@@ -232,15 +232,14 @@ def _tied(data: DeckData, assembly: Assembly, surfaces: Mapping[str, DeckSurface
     more, links = read_mpcs(data, len(equations) + 1)
     first = len(equations) + len(more) + len(links) + 1
     bodies = list(read_rigid_bodies(data, first))
-    couplings = read_couplings(data, surfaces, first + len(bodies))
-    kinematic, average = couplings.rigid, couplings.average
-    first += len(bodies) + len(kinematic) + len(average) + len(couplings.turned)
+    kinematic, average, turned = read_couplings(data, surfaces, first + len(bodies))
+    first += len(bodies) + len(kinematic) + len(average) + len(turned)
     means = read_distributing(data, first)
     rigid = [*links, *bodies, *kinematic]
     rotating = np.zeros(len(assembly.mesh.nodes), dtype=bool)
     rotating[[coupling.reference for coupling in rigid]] = True
     rotating[[coupling.reference for coupling in average]] = True
-    rotating[couplings.turned_references] = True
+    rotating[[node for item in turned for node, c, _ in item.terms if c > 2]] = True
     bending = [beam for beam in assembly.beams if beam.section.inertia_y > 0]
     rotating[[node for beam in bending for node in beam.nodes]] = True
     for block in assembly.shells:
@@ -249,7 +248,7 @@ def _tied(data: DeckData, assembly: Assembly, surfaces: Mapping[str, DeckSurface
     rotating[[mass.node for mass in assembly.masses if np.any(mass.inertia)]] = True
     return replace(
         assembly,
-        equations=(*equations, *more, *couplings.turned, *means),
+        equations=(*equations, *more, *turned, *means),
         rigid_couplings=with_real_rotations(rigid, rotating),
         average_couplings=tuple(average),
     )

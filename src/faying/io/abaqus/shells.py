@@ -11,8 +11,8 @@ from faying.io.abaqus.fields import only_line, positive, real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.mesh import SHELL_TYPES
 from faying.io.abaqus.solid_sections import find_isotropic
+from faying.io.element_faces import shell_facets
 from faying.model.assembly import Material
-from faying.model.elements import FACES
 from faying.model.shells import ShellBlock, ShellSection, plane_stress
 
 _SHEAR_FACTOR = 5 / 6
@@ -38,15 +38,11 @@ class Shells:
         heights = [np.empty(0)]
         for block in self.blocks:
             chosen = np.isin(block.ids, ids)
-            corners = FACES[block.kind].n_corners
-            turned = [*range(corners)][::-1], [*range(corners, block.nodes.shape[1])][::-1]
-            # Backwards from the last corner: the middle of the last two corners comes first.
-            order = [*turned[0], *turned[1][1:], *turned[1][:1]] if side < 0 else slice(None)
             thick = np.array([self.thicknesses[n] for n in block.properties[chosen].tolist()])
             heights.append(side * block.offsets[chosen] + thick / 2)
             if chosen.any():
-                parts = facets.setdefault(block.kind, [])
-                parts.append(block.nodes[chosen][:, order])
+                turned = np.full(int(chosen.sum()), side < 0)
+                facets.setdefault(block.kind, []).append(shell_facets(block, chosen, turned))
         joined = {kind: np.concatenate(parts) for kind, parts in facets.items()}
         return joined, np.concatenate(heights)
 

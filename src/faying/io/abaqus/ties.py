@@ -137,7 +137,7 @@ def _adjusted(nodes: Matrix, ties: Sequence[Tie], equations: Sequence[Equation])
 
 def _stiffness(pair: Pair) -> tuple[float, float] | None:
     normal = pair.interaction.penalty
-    along = pair.interaction.friction.tangential_penalty
+    along = pair.interaction.tangential_penalty
     return (normal, along) if isinstance(normal, float) and isinstance(along, float) else None
 
 

@@ -10,14 +10,14 @@ from faying._typing import Indices, Matrix, Vector
 from faying.digits import DECK_DIGITS
 from faying.exceptions import refuse
 from faying.interface.gap_pairing import declared
+from faying.io.element_faces import shell_facets
 from faying.io.nastran.cards import Card
 from faying.io.nastran.contact_parameters import Parameters, note_friction
 from faying.io.nastran.regions import Region
 from faying.model.assembly import Assembly
 from faying.model.mesh import Mesh
-from faying.model.shells import ShellBlock
 from faying.model.specs import GapRule, InterfaceSpec
-from faying.model.surface import WIDTH, corner_nodes, facet_centres, facet_normals
+from faying.model.surface import corner_nodes, facet_centres, facet_normals, padded
 
 DEFAULT_ERROR = 1 / 20
 """MSC's contact tolerance over the smallest edge of solids, where none is given."""
@@ -199,7 +199,7 @@ def _sides(
         across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         _, nearest = cKDTree(centres).query(corners.mean(axis=1))
         along = -np.sign(np.einsum("nd,nd->n", across, normals[nearest]))
-        rows.append(_turned(block, chosen, along))
+        rows.append(padded(shell_facets(block, chosen, along < 0)))
         thick = [thicknesses.get(int(p), np.nan) for p in block.properties[chosen]]
         heights.append(along * block.offsets[chosen] + np.array(thick) / 2)
     height = np.concatenate(heights)
@@ -208,16 +208,3 @@ def _sides(
             "shells of a contact region have thicknesses or offsets that differ; part the region"
         )
     return np.concatenate(rows), float(height[0])
-
-
-def _turned(block: ShellBlock, chosen: Indices, along: Vector) -> Indices:
-    """Nodes (n, 8) of shells seen from the side they touch with, -1 behind the last."""
-    count = block.nodes.shape[1]
-    corners = 3 if count % 3 == 0 else 4
-    middle = [*range(corners, count)][::-1]
-    # Backwards from the last corner: the middle of the last two corners comes first.
-    order = [*range(corners - 1, -1, -1), *middle[1:], *middle[:1]]
-    nodes = block.nodes[chosen]
-    facets = np.full((len(chosen), WIDTH), -1, dtype=np.int64)
-    facets[:, :count] = np.where(along[:, None] < 0, nodes[:, order], nodes)
-    return facets

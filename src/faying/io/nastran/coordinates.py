@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -104,15 +105,12 @@ def missing_system(number: int) -> str:
     return f"coordinate system {number} is not in the deck; define it ({CARDS})"
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Definition:
-    """A frame still to be resolved: three points given in another frame, or three grid points."""
+class _Definition(NamedTuple):
+    """A frame still to be resolved: three points (3, 3), and the system each is given in."""
 
     card: Card
-    kind: str
-    points: Matrix | None
-    reference: int
-    grids: tuple[int, ...]
+    systems: list[int]
+    points: Matrix
 
 
 def read_frames(
@@ -122,92 +120,63 @@ def read_frames(
 
     ``locate`` takes a grid id to the system its coordinates are given in and the coordinates (3,).
     """
-    waiting = _definitions(cards)
+    waiting = _definitions(cards, locate)
     frames = {0: BASIC}
     while waiting:
-        ready = {}
-        for number, definition in waiting.items():
-            points = _points(definition, frames, locate)
-            if points is not None:
-                ready[number] = _frame(definition, points)
+        ready = {
+            number: _frame(definition, frames)
+            for number, definition in waiting.items()
+            if frames.keys() >= set(definition.systems)
+        }
         if not ready:
-            number, definition = next(iter(waiting.items()))
-            definition.card.refuse(
+            number, (card, systems, _) = next(iter(waiting.items()))
+            card.refuse(
                 f"coordinate system {number} rests on coordinate system "
-                f"{_missing(definition, frames, locate)}, which is missing or rests on it in turn; "
-                "define it"
+                f"{next(system for system in systems if system not in frames)}, which is missing "
+                "or rests on it in turn; define it"
             )
         frames |= ready
         waiting = {number: d for number, d in waiting.items() if number not in ready}
     return frames
 
 
-def _definitions(cards: Mapping[str, Cards]) -> dict[int, _Definition]:
+def _definitions(
+    cards: Mapping[str, Cards], locate: Callable[[int, Card], tuple[int, Matrix]]
+) -> dict[int, _Definition]:
     definitions: dict[int, _Definition] = {}
-    for kind in "RCS":
-        for card in cards.get(f"CORD2{kind}", ()):
-            points = card.reals(range(2, 11), 0.0).reshape(3, 3)
-            _add(definitions, card, card.integer(0), kind, points, card.integer(1, 0), ())
-        for card in cards.get(f"CORD1{kind}", ()):
-            for first in (0, 4):
-                if card.text(first):
-                    grids = tuple(card.integer(first + j) for j in (1, 2, 3))
-                    _add(definitions, card, card.integer(first), kind, None, 0, grids)
+    for card in (card for kind in "RCS" for card in cards.get(f"CORD2{kind}", ())):
+        points = card.reals(range(2, 11), 0.0).reshape(3, 3)
+        _add(definitions, card, 0, [card.integer(1, 0)] * 3, points)
+    for card in (card for kind in "RCS" for card in cards.get(f"CORD1{kind}", ())):
+        for first in (0, 4):
+            if card.text(first):
+                places = [locate(card.integer(first + j), card) for j in (1, 2, 3)]
+                systems, coordinates = zip(*places, strict=True)
+                _add(definitions, card, first, [*systems], np.array(coordinates))
     return definitions
 
 
 def _add(
-    definitions: dict[int, _Definition],
-    card: Card,
-    number: int,
-    kind: str,
-    points: Matrix | None,
-    reference: int,
-    grids: tuple[int, ...],
+    definitions: dict[int, _Definition], card: Card, field: int, systems: list[int], points: Matrix
 ) -> None:
-    if number in definitions or number <= 0:
-        where = definitions[number].card.where() if number in definitions else ""
-        card.refuse(
-            f"coordinate system {number} is already defined at {where}; give it another id"
-            if where
-            else f"coordinate system id {number} must be positive"
-        )
-    definitions[number] = _Definition(
-        card=card, kind=kind, points=points, reference=reference, grids=grids
+    number = card.integer(field)
+    if number in definitions:
+        where = definitions[number].card.where()
+        card.refuse(f"coordinate system {number} is already defined at {where}; give it another id")
+    if number <= 0:
+        card.refuse(f"coordinate system id {number} must be positive")
+    definitions[number] = _Definition(card, systems, points)
+
+
+def _frame(definition: _Definition, frames: Mapping[int, Frame]) -> Frame:
+    card, systems, points = definition
+    a, b, c = (
+        frames[system].to_basic(xyz[None])[0] for system, xyz in zip(systems, points, strict=True)
     )
-
-
-def _points(
-    definition: _Definition,
-    frames: Mapping[int, Frame],
-    locate: Callable[[int, Card], tuple[int, Matrix]],
-) -> Matrix | None:
-    if definition.points is not None:
-        frame = frames.get(definition.reference)
-        return frame.to_basic(definition.points) if frame else None
-    located = [locate(grid, definition.card) for grid in definition.grids]
-    if any(system not in frames for system, _ in located):
-        return None
-    return np.array([frames[system].to_basic(xyz[None])[0] for system, xyz in located])
-
-
-def _missing(
-    definition: _Definition,
-    frames: Mapping[int, Frame],
-    locate: Callable[[int, Card], tuple[int, Matrix]],
-) -> int:
-    needed = [definition.reference] + [locate(g, definition.card)[0] for g in definition.grids]
-    return next(system for system in needed if system not in frames)
-
-
-def _frame(definition: _Definition, points: Matrix) -> Frame:
-    a, b, c = points
     axes = axes_along(b - a, c - a)
     if axes is None:
-        definition.card.refuse(
-            "its three points lie on one line, so they define no axes; move one of them"
-        )
-    return Frame(kind=definition.kind, origin=a, axes=axes[[1, 2, 0]])
+        card.refuse("its three points lie on one line, so they define no axes; move one of them")
+    return Frame(kind=card.cards.name[-1], origin=a, axes=axes[[1, 2, 0]])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

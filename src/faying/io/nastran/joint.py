@@ -72,7 +72,7 @@ def read_joint(
 
 def _described(deck: Deck) -> JointDescription:
     thin = [np.empty(0, dtype=np.int64), *(block.ids for block in deck.assembly.shells)]
-    regions = read_regions(deck, deck.solids, np.concatenate(thin))
+    regions = read_regions(deck, deck.assembly.mesh.blocks, np.concatenate(thin))
     cut = cut_bolts(deck, deck.assembly, deck.moved)
     cuts = [*cut.cuts.values()]
     parents = deck.parents[origins(cut.assembly.mesh, cuts)]

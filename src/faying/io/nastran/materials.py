@@ -4,6 +4,7 @@ import math
 from collections import ChainMap
 from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,8 +28,7 @@ _LAYERED = {"PCOMP": 4, "PCOMPG": 8, "PCOMPS": 8}
 """Laminates, and the fields of a layer; where these are a line, an id of the layer is the first."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Layer:
+class Layer(NamedTuple):
     """A layer of a laminate: material id, thickness, angle in degrees."""
 
     material: int

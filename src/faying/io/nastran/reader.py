@@ -43,7 +43,6 @@ from faying.io.nastran.shell_sections import read_shell_properties
 from faying.io.nastran.shells import read_panel_sides, read_shells
 from faying.io.nastran.solid_bolts import control_grids
 from faying.io.nastran.solids import (
-    Solids,
     check_element_ids,
     element_sets,
     read_solids,
@@ -93,7 +92,6 @@ class Deck(BulkData):
         Of shells, by property.
     """
 
-    solids: Solids
     assembly: Assembly
     parents: Indices
     plane: Mapping[int, PlaneMaterial]
@@ -109,14 +107,14 @@ def read_parts(
 ) -> Deck:
     """Read the structure of a deck; see :func:`faying.io.nastran.read_deck`."""
     path = Path(path)
-    source = read_source(path)
-    cards = read_cards(source.bulk).cards()
+    control_lines, bulk_lines = read_source(path)
+    cards = read_cards(bulk_lines).cards()
     ignored: list[str] = []
-    control = read_case_control(source.control, ignored, subcase)
+    control = read_case_control(control_lines, ignored, subcase)
     _check_supported(cards, control, ignored, ignore, path)
     # Overflow is caught by the finiteness checks, where the line can be named.
     with np.errstate(over="ignore", invalid="ignore"):
-        parameters = read_cards(parameter_lines(source.control))
+        parameters = read_cards(parameter_lines(control_lines))
         factor = mass_factor(cards, parameters, ignored)
         control = replace(control, heat=control.heat or is_heat(cards, parameters))
         grids = read_grids(cards)
@@ -130,17 +128,17 @@ def read_parts(
         materials, factors = read_materials(bulk)
         directed = read_anisotropic(bulk, materials_of(cards, *SOLID_PROPERTIES), materials)
         straight = StraightSides(places=grids.nodes, ids=grids.ids)
-        solids = read_solids(bulk, {**materials, **directed}, straight)
+        blocks, of_property, element = read_solids(bulk, {**materials, **directed}, straight)
         heavy = any(item.density > 0 for item in {**materials, **directed}.values())
         if control.present and heavy and lumps_masses(cards, parameters):
             ignored.append(LUMPED)
         check_element_ids([cards[name] for name in ELEMENTS if name in cards])
         check_element_ids([cards[name] for name in RIGID if name in cards])
-        by_property = element_sets(solids.blocks)
+        by_property = element_sets(blocks)
         node_sets, more_sets = read_sets(bulk, by_property)
         plane = read_plane_materials(bulk, materials, factors)
         laminates = read_shell_properties(bulk, plane)
-        shells = read_shells(bulk, laminates, straight)
+        shells, shell_sections = read_shells(bulk, laminates, straight)
         rigid, rigid_equations = read_rigid_elements(bulk)
         sections = read_sections(bulk, materials, factors)
         ends = BeamEnds(first=len(grids.ids) + len(straight.node_ids))
@@ -151,17 +149,17 @@ def read_parts(
         mesh = Mesh(
             nodes=np.vstack([grids.nodes, straight.nodes, ends.nodes]),
             node_ids=np.concatenate([ids, ends.ids_behind(ids)]),
-            blocks=solids.blocks,
+            blocks=blocks,
             node_sets=node_sets,
             element_sets={**by_property, **more_sets},
         )
         assembly = Assembly(
             mesh=mesh,
-            materials=solids.materials,
-            element=solids.element,
+            materials=of_property,
+            element=element,
             beams=(*beams, *read_rods(bulk, materials, factors)),
-            shells=shells.blocks,
-            shell_sections=shells.sections,
+            shells=shells,
+            shell_sections=shell_sections,
             springs=(
                 *springs,
                 *read_general_elements(bulk),
@@ -178,7 +176,7 @@ def read_parts(
             equations=(
                 *straight.equations(),
                 *rigid_equations,
-                *read_shell_to_solid(bulk, solids, shells.blocks),
+                *read_shell_to_solid(bulk, blocks, shells),
                 *ends.equations,
                 *read_equations(bulk),
             ),
@@ -198,7 +196,6 @@ def read_parts(
         control=control,
         grids=grids,
         mass_factor=factor,
-        solids=solids,
         assembly=assembly,
         parents=_parents(grids, straight, ends),
         plane=plane,

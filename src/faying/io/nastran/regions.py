@@ -14,9 +14,10 @@ from faying.io.element_faces import find_faces, numbered_faces
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, id_list
 from faying.io.nastran.grids import BulkData, Grids
-from faying.io.nastran.solids import SOLID_CARDS, Solids
+from faying.io.nastran.solids import SOLID_CARDS
 from faying.io.solid_cuts import Cut, on_their_sides
 from faying.model.assembly import FaceSet
+from faying.model.cells import CellBlock
 from faying.model.elements import FACES
 from faying.model.mesh import Mesh
 from faying.model.surface import rows_by_kind
@@ -65,11 +66,11 @@ _SIDES = {f"S{number}": number for number in range(1, 7)}
 """Sides of CHEXA that BCSURF names."""
 
 
-def read_regions(bulk: BulkData, solids: Solids, shells: Indices) -> dict[int, Region]:
+def read_regions(bulk: BulkData, solids: Sequence[CellBlock], shells: Indices) -> dict[int, Region]:
     """Read contact regions by id, BCSURF, which are contact bodies, by the negative of theirs."""
     regions: dict[int, Region] = {}
-    ids = np.concatenate([np.zeros(0, dtype=np.int64), *(block.ids for block in solids.blocks)])
-    properties = np.concatenate([ids[:0], *(block.properties for block in solids.blocks)])
+    ids = np.concatenate([np.zeros(0, dtype=np.int64), *(block.ids for block in solids)])
+    properties = np.concatenate([ids[:0], *(block.properties for block in solids)])
     for card in bulk.cards.get("BSURF", ()):
         both = np.sort(np.concatenate([ids, shells]))
         listed = np.array(id_list(card, card.texts[1:], both), dtype=np.int64)
@@ -97,11 +98,11 @@ def read_regions(bulk: BulkData, solids: Solids, shells: Indices) -> dict[int, R
     return regions
 
 
-def _sides(card: Card, solids: Solids) -> Indices:
+def _sides(card: Card, solids: Sequence[CellBlock]) -> Indices:
     """Faces (n, 8) of rows with an element, the side of it, and ELEM."""
     rows = [[card.text(j + k) for k in range(8)] for j in range(8, len(card), 8)]
     named = [row for row in rows if any(row)]
-    bricks = [block for block in solids.blocks if block.kind in ("hex8", "hex20")]
+    bricks = [block for block in solids if block.kind in ("hex8", "hex20")]
     element_ids = [numbers.integer(row[0]) for row in named]
     for row, element in zip(named, element_ids, strict=True):
         odd = element is None or row[1] not in _SIDES or row[2:] != ["ELEM", *[""] * 5]
@@ -132,7 +133,7 @@ def _add(regions: dict[int, Region], card: Card, region: Region) -> None:
     regions[number] = region
 
 
-def _facets(card: Card, grids: Grids, solids: Solids) -> Indices:
+def _facets(card: Card, grids: Grids, solids: Sequence[CellBlock]) -> Indices:
     # Behind three blanks, groups of an element and three grids of its face.
     texts = [card.text(j) for j in range(4, 4 + 4 * ((len(card) - 1) // 4))]
     groups = [texts[i : i + 4] for i in range(0, len(texts), 4) if any(texts[i : i + 4])]
@@ -154,7 +155,7 @@ def _facets(card: Card, grids: Grids, solids: Solids) -> Indices:
         chosen: Mask = distinct & among
         return chosen
 
-    faces, fitting = find_faces(solids.blocks, table[:, 0], fits)
+    faces, fitting = find_faces(solids, table[:, 0], fits)
     if not fitting.all():
         solids_are = ", ".join(SOLID_CARDS)
         card.refuse(f"element {table[~fitting, 0][0]} is no solid of the deck; name {solids_are}")

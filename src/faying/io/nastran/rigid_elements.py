@@ -22,8 +22,8 @@ from faying.digits import ROUND_OFF, SOLVED
 from faying.io.nastran.cards import Card, id_list
 from faying.io.nastran.fields import components, frame_independent
 from faying.io.nastran.grids import BulkData, Grids
-from faying.io.nastran.solids import Solids
 from faying.model.assembly import Equation, RigidCoupling
+from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS
 from faying.model.matrices import rigid_body_motions
 from faying.model.shells import ShellBlock
@@ -228,7 +228,7 @@ _LARGEST_DISTANCE = 1e-3
 
 
 def read_shell_to_solid(
-    bulk: BulkData, solids: Solids, shells: Sequence[ShellBlock]
+    bulk: BulkData, solids: Sequence[CellBlock], shells: Sequence[ShellBlock]
 ) -> Iterator[Equation]:
     """Yield the equations of RSSCON, those of a node of two shells once."""
     done: set[int] = set()
@@ -251,7 +251,7 @@ def _of_grids(card: Card, grids: Grids) -> list[tuple[int, Mean, Mean]]:
 
 
 def _of_elements(
-    card: Card, solids: Solids, shells: Sequence[ShellBlock], grids: Grids
+    card: Card, solids: Sequence[CellBlock], shells: Sequence[ShellBlock], grids: Grids
 ) -> list[tuple[int, Mean, Mean]]:
     """Edge of shell ES1 on a face of solid EA1."""
     edges = _edges(card, shells, card.integer(2))
@@ -295,9 +295,9 @@ def _edges(card: Card, shells: Sequence[ShellBlock], number: int) -> list[list[i
     raise card.error(message, 2)
 
 
-def _faces(card: Card, solids: Solids, number: int) -> list[Indices]:
+def _faces(card: Card, solids: Sequence[CellBlock], number: int) -> list[Indices]:
     """Faces of four corners of a solid, mid-side nodes behind."""
-    for block in solids.blocks:
+    for block in solids:
         for nodes in block.nodes[block.ids == number]:
             faces = SOLIDS[block.kind].faces
             return [nodes[list(local)] for face, local in faces if face.n_corners == 4]

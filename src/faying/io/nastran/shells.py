@@ -1,7 +1,7 @@
 """CTRIA3, CQUAD4, CTRIA6, CQUAD8, CTRIAR, CQUADR, CSHEAR: shells and shear panels."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -40,18 +40,10 @@ _N_CORNERS = {**{kind: face.n_corners for kind, face in FACES.items()}, PANEL: 4
 _N_NODES = {**{kind: face.n_nodes for kind, face in FACES.items()}, PANEL: 4}
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Shells:
-    """Shells of a deck."""
-
-    blocks: tuple[ShellBlock, ...]
-    sections: Mapping[int, ShellSection]
-
-
 def read_shells(
     bulk: BulkData, properties: Mapping[int, ShellProperty], straight: StraightSides
-) -> Shells:
-    """Read shells and the sections they use.
+) -> tuple[tuple[ShellBlock, ...], dict[int, ShellSection]]:
+    """Return shells and the sections they use.
 
     Where a mid-side node is blank, the side has a node of its own that moves as the mean of its
     ends. Shells with thicknesses of their own have their mean; their sections are numbered behind
@@ -88,7 +80,7 @@ def read_shells(
         bulk.ignored.append(ROTATING)
     if "CTRIA6" in bulk.cards or "CQUAD8" in bulk.cards:
         bulk.ignored.append(CURVED)
-    return Shells(blocks=tuple(blocks), sections=sections)
+    return tuple(blocks), sections
 
 
 def _nodes(cards: Cards, kind: str, grids: Grids, straight: StraightSides) -> Indices:

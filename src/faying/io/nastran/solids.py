@@ -1,7 +1,6 @@
 """CHEXA, CPENTA, CPYRAM, CTETRA, PSOLID and PCOMPS: solids, their materials and formulation."""
 
 from collections.abc import Container, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -34,19 +33,10 @@ _NO_BUBBLES = (
 SOLID_CARDS = tuple(dict.fromkeys(element.elsewhere.nastran for element in SOLIDS.values()))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Solids:
-    """Solid elements of a deck; ``element`` is the formulation of hex8."""
-
-    blocks: tuple[CellBlock, ...]
-    materials: Mapping[int, Material]
-    element: str
-
-
 def read_solids(
     bulk: BulkData, materials: Mapping[int, Material], straight: StraightSides
-) -> Solids:
-    """Read solid elements and the properties they use.
+) -> tuple[tuple[CellBlock, ...], dict[int, Material], str]:
+    """Return solid elements, the materials of the properties they use, and how bricks are made.
 
     Eight-node bricks are ``"incompatible"`` when their PSOLID leaves IN and ISOP at the defaults
     (IN blank, 0 or BUBBLE; ISOP blank, 0 or REDUCED) or ask for TWO (2) with reduced shear, and
@@ -65,11 +55,7 @@ def read_solids(
                 used[number] = _material(properties[number], materials, bulk.grids)
     bricks = {n for block in blocks if block.kind == "hex8" for n in np.unique(block.properties)}
     _note_schemes(blocks, properties, bulk.ignored)
-    return Solids(
-        blocks=tuple(blocks),
-        materials=used,
-        element=_formulation([properties[n] for n in sorted(bricks)], bulk.ignored),
-    )
+    return tuple(blocks), used, _formulation([properties[n] for n in sorted(bricks)], bulk.ignored)
 
 
 def _note_schemes(

@@ -6,7 +6,7 @@ lines at once; a Python loop touches only free-field lines.
 
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -27,16 +27,8 @@ _END = re.compile(rb"^\s*ENDDATA\b")
 _CONTROL = re.compile(rb"^\s*(?:CEND\b|SOL\s+\S|SUBCASE\s+\d)")
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Source:
-    """Case control lines (with everything before them) and bulk data lines of a deck."""
-
-    control: Lines
-    bulk: Lines
-
-
-def read_source(path: Path) -> Source:
-    """Read a deck and its includes and find where the bulk data begin and end.
+def read_source(path: Path) -> tuple[Lines, Lines]:
+    """Return case control lines, with everything before them, and bulk data lines of a deck.
 
     A file without BEGIN BULK is bulk data from its first line, unless it holds a CEND or SOL.
     """
@@ -44,7 +36,7 @@ def read_source(path: Path) -> Source:
     return _sections(replace(lines, text=lines.text.upper()), path)
 
 
-def _sections(lines: Lines, path: Path) -> Source:
+def _sections(lines: Lines, path: Path) -> tuple[Lines, Lines]:
     begin = 0
     # DMAP in front of CEND has a BEGIN of its own.
     cend = next(_matching(lines.text, b"CEND", _CEND), -1)
@@ -64,7 +56,7 @@ def _sections(lines: Lines, path: Path) -> Source:
         refuse(f"{path}: executive or case control but no BEGIN BULK line; add it")
     ends = _matching(lines.text, b"ENDDATA", _END)
     end = next((i for i in ends if i >= begin), len(lines.text))
-    return Source(control=lines[: max(begin - 1, 0)], bulk=lines[begin:end])
+    return lines[: max(begin - 1, 0)], lines[begin:end]
 
 
 def _matching(text: LineTexts, keyword: bytes, pattern: re.Pattern[bytes]) -> Iterator[int]:
