@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from faying.exceptions import ModelError
-from faying.io.deck_geometry import ABAQUS, NASTRAN
+from faying.io.deck_lines import ABAQUS, NASTRAN
 from faying.joint.build import build_model
 from faying.joint.lap_joint import STEEL, lap_joint_assembly
 from faying.joint.model import Model

@@ -15,6 +15,10 @@ from faying._typing import Indices
 from faying.exceptions import FormatError, ModelError, refuse
 from faying.files.contents import check_room, file_bytes
 
+ABAQUS = (".inp",)
+NASTRAN = (".bdf", ".nas", ".fem")
+"""Suffixes of decks."""
+
 _RETURN, _FEED, _BLANK = (ord(c) for c in "\r\n ")
 _CHUNK = 2**24
 """Characters looked at in one go."""

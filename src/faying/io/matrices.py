@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy.typing as npt
 
 from faying._typing import Indices, Matrix, SparseMatrix
 from faying.exceptions import ModelError, naming, refuse, refuse_model
-from faying.io.deck_geometry import is_deck, read_geometry
+from faying.io.deck_lines import ABAQUS, NASTRAN
 from faying.io.matrix_checks import (
     RowLabel,
     check_mass,
@@ -157,7 +158,7 @@ def read_matrices(
     ModelError
         If the contents do not fit together.
     """
-    mesh, surfaces = read_geometry(nodes) if is_deck(nodes) else (_table_mesh(nodes), {})
+    mesh, surfaces = _read_geometry(nodes) if _is_deck(nodes) else (_table_mesh(nodes), {})
     sides = {name: mesh.node_ids[side.nodes] for name, side in surfaces.items()}
     sides |= _given_faces(faces)
     named = read_id_sets(node_sets, "node set") if node_sets is not None else {}
@@ -182,6 +183,23 @@ def read_matrices(
         return assembly
     supports = _supports(assembly.mesh, read_dof_table(held))
     return replace(assembly, supports=(*assembly.supports, *supports))
+
+
+def _is_deck(path: _Path) -> bool:
+    """Whether a file is told to be a deck by its suffix."""
+    return Path(path).suffix.lower() in (*ABAQUS, *NASTRAN)
+
+
+def _read_geometry(path: _Path) -> tuple[Mesh, Mapping[str, FaceSet]]:
+    """Read nodes, node sets and surfaces of an Abaqus, CalculiX or Nastran deck."""
+    if Path(path).suffix.lower() in ABAQUS:
+        from faying.io.abaqus.matrices import read_geometry
+
+        return read_geometry(path)
+    from faying.io.nastran import read_joint
+
+    assembly = read_joint(path).assembly
+    return assembly.mesh, assembly.face_sets
 
 
 def _table_mesh(path: _Path) -> Mesh:

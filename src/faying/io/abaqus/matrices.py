@@ -12,9 +12,8 @@ import scipy.sparse as sp
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.exceptions import FormatError, refuse
 from faying.files.contents import file_bytes
-from faying.io.abaqus.deck import check_parameters, read_keyword_deck
+from faying.io.abaqus.deck import check_parameters, read_keyword_deck, with_distinct_ids
 from faying.io.abaqus.deck_data import read_data
-from faying.io.abaqus.instances import with_distinct_ids
 from faying.io.abaqus.mesh import LINE_TYPES, SOLID_TYPES
 from faying.io.abaqus.solid_sections import cells
 from faying.io.abaqus.surfaces import face_sets, read_surfaces

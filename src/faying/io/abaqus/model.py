@@ -21,14 +21,13 @@ from faying.io.abaqus.couplings import (
     reference_axes,
     with_real_rotations,
 )
-from faying.io.abaqus.deck import Deck, check_parameters
+from faying.io.abaqus.deck import Deck, check_parameters, with_distinct_ids
 from faying.io.abaqus.deck_data import DeckData, read_data, with_transforms
 from faying.io.abaqus.general_contact import (
     joined_bodies,
     read_general_contact,
     read_listed,
 )
-from faying.io.abaqus.instances import with_distinct_ids
 from faying.io.abaqus.interactions import read_interactions
 from faying.io.abaqus.keyword import READ, Keyword, without_blanks
 from faying.io.abaqus.left_out import KEYWORDS

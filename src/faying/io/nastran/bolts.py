@@ -10,17 +10,16 @@ shank, with ETYPE = 2 and 3 solids to cut, BOLTFOR gives bolts a force, BOLTLD c
 BOLTFOR like LOAD does. MSC's BOLT of the same name has a control grid that carries the force.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from faying._typing import Indices, Vector
 from faying.exceptions import refuse
 from faying.io.nastran.cards import Card, by_id, id_list
-from faying.io.nastran.case_control import CaseControl
-from faying.io.nastran.grids import BulkData, Grids
-from faying.io.nastran.sets import chosen_sets
+from faying.io.nastran.grids import BulkData, Grids, chosen_sets
 from faying.io.nastran.solid_bolts import is_split, read_solid_bolts
 from faying.io.nastran.supports import Moved
 from faying.io.solid_cuts import Cut, cut_mesh
@@ -35,70 +34,29 @@ SPLIT = (
 )
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SplitBolt:
-    """A bolt of grids in pairs.
-
-    Attributes
-    ----------
-    control
-        Node whose load is the pretension.
-    sets
-        Load set to the force on it, where it has one, or to how far it is moved.
-    shortens
-        Whether it is moved.
-    """
-
-    card: Card
-    top: Indices
-    bottom: Indices
-    control: int
-    sets: Mapping[str, float]
-    axis: Vector
-    shortens: bool
-
-
-def read_split_bolts(
-    bulk: BulkData, loads: Mapping[str, NodalLoads], moved: Moved
-) -> dict[int, SplitBolt]:
-    """Return the bolts of control grids by id."""
-    bolts = {}
-    for number, card in by_id(bulk.cards, "BOLT").items():
-        if not is_split(card):
-            continue
-        control = int(bulk.grids.several(card, [card.integer(1)])[0])
-        top, bottom = (_listed(card, bulk.grids, side) for side in ("TOP", "BOTTOM"))
-        if len(top) != len(bottom) or not len(top):
-            card.refuse(f"{len(top)} grids on TOP and {len(bottom)} on BOTTOM; list them in pairs")
-        forces = {
-            name: load.forces[load.nodes == control][0, :3]
-            for name, load in loads.items()
-            if (load.nodes == control).any()
-        }
-        shortens = not any(force.any() for force in forces.values())
-        if shortens:
-            forces = moved.of_node(control, bulk.grids.systems.axes(control))
-        nonzero = np.array([force for force in forces.values() if force.any()]).reshape(-1, 3)
-        axis = nonzero[0] / np.linalg.norm(nonzero[0]) if len(nonzero) else np.zeros(3)
-        across = nonzero - np.outer(nonzero @ axis, axis)
-        # Directions are given with seven digits in small fields.
-        if not len(nonzero) or np.abs(across).max() > 1e-5 * np.abs(nonzero).max():
-            card.refuse(
-                f"control grid {card.integer(1)} has no force or displacement along one line, "
-                "which would be the tension; give it one by FORCE or SPCD",
-                1,
-            )
-        sets = {name: float(np.linalg.norm(force)) for name, force in forces.items()}
-        bolts[number] = SplitBolt(
-            card=card,
-            top=top,
-            bottom=bottom,
-            control=control,
-            sets=sets,
-            axis=axis,
-            shortens=shortens,
+def _tension(
+    card: Card, control: int, bulk: BulkData, loads: Mapping[str, NodalLoads], moved: Moved
+) -> tuple[Vector, dict[str, float], bool]:
+    """Return the axis of a bolt, its tension by load set, and whether that is a displacement."""
+    forces = {
+        name: load.forces[load.nodes == control][0, :3]
+        for name, load in loads.items()
+        if (load.nodes == control).any()
+    }
+    shortens = not any(force.any() for force in forces.values())
+    if shortens:
+        forces = moved.of_node(control, bulk.grids.systems.axes(control))
+    nonzero = np.array([force for force in forces.values() if force.any()]).reshape(-1, 3)
+    axis = nonzero[0] / np.linalg.norm(nonzero[0]) if len(nonzero) else np.zeros(3)
+    across = nonzero - np.outer(nonzero @ axis, axis)
+    # Directions are given with seven digits in small fields.
+    if not len(nonzero) or np.abs(across).max() > 1e-5 * np.abs(nonzero).max():
+        card.refuse(
+            f"control grid {card.integer(1)} has no force or displacement along one line, which "
+            "would be the tension; give it one by FORCE or SPCD",
+            1,
         )
-    return bolts
+    return axis, {name: float(np.linalg.norm(force)) for name, force in forces.items()}, shortens
 
 
 def _listed(card: Card, grids: Grids, side: str) -> Indices:
@@ -109,19 +67,22 @@ def _listed(card: Card, grids: Grids, side: str) -> Indices:
     return grids.several(card, id_list(card, listed))
 
 
-def parted(mesh: Mesh, number: int, bolt: SplitBolt) -> tuple[Mesh, Cut]:
-    """Return a split bolt as a cut, and the mesh with the nodes that carry its elongation."""
-    (upper, _), (lower, owner) = (_centre(mesh, side) for side in (bolt.top, bolt.bottom))
-    sense = 1.0 if (upper - lower) @ bolt.axis > 0 else -1.0
+def _parted(mesh: Mesh, number: int, card: Card, grids: Grids, axis: Vector) -> tuple[Mesh, Cut]:
+    """Return grids in pairs as a cut, and the mesh with the nodes that carry its elongation."""
+    top, bottom = (_listed(card, grids, side) for side in ("TOP", "BOTTOM"))
+    if len(top) != len(bottom) or not len(top):
+        card.refuse(f"{len(top)} grids on TOP and {len(bottom)} on BOTTOM; list them in pairs")
+    (upper, _), (lower, owner) = (_centre(mesh, side) for side in (top, bottom))
+    sense = 1.0 if (upper - lower) @ axis > 0 else -1.0
     n_node, first_id = len(mesh.nodes), int(mesh.node_ids.max()) + 1
-    centre = mesh.nodes[bolt.bottom].mean(axis=0)
-    points = mesh.nodes[bolt.bottom] - centre
-    normal = sense * bolt.axis
+    centre = mesh.nodes[bottom].mean(axis=0)
+    points = mesh.nodes[bottom] - centre
+    normal = sense * axis
     flat = points - np.outer(points @ normal, normal)
     cut = Cut(
         name=f"bolt-{number}",
-        originals=bolt.top,
-        copies=bolt.bottom,
+        originals=top,
+        copies=bottom,
         normal=normal,
         # Of a disc with the same spread; it sets how stiff the closing spring is, no more.
         area=float(2 * np.pi * np.mean(np.sum(flat**2, axis=1))),
@@ -145,17 +106,13 @@ def _centre(mesh: Mesh, nodes: Indices) -> tuple[Vector, int]:
     return centre, int(np.concatenate(ids)[0])
 
 
-def without_controls(assembly: Assembly, bolts: Mapping[int, SplitBolt]) -> Assembly:
+def _without(assembly: Assembly, controls: Sequence[int]) -> Assembly:
     """Return the assembly without loads on control grids, which are the tension of bolts."""
-    controls = [bolt.control for bolt in bolts.values()]
-    uncontrolled = {name: ~np.isin(load.nodes, controls) for name, load in assembly.loads.items()}
-    loads = {
-        name: NodalLoads(
-            nodes=load.nodes[uncontrolled[name]], forces=load.forces[uncontrolled[name]]
-        )
-        for name, load in assembly.loads.items()
-        if uncontrolled[name].any()
-    }
+    loads = {}
+    for name, load in assembly.loads.items():
+        others = ~np.isin(load.nodes, controls)
+        if others.any():
+            loads[name] = NodalLoads(nodes=load.nodes[others], forces=load.forces[others])
     return replace(assembly, loads=loads)
 
 
@@ -165,37 +122,43 @@ SOLIDS_ARE_CUT = (
 )
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class CutBolts:
-    """Bolts of solids: the structure with its cuts, not closed yet.
+class CutBolts(NamedTuple):
+    """Bolts of solids: the structure with its cuts, not closed yet, by the ids of the bolts.
 
-    Attributes
-    ----------
-    cuts
-        By the ids of the bolts.
-    preloads
-        Forces that are loads on control grids.
-    shortened
-        By how much bolts are shortened whose control grids are moved.
+    Preloads are forces on control grids, by the names of the bolts, and so is by how much bolts are
+    shortened whose control grids are moved.
     """
 
     assembly: Assembly
-    cuts: Mapping[int, Cut]
-    preloads: Mapping[int, float]
-    shortened: Mapping[int, float]
+    cuts: dict[int, Cut]
+    preloads: dict[str, float]
+    shortened: dict[str, float]
 
 
 def cut_bolts(bulk: BulkData, assembly: Assembly, moved: Moved) -> CutBolts:
     """Cut the solids of a structure at its bolts."""
-    mesh, cuts = assembly.mesh, dict[int, Cut]()
+    mesh, loads = assembly.mesh, assembly.loads
+    cuts, preloads, shortened = dict[int, Cut](), dict[str, float](), dict[str, float]()
     for number, section in read_solid_bolts(bulk, mesh).items():
         mesh, cuts[number] = cut_mesh(mesh, section)
-    split = read_split_bolts(bulk, assembly.loads, moved)
-    for number, bolt in split.items():
-        mesh, cuts[number] = parted(mesh, number, bolt)
+    split = {number: card for number, card in by_id(bulk.cards, "BOLT").items() if is_split(card)}
+    controls, notes = [], []
+    for number, card in split.items():
+        controls.append(int(bulk.grids.several(card, [card.integer(1)])[0]))
+        axis, amounts, shortens = _tension(card, controls[-1], bulk, loads, moved)
+        mesh, cuts[number] = _parted(mesh, number, card, bulk.grids, axis)
+        amount = amounts.get(str(bulk.control.load))
+        if amount is None and len({*amounts.values()}) == 1:
+            amount = next(iter(amounts.values()))
+        if amount is None:
+            what = "displacements of" if shortens else "forces on"
+            sets = ", ".join(amounts)
+            notes.append(f"{what} the control grid of bolt {number} differ in sets {sets}")
+        else:
+            (shortened if shortens else preloads)[f"bolt-{number}"] = amount
     if split:
         bulk.ignored.append(SPLIT)
-        assembly = without_controls(assembly, split)
+        assembly = _without(assembly, controls)
     if cuts:
         bulk.ignored.append(SOLIDS_ARE_CUT)
         bulk.ignored.extend(
@@ -204,25 +167,8 @@ def cut_bolts(bulk: BulkData, assembly: Assembly, moved: Moved) -> CutBolts:
             for number, cut in cuts.items()
             if cut.touching
         )
-    preloads, shortened = dict[int, float](), dict[int, float]()
-    for number, bolt in split.items():
-        amount = _only_amount(bolt, bulk.control)
-        if amount is None:
-            what = "displacements of" if bolt.shortens else "forces on"
-            sets = ", ".join(bolt.sets)
-            bulk.ignored.append(f"{what} the control grid of bolt {number} differ in sets {sets}")
-        else:
-            (shortened if bolt.shortens else preloads)[number] = amount
-    return CutBolts(
-        assembly=replace(assembly, mesh=mesh), cuts=cuts, preloads=preloads, shortened=shortened
-    )
-
-
-def _only_amount(bolt: SplitBolt, control: CaseControl) -> float | None:
-    """Return the force or displacement of the selected set, else the one all sets agree on."""
-    chosen = bolt.sets.get(str(control.load))
-    values = set(bolt.sets.values())
-    return chosen if chosen is not None or len(values) != 1 else values.pop()
+    bulk.ignored.extend(notes)
+    return CutBolts(replace(assembly, mesh=mesh), cuts, preloads, shortened)
 
 
 def read_bolts(

@@ -23,9 +23,8 @@ from faying.io.nastran.contact_parameters import (
     read_parameters,
     refuse_letting_go,
 )
-from faying.io.nastran.grids import BulkData
+from faying.io.nastran.grids import BulkData, chosen_sets
 from faying.io.nastran.regions import Region
-from faying.io.nastran.sets import chosen_sets
 
 _SECONDARY = frozenset(("SECNDRY", "SLAVE", "SLAVES"))
 _PRIMARY = frozenset(("PRIMARY", "MASTERS", "MASTER"))

@@ -16,9 +16,8 @@ from faying.io.nastran.contact_parameters import (
     friction_coefficient,
     read_parameters,
 )
-from faying.io.nastran.grids import BulkData
+from faying.io.nastran.grids import BulkData, chosen_sets
 from faying.io.nastran.regions import Region
-from faying.io.nastran.sets import chosen_sets
 
 
 @dataclass(frozen=True, kw_only=True)

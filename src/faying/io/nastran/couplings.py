@@ -6,8 +6,7 @@ from faying._typing import Indices
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, id_list
 from faying.io.nastran.fields import components, frame_independent
-from faying.io.nastran.grids import BulkData, Grids
-from faying.io.nastran.sets import selected_sets
+from faying.io.nastran.grids import BulkData, Grids, selected_sets
 from faying.model.assembly import AverageCoupling, Equation
 
 

@@ -98,7 +98,7 @@ def _described(deck: Deck) -> JointDescription:
     springs = assembly.springs[len(assembly.springs) - len(cuts) :]
     closing = {number: item.id for number, item in zip(cut.cuts, springs, strict=True)}
     bolts, preloads = read_bolts(deck, assembly.beams, closing)
-    preloads |= {f"bolt-{number}": force for number, force in cut.preloads.items()}
+    preloads |= cut.preloads
     assembly = with_free_strains(replace(deck, assembly=assembly), bolts)
     deck = replace(deck, assembly=assembly)
     assembly = with_glue(assembly, [pair for pair in pairs if pair.glued], notes)
@@ -119,10 +119,10 @@ def _described(deck: Deck) -> JointDescription:
         bolts=bolts,
         preloads=preloads,
         initial_forces={
-            spec.name: axial_stiffness(assembly, bolt_axis_element(assembly, spec)) * shortening
-            for number, shortening in cut.shortened.items()
+            spec.name: axial_stiffness(assembly, bolt_axis_element(assembly, spec))
+            * cut.shortened[spec.name]
             for spec in bolts
-            if spec.name == f"bolt-{number}"
+            if spec.name in cut.shortened
         },
         initial_gaps=gaps,
         gap_rules={name: rule for name, rule in rules.items() if rule is not None},

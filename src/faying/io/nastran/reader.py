@@ -25,7 +25,7 @@ from faying.io.nastran.case_control import (
 )
 from faying.io.nastran.coordinates import ON_AXIS
 from faying.io.nastran.couplings import read_average_coupling, read_equations
-from faying.io.nastran.grids import BulkData, Grids, read_grids
+from faying.io.nastran.grids import BulkData, Grids, read_grids, read_sets
 from faying.io.nastran.loads import UNSUPPORTED, read_loads
 from faying.io.nastran.materials import (
     MATERIALS,
@@ -38,7 +38,6 @@ from faying.io.nastran.materials import (
 )
 from faying.io.nastran.rigid_elements import read_rigid_elements, read_shell_to_solid
 from faying.io.nastran.sections import read_sections
-from faying.io.nastran.sets import read_sets
 from faying.io.nastran.shell_sections import read_shell_properties
 from faying.io.nastran.shells import read_panel_sides, read_shells
 from faying.io.nastran.solid_bolts import control_grids

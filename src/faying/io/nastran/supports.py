@@ -14,8 +14,7 @@ from faying.exceptions import FormatError, refuse
 from faying.io.moved_supports import Place, moved_note, with_moved_supports
 from faying.io.nastran.cards import Cards, id_list
 from faying.io.nastran.fields import components
-from faying.io.nastran.grids import BulkData, Grids
-from faying.io.nastran.sets import selected_sets
+from faying.io.nastran.grids import BulkData, Grids, selected_sets
 from faying.model.assembly import Assembly, Support
 
 ALWAYS = "spc"
