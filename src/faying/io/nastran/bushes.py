@@ -15,6 +15,7 @@ axis towards the centre of curvature. MSC Nastran Quick Reference Guide, CBEND a
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -31,14 +32,12 @@ from faying.model.axes import any_across, axes_along
 _ROWS = ("K", "B", "GE", "RCV", "M", "T", "D", "")
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Property:
+class _Property(NamedTuple):
     """What a bush is made of: six stiffnesses and a mass."""
 
     stiffness: tuple[float, ...]
     mass: float
     damped: bool
-    card: Card
 
 
 def read_bushes(bulk: BulkData) -> list[Bush]:
@@ -98,7 +97,7 @@ def _axial(card: Card) -> _Property:
 def _checked(card: Card, stiffness: list[float], mass: float, damped: bool) -> _Property:
     if mass < 0 or min(stiffness) < 0:
         card.refuse(f"stiffness {min(stiffness):g}, mass {mass:g}; neither may be negative")
-    return _Property(stiffness=tuple(stiffness), mass=mass, damped=damped, card=card)
+    return _Property(tuple(stiffness), mass, damped)
 
 
 def _bush(bulk: BulkData, card: Card, bush_property: _Property) -> Bush:

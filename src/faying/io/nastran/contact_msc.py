@@ -4,8 +4,9 @@ Fields as in the MSC Nastran 2022.4 Quick Reference Guide. SECNDRY and PRIMARY w
 MASTERS in earlier versions.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import product
 
 import numpy as np
 
@@ -56,29 +57,34 @@ def read_msc_pairs(
         card.integer(0, 0)
         common = read_parameters(card, 1, ignored)
         error, slides = common.error or error, slides or common.slides
-    bodies = _bodies(bulk.cards)
+    body = _body_reader(bulk, regions, ignored)
     pairs: dict[tuple[int, int], Pair] = {}
     for group in groups:
-        for minus in group.secondary:
-            for plus in group.primary:
-                if (plus, minus) in pairs and plus != minus:
-                    ignored[f"contact of bodies {minus} and {plus} listed in both orders"] = None
-                    continue
-                if (minus, plus) in pairs:
-                    group.card.refuse(
-                        f"contact of bodies {minus} and {plus} is already defined at "
-                        f"{pairs[minus, plus].where} and would count twice; remove one"
-                    )
-                kind = "glue" if group.parameters.glued else "contact"
-                pairs[minus, plus] = Pair(
-                    name=f"{kind}-{minus}-{plus}",
-                    minus=_region(bulk.cards, bodies, regions, group.card, minus, ignored),
-                    plus=_region(bulk.cards, bodies, regions, group.card, plus, ignored),
-                    where=group.card.where(),
-                    parameters=replace(group.parameters, error=group.parameters.error or error),
-                    friction=_friction(bulk.cards, bodies, group, (minus, plus), ignored),
-                    glued=group.parameters.glued,
+        for minus, plus in product(group.secondary, group.primary):
+            if (plus, minus) in pairs and plus != minus:
+                ignored[f"contact of bodies {minus} and {plus} listed in both orders"] = None
+                continue
+            if (minus, plus) in pairs:
+                group.card.refuse(
+                    f"contact of bodies {minus} and {plus} is already defined at "
+                    f"{pairs[minus, plus].where} and would count twice; remove one"
                 )
+            (side, first), (opposite, second) = (body(group.card, n) for n in (minus, plus))
+            friction = first if group.parameters.friction is None else group.parameters.friction
+            if group.parameters.friction is None and first != second:
+                group.card.refuse(
+                    f"bodies {minus} and {plus} have coefficients of friction {first:g} and "
+                    f"{second:g}; give the pair its own (FRIC of BCONPRP or BCTABLE)"
+                )
+            pairs[minus, plus] = Pair(
+                name=f"{'glue' if group.parameters.glued else 'contact'}-{minus}-{plus}",
+                minus=side,
+                plus=opposite,
+                where=group.card.where(),
+                parameters=replace(group.parameters, error=group.parameters.error or error),
+                friction=friction,
+                glued=group.parameters.glued,
+            )
     if slides and any(pair.friction > 0 for pair in pairs.values()):
         ignored["coefficients of friction (FTYPE = 0 on BCPARA switches friction off)"] = None
         return [replace(pair, friction=0.0) for pair in pairs.values()]
@@ -98,19 +104,16 @@ def friction_of_all_bodies(
     for card in bulk.cards.get("BCPARA", ()):
         card.integer(0, 0)
         slides = read_parameters(card, 1, ignored).slides or slides
-    bodies = _bodies(bulk.cards)
-    all_regions = [
-        _region(bulk.cards, bodies, regions, card, number, ignored)
-        for number, card in bodies.items()
-    ]
-    named = [region.elements for region in all_regions if region.elements is not None]
+    body = _body_reader(bulk, regions, ignored)
+    bodies = [body(card, number) for number, card in by_id(bulk.cards, *_BODIES, what="body").items()]
+    named = [region.elements for region, _ in bodies if region.elements is not None]
     left = np.setdiff1d(elements, np.concatenate([elements[:0], *named]))
     if left.size:
         refuse(
             f"case control asks for BCONTACT = ALLBODY, but element {left[0]} belongs to no "
             "contact body; add it to a BCPROP or BSURF, or name the pairs by BCTABL1 and BCONECT"
         )
-    friction = {_body_friction(bulk.cards, card, ignored) for card in bodies.values()} or {0.0}
+    friction = {coefficient for _, coefficient in bodies} or {0.0}
     if len(friction) > 1:
         refuse(
             "case control asks for BCONTACT = ALLBODY, but the bodies have different coefficients "
@@ -242,65 +245,39 @@ def _connection(cards: Mapping[str, Cards], card: Card, ignored: dict[str, None]
     return group
 
 
-def _friction(
-    cards: Mapping[str, Cards],
-    bodies: dict[int, Card],
-    group: _Group,
-    pair: tuple[int, int],
-    ignored: dict[str, None],
-) -> float:
-    """Return the coefficient of a pair: its own, or that of both its bodies."""
-    first, second = (_body_friction(cards, bodies[number], ignored) for number in pair)
-    if group.parameters.friction is not None:
-        return group.parameters.friction
-    if first != second:
-        group.card.refuse(
-            f"bodies {pair[0]} and {pair[1]} have coefficients of friction {first:g} and "
-            f"{second:g}; give the pair its own (FRIC of BCONPRP or BCTABLE)"
-        )
-    return first
+_BODIES = ("BCBODY", "BCBODY1", "BCSURF")
 
 
-def _body_friction(cards: Mapping[str, Cards], card: Card, ignored: dict[str, None]) -> float:
-    """Return the coefficient of friction that a body gives."""
-    if card.cards.name == "BCSURF":
-        return 0.0
-    if card.cards.name != "BCBODY1":
-        return friction_coefficient(card, 5)
-    properties = by_id(cards, "BCBDPRP").get(card.integer(1, 0))
-    coefficient = None if properties is None else read_parameters(properties, 1, ignored).friction
-    return coefficient or 0.0
+def _body_reader(
+    bulk: BulkData, regions: dict[int, Region], ignored: dict[str, None]
+) -> Callable[[Card, int], tuple[Region, float]]:
+    """Return what reads region and friction of the body that a card names by its id."""
+    bodies = by_id(bulk.cards, *_BODIES, what="body")
+    properties = by_id(bulk.cards, "BCBDPRP")
 
+    def body(user: Card, number: int) -> tuple[Region, float]:
+        card = user.find(bodies, 0, "contact body", "BCBODY or BCBODY1", number)
+        if card.cards.name == "BCSURF":
+            return regions[-number], 0.0
+        of_properties = card.cards.name == "BCBODY1"
+        dimension, behaviour, region = (2, 3, 4) if of_properties else (1, 2, 3)
+        if card.text(dimension) not in ("", "3D"):
+            card.refuse(
+                f"DIM = {card.text(dimension)} is not supported; contact bodies must be 3D",
+                dimension,
+            )
+        if card.text(behaviour) not in ("", "DEFORM"):
+            card.refuse(
+                f"BEHAV = {card.text(behaviour)} is not supported; contact bodies must be "
+                "deformable (DEFORM): mesh the rigid one with solids",
+                behaviour,
+            )
+        if not of_properties:
+            return region_of(regions, card, region), friction_coefficient(card, 5)
+        friction = None
+        if card.integer(1, 0):
+            parameters = card.find(properties, 1, "BCBDPRP", "parameters")
+            friction = read_parameters(parameters, 1, ignored).friction
+        return region_of(regions, card, region), friction or 0.0
 
-def _bodies(cards: Mapping[str, Cards]) -> dict[int, Card]:
-    return by_id(cards, "BCBODY", "BCBODY1", "BCSURF", what="body")
-
-
-def _region(
-    cards: Mapping[str, Cards],
-    bodies: dict[int, Card],
-    regions: dict[int, Region],
-    user: Card,
-    number: int,
-    ignored: dict[str, None],
-) -> Region:
-    """Region of a contact body, which must be deformable."""
-    card = user.find(bodies, 0, "contact body", "BCBODY or BCBODY1", number)
-    if card.cards.name == "BCSURF":
-        return regions[-number]
-    new = card.cards.name == "BCBODY1"
-    dimension, behaviour, region = (2, 3, 4) if new else (1, 2, 3)
-    if card.text(dimension) not in ("", "3D"):
-        card.refuse(
-            f"DIM = {card.text(dimension)} is not supported; contact bodies must be 3D", dimension
-        )
-    if card.text(behaviour) not in ("", "DEFORM"):
-        card.refuse(
-            f"BEHAV = {card.text(behaviour)} is not supported; contact bodies must be deformable "
-            "(DEFORM): mesh the rigid one with solids",
-            behaviour,
-        )
-    if new and card.integer(1, 0):
-        properties = card.find(by_id(cards, "BCBDPRP"), 1, "BCBDPRP", "parameters")
-        read_parameters(properties, 1, ignored)
-    return region_of(regions, card, region)
+    return body

@@ -222,7 +222,6 @@ def _scale(places: Sequence[Place], size: float) -> Vector:
 Mean = dict[int, float]
 """Nodes to the parts of a motion they make up."""
 
-_FACE_SIDES = ((0, 1), (1, 2), (2, 3), (3, 0))
 _LARGEST_DISTANCE = 1e-3
 """Distance from a face, in its size, that an edge of a shell may have."""
 

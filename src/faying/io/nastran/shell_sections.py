@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,13 +22,11 @@ _MATERIALS = "MAT1, MAT2 or MAT8"
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class ShellProperty:
+class ShellProperty(NamedTuple):
     """A property of shells: its thickness, and the section for one."""
 
     thickness: float
     section: Callable[[float], ShellSection]
-    card: Card
 
 
 def read_shell_properties(
@@ -76,7 +74,7 @@ def _plate(card: Card, materials: Mapping[int, PlaneMaterial], mass_factor: floa
         )
 
     _check(card, section(thickness))
-    return ShellProperty(thickness=thickness, section=section, card=card)
+    return ShellProperty(thickness, section)
 
 
 def _panel(card: Card, materials: Mapping[int, PlaneMaterial], mass_factor: float) -> ShellProperty:
@@ -90,7 +88,7 @@ def _panel(card: Card, materials: Mapping[int, PlaneMaterial], mass_factor: floa
     mass = material.density * thickness + extra
     section = ShellSection(stiffness=law, shear=None, mass=mass, materials=(card.text(1),))
     _check(card, section)
-    return ShellProperty(thickness=thickness, section=lambda _: section, card=card)
+    return ShellProperty(thickness, lambda _: section)
 
 
 def _material(
@@ -131,7 +129,7 @@ def _laminate(
             )
         return section
 
-    return ShellProperty(thickness=thickness, section=fixed, card=card)
+    return ShellProperty(thickness, fixed)
 
 
 def _stacked(
