@@ -13,13 +13,13 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
-from faying._typing import Indices, Mask, Vector
+from faying._typing import Indices, Mask, Matrix, Vector
 from faying.interface.facets import area_vectors, gauss_rule
 from faying.model.assembly import Assembly, Equation, Spring, Support
 from faying.model.deck_bolt import CUT_STIFFNESS
 from faying.model.elements import SOLIDS
 from faying.model.mesh import Mesh
-from faying.model.surface import corner_keys, padded, unique_rows
+from faying.model.surface import WIDTH, corner_keys, padded, unique_rows
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -172,7 +172,9 @@ def _direction(section: Section, normal: Vector) -> tuple[Vector, float]:
 
 def _owning_side(mesh: Mesh, section: Section) -> Indices:
     """Ids of the elements at the section on the side that owns its facets."""
-    faces, ids = _faces_at(mesh, section.nodes)
+    at_section = [np.isin(block.nodes, section.nodes) for block in mesh.blocks]
+    touching: list[Mask] = [np.asarray(nodes.any(axis=1)) for nodes in at_section]
+    faces, ids, _ = faces_of(mesh, touching)
     cut = np.concatenate([corner_keys(padded(part)) for part in section.facets.values()])
     keys = np.concatenate([cut, corner_keys(faces)])
     _, group, _ = unique_rows(keys)
@@ -199,15 +201,17 @@ def _owning_side(mesh: Mesh, section: Section) -> Indices:
     return elements[np.isin(part, owners)]
 
 
-def _faces_at(mesh: Mesh, nodes: Indices) -> tuple[Indices, Indices]:
-    """Faces (n_face, 8) of all elements that touch nodes, and the id of each."""
-    tables, ids = [], []
-    for block in mesh.blocks:
-        touching = np.isin(block.nodes, nodes).any(axis=1)
+def faces_of(mesh: Mesh, chosen: Sequence[Mask]) -> tuple[Indices, Indices, Matrix]:
+    """Return faces (n_face, 8) of elements chosen block by block, their ids and their centres."""
+    tables, ids = [np.zeros((0, WIDTH), dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+    centres = [np.zeros((0, 3))]
+    for block, mask in zip(mesh.blocks, chosen, strict=True):
+        cells = block.nodes[mask]
         for _, local in SOLIDS[block.kind].faces:
-            tables.append(padded(block.nodes[touching][:, list(local)]))
-            ids.append(block.ids[touching])
-    return np.concatenate(tables), np.concatenate(ids)
+            tables.append(padded(cells[:, list(local)]))
+            ids.append(block.ids[mask])
+            centres.append(mesh.nodes[cells].mean(axis=1))
+    return np.concatenate(tables), np.concatenate(ids), np.concatenate(centres)
 
 
 def on_their_sides(mesh: Mesh, cuts: Sequence[Cut], facets: Indices) -> Indices:

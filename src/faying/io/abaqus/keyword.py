@@ -264,12 +264,17 @@ class Keyword:
         return [row[:-1] if len(row) > 1 and not row[-1] else row for row in split]
 
 
+def scoped_names(keyword: Keyword, label: str) -> tuple[str, str]:
+    """Return the upper-case names that a label may mean: of the keyword's instance, of the deck."""
+    plain = label.strip("\"' ").upper()
+    return f"{keyword.scope.name.upper()}.{plain}", plain
+
+
 def named(
     keyword: Keyword, label: str, table: Mapping[str, T], what: str, row: int | None = None
 ) -> T:
     """Return the value of an upper-case name, that of the keyword's instance before others."""
-    plain = label.strip("\"' ").upper()
-    for key in (f"{keyword.scope.name.upper()}.{plain}", plain):
+    for key in scoped_names(keyword, label):
         if key in table:
             return table[key]
     names = ", ".join([*table][:8]) or "none"

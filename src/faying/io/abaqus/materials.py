@@ -11,7 +11,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import ModelError
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.deck_data import DeckData
-from faying.io.abaqus.fields import numbers, optional_real, parameter, real
+from faying.io.abaqus.fields import check_count, numbers, optional_real, parameter, real
 from faying.io.abaqus.keyword import READ, Keyword, add
 from faying.io.abaqus.left_out import KEYWORDS
 from faying.io.abaqus.loads import Amplitudes
@@ -245,9 +245,10 @@ def read_materials(deck: Deck, temperature: float | None) -> dict[str, Material]
             if _is_anisotropic(member):
                 law = read_law(member, partial(check_constant, member, temperature))
             elif member.name == "ELASTIC":
-                elastic = _elastic(member, temperature)
+                names = ("Young's modulus", "nu")
+                elastic = _constants(member, temperature, "E, nu", names)
             elif member.name == "DENSITY":
-                density = _density(member, temperature)
+                (density,) = _constants(member, temperature, "the density", ["the density"])
             elif member.name == "EXPANSION":
                 expansion = constant_expansion(member)
             elif member.name in HARMLESS:
@@ -298,46 +299,30 @@ def read_expansions(deck: Deck) -> dict[str, Expansion]:
     return expansions
 
 
-def _elastic(keyword: Keyword, temperature: float | None) -> tuple[float, float]:
-    rows = keyword.rows()
-    _check_rows(keyword, rows, 3, "E, nu")
-    modulus = [real(keyword, i, row[0], "Young's modulus") for i, row in enumerate(rows)]
-    ratio = [optional_real(keyword, i, row, 1, 0.0, "nu") for i, row in enumerate(rows)]
-    return _at(keyword, temperature, rows, 2, modulus), _at(keyword, temperature, rows, 2, ratio)
+def _constants(
+    keyword: Keyword, temperature: float | None, expected: str, names: Sequence[str]
+) -> list[float]:
+    """Return constants, of which only the first must be there, at the temperature that counts.
 
-
-def _density(keyword: Keyword, temperature: float | None) -> float:
-    rows = keyword.rows()
-    _check_rows(keyword, rows, 2, "the density")
-    values = [real(keyword, i, row[0], "the density") for i, row in enumerate(rows)]
-    return _at(keyword, temperature, rows, 1, values)
-
-
-def _at(
-    keyword: Keyword,
-    temperature: float | None,
-    rows: list[list[str]],
-    column: int,
-    values: list[float],
-) -> float:
-    """Return the value of a table at the temperature that counts."""
-    if len(rows) == 1:
-        return values[0]
-    degrees = check_constant(keyword, temperature)
-    places = [
-        optional_real(keyword, i, row, column, 0.0, "a temperature") for i, row in enumerate(rows)
-    ]
-    if any(upper <= lower for lower, upper in pairwise(places)):
-        keyword.refuse("the temperatures do not increase; sort them", 1)
-    return float(np.interp(degrees, places, values))
-
-
-def _check_rows(keyword: Keyword, rows: list[list[str]], width: int, expected: str) -> None:
+    Each line has them in order, and the temperature it is of behind them.
+    """
+    rows, width = keyword.rows(), len(names) + 1
     if not rows:
         keyword.refuse(f"expected {expected} on a data line")
-    wide = next((i for i, row in enumerate(rows) if len(row) > width), None)
-    if wide is not None:
-        keyword.refuse(f"found {len(rows[wide])} fields, expected {expected}", wide)
+    for i, row in enumerate(rows):
+        check_count(keyword, i, row, range(width + 1), expected)
+    first = [real(keyword, i, row[0], names[0]) for i, row in enumerate(rows)]
+    others = [
+        [optional_real(keyword, i, row, column, 0.0, what) for i, row in enumerate(rows)]
+        for column, what in enumerate((*names[1:], "a temperature"), start=1)
+    ]
+    *values, places = first, *others
+    if len(rows) == 1:
+        return [column[0] for column in values]
+    degrees = check_constant(keyword, temperature)
+    if any(upper <= lower for lower, upper in pairwise(places)):
+        keyword.refuse("the temperatures do not increase; sort them", 1)
+    return [float(np.interp(degrees, places, column)) for column in values]
 
 
 ISOTROPIC = ("ISOTROPIC", "ISO")

@@ -8,7 +8,7 @@ import numpy as np
 from faying._typing import Indices, frozen
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import Table, integers, is_integer, table
-from faying.io.abaqus.keyword import Keyword, T
+from faying.io.abaqus.keyword import Keyword, T, scoped_names
 from faying.io.abaqus.mesh import Elements, Nodes
 
 
@@ -38,9 +38,7 @@ class NamedSets:
 
     def key(self, keyword: Keyword, label: str) -> str | None:
         """Return the key of a name as seen from a keyword, None if there is no such set."""
-        plain = label.strip("\"' ").upper()
-        keys = (f"{keyword.scope.name.upper()}.{plain}", plain)
-        return next((key for key in keys if key in self.ids), None)
+        return next((key for key in scoped_names(keyword, label) if key in self.ids), None)
 
     def find(self, keyword: Keyword, label: str, row: int | None = None) -> Indices:
         """Return the ids of a set."""
@@ -66,21 +64,18 @@ class NamedSets:
 
 @dataclass(eq=False, kw_only=True)
 class _Builder:
-    """Collects parts of sets; names inside sets are looked up at the end, in any order."""
+    """Collects ids of sets, and names inside sets, looked up at the end: they come in any order."""
 
     what: str
-    parts: dict[str, list[tuple[Keyword, Indices]]] = field(default_factory=dict)
-    nested: dict[str, list[tuple[Keyword, int, str]]] = field(default_factory=dict)
+    parts: dict[str, list[Indices | tuple[Keyword, int, str]]] = field(default_factory=dict)
     names: dict[str, str] = field(default_factory=dict)
 
-    def open(self, keyword: Keyword, label: str) -> str:
+    def open(self, keyword: Keyword, label: str) -> list[Indices | tuple[Keyword, int, str]]:
+        """Return the parts of a set, to which its keyword adds."""
         plain = label.strip("\"' ")
         name = f"{keyword.scope.name}.{plain}" if keyword.scope.name else plain
-        key = name.upper()
-        self.names.setdefault(key, name)
-        self.parts.setdefault(key, [])
-        self.nested.setdefault(key, [])
-        return key
+        self.names.setdefault(name.upper(), name)
+        return self.parts.setdefault(name.upper(), [])
 
     def closed(self, deck: Deck) -> NamedSets:
         done: dict[str, Indices] = {}
@@ -92,17 +87,18 @@ class _Builder:
     def _resolve(self, key: str, done: dict[str, Indices], path: tuple[str, ...]) -> Indices:
         if key in done:
             return done[key]
-        parts = [ids for _, ids in self.parts[key]]
-        for keyword, row, label in self.nested[key]:
-            plain = label.strip("\"' ").upper()
-            options = (f"{keyword.scope.name.upper()}.{plain}", plain)
-            inner = next((option for option in options if option in self.parts), None)
+        parts = [np.empty(0, dtype=np.int64)]
+        for part in self.parts[key]:
+            if not isinstance(part, tuple):
+                parts.append(part)
+                continue
+            keyword, row, label = part
+            inner = next((n for n in scoped_names(keyword, label) if n in self.parts), None)
             if inner is None or inner in (*path, key) or len(path) > 50:
                 problem = "does not exist" if inner is None else "contains itself"
                 keyword.refuse(f"the {self.what} '{label}' {problem}; correct the name", row)
             parts.append(self._resolve(inner, done, (*path, key)))
-        joined = np.unique(np.concatenate([np.empty(0, dtype=np.int64), *parts]))
-        done[key] = frozen(joined, np.int64)
+        done[key] = frozen(np.unique(np.concatenate(parts)), np.int64)
         return done[key]
 
 
@@ -114,13 +110,13 @@ def read_element_sets(deck: Deck, elements: Elements) -> NamedSets:
     for keyword in deck.of("ELEMENT", "ELSET"):
         if keyword.name == "ELEMENT":
             if keyword.has("ELSET"):
-                key = builder.open(keyword, keyword.required("ELSET"))
-                builder.parts[key].append((keyword, blocks[id(keyword)].ids))
+                parts = builder.open(keyword, keyword.required("ELSET"))
+                parts.append(blocks[id(keyword)].ids)
             continue
-        key = builder.open(keyword, keyword.required("ELSET"))
-        ids, rows = _explicit(keyword, builder, key, deck, element_ids)
+        parts = builder.open(keyword, keyword.required("ELSET"))
+        ids, rows = _explicit(keyword, parts, deck, element_ids)
         _check_known(ids, rows, element_ids, keyword, "element")
-        builder.parts[key].append((keyword, ids))
+        parts.append(ids)
     return builder.closed(deck)
 
 
@@ -130,29 +126,31 @@ def read_node_sets(deck: Deck, nodes: Nodes, elements: Elements, by_name: NamedS
     for keyword in deck.of("NODE", "NSET"):
         if keyword.name == "NODE":
             if keyword.has("NSET"):
-                key = builder.open(keyword, keyword.required("NSET"))
+                parts = builder.open(keyword, keyword.required("NSET"))
                 fields = table(keyword)
                 first = np.flatnonzero(np.diff(fields.row, prepend=-1))
                 ids = integers(fields.texts[first], keyword, fields.row[first], "a node id")
-                builder.parts[key].append((keyword, ids + keyword.scope.offset))
+                parts.append(ids + keyword.scope.offset)
             continue
         # FREQUENCY is one of output, which CalculiX passes over here.
-        key = builder.open(keyword, keyword.required("NSET"))
-        ids, rows = _explicit(keyword, builder, key, deck, nodes.ids)
+        parts = builder.open(keyword, keyword.required("NSET"))
+        ids, rows = _explicit(keyword, parts, deck, nodes.ids)
         _check_known(ids, rows, nodes.ids, keyword, "node")
-        builder.parts[key].append((keyword, ids))
+        parts.append(ids)
         if keyword.has("ELSET"):
             chosen = by_name.find(keyword, keyword.value("ELSET"))
             corners = [b.nodes[np.isin(b.ids, chosen)].ravel() for b in elements.blocks]
-            of_elements = nodes.ids[np.unique(np.concatenate(corners))]
-            builder.parts[key].append((keyword, of_elements))
+            parts.append(nodes.ids[np.unique(np.concatenate(corners))])
     return builder.closed(deck)
 
 
 def _explicit(
-    keyword: Keyword, builder: _Builder, key: str, deck: Deck, known_ids: Indices
+    keyword: Keyword,
+    parts: list[Indices | tuple[Keyword, int, str]],
+    deck: Deck,
+    known_ids: Indices,
 ) -> tuple[Indices, Indices]:
-    """Ids written out or generated, with the data line of each; names go to the builder."""
+    """Ids written out or generated, with the data line of each; names go to the parts."""
     offset = _offset(keyword, deck)
     fields = table(keyword)
     if keyword.has("GENERATE"):
@@ -164,13 +162,12 @@ def _explicit(
         head, dot, tail = label.rpartition(".")
         if dot and is_integer(tail):
             scope = _scope_offset(keyword, deck, head, row)
-            single = np.array([int(tail) + scope])
-            builder.parts[key].append((keyword, single))
+            parts.append(np.array([int(tail) + scope]))
         elif not label or label[0] in "+-.0123456789":
             keyword.refuse(f"found '{label}', expected ids or names of sets", row)
         else:
             inside = f"{keyword.value('INSTANCE')}.{label}" if keyword.has("INSTANCE") else label
-            builder.nested[key].append((keyword, row, inside))
+            parts.append((keyword, row, inside))
     return integers(texts, keyword, rows, "an id") + offset, rows
 
 

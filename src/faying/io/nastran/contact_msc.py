@@ -105,7 +105,9 @@ def friction_of_all_bodies(
         card.integer(0, 0)
         slides = read_parameters(card, 1, ignored).slides or slides
     body = _body_reader(bulk, regions, ignored)
-    bodies = [body(card, number) for number, card in by_id(bulk.cards, *_BODIES, what="body").items()]
+    bodies = [
+        body(card, number) for number, card in by_id(bulk.cards, *_BODIES, what="body").items()
+    ]
     named = [region.elements for region, _ in bodies if region.elements is not None]
     left = np.setdiff1d(elements, np.concatenate([elements[:0], *named]))
     if left.size:

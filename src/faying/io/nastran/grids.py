@@ -211,32 +211,18 @@ def read_sets(
     element_sets: dict[str, Indices] = {}
     element_ids = np.concatenate(list(elements.values()) or [np.zeros(0, dtype=np.int64)])
     for card in bulk.cards.get("SET1", ()):
-        _set1(bulk, card, element_ids, node_sets, element_sets)
+        texts = card.texts[1:]
+        name = f"set:{card.integer(0)}"
+        if "SKIN" in texts:
+            bulk.ignored.append(f"SET1 {card.integer(0)} (SKIN is not supported)")
+            continue
+        ids = np.unique(np.array(id_list(card, texts), dtype=np.int64))
+        index = bulk.grids.index(ids)
+        if len(ids) and (index >= 0).all():
+            node_sets[name] = np.union1d(node_sets.get(name, index), index)
+        if len(ids) and np.isin(ids, element_ids).all():
+            element_sets[name] = np.union1d(element_sets.get(name, ids), ids)
     return node_sets, element_sets
-
-
-def _extend(sets: dict[str, Indices], name: str, ids: Indices) -> None:
-    sets[name] = np.unique(np.concatenate([sets.get(name, ids[:0]), ids])).astype(np.int64)
-
-
-def _set1(
-    bulk: BulkData,
-    card: Card,
-    element_ids: Indices,
-    node_sets: dict[str, Indices],
-    element_sets: dict[str, Indices],
-) -> None:
-    texts = card.texts[1:]
-    name = f"set:{card.integer(0)}"
-    if "SKIN" in texts:
-        bulk.ignored.append(f"SET1 {card.integer(0)} (SKIN is not supported)")
-        return
-    ids = np.unique(np.array(id_list(card, texts), dtype=np.int64))
-    index = bulk.grids.index(ids)
-    if len(ids) and (index >= 0).all():
-        _extend(node_sets, name, index)
-    if len(ids) and np.isin(ids, element_ids).all():
-        _extend(element_sets, name, ids)
 
 
 def selected_sets(bulk: BulkData, kind: str, members: set[int]) -> set[int]:

@@ -5,17 +5,15 @@ the shank, ETYPE = 3 its elements and a grid point at the height of the section;
 the axis. Between elements on either side of that height the section need not be flat.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.io.nastran.cards import Card, by_id, id_list
 from faying.io.nastran.grids import BulkData, Grids
-from faying.io.solid_cuts import Section
-from faying.model.elements import FACES, SOLIDS
+from faying.io.solid_cuts import Section, faces_of
+from faying.model.elements import FACES
 from faying.model.mesh import Mesh
-from faying.model.surface import WIDTH, corner_keys, corner_nodes, padded, rows_by_kind, unique_rows
+from faying.model.surface import corner_keys, corner_nodes, rows_by_kind, unique_rows
 
 OF_GRIDS, OF_ELEMENTS = 2, 3
 
@@ -52,10 +50,9 @@ def _of_grids(number: int, card: Card, grids: Grids, mesh: Mesh) -> Section:
     direction = _axis(card, grids, grids.nodes[nodes].mean(axis=0) if len(nodes) else np.zeros(3))
     axis = _normal(grids.nodes[nodes]) if direction is None else direction
     touching = [inside[block.nodes].sum(axis=1) > 2 for block in mesh.blocks]
-    below, _ = _neighbours(mesh, touching, axis)
-    corners = corner_nodes(below.nodes)
-    across: Mask = np.asarray(inside[corners].all(axis=1))
-    return _section(number, card, below, across, direction)
+    faces, ids, _ = _between(mesh, touching, axis)
+    across: Mask = np.asarray(inside[corner_nodes(faces)].all(axis=1))
+    return _section(number, card, faces[across], ids[across], direction)
 
 
 def _of_elements(number: int, card: Card, grids: Grids, mesh: Mesh) -> Section:
@@ -74,9 +71,10 @@ def _of_elements(number: int, card: Card, grids: Grids, mesh: Mesh) -> Section:
     level = float(heights.min() + heights.max()) / 2
     if grid_text and grid_text != "0":
         level = float(grids.nodes[grids.several(card, [card.integer(4)])[0]] @ axis)
-    below, above = _neighbours(mesh, [np.isin(block.ids, ids) for block in mesh.blocks], axis)
-    across = (below.heights < level) & (above.heights >= level)
-    return _section(number, card, below, across, axis)
+    chosen = [np.isin(block.ids, ids) for block in mesh.blocks]
+    faces, owners, (low, high) = _between(mesh, chosen, axis)
+    across = (low < level) & (high >= level)
+    return _section(number, card, faces[across], owners[across], axis)
 
 
 def _texts(card: Card, first: int) -> list[str]:
@@ -100,58 +98,35 @@ def _normal(points: Matrix) -> Vector:
     return np.array(directions[-1])
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Faces:
-    """Faces of elements (n_face, 8), outward, with ids and heights of the elements."""
+def _between(
+    mesh: Mesh, chosen: list[Mask], axis: Vector
+) -> tuple[Indices, Indices, tuple[Vector, Vector]]:
+    """Return the faces (n, 8) between two of the chosen elements, seen from the lower one.
 
-    nodes: Indices
-    ids: Indices
-    heights: Vector
-
-    @property
-    def corners(self) -> Indices:
-        """Sorted corner nodes (n_face, 4); -1 fills triangles."""
-        return corner_keys(self.nodes)
-
-    def taken(self, which: Indices | Mask) -> "_Faces":
-        """Return some of them."""
-        return _Faces(nodes=self.nodes[which], ids=self.ids[which], heights=self.heights[which])
-
-
-def _neighbours(mesh: Mesh, chosen: list[Mask], axis: Vector) -> tuple[_Faces, _Faces]:
-    """Return the faces between two of the chosen elements, as of the lower and of the upper one."""
-    tables, ids = [np.zeros((0, WIDTH), dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
-    heights = [np.zeros(0)]
-    for block, mask in zip(mesh.blocks, chosen, strict=True):
-        cells = block.nodes[mask]
-        for _, local in SOLIDS[block.kind].faces:
-            tables.append(padded(cells[:, list(local)]))
-            ids.append(block.ids[mask])
-            heights.append(mesh.nodes[cells].mean(axis=1) @ axis)
-    faces = _Faces(
-        nodes=np.concatenate(tables), ids=np.concatenate(ids), heights=np.concatenate(heights)
-    )
-    _, group, size = unique_rows(faces.corners)
+    Also returned are the ids of the lower ones, and the heights of the lower and the upper ones.
+    """
+    faces, ids, centres = faces_of(mesh, chosen)
+    heights = centres @ axis
+    _, group, size = unique_rows(corner_keys(faces))
     shared = np.flatnonzero(size[group] == 2)
-    order = shared[np.lexsort((faces.heights[shared], group[shared]))]
-    return faces.taken(order[::2]), faces.taken(order[1::2])
+    order = shared[np.lexsort((heights[shared], group[shared]))]
+    low, high = order[::2], order[1::2]
+    return faces[low], ids[low], (heights[low], heights[high])
 
 
-def _section(number: int, card: Card, below: _Faces, across: Mask, axis: Vector | None) -> Section:
-    if not across.any():
+def _section(number: int, card: Card, faces: Indices, ids: Indices, axis: Vector | None) -> Section:
+    if not len(faces):
         card.refuse(
             "no faces between solids of the shank lie in this cross-section; give all grids of a "
             "layer of faces (ETYPE = 2), or elements on both sides of the grid (ETYPE = 3)"
         )
-    owned = below.taken(across)
     return Section(
         name=f"bolt-{number}",
         shown="the cross-section of the bolt",
         facets={
-            kind: owned.nodes[rows, : FACES[kind].n_nodes]
-            for kind, rows in rows_by_kind(owned.nodes).items()
+            kind: faces[rows, : FACES[kind].n_nodes] for kind, rows in rows_by_kind(faces).items()
         },
-        elements=np.unique(owned.ids),
+        elements=np.unique(ids),
         refuse=card.refuse,
         direction=None if axis is None else tuple(axis.tolist()),
     )
