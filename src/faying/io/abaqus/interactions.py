@@ -111,22 +111,6 @@ Normal = float | Literal["hard"] | Curve
 _FLAGS = ("PENALTY", "DIRECT", "AUGMENTED LAGRANGE", "NO SEPARATION")
 
 
-def read_behaviour(
-    head: Keyword, members: list[Keyword], abaqus: bool, ignored: list[str]
-) -> Normal:
-    """Return the normal behaviour of an interaction; hard where it says nothing.
-
-    ``abaqus`` says that only Abaqus reads the deck.
-    """
-    penalty: Normal = "hard"
-    for member in members:
-        if member.name == "SURFACE BEHAVIOR":
-            penalty = _surface_behavior(member, abaqus, ignored)
-        elif member.name == "GAP CONDUCTANCE":
-            ignored.append(f"*{member.name} of {head.value('NAME')}")
-    return penalty
-
-
 def _surface_behavior(keyword: Keyword, abaqus: bool, ignored: list[str]) -> Normal:
     keyword.check()
     if keyword.has("NO SEPARATION"):
@@ -223,11 +207,15 @@ def read_interactions(deck: Deck) -> dict[str, Interaction]:
             continue
         if "friction" in deck.ignore:
             members = _frictionless(members, deck.ignored)
-        penalty = read_behaviour(head, members, is_of_abaqus(deck), deck.ignored)
+        penalty: Normal = "hard"
         friction, along = 0.0, "auto"
         for member in members:
-            if member.name == "FRICTION":
+            if member.name == "SURFACE BEHAVIOR":
+                penalty = _surface_behavior(member, is_of_abaqus(deck), deck.ignored)
+            elif member.name == "FRICTION":
                 friction, along = read_friction(member, deck.ignored)
+            elif member.name == "GAP CONDUCTANCE":
+                deck.ignored.append(f"*{member.name} of {head.value('NAME')}")
         interactions[name.upper()] = Interaction(
             name=name, penalty=penalty, friction=friction, tangential_penalty=along
         )

@@ -127,7 +127,7 @@ Forces = dict[tuple[int, int], float]
 def read_concentrated(data: DeckData, amplitudes: Amplitudes) -> Iterator[Forces]:
     """Yield the *CLOAD in force, step by step from 0: (node, component) of the deck to the value.
 
-    As of :func:`~.in_force.in_force`.
+    As of :func:`in_force`.
     """
     deck = data.deck
     for load in deck.of("CLOAD"):
@@ -185,7 +185,7 @@ def read_distributed(
 ) -> Iterator[Matrix]:
     """Yield the forces (n_node, 6) of all distributed loads in force, step by step from 0.
 
-    As of :func:`~.in_force.in_force`, of the same kind on the same set or surface. The assembly has
+    As of :func:`in_force`, of the same kind on the same set or surface. The assembly has
     all elements, whose mass gravity acts on.
     """
     for keyword in data.deck.of("DLOAD", "DSLOAD"):

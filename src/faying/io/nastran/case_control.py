@@ -74,12 +74,8 @@ class CaseControl:
     heat: bool = False
 
 
-@dataclass(kw_only=True)
-class _Level:
-    """Selections of the global level or of one subcase."""
-
-    where: str
-    chosen: dict[str, int | str] = field(default_factory=dict)
+_Choices = dict[str, int | str]
+"""What commands of the global level or of one subcase select."""
 
 
 def parameter_lines(lines: Lines) -> Lines:
@@ -106,8 +102,9 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
     begins later.
     """
     start = _behind_cend(lines) - 1
-    common = _Level(where="")
-    subcases: dict[int, _Level] = {}
+    common: _Choices = {}
+    subcases: dict[int, _Choices] = {}
+    places: dict[int, str] = {}
     combinations: dict[int, str] = {}
     others: set[str] = set()
     heat = any(_HEAT.match(line) for line in lines.text[: start + 1])
@@ -120,46 +117,46 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
             )
         if name == "SUBCASE" or name in _COMBINATIONS:
             number = _number(lines, i, name, value, "an id")
-            level, steps = _Level(where=lines.where(i)), 0
+            level, steps = _Choices(), 0
             of_subcase = level
             if name in _COMBINATIONS:
                 combinations[number] = name
             elif number in subcases:
                 refuse(
-                    f"{lines.where(i)}: SUBCASE {number} is already at {subcases[number].where}; "
+                    f"{lines.where(i)}: SUBCASE {number} is already at {places[number]}; "
                     "renumber one"
                 )
             else:
-                subcases[number] = level
+                subcases[number], places[number] = level, lines.where(i)
         elif name == "STEP":
             steps += 1
             if steps == 2:
-                level = _Level(where=lines.where(i))
+                level = _Choices()
                 others.add("STEP after the first")
         elif name == "BCONTACT":
             word = value.partition(",")[0].strip()
             choice = word if word in _BCONTACT else _number(lines, i, name, value, "a table's id")
-            if steps > 1 and of_subcase.chosen.get(name, common.chosen.get(name, 0)) == 0:
+            if steps > 1 and of_subcase.get(name, common.get(name, 0)) == 0:
                 ignored.append(f"BCONTACT = {word} is that of a later STEP, for the first has none")
-                of_subcase.chosen[name] = choice
-            level.chosen[name] = choice
+                of_subcase[name] = choice
+            level[name] = choice
         elif name == "ANALYSIS":
             heat = heat or value == "HEAT"
             others.add(name)
         elif name == "TEMPERATURE":
             for use in _TEMPERATURES.get(option[:4], ()):
-                level.chosen[f"temperature {use}"] = _number(lines, i, name, value, "a set")
+                level[f"temperature {use}"] = _number(lines, i, name, value, "a set")
         elif name in _SETS:
-            level.chosen[name] = _number(lines, i, name, value, "the number of a set")
+            level[name] = _number(lines, i, name, value, "the number of a set")
         elif name not in _SILENT and start >= 0:
             others.add(name)
     if others:
         ignored.append(f"case control requests {', '.join(sorted(others))}")
-    chosen = {**common.chosen, **_subcase(subcases, combinations, subcase, ignored)}
+    chosen = {**common, **_subcase(subcases, combinations, subcase, ignored)}
     return replace(_control(chosen, present=start >= 0 or bool(chosen)), heat=heat)
 
 
-def _control(chosen: dict[str, int | str], *, present: bool) -> CaseControl:
+def _control(chosen: _Choices, *, present: bool) -> CaseControl:
     numbers = {name: value for name, value in chosen.items() if isinstance(value, int)}
     uses = ("load", "initial", "material")
     temperatures = {use: numbers[key] for use in uses if (key := f"temperature {use}") in numbers}
@@ -190,11 +187,11 @@ def _number(lines: Lines, i: int, name: str, value: str, expected: str) -> int:
 
 
 def _subcase(
-    subcases: dict[int, _Level],
+    subcases: dict[int, _Choices],
     combinations: dict[int, str],
     subcase: int | None,
     ignored: list[str],
-) -> dict[str, int | str]:
+) -> _Choices:
     """Return the selections of the subcase that counts, and note the others."""
     if subcase is not None and subcase not in subcases:
         numbers = ", ".join(map(str, subcases)) or "none"
@@ -215,7 +212,7 @@ def _subcase(
         ignored.append(
             f"case control subcases other than {chosen} ({', '.join(others)}); choose by 'subcase'"
         )
-    return subcases[chosen].chosen
+    return subcases[chosen]
 
 
 LUMPED = (

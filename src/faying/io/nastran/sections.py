@@ -102,8 +102,8 @@ def read_sections(
     result: dict[str, dict[int, Property]] = {"CBAR": {}, "CBEAM": {}}
     heavy = 0
     readers = {
-        "CBAR": {"PBAR": _pbar, "PBARL": _pbarl},
-        "CBEAM": {"PBEAM": _pbeam, "PBEAML": _pbeaml},
+        "CBAR": {"PBAR": _pbar, "PBARL": _dimensioned},
+        "CBEAM": {"PBEAM": _pbeam, "PBEAML": _dimensioned},
     }
     lines = [
         card for name in ("CBAR", "CBEAM", "BAROR", "BEAMOR") for card in bulk.cards.get(name, ())
@@ -236,13 +236,21 @@ def _differ(first: float, second: float) -> bool:
     return not math.isclose(first, second, rel_tol=SHORT_DIGITS, abs_tol=0.0)
 
 
-def _pbarl(card: Card, material: Material) -> BeamSection:
-    kind, sizes = _sizes(card)
-    return _dimensioned(card, kind, sizes, material)
+def _sizes(card: Card) -> tuple[str, list[float]]:
+    kind = card.text(3)
+    if kind not in _DIMENSIONS or card.text(2) not in ("", "MSCBML0", "MSCBMLO"):
+        card.refuse(
+            f"section '{kind}' of group '{card.text(2)}' is not supported; supported are "
+            f"{', '.join(_DIMENSIONS)} of MSCBML0, or give A, I1, I2, J on PBAR or PBEAM"
+        )
+    sizes = [card.real(8 + j) for j in range(_DIMENSIONS[kind])]
+    if not min(sizes) > 0 and not (kind == "TUBE" and sizes[0] > 0 == sizes[1]):
+        card.refuse("dimensions of the section must be positive", 8)
+    return kind, sizes
 
 
-def _pbeaml(card: Card, material: Material) -> BeamSection:
-    kind, sizes = _sizes(card)
+def _check_stations(card: Card, sizes: Sequence[float]) -> None:
+    """Refuse a PBEAML whose dimensions change along the beam."""
     mass_field = 8 + len(sizes)
     field = mass_field + 1
     while field < len(card):
@@ -259,23 +267,12 @@ def _pbeaml(card: Card, material: Material) -> BeamSection:
                     size_field,
                 )
         field += 3 + len(sizes)
-    return _dimensioned(card, kind, sizes, material)
 
 
-def _sizes(card: Card) -> tuple[str, list[float]]:
-    kind = card.text(3)
-    if kind not in _DIMENSIONS or card.text(2) not in ("", "MSCBML0", "MSCBMLO"):
-        card.refuse(
-            f"section '{kind}' of group '{card.text(2)}' is not supported; supported are "
-            f"{', '.join(_DIMENSIONS)} of MSCBML0, or give A, I1, I2, J on PBAR or PBEAM"
-        )
-    sizes = [card.real(8 + j) for j in range(_DIMENSIONS[kind])]
-    if not min(sizes) > 0 and not (kind == "TUBE" and sizes[0] > 0 == sizes[1]):
-        card.refuse("dimensions of the section must be positive", 8)
-    return kind, sizes
-
-
-def _dimensioned(card: Card, kind: str, sizes: Sequence[float], material: Material) -> BeamSection:
+def _dimensioned(card: Card, material: Material) -> BeamSection:
+    kind, sizes = _sizes(card)
+    if card.cards.name == "PBEAML":
+        _check_stations(card, sizes)
     if (kind == "TUBE" and sizes[1] >= sizes[0]) or (
         kind == "BOX" and (2 * sizes[3] >= sizes[0] or 2 * sizes[2] >= sizes[1])
     ):
