@@ -173,22 +173,21 @@ def _table_groups(card: Card, ignored: dict[str, None]) -> list[_Group]:
         word = texts[0]
         if word in _SECONDARY:
             section = "secondary"
-            tolerance = Parameters(error=card.real(first + 2, 0.0))
-            secondary = [card.integer(first + 1)]
-            groups.append(_Group(card=card, secondary=secondary, parameters=tolerance))
-            if card.text(first + 4):
-                friction = friction_coefficient(card, first + 4)
-                groups[-1].parameters = replace(groups[-1].parameters, friction=friction)
             if card.real(first + 5, 0.0):
                 card.refuse(
                     "CINTERF (interference) is not supported; give 'initial_gap' in the study",
                     first + 5,
                 )
-            groups[-1].parameters = replace(groups[-1].parameters, glued=is_glued(card, first + 6))
-        elif word in _PRIMARY and groups:
+            has_friction = bool(card.text(first + 4))
+            parameters = Parameters(
+                error=card.real(first + 2, 0.0),
+                friction=friction_coefficient(card, first + 4) if has_friction else None,
+                glued=is_glued(card, first + 6),
+            )
+            secondary = [card.integer(first + 1)]
+            groups.append(_Group(card=card, secondary=secondary, parameters=parameters))
+        elif groups and (word in _PRIMARY or (not word and section == "primary")):
             section = "primary"
-            groups[-1].primary += id_list(card, texts[1:])
-        elif not word and section == "primary":
             groups[-1].primary += id_list(card, texts[1:])
         elif not word and section and texts[1] in _SECTIONS:
             section = "parameters"
