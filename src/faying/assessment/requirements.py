@@ -76,11 +76,11 @@ class Requirements:
 
 
 def misnamed(
-    requirements: Requirements, interfaces: Sequence[str], frictionless: Sequence[str]
+    requirements: Requirements, interfaces: Sequence[str], smooth_interfaces: Sequence[str]
 ) -> Iterator[tuple[str, str]]:
     """Yield the requirements that name an interface that is not there, and what is wrong.
 
-    Frictionless interfaces have no friction law.
+    Smooth interfaces have no friction law.
     """
     limits, frictions = requirements.min_clamp_force, requirements.slip_friction
     named = [("min_clamp_force", n) for n in (limits if isinstance(limits, Mapping) else ())]
@@ -94,8 +94,8 @@ def misnamed(
         names = ", ".join(interfaces)
         yield "closed_ring", f"there are several interfaces, {names}; add 'interface'"
     for name in frictions if isinstance(frictions, Mapping) else ():
-        if name not in frictionless:
-            names = ", ".join(frictionless) or "none"
+        if name not in smooth_interfaces:
+            names = ", ".join(smooth_interfaces) or "none"
             yield (
                 "slip_friction",
                 f"there is no interface '{name}' without friction; there are {names}",
@@ -103,10 +103,12 @@ def misnamed(
 
 
 def check_names(
-    requirements: Requirements, interfaces: Sequence[str], frictionless: Sequence[str]
+    requirements: Requirements, interfaces: Sequence[str], smooth_interfaces: Sequence[str]
 ) -> None:
     """Refuse requirements on interfaces that are not there."""
-    wrong = [f"{key}: {text}" for key, text in misnamed(requirements, interfaces, frictionless)]
+    wrong = [
+        f"{key}: {text}" for key, text in misnamed(requirements, interfaces, smooth_interfaces)
+    ]
     if wrong:
         raise ModelError("\n".join(wrong))
 

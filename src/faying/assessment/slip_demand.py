@@ -179,16 +179,18 @@ def _nearer(places: Matrix, shares: Matrix, point: Matrix, reach: float) -> tupl
 
 
 def slip_coefficients(
-    friction: float | Mapping[str, float] | None, frictionless: Sequence[str]
+    friction: float | Mapping[str, float] | None, smooth_interfaces: Sequence[str]
 ) -> dict[str, float]:
     """Return the coefficient that each interface is judged with, of those that have one.
 
-    Frictionless interfaces have no friction law.
+    Smooth interfaces have no friction law.
     """
     if friction is None:
         return {}
     return (
-        dict(friction) if isinstance(friction, Mapping) else dict.fromkeys(frictionless, friction)
+        dict(friction)
+        if isinstance(friction, Mapping)
+        else dict.fromkeys(smooth_interfaces, friction)
     )
 
 

@@ -15,10 +15,9 @@ from faying.linalg.backends import count_negative
 from faying.linalg.factorization import Factorization, factorize
 from faying.linalg.relief import factorize_relieved
 from faying.reduction.normal_modes import lowest_modes
-from faying.simulation.path import last_of
+from faying.simulation.path import last_of, solve_static
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import check_points
-from faying.simulation.start import at_rest
 
 MISSED_MASS = 1e-4
 """Part of the mass of a motion that shapes may miss: its frequency is then 5e-5 too high."""
@@ -273,5 +272,5 @@ def count_frequencies_below(
 
 
 def _tangent(model: Model, state: Solution | None) -> SparseMatrix:
-    about = at_rest(model) if state is None else last_of(state)
+    about = solve_static(model) if state is None else last_of(state)
     return cast("SparseMatrix", stuck_stiffness(model, about))

@@ -202,6 +202,16 @@ class Contact:
             message = "no interface has friction; give it with model.with_friction"
             raise ModelError(message)
 
+    def check_slip(self, slip: Matrix, name: str) -> None:
+        """Refuse a state, by its name, whose slip (n_tangent, n_point) is of other components."""
+        if len(slip) != self.components - 1:
+            message = (
+                f"of the joint and the initial solution '{name}' only one has friction, and says "
+                "what has slipped; give one of solve_path, solve_path(joint, [fy.Load()], "
+                "initial=...) to close a joint with friction that was tightened without"
+            )
+            raise ModelError(message)
+
     def check_frictionless(self) -> None:
         """Refuse friction, for what solves without increments."""
         for name, law in self.laws.items():

@@ -14,8 +14,8 @@ from faying.joint.system import System
 from faying.simulation.instants import runs_at_once
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import Load
+from faying.simulation.path import solve_static
 from faying.simulation.solution import Solution
-from faying.simulation.start import at_rest
 from faying.simulation.stepping import TransientSolver, transient_solver
 
 
@@ -110,7 +110,7 @@ def _prepare(
 ) -> Callable[[Sequence[Load]], Iterator[Arrays]]:
     """Build and factorize on a worker."""
     system = build()
-    solver, start = transient_solver(system, step=step, integrator=integrator), at_rest(system)
+    solver, start = transient_solver(system, step=step, integrator=integrator), solve_static(system)
     # Nothing here may hold a solution: the histories of all that were beside it hang on it.
     return lambda loads: map(take, step_responses(solver, loads, duration=duration, initial=start))
 

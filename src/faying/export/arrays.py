@@ -16,8 +16,7 @@ from faying.joint.load_pattern import pattern_forces
 from faying.joint.system import boundary_dofs, elongations, initial_bolt_forces
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.reduction.reduced_model import ReducedModel
-from faying.simulation.path import last_of
-from faying.simulation.start import at_rest
+from faying.simulation.path import solve_static
 from faying.study.results.values import Results
 
 
@@ -37,7 +36,7 @@ def variables(rom: ReducedModel) -> dict[str, Any]:
     """
     refuse_expanding_bolts(rom)
     contact, bolts, n_mode = rom.contact, rom.bolts, len(rom.K)
-    preloaded, recovery = last_of(at_rest(rom)), rom.recovery
+    preloaded, recovery = solve_static(rom), rom.recovery
     return {
         "M": rom.M,
         "C": rom.C,

@@ -41,9 +41,8 @@ from faying.linalg.relief import factorize_relieved
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES
 from faying.reduction.normal_modes import lowest_modes
 from faying.reduction.reduced_model import ReducedModel
-from faying.simulation.path import last_of
+from faying.simulation.path import last_of, solve_static
 from faying.simulation.solution import Solution
-from faying.simulation.start import at_rest
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -139,7 +138,7 @@ def linearize(about: ReducedModel | Solution) -> LinearModel:
     -----
     One Cholesky factorization of the size of the closed points.
     """
-    state = last_of(about) if isinstance(about, Solution) else at_rest(about)
+    state = last_of(about) if isinstance(about, Solution) else solve_static(about)
     system = state.system
     closed = np.asarray(state.contact_forces > 0)
     added, forces, gaps = _contact_rows(state, closed)

@@ -18,18 +18,13 @@ from faying.simulation.path import (
     last_of,
     left_by,
     moved_alone,
-    solve_path,
+    solve_static,
     unstressed,
 )
 from faying.simulation.restart import Restart, each_of
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import carried_inputs
 from faying.simulation.static import AT_REST, relative_forces
-
-
-def at_rest(system: System) -> Solution:
-    """Solve the joint under its bolts alone; with friction they are tightened in one increment."""
-    return last_of(solve_path(system, [AT_REST], name=AT_REST.name))
 
 
 def released_state(system: System, load: Load = AT_REST) -> Solution:
@@ -54,7 +49,7 @@ def starting_states(
 ) -> list[Solution]:
     """Return one static state for each load."""
     if initial is None:
-        return [at_rest(system)] * len(loads)
+        return [solve_static(system)] * len(loads)
     if len(initial) != len(loads):
         message = f"{len(loads)} loads and {len(initial)} initial solutions; give one for each load"
         raise ModelError(message)
@@ -69,13 +64,7 @@ def _checked(system: System, start: Solution, moves: bool) -> Solution:
             "rest; give a static solution or a path, or solve the longer transient"
         )
         raise ModelError(message)
-    if len(start.shear_slip) != system.contact.components - 1:
-        message = (
-            f"of the joint and the initial solution '{start.name}' only one has friction, and says "
-            "what has slipped; give one of solve_path, solve_path(joint, [fy.Load()], initial=...) "
-            "to close a joint with friction that was tightened without"
-        )
-        raise ModelError(message)
+    system.contact.check_slip(start.shear_slip, start.name)
     return start if start.system is system else _carried(system, start)
 
 
