@@ -14,7 +14,6 @@ import numpy as np
 from faying._typing import Indices
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.system import System
-from faying.simulation.energy_guard import warn_of_gain
 from faying.simulation.instants import check_times
 from faying.simulation.integrators import ImplicitEuler, Integrator
 from faying.simulation.load import Load
@@ -150,7 +149,6 @@ class DividedSteps:
         """Return the next instant, and where the motion stands there."""
         if fixed_level is not None:
             interval, end = self._tried(load, restart, fixed_level)
-            _warn(load, restart, end)
             return _ended(interval, fixed_level, np.nan), replace(end, level=fixed_level)
         allowed = self.tolerance / last
         level = max(restart.level, 1)
@@ -161,7 +159,6 @@ class DividedSteps:
             level += 1
             tried[level] = self._offered(load, restart, level)
         interval, end = tried[level] or self._tried(load, restart, level)
-        _warn(load, restart, end)
         eased = level > 1 and EASY_ERROR * error <= allowed
         level_after = level - 1 if eased else level
         ended = replace(end, level=level_after, peak=_peak(restart.peak, interval))
@@ -209,7 +206,7 @@ def divided_steps(
         raise ModelError(message)
     scheme = ImplicitEuler() if integrator is None else integrator
     lengths = (
-        TransientSolver(system=system, scheme=scheme, step=step / 2**level, warn=False)
+        TransientSolver(system=system, scheme=scheme, step=step / 2**level)
         for level in range(MOST_HALVINGS + 1)
     )
     return DividedSteps(
@@ -219,12 +216,6 @@ def divided_steps(
 
 def _peak(peak: float, solution: Solution) -> float:
     return max(peak, float(solution.pressure[-1].max(initial=0.0)))
-
-
-def _warn(load: Load, earlier: Restart, later: Restart) -> None:
-    """Log that energy appeared from nothing; in steps that were rejected it does not matter."""
-    if later.ledger is not None:
-        warn_of_gain(load.name, earlier.ledger, later.ledger)
 
 
 def _ended(solution: Solution, level: int, error: float) -> Solution:

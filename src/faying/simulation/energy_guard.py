@@ -81,8 +81,6 @@ class EnergyGuard:
         At the instant before the piece and those of the piece.
     history
         Of the piece, to be written.
-    warn
-        Whether to log what is not sound.
     """
 
     system: System
@@ -93,16 +91,11 @@ class EnergyGuard:
     ledgers: Sequence[EnergyLedger | None]
     inputs: Matrix
     history: Instants
-    warn: bool = True
 
     def audit(self) -> list[EnergyLedger]:
-        """Return the ledgers at the end of the piece; log what is not sound any more."""
+        """Return the ledgers at the end of the piece."""
         n_time = self.inputs.shape[1] - 1
-        ledgers = [self._audited(case, n_time) for case in range(len(self.loads))]
-        if self.warn:
-            for name, earlier, later in zip(self.loads, self.ledgers, ledgers, strict=True):
-                warn_of_gain(name, earlier, later)
-        return ledgers
+        return [self._audited(case, n_time) for case in range(len(self.loads))]
 
     @contextmanager
     def watching(self) -> Iterator[None]:
@@ -170,9 +163,9 @@ class EnergyGuard:
         return ledger
 
 
-def warn_of_gain(name: str, earlier: EnergyLedger | None, later: EnergyLedger) -> None:
+def warn_of_gain(name: str, earlier: EnergyLedger | None, later: EnergyLedger | None) -> None:
     """Log that a ledger is not sound any more."""
-    if not later.sound and (earlier is None or earlier.sound):
+    if later is not None and not later.sound and (earlier is None or earlier.sound):
         _log.warning("%s: %s", name, gain_message(later.gain))
 
 

@@ -45,7 +45,6 @@ def transient_solver(
     *,
     step: float,
     integrator: Integrator | None = None,
-    warn: bool = True,
 ) -> "TransientSolver":
     """Factorize what all transients of a system with one time step share.
 
@@ -54,8 +53,6 @@ def transient_solver(
     step : [time]
     integrator
         :class:`ImplicitEuler` unless given.
-    warn
-        Whether to log energy that appears from nothing.
 
     Raises
     ------
@@ -68,7 +65,7 @@ def transient_solver(
     :meth:`TransientSolver.solve` then has only the steps left to do.
     """
     scheme = ImplicitEuler() if integrator is None else integrator
-    solver = TransientSolver(system=system, scheme=scheme, step=step, warn=warn)
+    solver = TransientSolver(system=system, scheme=scheme, step=step)
     _ = solver.condensed
     return solver
 
@@ -84,14 +81,11 @@ class TransientSolver:
     scheme
         Integrator.
     step : [time]
-    warn
-        Whether to log energy that appears from nothing.
     """
 
     system: System
     scheme: Integrator
     step: float
-    warn: bool = True
 
     def __post_init__(self) -> None:
         check_times(self.step, self.step)
@@ -181,7 +175,6 @@ class TransientSolver:
             ledgers=[restart.ledger for restart in here],
             inputs=inputs,
             history=history.instants(first, first + len(times)),
-            warn=self.warn,
         )
         inputs = inputs[:, 1:]
         external = input_forces(system, inputs)

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol
 
 from faying.joint.system import System
+from faying.simulation.energy_guard import warn_of_gain
 from faying.simulation.instants import check_times, require_history_room
 from faying.simulation.load import Load
 from faying.simulation.restart import Restart
@@ -65,7 +66,8 @@ def transient_windows(
     since the last call, those of all loads together.
 
     Yielded are of each load the instants of the window, and where it stands after them. Windows of
-    a run that was resumed are the same, to the bit, as those it would have had.
+    a run that was resumed are the same, to the bit, as those it would have had. Energy that appears
+    from nothing is logged.
     """
     check_times(steps.step, duration)
     last = round(duration / steps.step)
@@ -78,8 +80,11 @@ def transient_windows(
     require_history_room(len(loads), size + 1, steps.system)
     while standing[0].done < last:
         end = min(standing[0].done + size, last)
+        before = standing
         solutions, standing = steps.advanced(
-            standing, loads, starts, end=end, last=last, progress=progress
+            before, loads, starts, end=end, last=last, progress=progress
         )
+        for load, earlier, later in zip(loads, before, standing, strict=True):
+            warn_of_gain(load.name, earlier.ledger, later.ledger)
         starts = []
         yield solutions, standing
