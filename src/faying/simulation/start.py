@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from faying._typing import Matrix
 from faying.contact.state import ContactState
 from faying.exceptions import ModelError
 from faying.joint.smooth_joint import smooth_joint
@@ -76,11 +75,6 @@ def _carried(system: System, start: Solution) -> Solution:
     return replace(start, system=system, inputs=inputs, states=states)
 
 
-def stacked_forces(normal: Matrix, shear: Matrix) -> Matrix:
-    """Return all components of contact forces (n_case, components * n_point)."""
-    return np.concatenate([normal, shear.reshape(len(normal), -1)], axis=1)
-
-
 def begun(
     system: System,
     scheme: Integrator,
@@ -105,7 +99,7 @@ def begun(
     if scheme.needs_acceleration:
         a = factorize(system.M + step**2 * system.K).solve(applied + contact - system.K @ u)
     carried_force = scheme.kept_force(applied, contact)
-    every = stacked_forces(forces, shear)
+    every = np.concatenate([forces, shear.reshape(len(forces), -1)], axis=1)
     motion = Motion(u, np.zeros_like(u), a, carried_force, np.zeros_like(u), every.T)
     whole, slips = (np.zeros((len(starts), n, forces.shape[1])) for n in (3, 2))
     whole[:, : system.contact.components] = every.reshape(len(starts), -1, forces.shape[1])
