@@ -41,7 +41,7 @@ def integrate(rom, load, integrator, **options):
 def in_python(solve, *arguments, **options):
     """Return what is solved as where there is no numba."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(compiled, "find_spec", lambda _: None)
+        patch.setattr(compiled, "has_numba", lambda: False)
         return solve(*arguments, **options)
 
 
@@ -168,6 +168,15 @@ def test_an_earlier_run_changes_no_digit(compiled_loop, rom):
     integrate(rom, SHAKEN, None)
     again = integrate(rom, LC2, None)
     np.testing.assert_array_equal(first.contact_forces, again.contact_forces)
+
+
+def test_numba_that_does_not_import_is_none(monkeypatch):
+    def broken(name):
+        message = "Numba needs NumPy 2.3 or less. Got NumPy 2.4."
+        raise ImportError(message)
+
+    monkeypatch.setattr(compiled, "import_module", broken)
+    assert not compiled.has_numba.__wrapped__()
 
 
 def test_without_numba_the_argument_that_is_gone_warns(rom):

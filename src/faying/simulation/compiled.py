@@ -6,7 +6,6 @@ import warnings
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
-from importlib.util import find_spec
 from typing import Any, cast
 
 import numpy as np
@@ -52,6 +51,17 @@ def warn_of_compiled(compiled: bool | None) -> None:
             "where numba is installed (pip install 'faying[compiled]')"
         )
         warnings.warn(message, DeprecationWarning, stacklevel=3)
+
+
+@cache
+def has_numba() -> bool:
+    """Say whether numba is there, and works with the NumPy that is."""
+    try:
+        import_module("numba")
+    except ImportError as error:
+        _log.info("time steps are not compiled: %s", error)
+        return False
+    return True
 
 
 @cache
@@ -167,14 +177,12 @@ def compiled_steps(
     3000 steps of the cantilever and 30 of a flange of 3972 points.
     """
     P, contact = system.contact.relative_operator, system.contact
-    if find_spec("numba") is None or not isinstance(P, np.ndarray):
-        return None
-    if not (contact.forgets and contact.proportional):
+    if not isinstance(P, np.ndarray) or not (contact.forgets and contact.proportional):
         return None
     solver = condensed.increments
     if not isinstance(solver, YieldingContact):
         return None
-    if not isinstance(scheme.step_contact(condensed), EndContact):
+    if not isinstance(scheme.step_contact(condensed), EndContact) or not has_numba():
         return None
     n, (columns, values) = P.shape[1], padded_rows(contact.interpolation)
     inverse = effective.solve(np.eye(n))
