@@ -163,3 +163,11 @@ def test_one_free_direction_is_balanced_alone():
     assert np.ptp(moved[:, 0]) < 1e-9 * np.abs(moved).max()
     assert np.abs(moved[:, 1:]).max() < 1e-9 * np.abs(moved).max()
     assert fy.solve_static(sliding, LOAD).max_pressure > 0
+
+
+def test_sparse_factors_balance_forces_alike(free):
+    dense, sparse = (fy.solve_static(m, LOAD) for m in (free, free.with_dense_budget(100)))
+    largest = dense.contact_forces.max()
+    np.testing.assert_allclose(
+        sparse.contact_forces, dense.contact_forces, rtol=0, atol=1e-9 * largest
+    )

@@ -204,7 +204,7 @@ def stuck_springs(system: System, state: Solution) -> tuple[SparseMatrix, Vector
 def _own_compliance(system: System, rows: SparseMatrix) -> Vector:
     """Return the displacement along each row per force along it [length/force]."""
     forces, residual = rows.T.toarray(), system.contact.residual_compliance
-    moved = system.port_compliance.relative @ forces
+    moved = system.port_compliance.pairs @ forces
     if residual is not None:
         moved = moved + residual @ forces
     return np.asarray(rows.multiply(moved.T).sum(axis=1)).ravel()

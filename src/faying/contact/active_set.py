@@ -32,16 +32,12 @@ class ContactForces:
         Points in contact; a warm start for a neighbouring problem.
     iterations
         Linear systems solved.
-    error
-        Bound on the relative error of the forces in the norm (Σ λ²/(c_n w))½; zero where the
-        problem was solved to round-off.
     """
 
     forces: Vector
     slack: Vector
     active: Mask
     iterations: int
-    error: float = 0.0
 
 
 BLOCK_ATTEMPTS = 20

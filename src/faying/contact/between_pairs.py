@@ -1,26 +1,93 @@
 """The structure between its pairs, by its compliance S or by its stiffness Σ = S⁻¹.
 
 Reduced models know S. Σ of a full model is a Schur complement, and S is its inverse, which is
-formed where something asks for it. Of many pairs sparse factors give products.
+formed where something asks for it. Where dense matrices have no room, sparse factors give products
+of both.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeAlias, cast, final
+from typing import Protocol, TypeAlias, final
 
 import numpy as np
+from scipy.linalg import LinAlgError, lapack
 
-from faying._typing import Matrix, Vector, frozen
+from faying._typing import Matrix, SparseMatrix, Vector, frozen
+from faying.contact.glued_pairs import GluedPairs
+from faying.contact.sparse_pairs import SparsePairs
 from faying.linalg.cholesky import inverse
-from faying.linalg.compressed import Compliance
-from faying.linalg.sparse_stiffness import SparseStiffness
+from faying.linalg.sparse_compliance import Compliance, SparseCompliance, plus
+from faying.linalg.sparse_stiffness import refuse_dense
 
 REGULAR = 1e-11
 """Smallest over largest squared pivot of S from which it has an inverse worth using.
 
 Springs of 1 N/mm beside elasticity leave 1e-7, a basis of fewer modes than pairs 1e-16.
 """
+
+Pressed: TypeAlias = Callable[[], Vector | None] | None
+"""Tells points (n_point,) that bolts press on, as of :meth:`.GluedPairs.of`."""
+
+
+class BetweenPairs(Protocol):
+    """What is known of a structure between its pairs."""
+
+    @property
+    def compliance(self) -> Matrix:
+        """S (n_relative, n_relative) [length/force], formed.
+
+        Raises
+        ------
+        ModelError
+            If it has no room.
+        """
+        ...
+
+    @property
+    def stiffness(self) -> Matrix:
+        """Σ (n_relative, n_relative) [force/length], formed.
+
+        Raises
+        ------
+        ModelError
+            If it has no room.
+        LinAlgError
+            If S is not positive definite beyond round-off.
+        """
+        ...
+
+    def __matmul__(self, forces: Matrix) -> Matrix:
+        """Return S P (n_relative, k) [length] of many forces between the pairs."""
+        ...
+
+    def moved_by(self, forces: Vector) -> Vector:
+        """Return S p (n_relative,) [length] of forces between the pairs."""
+        ...
+
+    def softened(self, residual: Compliance) -> "BetweenPairs":
+        """Return it with a residual compliance besides."""
+        ...
+
+    def alone(self) -> "BetweenPairs":
+        """Return it without what it was condensed from."""
+        ...
+
+    def spanned(self) -> Matrix:
+        """Return Y (n_relative, rank) with S = Y Yᵀ."""
+        ...
+
+    def on_springs(
+        self, G: SparseMatrix, springs: Matrix, pressed: Pressed
+    ) -> GluedPairs | SparsePairs:
+        """Return what solves Newton steps; arguments are as of :meth:`.GluedPairs.of`.
+
+        Raises
+        ------
+        LinAlgError
+            If S is not positive definite beyond round-off.
+        """
+        ...
 
 
 @final
@@ -31,29 +98,45 @@ class ByCompliance:
     Attributes
     ----------
     compliance : (n_relative, n_relative) [length/force]
-        S, dense or compressed.
+        S.
     """
 
-    compliance: Compliance
+    compliance: Matrix
 
     def __post_init__(self) -> None:
-        if isinstance(self.compliance, np.ndarray):
-            object.__setattr__(self, "compliance", frozen(self.compliance))
+        object.__setattr__(self, "compliance", frozen(self.compliance))
 
-    def moved_by(self, forces: Vector) -> Vector:
-        """Return S p (n_relative,) [length] of forces between the pairs."""
+    def __matmul__(self, forces: Matrix) -> Matrix:
+        """Return S P."""
         return self.compliance @ forces
 
     @cached_property
     def stiffness(self) -> Matrix:
-        """Σ (n_relative, n_relative) [force/length].
+        """Σ."""
+        return inverse(self.compliance, REGULAR)
 
-        Raises
-        ------
-        LinAlgError
-            If S is not positive definite beyond round-off.
-        """
-        return inverse(cast("Matrix", self.compliance), REGULAR)
+    def moved_by(self, forces: Vector) -> Vector:
+        """Return S p."""
+        return self.compliance @ forces
+
+    def softened(self, residual: Compliance) -> "ByCompliance":
+        """Return it with a residual compliance besides."""
+        return ByCompliance(np.asarray(self.compliance + np.asarray(residual)))
+
+    def alone(self) -> "ByCompliance":
+        """Return itself."""
+        return self
+
+    def spanned(self) -> Matrix:
+        """Return Y (n_relative, rank), by Cholesky with pivots."""
+        factor, order, rank, _ = lapack.dpstrf(self.compliance, lower=1)
+        shapes = np.zeros_like(factor)
+        shapes[order - 1] = np.tril(factor)
+        return np.ascontiguousarray(shapes[:, :rank])
+
+    def on_springs(self, G: SparseMatrix, springs: Matrix, pressed: Pressed) -> GluedPairs:
+        """Return what solves Newton steps, by inverses."""
+        return GluedPairs.of(G, springs, self, pressed)
 
 
 @final
@@ -73,12 +156,32 @@ class ByStiffness:
 
     stiffness: Matrix
     moved_by: Callable[[Vector], Vector]
-    form_compliance: Callable[[], Compliance]
+    form_compliance: Callable[[], Matrix]
 
     @cached_property
-    def compliance(self) -> Compliance:
-        """S (n_relative, n_relative) [length/force]."""
+    def compliance(self) -> Matrix:
+        """S."""
         return self.form_compliance()
+
+    def __matmul__(self, forces: Matrix) -> Matrix:
+        """Return S P."""
+        return self.compliance @ forces
+
+    def softened(self, residual: Compliance) -> ByCompliance:
+        """Return it with a residual compliance besides."""
+        return ByCompliance(self.compliance).softened(residual)
+
+    def alone(self) -> ByCompliance:
+        """Return it by its compliance."""
+        return ByCompliance(self.compliance)
+
+    def spanned(self) -> Matrix:
+        """Return Y (n_relative, rank)."""
+        return ByCompliance(self.compliance).spanned()
+
+    def on_springs(self, G: SparseMatrix, springs: Matrix, pressed: Pressed) -> GluedPairs:
+        """Return what solves Newton steps, by inverses."""
+        return GluedPairs.of(G, springs, self, pressed)
 
 
 @final
@@ -88,23 +191,106 @@ class BySubstitution:
 
     Attributes
     ----------
-    stiffness
-        Σ, by sparse factors.
-    moved_by
-        Returns S p (n_relative, ...) [length] of forces between the pairs, by substitution.
-    form_compliance
-        Returns S, compressed.
+    total
+        S, by sparse factors.
     """
 
-    stiffness: SparseStiffness
-    moved_by: Callable[[Matrix], Matrix]
-    form_compliance: Callable[[], Compliance]
+    total: SparseCompliance
 
-    @cached_property
-    def compliance(self) -> Compliance:
-        """S (n_relative, n_relative) [length/force]."""
-        return self.form_compliance()
+    def __matmul__(self, forces: Matrix) -> Matrix:
+        """Return S P."""
+        return self.total @ forces
+
+    @property
+    def compliance(self) -> Matrix:
+        """Refused."""
+        refuse_dense(self.total.shape[0])
+
+    @property
+    def stiffness(self) -> Matrix:
+        """Refused."""
+        refuse_dense(self.total.shape[0])
+
+    def moved_by(self, forces: Vector) -> Vector:
+        """Return S p."""
+        return self.total @ forces
+
+    def softened(self, residual: Compliance) -> ByCompliance:
+        """Refused: full models have no residual compliance."""
+        return ByCompliance(self.compliance).softened(residual)
+
+    def alone(self) -> "BySubstitution":
+        """Return itself."""
+        return self
+
+    def spanned(self) -> Matrix:
+        """Refused."""
+        return self.compliance
+
+    def on_springs(
+        self,
+        G: SparseMatrix,
+        springs: Matrix,
+        _: Pressed = None,
+    ) -> SparsePairs:
+        """Return what solves Newton steps, by sparse factors."""
+        return SparsePairs.of(G, springs, self.total)
 
 
-DenseBetweenPairs: TypeAlias = ByCompliance | ByStiffness
-BetweenPairs: TypeAlias = DenseBetweenPairs | BySubstitution
+@final
+@dataclass(frozen=True, eq=False)
+class ByShapes:
+    """A basis of fewer shapes than pairs, of which matrices have no room.
+
+    Attributes
+    ----------
+    shapes : (n_relative, k)
+        X.
+    core : (k, k) [length/force]
+        C of S = X C Xᵀ, positive definite.
+    """
+
+    shapes: Matrix
+    core: Matrix
+
+    def __matmul__(self, forces: Matrix) -> Matrix:
+        """Return S P."""
+        return self.moved_by(forces)
+
+    @property
+    def compliance(self) -> Matrix:
+        """Refused."""
+        refuse_dense(len(self.shapes))
+
+    @property
+    def stiffness(self) -> Matrix:
+        """Refused."""
+        refuse_dense(len(self.shapes))
+
+    def moved_by(self, forces: Vector) -> Vector:
+        """Return S p."""
+        return np.asarray(self.shapes @ (self.core @ (self.shapes.T @ forces)))
+
+    def softened(self, residual: Compliance) -> BetweenPairs:
+        """Return it with a residual compliance besides."""
+        return between(plus(residual, self.shapes, self.core))
+
+    def alone(self) -> "ByShapes":
+        """Return itself."""
+        return self
+
+    def spanned(self) -> Matrix:
+        """Return Y (n_relative, k)."""
+        return np.asarray(self.shapes @ np.linalg.cholesky(self.core))
+
+    def on_springs(self, *_: object) -> GluedPairs:
+        """Refuse: S is not regular."""
+        message = "fewer shapes than pairs"
+        raise LinAlgError(message)
+
+
+def between(compliance: Compliance) -> ByCompliance | BySubstitution:
+    """Return the structure of a compliance between pairs."""
+    if isinstance(compliance, SparseCompliance):
+        return BySubstitution(compliance)
+    return ByCompliance(compliance)

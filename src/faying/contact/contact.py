@@ -11,7 +11,7 @@ from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_o
 from faying.contact.laws import Law
 from faying.exceptions import ModelError
 from faying.linalg.budget import default_budget, points_fit
-from faying.linalg.compressed import Compliance, CompressedCompliance
+from faying.linalg.sparse_compliance import Compliance
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -32,8 +32,6 @@ class Contact:
         Interface name to its contact points.
     residual_compliance : (n_relative, n_relative) or None
         Relative displacement per contact force that the basis of a reduced model cannot express.
-    places : (n_relative, 3) or None
-        Where the relative displacements are [length].
     shear : (2, n_rubbing, n_relative) sparse, stacked
         Tangential displacements of the points of interfaces with friction, all along the first
         tangents, then all along the second; without rows unless given.
@@ -50,7 +48,6 @@ class Contact:
     laws: Mapping[str, Law]
     slices: Mapping[str, slice]
     residual_compliance: Compliance | None = None
-    places: Matrix | None = None
     shear: SparseMatrix = field(default_factory=lambda: sp.csr_array((0, 0)))
     tangents: Matrix = field(default_factory=lambda: np.zeros((2, 1, 3)))
     dense_budget: int = field(default_factory=default_budget)
@@ -333,7 +330,7 @@ class Contact:
         gap: Matrix = (self.interpolation @ np.asarray(relative_displacement).T).T
         return gap + self.initial_gap
 
-    def at_points(self, compliance: Compliance) -> Matrix:
+    def at_points(self, compliance: Matrix) -> Matrix:
         """Take a compliance between node pairs to one between contact points, N S Nᵀ."""
         if not points_fit(self.n_points, self.dense_budget):
             message = (
@@ -343,9 +340,6 @@ class Contact:
                 "model.with_dense_budget"
             )
             raise ModelError(message)
-        if isinstance(compliance, CompressedCompliance):
-            half = (compliance @ self.interpolation.T.toarray()).T
-        else:
-            half = self.interpolation @ compliance
+        half = self.interpolation @ compliance
         full: Matrix = self.interpolation @ half.T
         return full

@@ -55,10 +55,6 @@ class DensePoints:
         """Return the space of H + δ I."""
         return DensePoints(H=self.H + delta * np.eye(len(self.H)))
 
-    def solve(self, g_free: Vector, active: Mask | None = None) -> ContactForces:
-        """Solve by :func:`~.active_set.solve_complementarity`."""
-        return solve_complementarity(self, g_free, active)
-
     def _factorized(self, active: Mask) -> tuple[Matrix, bool]:
         """Return the lower Cholesky factor of an active block, and whether it is regular."""
         points = np.flatnonzero(active)
@@ -131,7 +127,7 @@ class ContactProblem:
         >>> problem.solve().forces
         array([0.5, 0. ])
         """
-        return DensePoints(H=self.H).solve(self.g_free, active)
+        return solve_complementarity(DensePoints(H=self.H), self.g_free, active)
 
 
 def contact_problem(H: Matrix, g_free: Vector) -> ContactProblem:

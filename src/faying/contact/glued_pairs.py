@@ -15,13 +15,12 @@ alone hold a part.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import cast, final
+from typing import Protocol, final
 
 import numpy as np
 from scipy.linalg import LinAlgError
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
-from faying.contact.between_pairs import DenseBetweenPairs
 from faying.contact.held_pairs import (
     HeldPairs,
     NormalPairs,
@@ -42,8 +41,25 @@ DIRECT = 500
 MOST_CORRECTIONS = 15
 """Products of GMRES, which take as long as a factorization."""
 
+FEWEST_ALIKE = 8
+"""Cases side by side from which an inverse of their own is worth it: it takes as long as two."""
+
 IN_CACHE = 64
 """Rows that are gathered at once: 0.046 s for 6500 by 5500 of 8160 numbers, all at once 0.083."""
+
+
+class Condensed(Protocol):
+    """A structure between its pairs, of which matrices have room."""
+
+    @property
+    def stiffness(self) -> Matrix:
+        """Σ (n_relative, n_relative) [force/length]."""
+        ...
+
+    @property
+    def compliance(self) -> Matrix:
+        """S (n_relative, n_relative) [length/force]."""
+        ...
 
 
 @final
@@ -73,10 +89,10 @@ class GluedPairs:
         cls,
         G: SparseMatrix | Matrix,
         springs: Matrix,
-        between: DenseBetweenPairs,
+        between: Condensed,
         pressed: Callable[[], Vector | None] | None = None,
     ) -> "GluedPairs":
-        """Return the pairs of a structure.
+        """Return the pairs of a structure, whose S is formed where steps need it.
 
         Springs K (components, n_point) [force/length] are those of points that are closed and
         stick. Points (n_point,) that are not told to be pressed are left open, so that fewer change
@@ -129,6 +145,16 @@ class GluedPairs:
     def opened(self) -> HeldPairs | None:
         """Points open, but for some that hold what is else free; None where nothing does."""
         return self.form_open()
+
+    @property
+    def fewest_alike(self) -> float:
+        """Cases side by side that are worth an inverse of their own."""
+        return FEWEST_ALIKE
+
+    @property
+    def own_stiffness(self) -> Vector:
+        """Diagonal of Σ (n_relative,) [force/length]."""
+        return np.diag(self.structure)
 
     @property
     def whole(self) -> bool:
@@ -275,12 +301,10 @@ class _Changed:
         return None if taken is None else (self.moved_by(system.rows, taken), factors)
 
 
-def _open_pairs(
-    points: PointSprings, springs: Matrix, between: DenseBetweenPairs
-) -> HeldPairs | None:
+def _open_pairs(points: PointSprings, springs: Matrix, between: Condensed) -> HeldPairs | None:
     if factorized_whole(points.G):
         return None
-    return anchored_pairs(points, springs, cast("Matrix", between.compliance))
+    return anchored_pairs(points, springs, between.compliance)
 
 
 def factorized_whole(G: SparseMatrix | Matrix) -> bool:

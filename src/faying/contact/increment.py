@@ -29,9 +29,6 @@ class Increment:
         Residual of the equations solved over the largest force.
     deepest : (n_point,) or None [length]
         Largest closures so far, where some law remembers them.
-    error
-        Bound on the relative error of the forces in the norm (Σ λ²/(c_n w))½; zero where the
-        problem was solved to round-off.
     """
 
     forces: Matrix
@@ -40,7 +37,6 @@ class Increment:
     iterations: int
     residual: float
     deepest: Vector | None = None
-    error: float = 0.0
 
     def gap(self, laws: LawsAtPoints) -> Vector:
         """Return the gap (n_point,) [length], negative by the penetration where contact yields."""

@@ -1,4 +1,4 @@
-"""Contact without friction as a problem of forces: of hard points and compressed compliances."""
+"""Contact without friction as a problem of forces: of points that are hard or nearly so."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,14 +9,12 @@ from typing import final
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.contact.between_pairs import BetweenPairs, BySubstitution
-from faying.contact.compressed_space import CompressedSpace
+from faying.contact.active_set import ActiveSetSpace, solve_complementarity
+from faying.contact.between_pairs import BetweenPairs
 from faying.contact.contact import Contact
-from faying.contact.dense_points import DensePoints
 from faying.contact.increment import Increment, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.exceptions import ConvergenceError, ModelError
-from faying.linalg.compressed import CompressedCompliance
 
 
 @final
@@ -36,12 +34,12 @@ class PressingContact:
 
     contact: Contact
     between: BetweenPairs
-    space: DensePoints | CompressedSpace
+    space: ActiveSetSpace
 
     @property
     def S(self) -> Matrix:
-        """Compliance between pairs (n_relative, n_relative) [length/force], if it is dense."""
-        return dense_compliance(self.contact, self.between)
+        """Compliance between pairs (n_relative, n_relative) [length/force]."""
+        return self.between.compliance
 
     def moved_by(self, forces: Vector) -> Vector:
         """Return S p (n_relative,) [length] of forces between the pairs."""
@@ -72,7 +70,8 @@ class PressingContact:
             message = "the gap without contact forces holds NaN or infinity; check loads and model"
             raise ModelError(message)
         with _naming_few_modes(self.contact):
-            solution = self.space.solve(g_free, None if start is None else start.forces[0] > 0)
+            active = None if start is None else start.forces[0] > 0
+            solution = solve_complementarity(self.space, g_free, active)
         forces, slack = np.zeros(offset.shape), np.zeros(offset.shape)
         forces[0], slack[0] = solution.forces, solution.slack
         return Increment(
@@ -81,25 +80,7 @@ class PressingContact:
             moved=displaced(self, free, forces),
             iterations=solution.iterations,
             residual=0.0,
-            error=solution.error,
         )
-
-
-def dense_compliance(contact: Contact, between: BetweenPairs) -> Matrix:
-    """Return the compliance between pairs.
-
-    Raises
-    ------
-    ModelError
-        If it does not fit into memory.
-    """
-    if isinstance(between, BySubstitution) or isinstance(between.compliance, CompressedCompliance):
-        message = (
-            f"friction and curves at {contact.n_points} points need a dense compliance between "
-            "pairs; raise the budget with model.with_dense_budget, or take a coarser interface"
-        )
-        raise ModelError(message)
-    return between.compliance
 
 
 @contextmanager

@@ -25,18 +25,14 @@ from faying.contact.newton_descent import (
     SOLVED,
     steps_ended,
 )
-from faying.contact.sparse_pairs import SparsePairs
 from faying.contact.yielding import YieldingContact
-
-FEWEST = 8
-"""Cases from which an inverse of their own is worth it: it takes as long as two cases alone."""
 
 
 def side_by_side(solver: IncrementSolver, count: int) -> TypeGuard[YieldingContact]:
     """Say whether so many cases are solved by :func:`solve_similar`."""
-    if not isinstance(solver, YieldingContact) or solver.shapes is not None or count < FEWEST:
+    if not isinstance(solver, YieldingContact) or solver.shapes is not None:
         return False
-    if isinstance(solver.pairs, SparsePairs):
+    if count < solver.pairs.fewest_alike:
         return False
     return solver.contact.forgets and solver.contact.proportional
 

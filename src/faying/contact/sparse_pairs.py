@@ -12,9 +12,10 @@ what tangential forces owe to a change of pressure is left to GMRES.
 import threading
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import final
+from typing import NoReturn, final
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.point_springs import PointSprings
@@ -22,7 +23,8 @@ from faying.exceptions import ConvergenceError
 from faying.linalg.gmres import corrected
 from faying.linalg.interface import MatrixFactorization
 from faying.linalg.singular import NotDefiniteError
-from faying.linalg.sparse_stiffness import SparseStiffness
+from faying.linalg.sparse_compliance import SparseCompliance
+from faying.linalg.sparse_stiffness import SparseStiffness, refuse_dense
 
 ACCURATE, LOOSE = 1e-8, 1e-2
 """Relative residuals of a step's system."""
@@ -91,14 +93,10 @@ class SparsePairs:
     _latest: _Latest = field(default_factory=_Latest)
 
     @classmethod
-    def of(cls, G: SparseMatrix, springs: Matrix, structure: SparseStiffness) -> "SparsePairs":
+    def of(cls, G: SparseMatrix, springs: Matrix, S: SparseCompliance) -> "SparsePairs":
         """Return the pairs of a structure; arguments are as of :meth:`.GluedPairs.of`."""
-        return cls(
-            points=PointSprings(G=G, components=len(springs)),
-            structure=structure,
-            springs=springs,
-            across=(np.zeros((0, G.shape[1])), np.zeros((0, 0))),
-        )
+        points = PointSprings(G=G, components=len(springs))
+        return cls(points=points, structure=S.stiffness, springs=springs, across=S.across)
 
     @property
     def glued(self) -> "SparsePairs":
@@ -108,6 +106,16 @@ class SparsePairs:
     @property
     def normal(self) -> None:
         """Nothing: dense matrices along normals have no room either."""
+
+    @property
+    def fewest_alike(self) -> float:
+        """Cases side by side that are worth an inverse: it has no room."""
+        return np.inf
+
+    @property
+    def own_stiffness(self) -> Vector:
+        """Diagonal of Σ (n_relative,) [force/length], or not below it."""
+        return self.structure.diagonal
 
     def resisted(self, displacements: Vector) -> Vector:
         """Return Σ w of displacements w (n_relative,)."""
@@ -121,7 +129,13 @@ class SparsePairs:
 
     def loosened(self, shapes: Matrix, yields: Matrix) -> "SparsePairs":
         """Return the pairs less springs across them, as :meth:`.GluedPairs.loosened`."""
-        return replace(self, across=(shapes, yields))
+        z, M = self.across
+        both = np.vstack([z, shapes]), np.asarray(block_diag(M, yields))
+        return replace(self, across=both)
+
+    def glued_by(self, springs: Matrix) -> NoReturn:  # noqa: ARG002
+        """Refuse an inverse, for which there is no room."""
+        refuse_dense(self.points.G.shape[1])
 
     def moved_by(self, forces: Vector) -> Vector:
         """Return what forces (n_relative,) move pairs whose points are closed and stick."""

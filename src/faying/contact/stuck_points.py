@@ -24,7 +24,6 @@ from faying.contact.contact import Contact
 from faying.contact.glued_pairs import GluedPairs
 from faying.contact.increment import IncrementSolver
 from faying.contact.laws_at_points import LawsAtPoints
-from faying.contact.sparse_pairs import SparsePairs
 from faying.contact.yielding import YieldingContact
 from faying.exceptions import ModelError
 
@@ -75,13 +74,6 @@ class StuckPoints:
             message = (
                 "contact is hard at some points, whose forces do not follow from displacements; "
                 "give it a penalty"
-            )
-            raise ModelError(message)
-        if isinstance(solver, YieldingContact) and isinstance(solver.pairs, SparsePairs):
-            message = (
-                f"vibration about a state takes dense matrices between {len(moved)} relative "
-                "displacements, which exceed the dense budget; raise it with "
-                "model.with_dense_budget, or take a coarser interface"
             )
             raise ModelError(message)
         k, closed = contact.components, forces[0] > 0
@@ -208,7 +200,6 @@ class LocalContact:
             weights=contact.weights[self.points],
             slices=slices,
             residual_compliance=None,
-            places=None,
             shear=contact.shear[rubbing][:, pairs].tocsr(),
             tangents=contact.tangents[:, self.points],
         )

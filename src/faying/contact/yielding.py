@@ -1,15 +1,14 @@
 """Contact of points that yield: the solver of one structure, for displacements."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import cast, final
+from typing import final
 
 import numpy as np
-from scipy.linalg import LinAlgError, lapack
+from scipy.linalg import LinAlgError
 
 from faying._typing import Matrix, Vector
-from faying.contact.between_pairs import BetweenPairs, ByCompliance, BySubstitution
+from faying.contact.between_pairs import BetweenPairs, ByCompliance, Pressed
 from faying.contact.contact import Contact
 from faying.contact.frictional import FrictionalContact
 from faying.contact.glued_pairs import GluedPairs
@@ -54,7 +53,7 @@ class YieldingContact:
         cls,
         contact: Contact,
         between: BetweenPairs,
-        pressed: Callable[[], Vector | None] | None = None,
+        pressed: Pressed = None,
     ) -> "YieldingContact":
         """Return the solver of a structure; what is pressed is as of :meth:`.GluedPairs.of`.
 
@@ -64,16 +63,11 @@ class YieldingContact:
             If points are so stiff that displacements have too few digits to tell forces.
         """
         springs = LawsAtPoints(contact=contact).springs
-        if isinstance(between, BySubstitution):
-            many = SparsePairs.of(contact.rows, springs, between.stiffness)
-            glue = many.points.of_diagonal(springs).diagonal()
-            _check_stiffness(glue, between.stiffness.diagonal)
-            return cls(contact=contact, between=between, pairs=many)
         try:
-            pairs = GluedPairs.of(contact.rows, springs, between, pressed)
+            pairs = between.on_springs(contact.rows, springs, pressed)
         except LinAlgError:
             return cls._of_singular(contact, springs, between)
-        _check_stiffness(pairs.glued.glue.diagonal(), np.diag(pairs.structure))
+        _check_stiffness(pairs.points.of_diagonal(springs).diagonal(), pairs.own_stiffness)
         return cls(contact=contact, between=between, pairs=pairs)
 
     @classmethod
@@ -81,7 +75,7 @@ class YieldingContact:
         cls, contact: Contact, springs: Matrix, between: BetweenPairs
     ) -> "YieldingContact":
         """Return the solver of rigid bodies, or of a basis of fewer modes than pairs."""
-        shapes = _shapes(cast("Matrix", between.compliance))
+        shapes = between.spanned()
         G = np.asarray(contact.rows @ shapes)
         _check_stiffness(springs.ravel() * (G * G).sum(axis=1), 1.0)
         pairs = GluedPairs.of(G, springs, ByCompliance(np.eye(shapes.shape[1])))
@@ -90,7 +84,7 @@ class YieldingContact:
     @property
     def S(self) -> Matrix:
         """Compliance between pairs (n_relative, n_relative) [length/force]."""
-        return cast("Matrix", self.between.compliance)
+        return self.between.compliance
 
     def moved_by(self, forces: Vector) -> Vector:
         """Return S p (n_relative,) [length] of forces between the pairs."""
@@ -128,10 +122,14 @@ class YieldingContact:
             raise ModelError(message)
         try:
             increment = self._solved(free, offset, start)
-        except ConvergenceError:
-            if self.contact.remembers or isinstance(self.pairs, SparsePairs):
+        except ConvergenceError as error:
+            if self.contact.remembers:
                 raise
-            return FrictionalContact(contact=self.contact, S=self.S).solve(free, offset, start)
+            try:
+                S = self.S
+            except ModelError:  # there is no room for it
+                raise error from None
+            return FrictionalContact(contact=self.contact, S=S).solve(free, offset, start)
         return replace(increment, moved=displaced(self, free, increment.forces))
 
     def _solved(self, free: Vector, offset: Matrix, start: Increment | None) -> Increment:
@@ -144,10 +142,9 @@ class YieldingContact:
         if start is not None:
             pressed = self.contact.at_pairs(start.forces[0], start.forces[1:])
             start = replace(start, moved=self.shapes.T @ pressed)
-        identity = ByCompliance(cast("GluedPairs", self.pairs).structure)
         nothing = np.zeros(self.shapes.shape[1])
         return solve_yielding(
-            self.laws, self.pairs, nothing, moved, start, moved_by=identity.moved_by
+            self.laws, self.pairs, nothing, moved, start, moved_by=self.pairs.resisted
         )
 
 
@@ -156,11 +153,3 @@ def _check_stiffness(contact: Vector, structure: Vector | float) -> None:
     if (contact > STIFFEST * structure).any():
         message = "contact is far stiffer than the structure"
         raise LinAlgError(message)
-
-
-def _shapes(S: Matrix) -> Matrix:
-    """Return Y (n_relative, rank) with S = Y Yᵀ, by Cholesky with pivots."""
-    factor, order, rank, _ = lapack.dpstrf(S, lower=1)
-    shapes = np.zeros_like(factor)
-    shapes[order - 1] = np.tril(factor)
-    return np.ascontiguousarray(shapes[:, :rank])

@@ -139,7 +139,7 @@ def _residual(rom: ReducedModel) -> Matrix:
     residual, n_relative = rom.contact.residual_compliance, len(rom.contact.relative_operator)
     if residual is None:
         return np.zeros((n_relative, n_relative))
-    return np.asarray(residual @ np.eye(n_relative))
+    return np.asarray(residual)
 
 
 def _stacked(rom: ReducedModel, name: str, width: int) -> Matrix:

@@ -147,7 +147,7 @@ def recovery_matrices(
         "PREL": np.asarray(contact.relative_operator)[:, order],
         "RINERT": rom.recovery.inertia[:, order],
         "RDAMP": rom.recovery.damping[:, order],
-        "RCOMPC": np.vstack([ports.relative @ np.eye(ports.n_relative), ports.contact_columns]),
+        "RCOMPC": np.vstack([ports.relative, ports.contact_columns]),
         "RCOMPF": np.vstack([ports.contact_columns.T, ports.input_rows]),
         "BOLTE": elongations(rom.bolts, len(order))[:, order],
         "BOLTK": np.array([bolt.stiffness for bolt in bolts], dtype=float),

@@ -187,14 +187,6 @@ class Interface(Frozen, Shown):
         return len(self.weights)
 
     @property
-    def relative_places(self) -> Matrix:
-        """About where each relative displacement is (n_relative, 3): amid the points it moves."""
-        shape, axes = abs(self.point_shape), self.pair_axes
-        pair_of_row = axes.indices[axes.indptr[:-1]] // 3
-        moved = (shape.T @ self.points)[pair_of_row]
-        return np.asarray(moved / shape.sum(axis=0)[pair_of_row, None])
-
-    @property
     def area(self) -> float:
         """Area of the interface [length²]."""
         return float(self.weights.sum())
@@ -279,7 +271,6 @@ def stack(interfaces: Mapping[str, Interface]) -> Contact:
         laws={name: member.law for name, member in interfaces.items()},
         shear=_stacked_shear(members),
         tangents=frozen(np.concatenate([member.tangents for member in members], axis=1)),
-        places=frozen(np.concatenate([m.relative_places for m in members])),
         slices={
             name: slice(int(start), int(stop))
             for name, start, stop in zip(interfaces, ends[:-1], ends[1:], strict=True)

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import cast
 
 import numpy as np
 import scipy.sparse as sp
@@ -137,11 +138,9 @@ def _built(
     }
     tightened = _tightened(assembly, dofs, bolts, seats)
     n_dof = len(dofs.free)
-    relative_operator, places = _relative(joints, n_dof)
     structure = Structure(
         matrices=free_matrices(assembly, dofs, damping or Rayleigh()),
-        relative_operator=relative_operator,
-        places=places,
+        relative_operator=_relative(joints, n_dof),
         boundary=boundary_dofs(placed),
         elongations=elongations(tightened, n_dof),
         whole_motions=partial(whole_motions, assembly.mesh.nodes, dofs.free),
@@ -203,12 +202,11 @@ def _interfaces(
     return joints
 
 
-def _relative(joints: Mapping[str, Interface], n_dof: int) -> tuple[SparseMatrix, Matrix | None]:
-    """Return P of all interfaces, and where its rows are."""
+def _relative(joints: Mapping[str, Interface], n_dof: int) -> SparseMatrix:
+    """Return P of all interfaces."""
     if not joints:
-        return sp.csr_array((0, n_dof)), np.zeros((0, 3))
-    stacked = stack(joints)
-    return stacked.relative_operator, stacked.places
+        return sp.csr_array((0, n_dof))
+    return cast("SparseMatrix", stack(joints).relative_operator)
 
 
 def _found(

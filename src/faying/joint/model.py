@@ -170,8 +170,8 @@ class Model(Shown):
     def with_dense_budget(self, n_bytes: int) -> "Model":
         """Return a copy whose dense contact matrices may take another amount of memory.
 
-        What exceeds it is solved by sparse factors, or kept compressed, with the error that this
-        makes reported; what was factorized or condensed before is formed anew.
+        What exceeds it is solved by sparse factors; what was factorized or condensed before is
+        formed anew.
         """
         structure = replace(self.structure, dense_budget=int(n_bytes))
         return replace(self, structure=structure)
@@ -289,9 +289,7 @@ class Model(Shown):
             return replace(self, interfaces=changed)
         stacked = stack(changed)
         if not _same(stacked.relative_operator, structure.relative_operator):
-            structure = replace(
-                structure, relative_operator=stacked.relative_operator, places=stacked.places
-            )
+            structure = replace(structure, relative_operator=stacked.relative_operator)
         return replace(self, interfaces=changed, structure=structure)
 
     def with_bolt_forces(self, initial_forces: Mapping[str, float]) -> "Model":

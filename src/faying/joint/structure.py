@@ -1,5 +1,6 @@
 """The linear part of a model, and the one factorization everything else is computed from."""
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -8,19 +9,13 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Frozen, Indices, Matrix, SparseMatrix, Vector, frozen
-from faying.contact.between_pairs import (
-    BetweenPairs,
-    ByCompliance,
-    ByStiffness,
-    BySubstitution,
-)
+from faying.contact.between_pairs import BetweenPairs, ByStiffness, between
 from faying.digits import ROUND_OFF
 from faying.joint.free_matrices import FreeMatrices
 from faying.joint.system import PortCompliance
 from faying.linalg.backends import estimate_memory, estimate_port_memory
 from faying.linalg.budget import SPARSE_FACTORS, default_budget, pairs_fit
 from faying.linalg.cholesky import inverse
-from faying.linalg.compressed import Compliance, plus, symmetrized
 from faying.linalg.factorization import (
     Factorization,
     MatrixFactorization,
@@ -29,10 +24,13 @@ from faying.linalg.factorization import (
     factorize_condensed,
 )
 from faying.linalg.memory import FactorMemory
-from faying.linalg.partial import compressed_port_compliance, port_stiffness
+from faying.linalg.partial import port_stiffness
 from faying.linalg.relief import balanced, supported, supports
+from faying.linalg.sparse_compliance import Compliance, SparseCompliance, plus
 from faying.linalg.sparse_stiffness import SparseStiffness
-from faying.linalg.substitution import dense, solved_gram
+from faying.linalg.substitution import dense, solved_gram, symmetrized
+
+_log = logging.getLogger("faying")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -61,8 +59,6 @@ class Structure(Frozen):
         structure has to be held.
     diagnose
         Says what moves freely, given a motion (n_dof,) that K does not resist.
-    places : (n_relative, 3) or None
-        Where the relative displacements are [length]; without them nothing is compressed.
     dense_budget
         Memory that dense matrices between pairs or contact points may take [bytes].
     firm_rows : (n_spring, n_dof) sparse or None
@@ -75,7 +71,6 @@ class Structure(Frozen):
     elongations: Matrix
     whole_motions: Callable[[SparseMatrix], Matrix] | None = None
     diagnose: Callable[[SparseMatrix, Vector], str] | None = None
-    places: Matrix | None = None
     dense_budget: int = field(default_factory=default_budget)
     firm_rows: SparseMatrix | None = None
 
@@ -255,12 +250,19 @@ class Structure(Frozen):
     def held_compliance(self) -> Compliance:
         """P K_ii⁻¹ Pᵀ (n_relative, n_relative) of relative displacements, boundary held.
 
-        Compressed where dense matrices of its size exceed the dense budget.
+        By sparse factors where dense matrices of its size exceed the dense budget.
 
         Notes
         -----
         The inverse of :attr:`held_stiffness`, or a back-substitution per row of P.
         """
+        if not self.is_kept_whole:
+            stiffness = SparseStiffness(
+                matrix=self.interior_stiffness,
+                ports=self._held_ports,
+                solve=self.interior_factor.solve,
+            )
+            return SparseCompliance.of(stiffness)
         if self.firm_rows is not None:
             shapes = self.firm.solve_held(dense(self.firm_rows.T))
             softer = np.eye(shapes.shape[1]) - self.firm_rows @ shapes
@@ -268,9 +270,7 @@ class Structure(Frozen):
             return plus(self.firm.held_compliance, self.relative_operator @ shapes, core)
         if self.held_stiffness is not None:
             return inverse(self.held_stiffness)
-        if self.places is None or self.is_kept_whole:
-            return solved_gram(self.interior_factor.solve, self._held_ports.T)
-        return compressed_port_compliance(self._held_ports, self.interior_factor, self.places)
+        return solved_gram(self.interior_factor.solve, self._held_ports.T)
 
     @cached_property
     def held_stiffness(self) -> Matrix | None:
@@ -299,7 +299,7 @@ class Structure(Frozen):
     @property
     def is_kept_whole(self) -> bool:
         """Whether the compliance between all pairs is kept entry by entry."""
-        return self.places is None or pairs_fit(self.relative_operator.shape[0], self.dense_budget)
+        return pairs_fit(self.relative_operator.shape[0], self.dense_budget)
 
     @cached_property
     def bolt_shapes(self) -> Matrix:
@@ -346,26 +346,32 @@ class Structure(Frozen):
         inputs += others @ core @ others.T
         smooth = np.hstack([seen, moved]), la.block_diag(condensed, core)
         return PortCompliance(
-            pairs=self._between_pairs(lambda: plus(self.held_compliance, *smooth)),
+            pairs=self._between_pairs(smooth),
             contact_columns=columns,
             input_rows=symmetrized(inputs),
             n_boundary=len(self.boundary),
         )
 
-    def _between_pairs(self, form_compliance: Callable[[], Compliance]) -> BetweenPairs:
-        """Return what is between the pairs with the boundary free, in the form that is known."""
+    def _between_pairs(self, smooth: tuple[Matrix, Matrix]) -> BetweenPairs:
+        """Return what is between the pairs with the boundary free, in the form that is known.
+
+        Shapes and core are what that adds to the compliance with the boundary held.
+        """
         P = self.relative_operator
 
-        def moved_by(forces: Matrix) -> Matrix:
-            return np.asarray(P @ self.solve(P.T @ forces))
+        def form_compliance() -> Matrix:
+            return np.asarray(plus(self.held_compliance, *smooth))
 
         if (stiffness := self._free_stiffness) is not None:
-            return ByStiffness(stiffness, moved_by, form_compliance)
-        if not self.is_kept_whole and not self.rigid_motions.shape[1]:
-            sparse = SparseStiffness.of(self.supported_stiffness, P)
-            if sparse is not None:
-                return BySubstitution(sparse, moved_by, form_compliance)
-        return ByCompliance(form_compliance())
+            return ByStiffness(stiffness, lambda p: P @ self.solve(P.T @ p), form_compliance)
+        if not self.is_kept_whole:
+            _log.info(
+                "dense matrices between %d relative displacements exceed the dense budget of %.2g "
+                "bytes, so contact is solved with sparse factors",
+                P.shape[0],
+                self.dense_budget,
+            )
+        return between(plus(self.held_compliance, *smooth))
 
     @property
     def _free_stiffness(self) -> Matrix | None:

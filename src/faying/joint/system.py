@@ -13,12 +13,11 @@ from typing import Protocol
 import numpy as np
 
 from faying._typing import Frozen, Indices, Matrix, SparseMatrix, Vector, frozen
-from faying.contact.between_pairs import BetweenPairs, ByCompliance, BySubstitution
+from faying.contact.between_pairs import BetweenPairs, ByCompliance
 from faying.contact.condensed import CondensedContact, ContactSolver
 from faying.contact.contact import Contact
 from faying.joint.load_pattern import LoadPattern, pattern_forces
 from faying.joint.weak_support import WeakSupport
-from faying.linalg.compressed import Compliance
 from faying.linalg.factorization import Factorization
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
@@ -51,8 +50,14 @@ class PortCompliance(Frozen):
     n_pattern: int = 0
 
     @property
-    def relative(self) -> Compliance:
-        """Relative displacement per contact force (n_relative, n_relative), formed once."""
+    def relative(self) -> Matrix:
+        """Relative displacement per contact force (n_relative, n_relative), formed once.
+
+        Raises
+        ------
+        ModelError
+            If it exceeds the dense budget.
+        """
         return self.pairs.compliance
 
     @property
@@ -73,16 +78,14 @@ class PortCompliance(Frozen):
     @property
     def whole(self) -> Matrix:
         """The compliance of all ports as one matrix (n_port, n_port)."""
-        inner = np.asarray(self.relative @ np.eye(self.n_relative))
-        return np.block([[inner, self.contact_columns.T], [self.contact_columns, self.input_rows]])
+        return np.block(
+            [[self.relative, self.contact_columns.T], [self.contact_columns, self.input_rows]]
+        )
 
     def per_contact(self, forces: Matrix) -> Matrix:
         """Return the displacements of all ports (..., n_port) under forces (..., n_relative)."""
         forces = np.asarray(forces)
-        if isinstance(self.pairs, BySubstitution):
-            inner = self.pairs.moved_by(forces.T).T
-        else:
-            inner = (self.relative @ forces.T).T
+        inner = (self.pairs @ forces.T).T
         return np.concatenate([inner, forces @ self.contact_columns.T], axis=-1)
 
     def per_input(self, forces: Matrix) -> Matrix:

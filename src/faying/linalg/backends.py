@@ -25,9 +25,15 @@ from faying.linalg.pardiso import (
     estimate_pardiso,
     estimate_stiffness_pardiso,
     factorize_pardiso,
+    factorize_saddle_pardiso,
 )
 from faying.linalg.substitution import dense
-from faying.linalg.superlu import count_negative_superlu, estimate_superlu, factorize_superlu
+from faying.linalg.superlu import (
+    count_negative_superlu,
+    estimate_superlu,
+    factorize_saddle_superlu,
+    factorize_superlu,
+)
 
 VARIABLE = "FAYING_FACTORIZATION"
 """Environment variable that names the backend of sparse factorizations."""
@@ -40,6 +46,8 @@ class Backend(NamedTuple):
     ----------
     factorize
         A definite one.
+    factorize_saddle
+        An indefinite one, with zeros on its diagonal.
     count_negative
         Eigenvalues, by a factorization that is not kept.
     estimate
@@ -49,6 +57,7 @@ class Backend(NamedTuple):
     """
 
     factorize: Callable[[SparseMatrix], MatrixFactorization]
+    factorize_saddle: Callable[[SparseMatrix], MatrixFactorization]
     count_negative: Callable[[SparseMatrix], int]
     estimate: Callable[[SparseMatrix], FactorMemory]
     estimate_border: Callable[[SparseMatrix, SparseMatrix], int]
@@ -56,10 +65,18 @@ class Backend(NamedTuple):
 
 BACKENDS = {
     "pardiso": Backend(
-        factorize_pardiso, count_negative_pardiso, estimate_pardiso, estimate_stiffness_pardiso
+        factorize_pardiso,
+        factorize_saddle_pardiso,
+        count_negative_pardiso,
+        estimate_pardiso,
+        estimate_stiffness_pardiso,
     ),
     "superlu": Backend(
-        factorize_superlu, count_negative_superlu, estimate_superlu, lambda _, __: 0
+        factorize_superlu,
+        factorize_saddle_superlu,
+        count_negative_superlu,
+        estimate_superlu,
+        lambda _, __: 0,
     ),
 }
 """Name to library, the fastest first."""

@@ -80,6 +80,17 @@ def factorize_definite(A: SparseMatrix) -> MatrixFactorization:
     return BACKENDS[chosen_backend(None)].factorize(A)
 
 
+def factorize_saddle(A: SparseMatrix) -> MatrixFactorization:
+    """Factorize a sparse symmetric matrix that is indefinite, with zeros on its diagonal.
+
+    Raises
+    ------
+    NotDefiniteError
+        If it is singular.
+    """
+    return BACKENDS[chosen_backend(None)].factorize_saddle(A)
+
+
 def _factorize_sparse(A: SparseMatrix, backend: Backend) -> MatrixFactorization:
     try:
         factorization = backend.factorize(A)

@@ -117,6 +117,10 @@ class PardisoHandle:
         parameters[9] = 13  # of pivots below 1e-13 of the matrix norm, if indefinite
         parameters[17] = -1  # report the entries of the factor
         parameters[20] = 1  # pivots of one and two rows, if indefinite
+        if kind == INDEFINITE:
+            parameters[7] = 2  # steps of refinement
+            # Scaled and matched, for zeros on the diagonal of constraints; not of blocks.
+            parameters[[10, 12]] = int(self.block == 1)
         # In two levels, for the analysis in one reads past an array of MKL 2026 where a border is
         # marked, 4 (n - border) bytes, and dies where a page ends in them.
         parameters[23] = 1 if border else 0

@@ -102,10 +102,29 @@ def factorize_pardiso(A: SparseMatrix) -> PardisoFactorization:
     """
     if not A.diagonal().min(initial=np.inf) > 0:
         raise NotDefiniteError  # and PARDISO wants every diagonal entry stored
-    handle = PardisoHandle(*upper_blocks(node_blocks(A)))
+    return _factorized(A, PardisoHandle(*upper_blocks(node_blocks(A))))
+
+
+def factorize_saddle_pardiso(A: SparseMatrix) -> PardisoFactorization:
+    """Factorize a symmetric indefinite matrix, with zeros on its diagonal.
+
+    Raises
+    ------
+    NotDefiniteError
+        If it is singular but for round-off.
+    NotEnoughMemoryError
+        If the factor would not fit into the memory that is free.
+    """
+    blocks = upper_blocks(single_rows(_with_diagonal(A)))
+    return _factorized(A, PardisoHandle(*blocks, kind=INDEFINITE))
+
+
+def _factorized(A: SparseMatrix, handle: PardisoHandle) -> PardisoFactorization:
     try:
         require_memory(_expected(handle, A.shape[0]))
         handle.factorize()
+        if handle.perturbed:
+            raise NotDefiniteError
     except BaseException:
         handle.release()
         raise
@@ -153,20 +172,14 @@ def count_negative_pardiso(A: SparseMatrix) -> int:
     NotEnoughMemoryError
         If the factor would not fit into the memory that is free.
     """
-    upper = upper_blocks(node_blocks(_with_diagonal(A)))
-    handle = PardisoHandle(*upper, kind=INDEFINITE)
+    blocks = upper_blocks(node_blocks(_with_diagonal(A)))
     try:
-        require_memory(_expected(handle, A.shape[0]))
-        handle.factorize()
-        if handle.perturbed:
-            raise NotDefiniteError
-        check_signs(A, lambda b: _solved(handle, b[:, None])[:, 0])
-        return handle.negative
+        factorization = _factorized(A, PardisoHandle(*blocks, kind=INDEFINITE))
     except NotDefiniteError:
         reason = "the matrix is singular but for round-off"
         raise InertiaError(reason) from None
-    finally:
-        handle.release()
+    check_signs(A, factorization.solve)
+    return factorization.handle.negative
 
 
 def estimate_pardiso(A: SparseMatrix) -> FactorMemory:

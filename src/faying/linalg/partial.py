@@ -1,7 +1,6 @@
 """Entries of an inverse between a few ports: Q A⁻¹ Qᵀ."""
 
-from faying._typing import Indices, Matrix, SparseMatrix
-from faying.linalg.compressed import CompressedCompliance, compress
+from faying._typing import Matrix, SparseMatrix
 from faying.linalg.factorization import Factorization, MatrixFactorization
 from faying.linalg.pardiso import PardisoFactorization
 from faying.linalg.substitution import solved_gram
@@ -28,22 +27,3 @@ def port_stiffness(ports: SparseMatrix, factor: MatrixFactorization) -> Matrix |
     One more factorization (:mod:`faying.linalg.relative_unknowns`).
     """
     return factor.stiffness(ports) if isinstance(factor, PardisoFactorization) else None
-
-
-def compressed_port_compliance(
-    ports: SparseMatrix, factor: Factorization, places: Matrix
-) -> CompressedCompliance:
-    """Compute Q A⁻¹ Qᵀ as :func:`port_compliance`, in compressed form.
-
-    Places (n_port, 3) [length] are where the ports are.
-
-    Notes
-    -----
-    One back-substitution per port, a cluster at a time.
-    """
-
-    def columns(members: Indices) -> Matrix:
-        column: Matrix = ports @ factor.solve(ports[members].toarray().T)
-        return column
-
-    return compress(columns, places)

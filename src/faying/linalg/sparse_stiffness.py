@@ -8,16 +8,21 @@ by Woodbury's formula, for Σ⁻¹ = Q A⁻¹ Qᵀ (W. W. Hager, SIAM Rev. 31 (1
 doi:10.1137/1031049).
 """
 
-from dataclasses import dataclass
-from functools import cached_property
-from typing import final
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cache, cached_property, partial
+from typing import NoReturn, final
 
 import numpy as np
+import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix, Vector, read_only
-from faying.linalg.factorization import factorize, factorize_definite
+from faying.exceptions import ModelError
+from faying.linalg.factorization import factorize, factorize_definite, factorize_saddle
 from faying.linalg.interface import MatrixFactorization
 from faying.linalg.relative_unknowns import with_relative_unknowns
+
+TINY = float(np.finfo(float).tiny)
 
 
 @final
@@ -31,23 +36,27 @@ class SparseStiffness:
         A, symmetric positive definite.
     ports : (n_port, n) sparse
         Q.
-    unknowns : (n, n) sparse
-        What takes [v, y] to displacements.
+    solve
+        Solves with A.
     """
 
     matrix: SparseMatrix
     ports: SparseMatrix
-    unknowns: SparseMatrix
+    solve: Callable[[Matrix], Matrix] = field(repr=False)
 
     @classmethod
-    def of(cls, matrix: SparseMatrix, ports: SparseMatrix) -> "SparseStiffness | None":
-        """Return Σ; None where ports have no degrees of freedom of their own."""
-        unknowns = with_relative_unknowns(ports)
-        return None if unknowns is None else cls(matrix=matrix, ports=ports, unknowns=unknowns)
+    def of(cls, matrix: SparseMatrix, ports: SparseMatrix) -> "SparseStiffness":
+        """Return Σ; the matrix is factorized where this is asked for S."""
+        once = cache(partial(factorize, matrix))
+        return cls(matrix=matrix, ports=ports, solve=lambda forces: once().solve(forces))
 
-    def times(self, moved: Vector) -> Vector:
-        """Return Σ y (n_port,) of displacements of the ports (n_port,), by one substitution."""
-        directly, across, inner = self._parts
+    def gives(self, forces: Matrix) -> Matrix:
+        """Return Q A⁻¹ Qᵀ p of forces (n_port,) or (n_port, k)."""
+        return np.asarray(self.ports @ self.solve(self._transposed @ forces))
+
+    def times(self, moved: Matrix) -> Matrix:
+        """Return Σ y of displacements of the ports (n_port,) or (n_port, k), by substitution."""
+        directly, across, inner = *self._parts[:2], self._glued
         return np.asarray(directly @ moved - across @ inner.solve(across.T @ moved))
 
     @cached_property
@@ -66,6 +75,32 @@ class SparseStiffness:
         both = self.matrix + self._transposed @ springs @ self.ports
         return factorize_definite(both.tocsr())
 
+    def pressed(self, rows: SparseMatrix, D: Vector, gaps: Matrix) -> tuple[Matrix, Matrix]:
+        """Return forces λ (n_row, k) that close gaps (n_row, k), and what they move (n_port, k).
+
+        Rows N (n_row, n_port) take displacements of ports to gaps, which yield D λ besides:
+
+            [ A       (N Q)ᵀ ] [  w ]   [  0 ]
+            [ N Q      −D    ] [ −λ ] = [ −g ]                                               (F16)
+
+        without loss of digits where D is small or zero.
+
+        Raises
+        ------
+        NotDefiniteError
+            If gaps depend on each other and do not yield.
+        """
+        G, n = (rows @ self.ports).tocsr(), self.matrix.shape[0]
+        stiff = self.matrix.diagonal()
+        # Rows in units of force, for pivots are judged by the size of all entries.
+        size = np.sqrt(stiff.mean() / np.maximum(D + G.multiply(G) @ (1.0 / stiff), TINY))
+        G = sp.diags_array(size) @ G
+        saddle = sp.block_array([[self.matrix, G.T], [G, sp.diags_array(-D * size**2)]])
+        right = np.zeros((saddle.shape[0], gaps.shape[1]))
+        right[n:] = -size[:, None] * gaps
+        solved = factorize_saddle(saddle.tocsr()).solve(right)
+        return -size[:, None] * solved[n:], np.asarray(self.ports @ solved[:n])
+
     def moved_by(self, held: MatrixFactorization, forces: Matrix) -> Matrix:
         """Return (Σ + B)⁻¹ b of forces (n_port,) or (n_port, k), of factors on springs B."""
         return np.asarray(self.ports @ held.solve(self._transposed @ forces))
@@ -75,9 +110,26 @@ class SparseStiffness:
         return read_only(self.ports.T.tocsr())
 
     @cached_property
-    def _parts(self) -> tuple[SparseMatrix, SparseMatrix, MatrixFactorization]:
-        """A_yy, A_yv and factors of A_vv."""
-        turned = (self.unknowns.T.tocsr() @ (self.matrix @ self.unknowns)).tocsr()
+    def _parts(self) -> tuple[SparseMatrix, SparseMatrix, SparseMatrix]:
+        """A_yy, A_yv and A_vv."""
+        unknowns = with_relative_unknowns(self.ports)
+        if unknowns is None:
+            refuse_dense(self.ports.shape[0])
+        turned = (unknowns.T.tocsr() @ (self.matrix @ unknowns)).tocsr()
         n = turned.shape[0] - self.ports.shape[0]
         inner, below = turned[:n][:, :n].tocsr(), turned[n:]
-        return below[:, n:].tocsr(), below[:, :n].tocsr(), factorize(inner)
+        return below[:, n:].tocsr(), below[:, :n].tocsr(), inner
+
+    @cached_property
+    def _glued(self) -> MatrixFactorization:
+        """Factors of A_vv."""
+        return factorize(self._parts[2])
+
+
+def refuse_dense(n_port: int) -> NoReturn:
+    """Refuse what needs a dense matrix between ports that have no room for one."""
+    message = (
+        f"this takes dense matrices between {n_port} relative displacements, which exceed the "
+        "dense budget; raise it with model.with_dense_budget, or take a coarser interface"
+    )
+    raise ModelError(message)

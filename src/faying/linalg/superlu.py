@@ -110,6 +110,15 @@ def factorize_superlu(A: SparseMatrix) -> SuperluFactorization:
     return SuperluFactorization(factors=factors, order=order)
 
 
+def factorize_saddle_superlu(A: SparseMatrix) -> SuperluFactorization:
+    """Factorize a symmetric indefinite matrix, with zeros on its diagonal: pivots by size."""
+    require_memory(estimate_superlu(A))
+    try:
+        return SuperluFactorization(factors=spla.splu(sp.csc_array(A)), order=None)
+    except RuntimeError:
+        raise NotDefiniteError from None
+
+
 def estimate_superlu(A: SparseMatrix) -> FactorMemory:
     """Tell about what :func:`factorize_superlu` would take, from the order alone."""
     n = A.shape[0]

@@ -115,8 +115,8 @@ OWN_ROOT: Table = {
 
 OWN_PORTS: Table = {
     "relative_compliance": Meaning(
-        "relative displacements per force between the pairs, compressed; in place of compliance "
-        "where interfaces are too large for a dense one"
+        "relative displacements per force between the pairs, not formed; in place of compliance "
+        "where interfaces are too large for that"
     ),
     "contact_columns": Meaning(
         "other ports per force between the pairs, beside it",
@@ -126,7 +126,6 @@ OWN_PORTS: Table = {
     "input_rows": Meaning(
         "displacements of the other ports per force at them", "length/force", "(n_input, n_input)"
     ),
-    "places": Meaning("where the relative displacements are", "length", "(n_relative, 3)"),
     "tangential": Meaning(
         "what is carried along the interfaces per force at the ports, whole ones and around bolts"
     ),
@@ -137,7 +136,7 @@ OWN_PORTS: Table = {
 OWN_COORDINATES: Table = {
     "residual_compliance": Meaning(
         "displacement of the pairs per force between them that the trial vectors lack, a group of "
-        "its parts where it is compressed; absent where the model does without",
+        "its parts where it is not formed; absent where the model does without",
         "length/force",
         "(n_relative, n_relative)",
     ),

@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 
 from faying._typing import Matrix, frozen
-from faying.contact.between_pairs import ByCompliance
+from faying.contact.between_pairs import between
 from faying.contact.contact import Contact
 from faying.contact.laws import LAWS, Law
 from faying.exceptions import FormatError
@@ -32,8 +32,8 @@ from faying.joint.system import (
     boundary_slices,
     port_compliance_of,
 )
-from faying.linalg.compressed import Compliance, plus
 from faying.linalg.relief import factorize_relieved, shifted
+from faying.linalg.sparse_compliance import Compliance, plus
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 from faying.model.cells import CellBlock
@@ -49,7 +49,7 @@ from faying.reduction.model_data import MeshShapes
 from faying.reduction.model_fields import TABLES
 from faying.reduction.model_writer import MODEL
 from faying.reduction.reduced_model import ReducedModel
-from faying.reduction.stored_compliance import StoredCompliance
+from faying.reduction.stored_compliance import read_compliance
 from faying.reduction.stored_rows import (
     moments_of,
     rigid_motions_of,
@@ -173,7 +173,7 @@ def read_ports(
 def _ports(
     group: h5py.Group, contact: Contact, n_port: int, n_boundary: int, n_pattern: int
 ) -> PortCompliance | None:
-    """Return the compliance of all ports, dense or with that of the pairs compressed."""
+    """Return the compliance of all ports, that of the pairs formed or not."""
     n_relative = int(contact.relative_operator.shape[0])
     whole = _optional(group, "compliance", (n_port, n_port))
     if whole is not None:
@@ -186,7 +186,7 @@ def _ports(
     rows = numbers(group, "input_rows", (n_input, n_input))
     check_definite(rows, f"{group.name}/input_rows")
     return PortCompliance(
-        pairs=ByCompliance(relative),
+        pairs=between(relative),
         contact_columns=numbers(group, "contact_columns", (n_input, n_relative)),
         input_rows=rows,
         n_boundary=n_boundary,
@@ -195,15 +195,11 @@ def _ports(
 
 
 def _compliance(group: h5py.Group, name: str, contact: Contact) -> Compliance | None:
-    """Return a compliance between the pairs, dense or compressed; None where there is none."""
+    """Return a compliance between the pairs, formed or not; None where there is none."""
     n_relative = int(contact.relative_operator.shape[0])
-    if not isinstance(group.get(name), h5py.Group):
-        return _optional(group, name, (n_relative, n_relative))
-    if contact.places is None:
-        message = f"'{group.name}/{name}' is compressed, but the file does not say where pairs are"
-        raise ValueError(message)
-    stored: StoredCompliance = read_member(group[name], StoredCompliance, TABLES)
-    return stored.compliance(contact.places, f"{group.name}/{name}")
+    if isinstance(group.get(name), h5py.Group):
+        return read_compliance(group[name], n_relative)
+    return _optional(group, name, (n_relative, n_relative))
 
 
 def read_model(group: h5py.Group, joint: ReducedModel) -> ReducedModel:
@@ -338,7 +334,6 @@ def _contact(group: h5py.Group, interfaces: Mapping[str, ContactSurface]) -> Con
         weights=_joined(record.weights for record in records),
         laws={name: recorded_law(record) for name, record in interfaces.items()},
         slices={name: slice(*record.slice) for name, record in interfaces.items()},
-        places=_optional(group, "places", (n_relative, 3)),
         **stated,
     )
 

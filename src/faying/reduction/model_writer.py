@@ -16,12 +16,12 @@ import h5py
 import numpy as np
 
 from faying._typing import Indices, Matrix
+from faying.contact.between_pairs import BySubstitution
 from faying.contact.laws import Law
 from faying.files.described import Format, new_file, new_group, write_members
 from faying.files.meanings import Meaning
 from faying.joint.load_pattern import pattern_forces
 from faying.joint.system import PortCompliance, boundary_dofs, elongations
-from faying.linalg.compressed import Compliance, CompressedCompliance
 from faying.reduction.model_data import ModelData
 from faying.reduction.model_fields import (
     COORDINATES,
@@ -31,7 +31,7 @@ from faying.reduction.model_fields import (
     PORTS,
     TABLES,
 )
-from faying.reduction.stored_compliance import StoredCompliance, stored_compliance
+from faying.reduction.stored_compliance import stored
 from faying.units import Units
 
 MODEL = Format(
@@ -97,7 +97,11 @@ def write_models(
     if not everyone:
         return
     ports = everyone[0].ports
-    if ports is not None and ports.n_port <= MOST_PORTS and isinstance(ports.relative, np.ndarray):
+    if (
+        ports is not None
+        and ports.n_port <= MOST_PORTS
+        and not isinstance(ports.pairs, BySubstitution)
+    ):
         group = new_group(file, "ports", _PORTS)
         write_members(group, _port_members(everyone[0]), PORTS, units, TABLES)
     nodal = [rom.mesh for rom in everyone if rom.mesh.translations is None]
@@ -123,22 +127,16 @@ def _law(law: Law) -> dict[str, Any]:
     return {"law": law.name, **parameters}
 
 
-def _compliance(compliance: Compliance | None) -> Matrix | StoredCompliance | None:
-    if isinstance(compliance, CompressedCompliance):
-        return stored_compliance(compliance)
-    return compliance
-
-
 def _port_compliance(ports: PortCompliance | None) -> dict[str, Any]:
     """Return the members of :data:`PORTS` and :data:`OWN_PORTS` that make up the compliance."""
     none = dict.fromkeys(("compliance", "relative_compliance", "contact_columns", "input_rows"))
     if ports is None:
         return none
-    if isinstance(ports.relative, np.ndarray):
+    if not isinstance(ports.pairs, BySubstitution):
         return {**none, "compliance": ports.whole}
     return {
         **none,
-        "relative_compliance": _compliance(ports.relative),
+        "relative_compliance": stored(ports.pairs.total),
         "contact_columns": ports.contact_columns,
         "input_rows": ports.input_rows,
     }
@@ -153,7 +151,6 @@ def _port_members(rom: ModelData) -> dict[str, Any]:
         "frame_recovery": rom.recovery_frame,
         "load_patterns": tuple(rom.load_patterns),
         "pattern_bolt_forces": _bolts_of_patterns(rom),
-        "places": rom.contact.places,
         "shear": rom.contact.shear,
         "tangents": rom.contact.tangents,
         "tangential": rom.tangential or None,
@@ -193,7 +190,7 @@ def _members(rom: ModelData, shapes: Indices | None) -> dict[str, Any]:
 def _own_members(rom: ModelData, *, shapes: bool) -> dict[str, Any]:
     mesh, vectors = rom.mesh, rom.basis.vectors
     return {
-        "residual_compliance": _compliance(rom.contact.residual_compliance),
+        "residual_compliance": stored(rom.contact.residual_compliance),
         "trial_vectors": vectors if shapes and len(vectors) else None,
         "translations": mesh.translations if shapes else None,
         "bending": _moments({name: bolt.bending for name, bolt in rom.bolts.items()}),

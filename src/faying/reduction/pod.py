@@ -8,7 +8,7 @@ import scipy.linalg as la
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.digits import ROUND_OFF
 from faying.exceptions import ModelError
-from faying.linalg.compressed import Compliance
+from faying.linalg.sparse_compliance import Compliance
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

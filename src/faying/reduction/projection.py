@@ -7,14 +7,13 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, frozen
-from faying.contact.between_pairs import ByCompliance
 from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface, contact_surface
 from faying.joint.model import Model
 from faying.joint.system import PortCompliance
 from faying.joint.tangential import tangential_rows
-from faying.linalg.compressed import Compliance, plus
 from faying.linalg.factorization import SingularMatrixError, factorize
+from faying.linalg.sparse_compliance import Compliance, plus
 from faying.model.boundary import Boundary
 from faying.reduction.basis import VANISHING, Basis, ModeKind
 from faying.reduction.model_data import MeshShapes
@@ -289,7 +288,7 @@ def _ports(model: Model) -> PortCompliance | None:
     """Return the compliance of the full model; None where nothing but its boundary holds it."""
     try:
         ports = model.port_compliance
-        return replace(ports, pairs=ByCompliance(ports.relative))
+        return replace(ports, pairs=ports.pairs.alone())
     except SingularMatrixError:
         return None
 

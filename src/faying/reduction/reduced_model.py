@@ -10,8 +10,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Matrix
-from faying.contact.between_pairs import ByCompliance
-from faying.contact.condensed import CondensedContact, relative_compliance
+from faying.contact.condensed import CondensedContact, structure_between
 from faying.contact.contact import Contact
 from faying.display.facts import Shown, counted
 from faying.exceptions import ModelError
@@ -24,9 +23,9 @@ from faying.joint.system import (
     elongations,
     static_contact_of,
 )
-from faying.linalg.compressed import symmetrized
 from faying.linalg.factorization import Factorization
 from faying.linalg.relief import factorize_relieved
+from faying.linalg.substitution import symmetrized
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 from faying.reduction.basis import ModeKind
@@ -124,7 +123,7 @@ class ReducedModel(Shown, ModelData):
         outer = np.vstack([np.eye(n_mode)[dofs], elongations(self.bolts, n_mode), loads])
         answers = factor.solve(outer.T)
         return PortCompliance(
-            pairs=ByCompliance(relative_compliance(contact, factor)),
+            pairs=structure_between(contact, self.K, factor),
             contact_columns=(contact.relative_operator @ answers).T,
             input_rows=symmetrized(outer @ answers),
             n_boundary=len(dofs),

@@ -1,98 +1,77 @@
-"""A compressed compliance as files hold it: its blocks one after another, in a few arrays."""
+"""A compliance that is not formed as files hold it: the sparse matrix it is of, and its shapes."""
 
 from dataclasses import dataclass
 from typing import final
 
+import h5py
 import numpy as np
 
-from faying._typing import Indices, Matrix, Vector
-from faying.linalg.compressed import CompressedCompliance
-from faying.reduction.model_check import check_distinct
+from faying._typing import Matrix, SparseMatrix
+from faying.files.described import numbers, sparse_matrix
+from faying.linalg.sparse_compliance import Compliance, SparseCompliance
+from faying.linalg.sparse_stiffness import SparseStiffness
 
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StoredCompliance:
-    """Clusters I of pairs with dense blocks S_II, blocks X_IJ X_JIᵀ between them, and X C Xᵀ.
+    """S = Q A⁻¹ Qᵀ + X C Xᵀ.
 
     Attributes
     ----------
-    members : (n_relative,) [into n_relative]
-        Pairs of the first cluster, of the second, and so on.
-    sizes : (n_cluster,) [1]
-        Pairs of each cluster.
-    diagonal : (n_entry,) [length/force]
-        Entries of every S_II, row by row.
-    factors : (n_factor,) [(length/force)^½]
-        For each I the X_IJ of all J side by side, row by row.
-    ranks : (n_cluster, n_cluster) [1]
-        Columns of X_IJ.
-    smooth : (n_relative, n_smooth) [1]
+    matrix : (n, n) [force/length]
+        A (CSR), the stiffness of the full model with its boundary held.
+    ports : (n_relative, n) [1]
+        Q (CSR), relative displacements of its degrees of freedom.
+    shapes : (n_relative, n_shape) [1]
         X.
-    core : (n_smooth, n_smooth) [length/force]
+    core : (n_shape, n_shape) [length/force]
         C.
-    error
-        Bound on what compression left out, in the Frobenius norm.
     """
 
-    members: Indices
-    sizes: Indices
-    diagonal: Vector
-    factors: Vector
-    ranks: Indices
-    smooth: Matrix
+    matrix: SparseMatrix
+    ports: SparseMatrix
+    shapes: Matrix
     core: Matrix
-    error: float
-
-    def compliance(self, places: Matrix, name: str) -> CompressedCompliance:
-        """Return the compliance between pairs at these places."""
-        n, widths = len(places), self.ranks.sum(axis=-1)
-        lengths = [len(self.members), len(self.diagonal), len(self.factors)]
-        fits = (
-            (self.sizes > 0).all()
-            and self.sizes.sum() == n
-            and self.ranks.shape == (len(self.sizes), len(self.sizes))
-            and (self.ranks >= 0).all()
-            and (self.ranks <= n).all()
-            and (self.ranks == self.ranks.T).all()
-            and lengths == [n, int(self.sizes @ self.sizes), int(self.sizes @ widths)]
-            and self.smooth.shape == (n, len(self.core))
-            and self.core.shape == (len(self.core), len(self.core))
-        )
-        numbers = (self.diagonal, self.factors, self.smooth, self.core)
-        if not fits or not all(np.isfinite(part).all() for part in numbers):
-            message = f"the parts of '{name}' do not fit together, or are not finite"
-            raise ValueError(message)
-        check_distinct(self.members, n, f"{name}/members")
-        shapes = list(zip(self.sizes.tolist(), widths.tolist(), strict=True))
-        return CompressedCompliance(
-            clusters=tuple(np.split(self.members, np.cumsum(self.sizes)[:-1])),
-            diagonal=_blocks(self.diagonal, [(size, size) for size, _ in shapes]),
-            factors=_blocks(self.factors, shapes),
-            ranks=self.ranks,
-            smooth=self.smooth,
-            core=self.core,
-            places=places,
-            error=self.error,
-        )
 
 
-def stored_compliance(compliance: CompressedCompliance) -> StoredCompliance:
+def stored(compliance: Compliance | None) -> Matrix | StoredCompliance | None:
     """Return what a file keeps of a compliance."""
+    if not isinstance(compliance, SparseCompliance):
+        return compliance
     return StoredCompliance(
-        members=np.concatenate(compliance.clusters),
-        sizes=np.array([len(members) for members in compliance.clusters]),
-        diagonal=np.concatenate([block.ravel() for block in compliance.diagonal]),
-        factors=np.concatenate([block.ravel() for block in compliance.factors]),
-        ranks=compliance.ranks,
-        smooth=compliance.smooth,
+        matrix=compliance.stiffness.matrix,
+        ports=compliance.stiffness.ports,
+        shapes=compliance.shapes,
         core=compliance.core,
-        error=compliance.error,
     )
 
 
-def _blocks(entries: Vector, shapes: list[tuple[int, int]]) -> tuple[Matrix, ...]:
-    """Return matrices that follow one another, row by row."""
-    ends = np.cumsum([rows * columns for rows, columns in shapes])[:-1]
-    parts = np.split(entries, ends)
-    return tuple(part.reshape(shape) for part, shape in zip(parts, shapes, strict=True))
+def read_compliance(group: h5py.Group, n_relative: int) -> SparseCompliance:
+    """Read a compliance that is not formed.
+
+    Raises
+    ------
+    ValueError
+        If its parts do not fit together, or are those of a version that compressed it.
+    """
+    if "diagonal" in group:
+        message = (
+            f"'{group.name}' is compressed, as versions before sparse factors did; reduce the full "
+            "model again"
+        )
+        raise ValueError(message)
+    matrix, ports = (sparse_matrix(group, name) for name in ("matrix", "ports"))
+    shapes, core = numbers(group, "shapes"), numbers(group, "core")
+    n = matrix.shape[0]
+    fits = (
+        matrix.shape == (n, n)
+        and ports.shape == (n_relative, n)
+        and shapes.shape == (n_relative, len(core))
+        and core.shape == (len(core), len(core))
+    )
+    parts = (matrix.data, ports.data, shapes, core)
+    if not fits or not all(np.isfinite(part).all() for part in parts):
+        message = f"the parts of '{group.name}' do not fit together, or are not finite"
+        raise ValueError(message)
+    return SparseCompliance(stiffness=SparseStiffness.of(matrix, ports), shapes=shapes, core=core)

@@ -17,6 +17,7 @@ from faying.contact.point_springs import padded_rows
 from faying.contact.state import ContactState
 from faying.contact.yielding import YieldingContact
 from faying.joint.system import System
+from faying.linalg.budget import pairs_fit
 from faying.linalg.factorization import Factorization
 from faying.simulation.instants import Instants
 from faying.simulation.integrators import Integrator, Motion
@@ -169,7 +170,7 @@ def compiled_steps(
     """Return what the loop needs; None where it has nothing to offer.
 
     It has not without numba, for full models, for mean contact forces, with friction, for curves,
-    where contact is hard, and where the compliance between pairs is compressed.
+    where contact is hard, and where dense matrices between pairs exceed the dense budget.
 
     Notes
     -----
@@ -178,6 +179,8 @@ def compiled_steps(
     """
     P, contact = system.contact.relative_operator, system.contact
     if not isinstance(P, np.ndarray) or not (contact.forgets and contact.proportional):
+        return None
+    if not pairs_fit(len(P), contact.dense_budget):
         return None
     solver = condensed.increments
     if not isinstance(solver, YieldingContact):

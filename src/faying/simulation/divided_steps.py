@@ -223,7 +223,6 @@ def _ended(solution: Solution, level: int, error: float) -> Solution:
     return replace(
         some_states(solution, np.array([-1])),
         iterations=solution.iterations.sum(keepdims=True),
-        contact_error=np.max(solution.contact_error, keepdims=True),
         dissipation=np.atleast_1d(np.sum(solution.dissipation)),
         substeps=np.array([2**level]),
         step_error=np.array([error]),
@@ -245,7 +244,6 @@ def _started(first: Solution) -> Solution:
         shear_forces=first.shear_forces[None],
         shear_slip=first.shear_slip[None],
         iterations=np.zeros(1, dtype=np.int64),
-        contact_error=nothing,
         dissipation=nothing,
         substeps=np.zeros(1, dtype=np.int64),
         step_error=nothing,

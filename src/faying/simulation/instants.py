@@ -46,7 +46,6 @@ class Instants:
     forces: Matrix
     gaps: Matrix
     iterations: Indices
-    errors: Matrix
     shear: Matrix
     slip: Matrix
     dissipation: Matrix
@@ -63,7 +62,6 @@ class Instants:
             forces=np.zeros((*shape, n_point)),
             gaps=np.zeros((*shape, n_point)),
             iterations=np.zeros(shape, dtype=np.int64),
-            errors=np.zeros(shape),
             shear=np.zeros(along),
             slip=np.zeros(along),
             dissipation=np.zeros(shape),
@@ -94,7 +92,7 @@ class Instants:
         for case, end in enumerate(ends):
             contact = end.increment
             self.forces[case, n], self.gaps[case, n] = contact.forces[0], contact.slack[0]
-            self.iterations[case, n], self.errors[case, n] = end.iterations, contact.error
+            self.iterations[case, n] = end.iterations
             self.shear[case, n], self.slip[case, n] = contact.forces[1:][along], end.slip[along]
             self.dissipation[case, n] = end.dissipation
 

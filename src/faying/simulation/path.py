@@ -148,7 +148,6 @@ def states_of(contact: Contact, steps: Sequence["PathStep"]) -> ContactStates:
         shear_forces=np.array([step.increment.forces[1:][along] for step in steps]),
         slip=np.array([step.slip[along] for step in steps]),
         iterations=np.array([step.iterations for step in steps]),
-        error=np.zeros(len(steps)),
         dissipation=np.array([step.dissipation for step in steps]),
         deepest=deepest_of(contact, steps),
     )

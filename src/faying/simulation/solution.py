@@ -1,5 +1,6 @@
 """Solutions are data: states, contact forces and what follows from them."""
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -41,9 +42,6 @@ class Solution(ContactFields, Shown):
         Boundary forces, initial bolt forces, amplitudes of load patterns [-].
     iterations : (...)
         Linear systems the contact problem took.
-    contact_error : (...)
-        Bound on the relative error of the contact forces, (Σ λ²/(c_n w))½, that compression and
-        iteration make on large interfaces; zero where contact is solved to round-off.
     times : (n_time,) or None
         Instants of a transient.
     velocities, accelerations : (n_time, n_dof) or None
@@ -73,7 +71,6 @@ class Solution(ContactFields, Shown):
     gap: Matrix
     inputs: Matrix
     iterations: Indices
-    contact_error: Matrix | float = 0.0
     times: Vector | None = None
     velocities: Matrix | None = None
     accelerations: Matrix | None = None
@@ -89,6 +86,12 @@ class Solution(ContactFields, Shown):
         for name in ("states", "contact_forces", "gap", "inputs"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
         shear_everywhere(self)
+
+    @property
+    def contact_error(self) -> float:
+        """Zero, for contact is solved to round-off; deprecated."""
+        warnings.warn("contact_error is always zero now", DeprecationWarning, stacklevel=2)
+        return 0.0
 
     @property
     def facts(self) -> Mapping[str, str]:

@@ -23,7 +23,6 @@ OF_EACH_STATE = (
     "gap",
     "inputs",
     "iterations",
-    "contact_error",
     "shear_forces",
     "shear_slip",
     "dissipation",

@@ -69,8 +69,6 @@ class ContactStates:
     shear_forces, slip : (n_case, n_tangent, n_point) [force], [length]
         Tangential components.
     iterations : (n_case,)
-    error : (n_case,)
-        Bounds on the relative errors of the forces.
     dissipation : (n_case,) [force·length]
     deepest : (n_case, n_point) or None [length]
     """
@@ -80,7 +78,6 @@ class ContactStates:
     shear_forces: Matrix
     slip: Matrix
     iterations: Indices
-    error: Vector
     dissipation: Vector
     deepest: Matrix | None = None
 
@@ -97,7 +94,6 @@ def solution_of(system: System, inputs: Matrix, contact: ContactStates, name: st
         gap=contact.gap,
         inputs=inputs,
         iterations=contact.iterations,
-        contact_error=contact.error,
         shear_forces=contact.shear_forces,
         shear_slip=contact.slip,
         dissipation=contact.dissipation,
@@ -123,7 +119,7 @@ def solved_cases(system: Joint, free: Matrix) -> ContactStates:
     contact.check_cases()
     shape = (len(free), contact.n_points)
     forces, gaps = np.empty(shape), np.empty(shape)
-    iterations, errors = np.empty(len(free), dtype=np.int64), np.zeros(len(free))
+    iterations = np.empty(len(free), dtype=np.int64)
     shapes, offset = contact.free_gap(free), contact.offset()
     start: Increment | None = None
     if side_by_side(solver, len(free)):
@@ -137,7 +133,7 @@ def solved_cases(system: Joint, free: Matrix) -> ContactStates:
         for (case,) in similar_groups(shapes, 1):
             start = solver.solve(free[case], offset, start)
             forces[case], gaps[case] = start.forces[0], start.gap(solver.laws)
-            iterations[case], errors[case] = start.iterations, start.error
+            iterations[case] = start.iterations
     none = np.zeros((len(free), 0, contact.n_points))
     return ContactStates(
         forces=forces,
@@ -145,7 +141,6 @@ def solved_cases(system: Joint, free: Matrix) -> ContactStates:
         shear_forces=none,
         slip=none,
         iterations=iterations,
-        error=errors,
         dissipation=np.zeros(len(free)),
     )
 

@@ -12,12 +12,13 @@ from typing import Protocol, cast, final
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.contact.between_pairs import between
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
 from faying.contact.increment import Increment, IncrementSolver, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.state import ContactState
-from faying.linalg.compressed import Compliance
+from faying.linalg.sparse_compliance import Compliance
 from faying.simulation.path import PathStep
 
 ADMISSIBLE = 1e-12
@@ -128,8 +129,7 @@ class MeanContact:
             still = np.zeros(len(mean.moved))
             begun = replace(mean, forces=forces, moved=displaced(self._law, still, forces))
             end = self._law.solve(still, z_free, begun)
-            iterations, error = mean.iterations + end.iterations, max(mean.error, end.error)
-            return replace(end, iterations=iterations, error=error)
+            return replace(end, iterations=mean.iterations + end.iterations)
         stuck = np.divide(-z_free, D, out=none, where=D > 0)
         elastic = np.where(hard, 0.5 * mean.forces, self._laws.admissible(stuck, None))
         return replace(mean, forces=elastic, slack=z_free + self._laws.closure(elastic)[0])
@@ -157,7 +157,7 @@ class MeanContact:
         """The law where nothing but laws and residual compliance gives way."""
         alone: Contact = replace(self.condensed.contact, residual_compliance=None)
         residual = cast("Compliance", self._residual)
-        return CondensedContact(contact=alone, compliance=residual).increments
+        return CondensedContact(contact=alone, compliance=between(residual)).increments
 
     @cached_property
     def _residual(self) -> Compliance | None:
@@ -165,7 +165,7 @@ class MeanContact:
         R, contact = self.condensed.contact.residual_compliance, self.condensed.contact
         if not isinstance(R, np.ndarray) or (contact.flexibility > 0).all():
             return R
-        whole = np.diagonal(np.asarray(self.condensed.total))
+        whole = np.diagonal(self.condensed.total)
         return R if np.diagonal(R).max() > ROUND_OFF * whole.max() else None
 
 

@@ -7,8 +7,8 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from faying._typing import Matrix
-from faying.contact.condensed import CondensedContact, relative_compliance
+from faying._typing import Matrix, SparseMatrix
+from faying.contact.condensed import CondensedContact, structure_between
 from faying.contact.state import ContactState
 from faying.exceptions import ConvergenceError
 from faying.joint.system import System, input_forces
@@ -94,16 +94,19 @@ class TransientSolver:
     @cached_property
     def effective(self) -> Factorization:
         """Factorization of the effective matrix."""
-        return factorize(self.scheme.effective_matrix(self.system, self.step))
+        return factorize(self._effective_matrix)
+
+    @cached_property
+    def _effective_matrix(self) -> SparseMatrix | Matrix:
+        return self.scheme.effective_matrix(self.system, self.step)
 
     @cached_property
     def condensed(self) -> CondensedContact:
         """Contact problem of one step: compliance P A⁻¹ Pᵀ times the weight of the new forces."""
         contact, weight = self.system.contact, self.scheme.force_weight
-        compliance = relative_compliance(contact, self.effective, weight)
         return CondensedContact(
             contact=contact,
-            compliance=compliance,
+            compliance=structure_between(contact, self._effective_matrix, self.effective, weight),
             at_rest=partial(getattr, self.system, "static_contact"),
         )
 
@@ -195,7 +198,6 @@ class TransientSolver:
                 gap=history.gaps[case],
                 inputs=inputs[case],
                 iterations=history.iterations[case],
-                contact_error=history.errors[case],
                 times=times,
                 velocities=history.velocities[case],
                 accelerations=history.accelerations[case],

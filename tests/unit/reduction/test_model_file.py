@@ -397,66 +397,53 @@ def test_flipped_bit_in_an_array_is_found(saved):
 
 
 @pytest.fixture
-def compressed(damped):
+def large(damped):
+    """Of an interface that dense matrices have no room for."""
     small = damped.with_dense_budget(1000)
     rom = fy.reduce(small, fy.craig_bampton(small, normal_modes=3), compliance=True)
     assert not isinstance(rom.contact.residual_compliance, np.ndarray)
     return rom
 
 
-def test_compressed_compliance_is_kept_to_the_bit(compressed, tmp_path):
-    compressed.save(tmp_path / "joint.h5")
+def test_compliance_that_is_not_formed_is_kept_to_the_bit(large, tmp_path):
+    large.save(tmp_path / "joint.h5")
     same = fy.read_reduced_model(tmp_path / "joint.h5")
     load = fy.Load({"tip.Fz": -300.0})
     for one, other in (
-        (fy.solve_static(compressed, load), fy.solve_static(same, load)),
+        (fy.solve_static(large, load), fy.solve_static(same, load)),
         (
-            fy.solve_transient(compressed, load, duration=2e-4, step=2e-5),
+            fy.solve_transient(large, load, duration=2e-4, step=2e-5),
             fy.solve_transient(same, load, duration=2e-4, step=2e-5),
         ),
     ):
         assert np.ptp(one.pressure) > 0
         np.testing.assert_array_equal(one.pressure, other.pressure)
     forces = np.linspace(-1.0, 1.0, same.ports.n_relative)
-    np.testing.assert_array_equal(
-        compressed.ports.per_contact(forces), same.ports.per_contact(forces)
-    )
+    np.testing.assert_array_equal(large.ports.per_contact(forces), same.ports.per_contact(forces))
 
 
 @pytest.mark.parametrize(
     ("part", "spoil"),
     [
-        ("sizes", lambda v: v + 1),
-        ("sizes", lambda v: -v),
-        ("ranks", lambda v: v + 1),
-        ("ranks", lambda v: v.ravel()),
-        ("diagonal", lambda v: v[:-1]),
-        ("factors", lambda v: np.append(v, 1.0)),
-        ("smooth", lambda v: v[:, :-1]),
+        ("shapes", lambda v: v[:, :-1]),
+        ("shapes", lambda v: v[1:]),
+        ("core", lambda v: v[:-1]),
         ("core", lambda v: v * np.nan),
+        ("matrix/values", lambda v: v * np.nan),
+        ("matrix/shape", lambda v: v + 1),
+        ("ports/shape", lambda v: v + 1),
+        ("diagonal", None),
     ],
 )
-def test_parts_of_a_compressed_compliance_that_do_not_fit_are_refused(
-    compressed, tmp_path, part, spoil
-):
-    compressed.save(tmp_path / "joint.h5")
+def test_parts_of_a_compliance_that_do_not_fit_are_refused(large, tmp_path, part, spoil):
+    large.save(tmp_path / "joint.h5")
     with h5py.File(tmp_path / "joint.h5", "r+") as file:
         group = file["reduced/residual_compliance"]
-        value = spoil(group[part][()])
-        del group[part]
+        value = 0.0 if spoil is None else spoil(group[part][()])
+        if part in group:
+            del group[part]
         group[part] = value
-    with pytest.raises(
-        FormatError,
-        match=r"residual_compliance(' do not fit together|/core' holds numbers that are not)",
-    ):
-        fy.read_reduced_model(tmp_path / "joint.h5")
-
-
-def test_pairs_of_a_compressed_compliance_that_are_named_twice_are_refused(compressed, tmp_path):
-    compressed.save(tmp_path / "joint.h5")
-    with h5py.File(tmp_path / "joint.h5", "r+") as file:
-        file["reduced/residual_compliance/members"][0] = 1
-    with pytest.raises(FormatError, match="members' names a coordinate twice"):
+    with pytest.raises(FormatError, match=r"do not fit together|not finite|index|compressed, as"):
         fy.read_reduced_model(tmp_path / "joint.h5")
 
 

@@ -34,11 +34,7 @@ def joint_file(rom: ReducedModel, defaults: Defaults) -> tuple[bytes, str]:
     equal files.
     """
     refuse_expanding_bolts(rom)
-    contact = rom.contact
-    residual = contact.residual_compliance
-    if residual is not None and not isinstance(residual, np.ndarray):
-        message = "the interface is too large for an FMU: its compliance is compressed"
-        raise StudyError(message)
+    contact, residual = rom.contact, rom.contact.residual_compliance
     if contact.n_points > MOST_HARD_POINTS and not np.isfinite(contact.penalty).all():
         message = (
             f"hard contact at {contact.n_points} points is too large for an FMU, which takes "
@@ -82,7 +78,7 @@ def joint_file(rom: ReducedModel, defaults: Defaults) -> tuple[bytes, str]:
         ),
         rows.data,
         shear.data,
-        np.empty(0) if residual is None else residual,
+        np.empty(0) if residual is None else np.asarray(residual),
         pattern_forces(rom.load_patterns, len(rom.K)),
     ]
     stops = [0, *(part.stop for part in slices)]
@@ -125,7 +121,7 @@ def recovery_file(rom: ReducedModel) -> bytes:
         file,
         inertia=rom.recovery.inertia * time**2,
         damping=rom.recovery.damping * time,
-        relative_compliance=np.asarray(ports.relative),
+        relative_compliance=ports.relative,
         contact_columns=ports.contact_columns,
         input_rows=ports.input_rows,
         interpolation_values=rows.data,
