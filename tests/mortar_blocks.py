@@ -11,11 +11,10 @@ from faying.interface.facets import area_vectors, gauss_rule, shape_functions
 from faying.interface.mortar import build_mortar_interface, find_couplings
 from faying.joint.build import build_model
 from faying.model.assembly import Assembly, Material, Support
-from faying.model.cells import CellBlock
 from faying.model.dofs import DofMap
 from faying.model.generate import Cells, brick_grid, shaped
-from faying.model.mesh import Mesh
 from faying.model.specs import InterfaceSpec
+from solid_blocks import stacked
 
 STEEL = Material(youngs_modulus=210000.0, poissons_ratio=0.29, density=7.82e-9)
 SIZE = np.array([10.0, 8.0, 3.0])
@@ -42,19 +41,9 @@ def blocks(lower, upper, *, distort=0.0, move=None):
     """Assembly of two blocks, each (counts in the plane, kind); ``move`` places the upper one."""
     parts = [block(*lower, level=-1, distort=distort, seed=0)]
     parts.append(block(*upper, level=0, distort=distort, seed=1))
-    above = parts[1].nodes if move is None else move(parts[1].nodes)
-    n, n_cell = len(parts[0].nodes), len(parts[0].cells)
-    ids = [np.arange(1, n_cell + 1), n_cell + np.arange(1, len(parts[1].cells) + 1)]
-    both = tuple(
-        CellBlock(kind=p.kind, nodes=p.cells + i * n, ids=own, properties=np.full(len(own), i + 1))
-        for i, (p, own) in enumerate(zip(parts, ids, strict=True))
-    )
-    mesh = Mesh(
-        nodes=np.vstack([parts[0].nodes, above]),
-        node_ids=np.arange(1, n + len(above) + 1),
-        blocks=both,
-        element_sets={"lower": ids[0], "upper": ids[1]},
-    )
+    if move is not None:
+        parts[1] = replace(parts[1], nodes=move(parts[1].nodes))
+    mesh = stacked(*parts, names=("lower", "upper"))
     return Assembly(mesh=mesh, materials={1: STEEL, 2: STEEL}, element="standard")
 
 

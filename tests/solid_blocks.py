@@ -1,13 +1,16 @@
 """Blocks of every solid kind for the tests: a box cut into cells, distorted if wanted."""
 
+from collections.abc import Sequence
 from itertools import permutations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from faying._typing import Indices, Matrix
 from faying.model.assembly import Assembly, Material
 from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS
+from faying.model.generate import Cells
 from faying.model.mesh import Mesh
 
 STEEL = Material(youngs_modulus=210000.0, poissons_ratio=0.29, density=7.82e-9)
@@ -40,6 +43,33 @@ def solid_block(kind: str, divisions: tuple[int, int, int], size: Matrix, distor
         properties=np.ones(len(cells), dtype=int),
     )
     return Mesh(nodes=nodes, node_ids=np.arange(len(nodes)) + 1, blocks=(block,))
+
+
+def stacked(*parts: Cells, names: Sequence[str] = (), beside: ArrayLike = ()) -> Mesh:
+    """Mesh of bodies that share no node, and of nodes beside them.
+
+    Bodies are counted from 1: each has a block, a property and an element set of its own, which is
+    called "part 1" and so on unless named.
+    """
+    nodes = np.vstack([*(part.nodes for part in parts), np.reshape(beside, (-1, 3))])
+    node = np.cumsum([0, *(len(part.nodes) for part in parts)])
+    cell = np.cumsum([1, *(len(part.cells) for part in parts)])
+    blocks = tuple(
+        CellBlock(
+            kind=part.kind,
+            nodes=part.cells + node[place],
+            ids=np.arange(cell[place], cell[place + 1]),
+            properties=np.full(len(part.cells), place + 1),
+        )
+        for place, part in enumerate(parts)
+    )
+    names = names or [f"part {place + 1}" for place in range(len(parts))]
+    return Mesh(
+        nodes=nodes,
+        node_ids=np.arange(1, len(nodes) + 1),
+        blocks=blocks,
+        element_sets={name: block.ids for name, block in zip(names, blocks, strict=True)},
+    )
 
 
 def solid_assembly(mesh: Mesh, formulation: str = "standard", material: Material = STEEL):

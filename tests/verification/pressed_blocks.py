@@ -4,14 +4,13 @@ With one element along y and no motion there, plane strain.
 """
 
 import numpy as np
-from pressed_layers import HOLDING_SPRING, STEEL, Layers
+from pressed_layers import HOLDING_SPRING, STEEL, Layers, pressing
 
 import faying as fy
 from faying.joint.build import build_model
-from faying.model.assembly import Assembly, AverageCoupling, Spring, Support
-from faying.model.cells import CellBlock
+from faying.model.assembly import Assembly, Spring, Support
 from faying.model.generate import brick_grid
-from faying.model.mesh import Mesh
+from solid_blocks import stacked
 
 
 def graded(fine, until, size, growth=1.25):
@@ -33,22 +32,10 @@ def pressed_blocks(
     ``gap`` of x and y [length] is the initial gap. Press them with :meth:`Layers.pressed`.
     """
     parts = [brick_grid(x, y, -np.sort(depth)[::-1]), brick_grid(x, y, np.sort(depth))]
-    n, n_cell = len(parts[0].nodes), [len(part.cells) for part in parts]
-    nodes = np.vstack([parts[0].nodes, parts[1].nodes])
+    nodes = np.vstack([part.nodes for part in parts])
     middle, deep = np.array([x.max() / 2, y.max() / 2]), depth.max()
     ends = np.array([[*middle, deep], [*middle, -deep]])
-    mesh = Mesh(
-        nodes=np.vstack([nodes, ends]),
-        node_ids=np.arange(1, len(nodes) + 3),
-        blocks=(
-            CellBlock(
-                kind="hex8",
-                nodes=np.vstack([parts[0].cells, parts[1].cells + n]),
-                ids=np.arange(1, sum(n_cell) + 1),
-                properties=np.repeat([1, 2], n_cell),
-            ),
-        ),
-    )
+    mesh = stacked(*parts, beside=ends)
     still = np.arange(len(nodes)) if len(y) == 2 else np.flatnonzero(nodes[:, 1] == 0)
     base = np.flatnonzero((nodes[:, :2] == 0).all(axis=1) & (nodes[:, 2] == -deep))
     assembly = Assembly(
@@ -61,7 +48,7 @@ def pressed_blocks(
             Support(id=3, nodes=base, components=(2,)),
         ),
         average_couplings=tuple(
-            _face(number, nodes, len(nodes) + number - 1, place)
+            pressing(number, nodes, nodes[:, 2] == place, len(nodes) + number - 1)
             for number, place in ((1, deep), (2, -deep))
         ),
         springs=(Spring(id=1, ends=((len(nodes), 2),), stiffness=HOLDING_SPRING),),
@@ -78,21 +65,3 @@ def pressed_blocks(
         places = model.interfaces["joint"].points
         model = model.with_initial_gap("joint", gap(places[:, 0], places[:, 1]))
     return Layers(model)
-
-
-def _face(number, nodes, reference, height):
-    """A uniform pressure on a whole face as the weights of an average."""
-    loaded = np.flatnonzero(nodes[:, 2] == height)
-    weights = 1.0
-    for along in (0, 1):
-        lines = np.unique(nodes[loaded, along])
-        width = (np.diff(lines, prepend=lines[0]) + np.diff(lines, append=lines[-1])) / 2
-        weights = weights * width[np.searchsorted(lines, nodes[loaded, along])]
-    return AverageCoupling(
-        id=number,
-        reference=reference,
-        nodes=loaded,
-        weights=weights,
-        components=(2,),
-        reference_components=(2,),
-    )

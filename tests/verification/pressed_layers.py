@@ -7,9 +7,8 @@ import numpy as np
 import faying as fy
 from faying.joint.build import build_model
 from faying.model.assembly import Assembly, AverageCoupling, Material, Spring, Support
-from faying.model.cells import CellBlock
 from faying.model.generate import brick_grid
-from faying.model.mesh import Mesh
+from solid_blocks import stacked
 
 STEEL = Material(youngs_modulus=210000.0, poissons_ratio=0.29, density=7.82e-9)
 HOLDING_SPRING = 0.1
@@ -43,24 +42,12 @@ def pressed_layers(
     y = np.array([0.0, 1.0])
     above = x if upper_x is None else upper_x
     parts = [brick_grid(x, y, -np.sort(depth)[::-1]), brick_grid(above, y, np.sort(depth))]
-    n, n_cell = len(parts[0].nodes), [len(part.cells) for part in parts]
-    nodes = np.vstack([parts[0].nodes, parts[1].nodes])
+    nodes = np.vstack([part.nodes for part in parts])
     # At the centroid of the strip an average passes a force on as uniform pressure.
     centre = half_width / 2
     ends = np.array([[centre, 0.5, depth.max()], [centre, 0.5, -depth.max()]])
     top, bottom = len(nodes), len(nodes) + 1
-    mesh = Mesh(
-        nodes=np.vstack([nodes, ends]),
-        node_ids=np.arange(1, len(nodes) + 3),
-        blocks=(
-            CellBlock(
-                kind="hex8",
-                nodes=np.vstack([parts[0].cells, parts[1].cells + n]),
-                ids=np.arange(1, sum(n_cell) + 1),
-                properties=np.repeat([1, 2], n_cell),
-            ),
-        ),
-    )
+    mesh = stacked(*parts, beside=ends)
     middle = np.flatnonzero(nodes[:, 0] == 0)
     base = np.flatnonzero((nodes[:, 0] == 0) & (nodes[:, 2] == -depth.max()))
     assembly = Assembly(
@@ -73,8 +60,11 @@ def pressed_layers(
             Support(id=3, nodes=base, components=(2,)),
         ),
         average_couplings=tuple(
-            strip(number, nodes, reference, mesh.nodes[reference, 2], half_width)
-            for number, reference in enumerate((top, bottom), start=1)
+            pressing(number, nodes, face & (nodes[:, 0] <= half_width + 1e-9), reference)
+            for number, reference, face in (
+                (1, top, nodes[:, 2] == depth.max()),
+                (2, bottom, nodes[:, 2] == -depth.max()),
+            )
         ),
         springs=(Spring(id=1, ends=((top, 2),), stiffness=HOLDING_SPRING),),
     )
@@ -98,16 +88,18 @@ def pressed_layers(
     return Layers(model)
 
 
-def strip(number, nodes, reference, height, half_width):
-    """A uniform pressure from x = 0 to ``half_width`` as the weights of an average."""
-    loaded = np.flatnonzero((nodes[:, 2] == height) & (nodes[:, 0] <= half_width + 1e-9))
-    x = np.unique(nodes[loaded, 0])
-    width = (np.diff(x, prepend=x[0]) + np.diff(x, append=x[-1])) / 2
+def pressing(number, nodes, face, reference):
+    """A uniform pressure on a rectangle of a face as the weights of an average."""
+    loaded, weights = np.flatnonzero(face), 1.0
+    for along in (0, 1):
+        lines = np.unique(nodes[loaded, along])
+        width = (np.diff(lines, prepend=lines[0]) + np.diff(lines, append=lines[-1])) / 2
+        weights = weights * width[np.searchsorted(lines, nodes[loaded, along])]
     return AverageCoupling(
         id=number,
         reference=reference,
         nodes=loaded,
-        weights=width[np.searchsorted(x, nodes[loaded, 0])],
+        weights=weights,
         components=(2,),
         reference_components=(2,),
     )

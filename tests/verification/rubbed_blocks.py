@@ -5,9 +5,8 @@ import numpy as np
 import faying as fy
 from faying.joint.build import build_model
 from faying.model.assembly import Assembly
-from faying.model.cells import CellBlock
 from faying.model.generate import brick_grid
-from faying.model.mesh import Mesh
+from solid_blocks import stacked
 
 
 def two_bodies(x, y, depth, height, *, ends=()):
@@ -15,17 +14,9 @@ def two_bodies(x, y, depth, height, *, ends=()):
 
     Nodes of the lower body come first, then those of the upper one, then ``ends``.
     """
-    parts = [brick_grid(x, y, -np.sort(depth)[::-1]), brick_grid(x, y, np.sort(height))]
-    n, n_cell = len(parts[0].nodes), [len(part.cells) for part in parts]
-    nodes = np.vstack([parts[0].nodes, parts[1].nodes, np.reshape(ends, (-1, 3))])
-    bricks = CellBlock(
-        kind="hex8",
-        nodes=np.vstack([parts[0].cells, parts[1].cells + n]),
-        ids=np.arange(1, sum(n_cell) + 1),
-        properties=np.repeat([1, 2], n_cell),
-    )
-    mesh = Mesh(nodes=nodes, node_ids=np.arange(1, len(nodes) + 1), blocks=(bricks,))
-    return mesh, np.arange(n), np.arange(n, n + len(parts[1].nodes))
+    below, above = brick_grid(x, y, -np.sort(depth)[::-1]), brick_grid(x, y, np.sort(height))
+    n = len(below.nodes)
+    return stacked(below, above, beside=ends), np.arange(n), np.arange(n, n + len(above.nodes))
 
 
 def rubbing(mesh, material, *, boundaries, penalty, friction, tangential_penalty, **held):

@@ -8,12 +8,11 @@ import pytest
 import faying as fy
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Beam, RigidCoupling, Spring, Support
-from faying.model.cells import CellBlock
 from faying.model.generate import brick_grid
 from faying.model.generated_bolt import bolt_section
-from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 from faying.reduction.projection import completed
+from solid_blocks import stacked
 
 STEEL = fy.Material(youngs_modulus=210e3, poissons_ratio=0.3, density=7.8e-9)
 THREAD = fy.Thread(diameter=10.0, pitch=1.5, grade="8.8")
@@ -34,7 +33,7 @@ def standing_bolt(beams=1, *, spring=False, hinged=False):
     n = len(grid.nodes)
     heights = np.linspace(-8.0, 10.0, beams + 1)
     shank = np.column_stack([np.full(beams + 1, 2.0), np.full(beams + 1, 2.0), heights])
-    nodes = np.vstack([grid.nodes - [0, 0, 2.0], grid.nodes, shank])
+    mesh = stacked(replace(grid, nodes=grid.nodes - [0, 0, 2.0]), grid, beside=shank)
     foot, head = 2 * n, 2 * n + beams
     section = bolt_section(BoltSpec(name="bolt", diameter=6.0), STEEL)
     line = () if spring else tuple(
@@ -43,22 +42,11 @@ def standing_bolt(beams=1, *, spring=False, hinged=False):
         for k in range(beams)
     )  # fmt: skip
     guide = (Support(id=3, nodes=np.array([head]), components=(0, 1, 3, 4, 5)),) if spring else ()
-    z = nodes[: 2 * n, 2]
+    z = mesh.nodes[: 2 * n, 2]
     held = np.flatnonzero((z == -2) | ((z == 0) & (np.arange(2 * n) < n)))
     return fy.build_model(
         Assembly(
-            mesh=Mesh(
-                nodes=nodes,
-                node_ids=np.arange(len(nodes)) + 1,
-                blocks=(
-                    CellBlock(
-                        kind="hex8",
-                        nodes=np.vstack([grid.cells, grid.cells + n]),
-                        ids=np.array([1, 2]),
-                        properties=np.array([1, 2]),
-                    ),
-                ),
-            ),
+            mesh=mesh,
             materials={1: STEEL, 2: STEEL},
             supports=(
                 Support(id=1, nodes=held, components=(0, 1, 2)),

@@ -9,15 +9,16 @@ w_F = −n F₀/(c A), and the bed c ⟨−w⟩. What follows from the sums of f
 * apart: Fᵢ = N/n + M_x yᵢ/Σ yᵢ² − M_y xᵢ/Σ xᵢ², whatever is stiff.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import faying as fy
 from faying.joint.build import build_model
 from faying.model.assembly import Assembly, RigidCoupling, Spring, Support
-from faying.model.cells import CellBlock
 from faying.model.generate import brick_grid
-from faying.model.mesh import Mesh
+from solid_blocks import stacked
 
 SIDE, BED, BOLT, PRELOAD, COUNT = 60.0, 2e3, 2e5, 20e3, 6
 AREA, INERTIA = SIDE**2, SIDE**4 / 12
@@ -37,20 +38,15 @@ def flange(divisions, quadrature="gauss"):
     n = len(upper.nodes)
     heads = np.stack([X, Y, np.full(COUNT, 10.0)], axis=1)
     middle = np.array([[0.0, 0.0, 10.0]])
-    plates = [np.vstack([upper.nodes, heads, middle]) * [1, 1, s] for s in (-1, 1)]
     size = n + COUNT + 1
-    flipped = upper.cells[:, [4, 5, 6, 7, 0, 1, 2, 3]]
-    cells = np.vstack([flipped, upper.cells + size])
-    block = CellBlock(
-        kind="hex8",
-        nodes=cells,
-        ids=np.arange(len(cells)) + 1,
-        properties=np.repeat([1, 2], len(upper.cells)),
+    plate = replace(upper, nodes=np.vstack([upper.nodes, heads, middle]))
+    flipped = replace(
+        plate, nodes=plate.nodes * [1, 1, -1], cells=plate.cells[:, [4, 5, 6, 7, 0, 1, 2, 3]]
     )
     steel = fy.Material(youngs_modulus=210e3, poissons_ratio=0.3, density=7.8e-9)
     references = (size - 1, 2 * size - 1)
     assembly = Assembly(
-        mesh=Mesh(nodes=np.vstack(plates), node_ids=np.arange(2 * size) + 1, blocks=(block,)),
+        mesh=stacked(flipped, plate),
         materials={1: steel, 2: steel},
         supports=(
             Support(id=1, nodes=np.array(references[:1]), components=(0, 1, 2, 3, 4, 5)),

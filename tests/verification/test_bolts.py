@@ -11,10 +11,9 @@ from faying.exceptions import ModelError
 from faying.joint.build import build_model
 from faying.model.assembly import Assembly, RigidCoupling, Spring, Support
 from faying.model.bolt import Bolt
-from faying.model.cells import CellBlock
 from faying.model.generate import Cells, brick_grid, shaped
-from faying.model.mesh import Mesh
 from small_system import small_system
+from solid_blocks import stacked
 
 
 def spring_joint(bolt=3.0, clamped=12.0, base=2.0):
@@ -131,20 +130,9 @@ HOLDING = 1e4
 
 def squeezed_blocks(kind, penalty, quadrature, distortion=0.4):
     """Two distorted blocks under a frictionless plate; what they do is a uniaxial state."""
-    nodes, cells = mirrored_blocks(kind, distortion)
-    plate = len(nodes)
-    mesh = Mesh(
-        nodes=np.vstack([nodes, [4.5, 3.0, 4.0]]),
-        node_ids=np.arange(1, plate + 2),
-        blocks=(
-            CellBlock(
-                kind=kind,
-                nodes=cells,
-                ids=np.arange(1, len(cells) + 1),
-                properties=np.ones(len(cells)),
-            ),
-        ),
-    )
+    both = mirrored_blocks(kind, distortion)
+    nodes, plate = both.nodes, len(both.nodes)
+    mesh = stacked(both, beside=[4.5, 3.0, 4.0])
     x, y, z = nodes.T
     assembly = Assembly(
         mesh=mesh,
@@ -180,8 +168,7 @@ def mirrored_blocks(kind, distortion):
     n = len(below)
     # Mirrored bricks turn inside out; swapping bottom and top turns them back.
     cells = np.vstack([bricks.cells, bricks.cells[:, [4, 5, 6, 7, 0, 1, 2, 3]] + n])
-    both = shaped(Cells(kind="hex8", nodes=np.vstack(bodies), cells=cells), kind)
-    return both.nodes, both.cells
+    return shaped(Cells(kind="hex8", nodes=np.vstack(bodies), cells=cells), kind)
 
 
 NOT_UNIQUE = pytest.mark.xfail(

@@ -11,10 +11,10 @@ from faying.exceptions import ModelError
 from faying.joint.bolt_surroundings import surroundings
 from faying.joint.build import build_model
 from faying.model.assembly import Assembly, RigidCoupling, Spring, Support
-from faying.model.cells import CellBlock
 from faying.model.generate import brick_grid
 from faying.model.mesh import Mesh
 from faying.reduction.projection import contact_surfaces
+from solid_blocks import stacked
 
 LOAD = fy.Load({"tip.Fx": 3e3, "tip.Fz": -400.0, "tip.Mx": 8e3}, name="pull and bend")
 E, AREA, LENGTH, PENALTY, BOLT, PRELOAD = 210e3, 54.0, 8.0, 1e5, 4e5, 5e3
@@ -30,21 +30,14 @@ def sleeve(penalty=PENALTY, quadrature="gauss"):
     grid = brick_grid(
         np.array([0, 3.0, 5.0, 9.0]), np.array([0, 2.0, 6.0]), np.array([0, 2.5, 4.0])
     )
-    n, cells = len(grid.nodes), grid.cells
-    lower = grid.nodes - [0, 0, 4.0]
-    nodes = np.vstack([lower, grid.nodes, [[4.5, 3.0, -4.0], [4.5, 3.0, 4.0]]])
-    both = np.vstack([cells, cells + n])
-    block = CellBlock(
-        kind="hex8",
-        nodes=both,
-        ids=np.arange(len(both)) + 1,
-        properties=np.repeat([1, 2], len(cells)),
-    )
+    n = len(grid.nodes)
+    below = replace(grid, nodes=grid.nodes - [0, 0, 4.0])
+    mesh = stacked(below, grid, beside=[[4.5, 3.0, -4.0], [4.5, 3.0, 4.0]])
     base, head = 2 * n, 2 * n + 1
-    x, y, z = nodes[:base].T
+    x, y, z = mesh.nodes[:base].T
     steel = fy.Material(youngs_modulus=E, poissons_ratio=0.3, density=7.8e-9)
     assembly = Assembly(
-        mesh=Mesh(nodes=nodes, node_ids=np.arange(len(nodes)) + 1, blocks=(block,)),
+        mesh=mesh,
         materials={1: steel, 2: steel},
         supports=(
             Support(id=1, nodes=np.flatnonzero(x == 0), components=(0,)),
@@ -72,12 +65,9 @@ def two_sleeves():
     alone = sleeve()
     assembly = alone.assembly
     mesh, n = assembly.mesh, len(assembly.mesh.nodes)
-    block = mesh.blocks[0]
-    blocks = CellBlock(
-        kind="hex8",
-        nodes=np.vstack([block.nodes, block.nodes + n]),
-        ids=np.arange(2 * len(block.nodes)) + 1,
-        properties=np.concatenate([block.properties, block.properties + 2]),
+    others = (
+        replace(one, nodes=one.nodes + n, ids=one.ids + n, properties=one.properties + 2)
+        for one in mesh.blocks
     )
     spring = assembly.springs[0]
     both = replace(
@@ -85,7 +75,7 @@ def two_sleeves():
         mesh=Mesh(
             nodes=np.vstack([mesh.nodes, np.add(mesh.nodes, (20.0, 0, 0))]),
             node_ids=np.arange(2 * n) + 1,
-            blocks=(blocks,),
+            blocks=(*mesh.blocks, *others),
         ),
         materials=dict.fromkeys((1, 2, 3, 4), assembly.materials[1]),
         supports=assembly.supports

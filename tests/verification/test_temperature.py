@@ -10,9 +10,8 @@ from faying.exceptions import ModelError, StudyError
 from faying.export.arrays import variables
 from faying.export.linearized import linearize
 from faying.model.assembly import Assembly, Support
-from faying.model.cells import CellBlock
-from faying.model.mesh import Mesh
-from solid_blocks import brick_grid
+from faying.model.generate import brick_grid
+from solid_blocks import stacked
 
 ALUMINIUM = fy.Material(
     name="aluminium", youngs_modulus=70e3, poissons_ratio=0.33, density=2.7e-9, expansion=23e-6
@@ -26,21 +25,9 @@ ROUND_OFF = 1e-9
 
 def stack(lower, upper, divisions=(4, 4, 2), size=(40.0, 40.0, 10.0), bolt=STEEL):
     """Two blocks, one on the other, that share no node; materials 1, 2, and 3 of the bolt."""
-    nodes, bricks = brick_grid(divisions, np.array(size))
-    n, cells = len(nodes), len(bricks)
-    mesh = Mesh(
-        nodes=np.vstack([nodes, nodes + np.array([0.0, 0.0, size[2]])]),
-        node_ids=np.arange(2 * n) + 1,
-        blocks=(
-            CellBlock(
-                kind="hex8",
-                nodes=np.vstack([bricks, bricks + n]),
-                ids=np.arange(2 * cells) + 1,
-                properties=np.repeat([1, 2], cells),
-            ),
-        ),
-        element_sets={"lower": np.arange(cells) + 1, "upper": np.arange(cells, 2 * cells) + 1},
-    )
+    block = brick_grid(*(np.linspace(0.0, b, n + 1) for b, n in zip(size, divisions, strict=True)))
+    above = replace(block, nodes=np.add(block.nodes, [0.0, 0.0, size[2]]))
+    mesh = stacked(block, above, names=("lower", "upper"))
     return Assembly(mesh=mesh, materials={1: lower, 2: upper, 3: bolt})
 
 

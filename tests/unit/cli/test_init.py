@@ -1,6 +1,7 @@
 """``faying init``: the first study of a deck or mesh says what is there and runs."""
 
 import tomllib
+from dataclasses import replace
 
 import meshio
 import numpy as np
@@ -15,18 +16,18 @@ from faying.draft.study_text import DECIDE
 from faying.exceptions import FayingError, StudyError
 from faying.interface.facing import facing_bodies
 from faying.model.assembly import Assembly, Material
-from faying.model.cells import CellBlock
-from faying.model.mesh import Mesh
+from faying.model.generate import Cells
 from faying.study.inputs.load_model import build
 from faying.study.keys.schema import parse_study
 from small_abaqus_deck import DECK
+from solid_blocks import stacked
 
 STEEL = Material(name="default", youngs_modulus=210e3, poissons_ratio=0.3, density=7.85e-9)
 AROUND = 16
 
 
 def washer(radii, heights, centre=(0.0, 0.0)):
-    """Nodes and bricks of a ring around z."""
+    """Bricks of a ring around z."""
     turn = 2 * np.pi * np.arange(AROUND) / AROUND
     grid = np.array(
         [
@@ -40,24 +41,7 @@ def washer(radii, heights, centre=(0.0, 0.0)):
     on = np.roll(at, -1, axis=2)
     corners = [at[:-1, :-1], at[:-1, 1:], on[:-1, 1:], on[:-1, :-1]]
     corners += [at[1:, :-1], at[1:, 1:], on[1:, 1:], on[1:, :-1]]
-    return grid, np.stack(corners, axis=-1).reshape(-1, 8)
-
-
-def stacked(*parts):
-    """Mesh of several parts, each its own body and element set ``part 1``, ``part 2``, …."""
-    nodes = np.concatenate([grid for grid, _ in parts])
-    shift = np.cumsum([0, *(len(grid) for grid, _ in parts)])
-    cells = np.concatenate([table + first for (_, table), first in zip(parts, shift, strict=False)])
-    owner = np.repeat(np.arange(1, len(parts) + 1), [len(table) for _, table in parts])
-    ids = np.arange(1, len(cells) + 1)
-    sets = {f"part {n}": ids[owner == n] for n in range(1, len(parts) + 1)}
-    block = CellBlock(kind="hex8", nodes=cells, ids=ids, properties=owner)
-    return Mesh(
-        nodes=nodes,
-        node_ids=np.arange(1, len(nodes) + 1),
-        blocks=(block,),
-        element_sets=sets,
-    )
+    return Cells(kind="hex8", nodes=grid, cells=np.stack(corners, axis=-1).reshape(-1, 8))
 
 
 LOWER = washer([5.5, 9.0, 14.0], [-8.0, -4.0, 0.0], (3.0, 1.0))
@@ -66,9 +50,8 @@ UPPER = washer([5.5, 9.0, 14.0], [0.0, 4.0, 8.0], (3.0, 1.0))
 
 def written(folder, mesh):
     """A mesh file of it, parts as groups by number."""
-    owner = mesh.element_properties
-    tables = [("hexahedron", mesh.blocks[0].nodes)]
-    tags = {"cell_tags": [owner]}
+    tables = [("hexahedron", np.vstack([block.nodes for block in mesh.blocks]))]
+    tags = {"cell_tags": [mesh.element_properties]}
     path = folder / "rings.vtu"
     meshio.Mesh(mesh.nodes, tables, cell_data=tags).write(path)
     return path
@@ -147,8 +130,7 @@ def test_beams_that_clamp_bodies_are_bolts(tmp_path):
 
 
 def test_faces_across_a_gap_are_marked(tmp_path):
-    grid, table = UPPER
-    mesh = stacked(LOWER, (grid + np.array([0, 0, 0.05]), table))
+    mesh = stacked(LOWER, replace(UPPER, nodes=np.add(UPPER.nodes, [0, 0, 0.05])))
     assembly = Assembly(mesh=mesh, materials={1: STEEL, 2: STEEL})
     (face,) = facing_bodies(assembly)
     assert not face.touching
@@ -165,14 +147,13 @@ def test_faces_across_a_gap_are_marked(tmp_path):
 def test_cylinders_are_found_whatever_their_place():
     rng = np.random.default_rng(3)
     turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
-    grid, table = washer([5.5, 9.0, 14.0], np.linspace(-8.0, 0.0, 6))
+    ring = washer([5.5, 9.0, 14.0], np.linspace(-8.0, 0.0, 6))
+    grid = ring.nodes
     # Nodes anywhere on the circles, so that facets are inclined as a mesher's are.
     angle = np.arctan2(grid[:, 1], grid[:, 0]) + rng.uniform(-0.08, 0.08, len(grid))
     radius = np.linalg.norm(grid[:, :2], axis=1)
     uneven = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), grid[:, 2]])
-    mesh = stacked((uneven, table))
-    moved = Mesh(nodes=1e3 + mesh.nodes @ turn.T, node_ids=mesh.node_ids, blocks=mesh.blocks)
-    found = cylinders(moved)
+    found = cylinders(stacked(replace(ring, nodes=1e3 + uneven @ turn.T)))
     order = np.argsort(found.radii)
     # Corners lie on the circles to the digits of coordinates of 1e3.
     assert found.radii[order] == pytest.approx([5.5, 14.0], rel=1e-9)
@@ -201,10 +182,10 @@ def test_no_bolt_is_made_beside_shanks_of_solids(tmp_path):
 
 def test_bodies_that_touch_and_nearly_touch_elsewhere_are_one_interface():
     """A head on a plate, its shank in the hole: where they touch the plate has the finer facets."""
-    grid, table = washer([1.0, 5.2, 9.0], np.arange(-8.0, 11.0), (3.0, 1.0))
-    centres = grid[table].mean(axis=1) - [3.0, 1.0, 0.0]
-    bolt = table[(np.linalg.norm(centres[:, :2], axis=1) < 5.2) | (centres[:, 2] > 8.0)]
-    mesh = stacked(washer([5.5, 9.0, 14.0], [-8.0, 8.0], (3.0, 1.0)), (grid, bolt))
+    rod = washer([1.0, 5.2, 9.0], np.arange(-8.0, 11.0), (3.0, 1.0))
+    centres = rod.centroids() - [3.0, 1.0, 0.0]
+    bolt = rod.restricted((np.linalg.norm(centres[:, :2], axis=1) < 5.2) | (centres[:, 2] > 8.0))
+    mesh = stacked(washer([5.5, 9.0, 14.0], [-8.0, 8.0], (3.0, 1.0)), bolt)
     (face,) = facing_bodies(Assembly(mesh=mesh, materials={1: STEEL, 2: STEEL}))
     assert (face.minus, face.plus) == (0, 1)
     assert face.gap == pytest.approx((0.0, 0.0), abs=1e-12)  # round-off of coordinates
@@ -212,11 +193,10 @@ def test_bodies_that_touch_and_nearly_touch_elsewhere_are_one_interface():
 
 def test_parts_that_share_nodes_are_separated(tmp_path):
     rings = washer([5.5, 9.0, 14.0], [-8.0, -4.0, 0.0, 4.0, 8.0])
-    mesh = stacked(rings)
-    upper = mesh.nodes[mesh.blocks[0].nodes].mean(axis=1)[:, 2] > 0
+    upper = rings.centroids()[:, 2] > 0
     path = tmp_path / "rings.vtu"
-    tables = [("hexahedron", mesh.blocks[0].nodes)]
-    meshio.Mesh(mesh.nodes, tables, cell_data={"cell_tags": [1 + upper.astype(int)]}).write(path)
+    tags = {"cell_tags": [1 + upper.astype(int)]}
+    meshio.Mesh(rings.nodes, [("hexahedron", rings.cells)], cell_data=tags).write(path)
     study, tables = said(path)
     assert tables["model"]["separate"] == ["volume 2"]
     assert study.problem == ""

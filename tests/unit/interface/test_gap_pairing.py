@@ -13,13 +13,13 @@ from faying.interface.mortar import find_couplings
 from faying.interface.pairing import find_interfaces
 from faying.io.abaqus import write_deck
 from faying.model.assembly import Assembly, FaceSet, Support
-from faying.model.cells import CellBlock
 from faying.model.description import JointDescription
-from faying.model.generate import brick_grid, shaped
+from faying.model.generate import brick_grid
 from faying.model.mesh import Mesh
 from faying.model.specs import GapRule
 from faying.model.surface import facet_normals
 from mortar_blocks import SIZE, blocks
+from solid_blocks import stacked
 
 ANY = fy.InterfaceSpec(
     name="joint", minus="under", plus="over", penalty=1e5, search_distance=np.inf
@@ -172,30 +172,13 @@ def test_of_several_layers_the_nearest_one_is_taken(minus, plus):
 
 def layered(bases):
     """Plates of 10 x 8 x 3 over each other, of different meshes; the upper two are "both"."""
-    parts, first, points = [], 0, []
+    parts = []
     for number, base in enumerate(bases):
         lines = [np.linspace(0, size, 3 + number + 1) for size in SIZE[:2]]
-        cells = shaped(brick_grid(*lines, z=np.array([base, base + SIZE[2]])), "hex8")
-        parts.append((cells.cells + len(np.vstack([np.empty((0, 3)), *points])), first))
-        points.append(cells.nodes)
-        first += len(cells.cells)
-    blocks_of = tuple(
-        CellBlock(
-            kind="hex8",
-            nodes=cells,
-            ids=1 + start + np.arange(len(cells)),
-            properties=np.full(len(cells), number + 1),
-        )
-        for number, (cells, start) in enumerate(parts)
-    )
-    nodes = np.vstack(points)
-    upper = np.concatenate([block.ids for block in blocks_of[1:]])
-    mesh = Mesh(
-        nodes=nodes,
-        node_ids=np.arange(1, len(nodes) + 1),
-        blocks=blocks_of,
-        element_sets={"both": upper},
-    )
+        parts.append(brick_grid(*lines, z=np.array([base, base + SIZE[2]])))
+    mesh = stacked(*parts)
+    upper = np.concatenate([block.ids for block in mesh.blocks[1:]])
+    mesh = replace(mesh, element_sets={"both": upper})
     steel = blocks(((1, 1), "hex8"), ((1, 1), "hex8")).materials[1]
     return Assembly(mesh=mesh, materials=dict.fromkeys((1, 2, 3), steel), element="standard")
 

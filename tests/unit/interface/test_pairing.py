@@ -10,43 +10,24 @@ from faying.interface.pairing import find_interfaces, pair_facets, select_facets
 from faying.joint.lap_joint import lap_joint_assembly
 from faying.model.assembly import Assembly, FaceSet
 from faying.model.cells import CellBlock
+from faying.model.generate import brick_grid
 from faying.model.mesh import Mesh
 from faying.model.specs import InterfaceSpec
+from solid_blocks import stacked
 
 AUTO = InterfaceSpec(name="joint")
 NAMED = InterfaceSpec(name="joint", minus="lower", plus="upper")
 
 
 def brick(origin, size, counts):
-    """Nodes and hex8 cells of a box."""
-    axes = [o + s * np.linspace(0, 1, n + 1) for o, s, n in zip(origin, size, counts, strict=True)]
-    nodes = np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
-    index = np.arange(len(nodes)).reshape([n + 1 for n in counts])
-    low, high = slice(None, -1), slice(1, None)
-    corners = [(low, low), (high, low), (high, high), (low, high)]
-    cells = [index[x, y, z].ravel() for z in (low, high) for x, y in corners]
-    return nodes, np.column_stack(cells)
+    lines = (o + s * np.linspace(0, 1, n + 1) for o, s, n in zip(origin, size, counts, strict=True))
+    return brick_grid(*lines)
 
 
-def blocks(*bricks, names=("lower", "upper", "third")):
+def blocks(*bricks):
     """An assembly of bricks, each with property, element set and nodes of its own."""
-    nodes, cell_blocks, sets, first_node, first_id = [], [], {}, 0, 1
-    for number, (coordinates, cells) in enumerate(bricks):
-        ids = np.arange(first_id, first_id + len(cells))
-        properties = np.full(len(cells), number + 1)
-        cell_blocks.append(
-            CellBlock(kind="hex8", nodes=cells + first_node, ids=ids, properties=properties)
-        )
-        sets[names[number]] = ids
-        nodes.append(coordinates)
-        first_node, first_id = first_node + len(coordinates), first_id + len(cells)
-    mesh = Mesh(
-        nodes=np.concatenate(nodes),
-        node_ids=10 + np.arange(first_node),
-        blocks=tuple(cell_blocks),
-        element_sets=sets,
-    )
-    return Assembly(mesh=mesh)
+    mesh = stacked(*bricks, names=("lower", "upper", "third")[: len(bricks)])
+    return Assembly(mesh=replace(mesh, node_ids=9 + mesh.node_ids))
 
 
 LOWER = brick((0, 0, -1), (4, 3, 1), (4, 3, 1))

@@ -21,6 +21,7 @@ from faying.model.surface import (
     facet_centres,
     facet_normals,
 )
+from solid_blocks import stacked
 
 SHAPES = ("hex8", "hex20", "tet4", "tet10", "wedge6")
 
@@ -207,11 +208,20 @@ def bolt(**changes):
     return BoltSpec(**{"name": "b", "axis": axis, "diameter": 6, "washer_radius": 6, **changes})
 
 
-def test_bolt_through_one_body_clamps_nothing():
-    bare = lap_joint_assembly(bolt_positions=()).assembly
-    one_plate = bolt(axis=((-40, 0, -10), (-40, 0, 0)))
-    with pytest.raises(ModelError, match="bolt 'b' clamps nothing"):
-        add_bolt(bare, one_plate)
+@pytest.mark.parametrize(
+    ("axis", "message"),
+    [
+        (((-40, 0, -10), (-40, 0, 0)), "bolt 'b' clamps nothing"),  # through one plate
+        (((0, 0, -10), (0, 0, 14)), "no surface lies there"),
+        (((-10, 0, -10), (10, 0, 10)), "the surfaces there lie askew of the axis"),
+        (None, "give two different points"),
+        (((0, 0, 0), (0, 0, 0)), "give two different points"),
+        (((0, 0), (0, 1)), "give two different points"),
+    ],
+)
+def test_bolts_along_no_axis_of_the_joint_are_refused(axis, message):
+    with pytest.raises(ModelError, match=message):
+        add_bolt(lap_joint_assembly(bolt_positions=()).assembly, bolt(axis=axis))
 
 
 def test_bolt_through_a_fork_clamps_the_part_between():
@@ -223,20 +233,13 @@ def test_bolt_through_a_fork_clamps_the_part_between():
         solid.restricted((z < 1) | (z > 2) | (x > 5)),
         solid.restricted((z > 1) & (z < 2) & (x < 5)),
     )
-    nodes = np.vstack([fork.nodes, plate.nodes])
-    block = CellBlock(
-        kind="hex8",
-        nodes=np.vstack([fork.cells, plate.cells + len(fork.nodes)]),
-        ids=np.arange(len(fork.cells) + len(plate.cells)) + 1,
-        properties=np.ones(len(fork.cells) + len(plate.cells)),
-    )
-    mesh = Mesh(nodes=nodes, node_ids=np.arange(len(nodes)) + 1, blocks=(block,))
+    mesh = stacked(fork, plate)
     spec = bolt(axis=((2, 2, 0), (2, 2, 3)), washer_radius=1.0)
-    assembly = add_bolt(Assembly(mesh=mesh, materials={1: STEEL}), spec)
+    assembly = add_bolt(Assembly(mesh=mesh, materials={1: STEEL, 2: STEEL}), spec)
     # Five nodes each: the axis and its four neighbours; none from the faces one element deeper.
     assert [len(c.nodes) for c in assembly.rigid_couplings] == [5, 5]
     for coupling, height in zip(assembly.rigid_couplings, (0, 3), strict=True):
-        assert np.all(nodes[coupling.nodes, 2] == height)
+        assert np.all(mesh.nodes[coupling.nodes, 2] == height)
 
 
 def test_washer_of_a_thin_stack_holds_only_the_outer_sheet():
@@ -244,24 +247,6 @@ def test_washer_of_a_thin_stack_holds_only_the_outer_sheet():
     nodes = thin.assembly.mesh.nodes
     for coupling, height in zip(thin.assembly.rigid_couplings[1:], (-0.5, 0.5), strict=True):
         assert np.all(nodes[coupling.nodes, 2] == height)
-
-
-def test_washer_off_the_surface_is_refused():
-    bare = lap_joint_assembly(bolt_positions=()).assembly
-    with pytest.raises(ModelError, match="no surface lies there"):
-        add_bolt(bare, bolt(axis=((0, 0, -10), (0, 0, 14))))
-
-
-def test_axis_that_leans_is_refused():
-    bare = lap_joint_assembly(bolt_positions=()).assembly
-    with pytest.raises(ModelError, match="the surfaces there lie askew of the axis"):
-        add_bolt(bare, bolt(axis=((-10, 0, -10), (10, 0, 10))))
-
-
-@pytest.mark.parametrize("axis", [None, ((0, 0, 0), (0, 0, 0)), ((0, 0), (0, 1))])
-def test_bolt_without_axis_is_refused(axis):
-    with pytest.raises(ModelError, match="give two different points"):
-        add_bolt(lap_joint_assembly(bolt_positions=()).assembly, bolt(axis=axis))
 
 
 def line_elements():
@@ -307,9 +292,7 @@ def test_surface_is_closed_and_faces_outward(shape):
     cells = shaped(
         brick_grid(np.linspace(0, 2, 3), np.linspace(0, 1, 3), np.linspace(0, 3, 2)), shape
     )
-    n = len(cells.cells)
-    block = CellBlock(kind=cells.kind, nodes=cells.cells, ids=np.arange(n), properties=np.ones(n))
-    mesh = Mesh(nodes=cells.nodes, node_ids=np.arange(len(cells.nodes)), blocks=(block,))
+    mesh = stacked(cells)
     # Sides of 2 x 2 x 1 bricks; tetrahedra halve all squares, wedges those at top and bottom.
     halved = {"hex8": 0, "hex20": 0, "tet4": 16, "tet10": 16, "wedge6": 8}[shape]
     assert len(mesh.exterior) == 16 + halved
