@@ -28,6 +28,11 @@ NO_REPORT = "[output]\nreport = false\n"
 UNCHECKED = "[validation]\nhalf_step = false\n"
 
 
+def tiny_joint(keys="", preload="5e3"):
+    """Return TINY_JOINT with keys of its interface and another preload."""
+    return TINY_JOINT.replace("5e3", preload) + f'[[interface]]\nname = "joint"\n{keys}\n'
+
+
 def reduction(*methods, normal_modes=4, joint_modes=None):
     """Return [reduction] with some methods."""
     counts = "" if joint_modes is None else f"joint_modes = {joint_modes}\n"

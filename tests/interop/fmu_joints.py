@@ -29,6 +29,7 @@ EQUAL = 1e-9
 the contact problem, measured 1e-11 at most."""
 
 BOLT = ("bolt.initial_force", float)
+SEEN = ("tip.uz", "tip.vz", "bolt.force", "joint.max_pressure")
 
 
 def handed_over(**parameters):
@@ -65,6 +66,15 @@ def written(rom, path):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(archive, "compile_library", compiled)
         return fmu_export.write(rom, path)
+
+
+def unpacked(rom, folder):
+    """Write FMUs into a folder; return their files, and FMI version to where each is extracted."""
+    files = written(rom, folder / "joint.fmu")
+    return files, {
+        version: fmpy.extract(str(file), unzipdir=str(folder / f"fmi{version}"))
+        for version, file in zip((2, 3), files, strict=True)
+    }
 
 
 def outputs(system):
@@ -161,14 +171,20 @@ class Instance:
         getter = self.fmu.getReal if self.version == 2 else self.fmu.getFloat64
         return getter([self.references[name] for name in names])
 
-    def run(self, count, force, length=STEP):
-        seen = []
+    def run(self, count, force, length=STEP, along="tip.Fz", seen=SEEN):
+        found = []
         for step in range(count):
-            self.set("tip.Fz", force * np.cos(step))
+            self.set(along, force * np.cos(step))
             self.fmu.doStep(self.time, length)
             self.time += length
-            seen.append(self.get("tip.uz", "tip.vz", "bolt.force", "joint.max_pressure"))
-        return np.array(seen)
+            found.append(self.get(*seen))
+        return np.array(found)
+
+    def state(self, act, *given):
+        """Call a function of FMI about a kept state, as "get", "set", "serialize" and "free"."""
+        names = {"deserialize": "deSerialize"} if self.version == 2 else {}
+        name = "FMUstate" if self.version == 2 else "FMUState"
+        return getattr(self.fmu, names.get(act, act) + name)(*given)
 
     def close(self):
         self.fmu.freeInstance()

@@ -22,7 +22,7 @@ from fmu_joints import (  # noqa: E402
     held,
     outputs,
     simulate,
-    written,
+    unpacked,
 )
 
 pytestmark = NEEDS_COMPILER
@@ -39,12 +39,7 @@ def loaded(tmp_path_factory):
     joint = fy.preload(model.with_load_patterns(loads), {"bolt": 10e3})
     rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=8), compliance=True)
     given = replace(rom, name="lap joint")
-    folder = tmp_path_factory.mktemp("loaded")
-    files = written(given, folder / "joint.fmu")
-    places = {
-        version: fmpy.extract(str(file), unzipdir=str(folder / f"fmi{version}"))
-        for version, file in zip((2, 3), files, strict=True)
-    }
+    files, places = unpacked(given, tmp_path_factory.mktemp("loaded"))
     assert [validate_fmu(str(file)) for file in files] == [[], []]
     return given, places
 

@@ -31,6 +31,7 @@ from fmu_joints import (  # noqa: E402
     outputs,
     rubbing_joint,
     simulate,
+    unpacked,
     written,
 )
 
@@ -58,23 +59,20 @@ def given():
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def written_files(given, tmp_path_factory):
     # Masters read resources through a URI: blanks and letters beyond ASCII must survive.
-    return tmp_path_factory.mktemp("fmu für dich")
+    return unpacked(given, tmp_path_factory.mktemp("fmu für dich"))
 
 
 @pytest.fixture(scope="module")
-def files(given, folder):
-    return written(given, folder / "joint.fmu")
+def files(written_files):
+    return written_files[0]
 
 
 @pytest.fixture(scope="module")
-def unzipped(files, folder):
+def unzipped(written_files):
     """FMI version to folder of the extracted FMU."""
-    return {
-        version: fmpy.extract(str(file), unzipdir=str(folder / f"fmi{version}"))
-        for version, file in zip((2, 3), files, strict=True)
-    }
+    return written_files[1]
 
 
 def strictly_compiled(place, target, *options, source="fmi2.c"):

@@ -18,6 +18,7 @@ from faying.study.judgement.remarks import remarks
 from faying.study.keys.schema import read_study
 from faying.study.results.store import read_results
 from faying.workflow.run import run
+from small_study import TINY_JOINT, reduction, step
 from windows_of_one import windows_of_one
 
 LC2 = {"tip.Fz": -500.0, "tip.Mx": 20e3}
@@ -195,29 +196,11 @@ def test_shapes_that_do_not_fit_are_refused(joint, classic, monkeypatch):
         fy.attachment_modes(joint, classic=classic)
 
 
-STUDY = """
-[model]
-source = "lap-joint"
-lap_joint = { element_size = 10.0, hole_radius = 0.0, washer_radius = 11.0 }
-
-[[interface]]
-name = "joint"
-
-[[bolt]]
-name = "bolt"
-preload = 5e3
-
-[reduction]
-normal_modes = 4
-methods = ["compliance", "compliance+inertia"]
-
-[[load_case]]
-name = "jump"
-kind = "step"
-forces = [{ boundary = "tip", component = "Fz", value = -100.0 }]
-step = 2e-5
-duration = 4e-4
-"""
+STUDY = (
+    TINY_JOINT
+    + reduction("compliance", "compliance+inertia")
+    + step("jump", "Fz", -100.0, "step = 2e-5\nduration = 4e-4\n")
+)
 
 
 STATIC = "the flexibility of the interface is missing"

@@ -55,26 +55,20 @@ def tightened(penalty, joint):
     return model.with_bolt_forces(fy.tighten(model, {"bolt": 10e3}).initial_forces)
 
 
+SLOW = pytest.mark.slow
+
+
+@pytest.mark.parametrize(("count", "seed"), [(12, 0), pytest.param(80, 1, marks=SLOW)])
 @pytest.mark.parametrize("penalty", [1e4, 1e5, "auto"])
-def test_penalty_contact_under_random_loads(penalty, joint):
-    check_random_loads(tightened(penalty, joint), 12)
+def test_penalty_contact_under_random_loads(penalty, joint, count, seed):
+    check_random_loads(tightened(penalty, joint), count, seed)
 
 
-def test_hard_contact_under_random_loads(hard_joint):
+@pytest.mark.parametrize(("count", "seed"), [(10, 0), pytest.param(80, 1, marks=SLOW)])
+def test_hard_contact_under_random_loads(hard_joint, count, seed):
     assert np.isinf(hard_joint.interfaces["joint"].penalty)
     assert hard_joint.interfaces["joint"].quadrature == "nodal"
-    check_random_loads(hard_joint, 10)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("penalty", [1e4, 1e5, "auto"])
-def test_penalty_contact_under_many_random_loads(penalty, joint):
-    check_random_loads(tightened(penalty, joint), 80, seed=1)
-
-
-@pytest.mark.slow
-def test_hard_contact_under_many_random_loads(hard_joint):
-    check_random_loads(hard_joint, 80, seed=1)
+    check_random_loads(hard_joint, count, seed)
 
 
 @pytest.mark.long

@@ -13,8 +13,6 @@ from faying.assessment.stuck_modes import stuck_mode
 from faying.contact import newton_descent
 from faying.contact.between_pairs import ByCompliance
 from faying.contact.frictional import ROUND_OFF, SOLVED, FrictionalContact
-from faying.contact.laws import Coulomb, Hard, Penalty
-from faying.contact.laws.coulomb import automatic_tangential_penalty
 from faying.contact.yielding import YieldingContact
 from faying.exceptions import ConvergenceError, ModelError, StudyError
 from faying.export.formats import export
@@ -281,15 +279,6 @@ def test_increments_by_displacements_obey_the_law_of_forces(coarse, friction):
         assert np.abs(wrong).max() <= SOLVED * np.abs(found.forces).max()
 
 
-def test_a_path_goes_on_from_an_earlier_one(coarse):
-    loads = [fy.Load({"tip.Fx": f}) for f in (0.0, 1e3, -1e3, 500.0)]
-    whole = fy.solve_path(coarse, loads)
-    begun = fy.solve_path(coarse, loads[:2])
-    rest = fy.solve_path(coarse, loads[2:], initial=begun)
-    np.testing.assert_array_equal(rest.contact_forces, whole.contact_forces[2:])
-    np.testing.assert_array_equal(rest.slip, whole.slip[2:])
-
-
 def test_a_path_without_loads_is_refused(coarse):
     with pytest.raises(ModelError, match=r"the path has no loads; give at least one, fy\.Load"):
         fy.solve_path(coarse, [])
@@ -316,15 +305,6 @@ def test_a_newton_step_is_that_of_the_derivative(coarse):
         change = (solver._residual(ahead, solver._slack(ahead, z_free), pressing) - start) / 1e-9
         # Round-off of the difference quotient; the step is a thousand times the forces.
         assert np.abs(change + start).max() < 1e-4 * np.abs(start).max()
-
-
-def test_laws_say_what_is_wrong():
-    with pytest.raises(ModelError, match=r"coefficient of friction is -0\.1; give a number from 0"):
-        Coulomb(Penalty(1e5), -0.1, 1e5)
-    with pytest.raises(ModelError, match="tangential penalty is 0; give a positive number"):
-        Coulomb(Hard(), 0.2, 0.0)
-    # Mindlin: 0.8235 at nu 0.3.
-    assert automatic_tangential_penalty(1.0, 0.3) == pytest.approx(1.4 / 1.7, rel=1e-15)
 
 
 def test_the_preloaded_joint_vibrates_with_its_closed_points_stuck(gauss):

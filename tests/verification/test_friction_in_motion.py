@@ -228,19 +228,6 @@ def test_a_joint_at_rest_stays(rom, scheme):
             np.testing.assert_allclose(values, exact, rtol=0, atol=1e-7 * np.abs(exact).max())
 
 
-def test_without_friction_slip_is_free(coarse):
-    """μ = 0 is the frictionless joint."""
-    smooth = fy.lap_joint(
-        element_size=5.0, penalty=1e6, damping=fy.Rayleigh(alpha=160.0, beta=5e-7)
-    ).with_bolt_forces({"bolt": 8e3})
-    options = {"step": STEP, "duration": 20 * STEP}
-    expected = fy.solve_transient(smooth, PULLED, **options)
-    found = fy.solve_transient(smooth.with_friction(0.0), PULLED, **options)
-    assert not found.traction.any()
-    peak = expected.max_pressure.max()
-    np.testing.assert_allclose(found.pressure, expected.pressure, rtol=0, atol=1e-9 * peak)
-
-
 def test_what_does_not_fit_is_refused(coarse, rom):
     options = {"step": STEP, "duration": 2 * STEP}
     smooth = fy.lap_joint(element_size=5.0, penalty=1e6).with_bolt_forces({"bolt": 8e3})
@@ -262,17 +249,6 @@ def test_hard_contact_with_friction_moves():
     motion = fy.solve_transient(hard.with_friction(FRICTION), PULLED, step=STEP, duration=10 * STEP)
     assert motion.gap.min() > -1e-9 * np.abs(motion.states).max()  # round-off
     assert motion.dissipation.sum() > 0
-
-
-@pytest.mark.long
-def test_saved_models_move_alike_to_the_bit(rom, tmp_path):
-    rom.save(tmp_path / "joint.h5")
-    again = fy.read_reduced_model(tmp_path / "joint.h5")
-    for scheme in SCHEMES.values():
-        options = {"step": STEP, "duration": 10 * STEP, "integrator": scheme}
-        mine, theirs = (fy.solve_transient(one, PULLED, **options) for one in (rom, again))
-        for name in ("states", "pressure", "traction", "slip", "dissipation"):
-            np.testing.assert_array_equal(getattr(mine, name), getattr(theirs, name))
 
 
 @pytest.mark.long

@@ -79,20 +79,17 @@ def pair(below, above, counts=COUNTS, **options):
 
 class TestContactPatch:
     @every_kind
-    @pytest.mark.parametrize(("penalty", "quadrature"), [(1e5, "gauss"), (1e5, "nodal")])
-    def test_uniform_pressure_on_flat_faces(self, below, above, penalty, quadrature):
+    @pytest.mark.parametrize(
+        ("penalty", "quadrature", "near"),
+        # Everything is a polynomial and integrated exactly; rounding of some 1000 unknowns. Saddle-
+        # point equations mix stiffnesses of 1e6 with gaps of 1: six digits less.
+        [(1e5, "gauss", 1e-12), (1e5, "nodal", 1e-12), ("hard", None, 1e-8)],
+    )
+    def test_uniform_pressure_on_flat_faces(self, below, above, penalty, quadrature, near):
         counts = (4, 4), (6, 6)  # even, so that there are nodes to be held at x = 0 and y = 0
         model, loads = squeezed(pair(below, above, counts), penalty, quadrature=quadrature)
-        # Everything is a polynomial and integrated exactly; rounding of some 1000 unknowns.
-        np.testing.assert_allclose(all_closed(model, loads), 100.0, rtol=1e-12)
-
-    @every_kind
-    def test_uniform_pressure_with_hard_contact(self, below, above):
-        counts = (4, 4), (6, 6)
-        model, loads = squeezed(pair(below, above, counts), "hard")
-        assert model.interfaces["joint"].quadrature == "nodal"
-        # Saddle-point equations mix stiffnesses of 1e6 with gaps of 1: six digits less.
-        np.testing.assert_allclose(all_closed(model, loads), 100.0, rtol=1e-8)
+        assert model.interfaces["joint"].quadrature.startswith(quadrature or "nodal")
+        np.testing.assert_allclose(all_closed(model, loads), 100.0, rtol=near)
 
     @every_kind
     def test_distorted_facets(self, below, above):

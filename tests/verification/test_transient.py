@@ -168,12 +168,6 @@ def test_refuses_steps_that_are_none():
             fy.solve_transient(free_oscillator(), PUSH, step=step, duration=duration)
 
 
-@pytest.mark.parametrize("rho", [-0.1, 1.1, np.nan])
-def test_refuses_a_spectral_radius_that_is_none(rho):
-    with pytest.raises(ModelError, match="between 0 and 1"):
-        fy.GeneralizedAlpha(rho)
-
-
 # Energy ------------------------------------------------------------------------------------------
 
 

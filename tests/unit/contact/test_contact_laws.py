@@ -107,6 +107,8 @@ def test_the_ends_of_the_ranges_of_friction():
     assert Coulomb(Hard(), LARGEST_FRICTION, 0.5).friction == LARGEST_FRICTION == 10.0
     with pytest.raises(ModelError, match=r"coefficient of friction is 10\.1; give a number from 0"):
         Coulomb(Hard(), 10.1, 0.5)
+    with pytest.raises(ModelError, match=r"coefficient of friction is -0\.1; give a number from 0"):
+        Coulomb(Penalty(1e5), -0.1, 1e5)
     with pytest.raises(ModelError, match="tangential penalty is 0; give a positive number"):
         Coulomb(Hard(), 0.5, 0.0)
 

@@ -248,36 +248,25 @@ def test_non_matching_curved_faces_are_found():
         pair_facets(Assembly(mesh=mesh, face_sets=sets), NAMED)
 
 
-def test_parts_far_apart_say_how_far():
-    with pytest.raises(ModelError, match=r"'joint' is empty.*2\.5 apart"):
-        pair_facets(lap(shift=(0, 0, 2.5)), NAMED)
-    with pytest.raises(ModelError, match=r"the bodies have no facet.*2\.5 apart"):
-        pair_facets(lap(shift=(0, 0, 2.5)), AUTO)
-    with pytest.raises(ModelError, match="only edges or points"):
-        pair_facets(lap(shift=(3, 0, 0)), NAMED)
-
-
-def test_bodies_that_overlap_are_refused():
-    with pytest.raises(ModelError, match="face the same way"):
-        pair_facets(blocks(LOWER, LOWER), NAMED)
-
-
-def test_a_side_named_twice_is_refused():
-    with pytest.raises(ModelError, match="select the same 38 facets"):
-        pair_facets(lap(), replace(NAMED, plus="lower"))
-    with pytest.raises(ModelError, match=r"4 facets coincide.*same facets"):
-        pair_facets(lap(), replace(NAMED, minus=[*range(1, 25)], plus=[*range(1, 25)]))
-
-
-def test_a_tolerance_beyond_the_facets_is_refused():
-    with pytest.raises(ModelError, match=r"tolerance 1\.5"):
-        pair_facets(lap(), replace(NAMED, tolerance=1.5))
-    with pytest.raises(ModelError, match="tolerance is -1"):
-        pair_facets(lap(), replace(NAMED, tolerance=-1.0))
-
-
-def test_auto_needs_two_bodies():
-    with pytest.raises(ModelError, match="one body"):
-        pair_facets(blocks(LOWER), AUTO)
-    with pytest.raises(ModelError, match="no solid elements"):
-        pair_facets(Assembly(mesh=Mesh(nodes=np.zeros((1, 3)), node_ids=[1])), AUTO)
+@pytest.mark.parametrize(
+    ("joint", "spec", "message"),
+    [
+        (lap(shift=(0, 0, 2.5)), NAMED, r"'joint' is empty.*2\.5 apart"),
+        (lap(shift=(0, 0, 2.5)), AUTO, r"the bodies have no facet.*2\.5 apart"),
+        (lap(shift=(3, 0, 0)), NAMED, "only edges or points"),
+        (blocks(LOWER, LOWER), NAMED, "face the same way"),
+        (lap(), replace(NAMED, plus="lower"), "select the same 38 facets"),
+        (
+            lap(),
+            replace(NAMED, minus=[*range(1, 25)], plus=[*range(1, 25)]),
+            r"4 facets coincide.*same facets",
+        ),
+        (lap(), replace(NAMED, tolerance=1.5), r"tolerance 1\.5"),
+        (lap(), replace(NAMED, tolerance=-1.0), "tolerance is -1"),
+        (blocks(LOWER), AUTO, "one body"),
+        (Assembly(mesh=Mesh(nodes=np.zeros((1, 3)), node_ids=[1])), AUTO, "no solid elements"),
+    ],
+)
+def test_sides_that_do_not_meet_or_are_one_are_refused(joint, spec, message):
+    with pytest.raises(ModelError, match=message):
+        pair_facets(joint, spec)

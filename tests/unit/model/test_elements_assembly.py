@@ -101,28 +101,34 @@ def test_count_of_other_bad_elements_is_told():
         assemble_matrices(assembly_of(mesh))
 
 
-def test_property_without_material_is_named():
-    with pytest.raises(ModelError, match=r"property 5 \(of element 77, hex8\) has no material"):
-        assemble_matrices(Assembly(mesh=one_cell("hex8")))
+def lone(kind, nodes, number=5):
+    """Mesh of five nodes in one place, and one cell."""
+    block = CellBlock(kind=kind, nodes=[nodes], ids=[number], properties=[5])
+    return Mesh(nodes=np.zeros((5, 3)), node_ids=np.arange(5), blocks=(block,))
 
 
-def test_unknown_formulation_and_kind_are_named():
-    with pytest.raises(ModelError, match=r"'selective'.*'standard' or 'incompatible'"):
-        assemble_matrices(assembly_of(one_cell("hex8"), element="selective"))
-    block = CellBlock(kind="pyramid7", nodes=[[0, 1, 2, 3, 4]], ids=[1], properties=[5])
-    mesh = Mesh(nodes=np.zeros((5, 3)), node_ids=np.arange(5), blocks=(block,))
-    with pytest.raises(ModelError, match=r"'pyramid7'.*hex8"):
-        assemble_matrices(assembly_of(mesh))
-
-
-def test_wrong_node_count_and_index_are_named():
-    nodes = np.zeros((5, 3))
-    block = CellBlock(kind="hex8", nodes=[[0, 1, 2, 3]], ids=[1], properties=[5])
-    with pytest.raises(ModelError, match="needs 8 nodes"):
-        assemble_matrices(assembly_of(Mesh(nodes=nodes, node_ids=np.arange(5), blocks=(block,))))
-    block = CellBlock(kind="tet4", nodes=[[0, 1, 2, 5]], ids=[6], properties=[5])
-    with pytest.raises(ModelError, match=r"element 6 \(tet4\) uses node index 5; the mesh has 5"):
-        assemble_matrices(assembly_of(Mesh(nodes=nodes, node_ids=np.arange(5), blocks=(block,))))
+@pytest.mark.parametrize(
+    ("assembly", "message"),
+    [
+        (
+            Assembly(mesh=one_cell("hex8")),
+            r"property 5 \(of element 77, hex8\) has no material",
+        ),
+        (
+            assembly_of(one_cell("hex8"), element="selective"),
+            r"'selective'.*'standard' or 'incompatible'",
+        ),
+        (assembly_of(lone("pyramid7", range(5))), r"'pyramid7'.*hex8"),
+        (assembly_of(lone("hex8", range(4))), "needs 8 nodes"),
+        (
+            assembly_of(lone("tet4", [0, 1, 2, 5], number=6)),
+            r"element 6 \(tet4\) uses node index 5; the mesh has 5",
+        ),
+    ],
+)
+def test_cells_that_cannot_be_are_named(assembly, message):
+    with pytest.raises(ModelError, match=message):
+        assemble_matrices(assembly)
 
 
 def test_two_materials_in_one_block_and_two_blocks_add_up():

@@ -38,12 +38,3 @@ def test_springs_store_half_force_times_what_they_yield(residual_compliance):
     expected = (0.5 * forces * (forces * yields)).sum(axis=1)
     found = contact_energy(two_points(residual_compliance), FORCES, SHEAR)
     np.testing.assert_allclose(found, expected, rtol=1e-14)  # sums of six products
-
-
-def test_tangential_forces_add_to_what_normal_ones_store():
-    contact = two_points(None)
-    pressed = contact_energy(contact, FORCES, np.zeros_like(SHEAR))
-    np.testing.assert_allclose(
-        pressed, (FORCES**2 / (2 * NORMAL * WEIGHTS)).sum(axis=1), rtol=1e-14
-    )
-    assert (contact_energy(contact, FORCES, SHEAR) > pressed).all()

@@ -41,19 +41,9 @@ def test_sticking_springs_are_damped_as_the_rest(joint, loose):
     assert np.abs(difference.data).max(initial=0.0) < 1e-12  # rounding of entries of 1
 
 
-def test_bolt_force_is_nominal_with_sticking(joint):
-    assert fy.solve_static(joint).bolt_force("bolt") == pytest.approx(10e3, rel=1e-10)
-
-
 @pytest.mark.parametrize(
     "bad", [{"threshold": 1.0}, {"threshold": -0.1}, {"stiffness": 0.0}, {"threshold": np.nan}]
 )
 def test_refuses_sticking_that_is_none(bad):
     with pytest.raises(ModelError, match=r"must lie in \[0, 1\)"):
         fy.Sticking(**bad)
-
-
-def test_preloaded_joint_opens_under_load(joint):
-    """The sense of it all: a load that lifts the plate takes area out of contact."""
-    at_rest = fy.solve_static(joint).open_fraction()
-    assert fy.solve_static(joint, fy.Load({"tip.Fz": 800.0})).open_fraction() > at_rest

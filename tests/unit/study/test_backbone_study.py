@@ -26,28 +26,9 @@ from faying.study.judgement.summary import summarize
 from faying.study.keys.schema import parse_study, read_study
 from faying.study.results.store import read_results
 from faying.workflow.run import run
+from small_study import NO_REPORT, reduction, tiny_joint
 
-STUDY = """
-[model]
-source = "lap-joint"
-lap_joint = { element_size = 10.0, hole_radius = 0.0, washer_radius = 11.0 }
-
-[[interface]]
-name = "joint"
-penalty = 1e6
-friction = 0.2
-
-[[bolt]]
-name = "bolt"
-preload = 5e3
-
-[damping]
-beta = 1e-7
-
-[reduction]
-normal_modes = 10
-methods = ["compliance"]
-
+RING = """
 [[load_case]]
 name = "ring"
 kind = "backbone"
@@ -56,10 +37,14 @@ amplitude_range = [0.001, 0.1, 3]
 increments = 3
 at = "tip"
 masing = true
-
-[output]
-report = false
 """
+STUDY = (
+    tiny_joint("penalty = 1e6\nfriction = 0.2\n")
+    + "[damping]\nbeta = 1e-7\n"
+    + reduction("compliance", normal_modes=10)
+    + RING
+    + NO_REPORT
+)
 
 
 class Bars:

@@ -18,30 +18,13 @@ from faying.study.keys.schema import read_study
 from faying.study.results.store import read_results
 from faying.study.stages.recover import reduced_model
 from faying.workflow.run import run
+from small_study import reduction, static, tiny_joint
 
-STUDY = """
-[model]
-source = "lap-joint"
-lap_joint = { element_size = 10.0, hole_radius = 0.0, washer_radius = 11.0 }
-
-[[interface]]
-name = "joint"
-closure = CLOSURE
-
-[[bolt]]
-name = "bolt"
-preload = 1e4
-
-[reduction]
-normal_modes = 4
-methods = ["compliance"]
-
-[[load_case]]
-name = "bending"
-kind = "static"
-forces = [{ boundary = "tip", component = "Fz", value = -100.0 }]
-"""
-
+STUDY = (
+    tiny_joint("closure = CLOSURE", preload="1e4")
+    + reduction("compliance")
+    + static("bending", "Fz", -100.0)
+)
 KEYS = {
     "table": ('{ table = "layer.csv" }', fy.TableClosure((0.0, 0.1, 0.2), (0.0, 3.0, 15.0))),
     "exponential": (

@@ -16,6 +16,7 @@ from faying.study.inputs.load_model import build, load_model
 from faying.study.keys.schema import read_study
 from faying.study.results.store import read_results
 from faying.study.stages.recover import RecoverOptions, recover
+from small_study import TINY_JOINT, reduction, static
 
 EXAMPLES = Path(__file__).parents[3] / "examples"
 LOADS = """\
@@ -272,20 +273,8 @@ def test_box_names_loads_that_exist(tmp_path):
 
 
 def test_a_source_without_loads_says_so(tmp_path):
-    text = """
-[model]
-source = "lap-joint"
-lap_joint = { element_size = 10.0, hole_radius = 0.0, washer_radius = 11.0 }
-[[bolt]]
-name = "bolt"
-preload = 5e3
-[[load_case]]
-name = "one"
-kind = "static"
-forces = [{ deck_load = "1", value = 1.0 }]
-[reduction]
-methods = ["compliance"]
-"""
+    case = static("one", "Fz", 1.0).replace('boundary = "tip", component = "Fz"', 'deck_load = "1"')
+    text = TINY_JOINT + case + reduction("compliance")
     (tmp_path / "study.toml").write_text(text)
     with pytest.raises(StudyError, match="the model has no load '1'; there is none"):
         build(read_study(tmp_path / "study.toml"))

@@ -35,30 +35,13 @@ from faying.study.results.store import read_results
 from faying.study.stages.path_cases import rest_state
 from faying.units import units_of
 from faying.workflow.run import run
+from small_study import NO_REPORT, reduction, tiny_joint
 from table_cells import cells
 
 FIRST = "first point slips at [× load]"
 """Column of the load factor at which the first point slips."""
 
-STUDY = """
-[model]
-source = "lap-joint"
-lap_joint = { element_size = 10.0, hole_radius = 0.0, washer_radius = 11.0 }
-
-[[interface]]
-name = "joint"
-penalty = 1e6
-friction = 0.2
-tangential_penalty = 8e5
-
-[[bolt]]
-name = "bolt"
-preload = 5e3
-
-[reduction]
-normal_modes = 4
-methods = ["compliance"]
-
+CASES = """
 [[load_case]]
 name = "pull"
 kind = "static"
@@ -86,9 +69,13 @@ min_opening_factor = 1.0
 min_slip_safety = 1.0
 min_sliding_factor = 1.0
 
-[output]
-report = false
 """
+STUDY = (
+    tiny_joint("penalty = 1e6\nfriction = 0.2\ntangential_penalty = 8e5\n")
+    + reduction("compliance")
+    + CASES
+    + NO_REPORT
+)
 WAY = "tip.Fx,tip.Fz,bolt\n0.5,0,1\n1,1,1\n\n1,1,0.7  # loosened\n-0.5,0,1\n"
 
 

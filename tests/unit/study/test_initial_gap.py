@@ -9,19 +9,9 @@ from faying.interface.gap_field import with_gap_offset
 from faying.study.inputs.load_model import build
 from faying.study.keys.schema import read_study
 from faying.study.stages.offline import prepare_joint
+from small_study import reduction, tiny_joint
 
-SMALL = """
-[model]
-source = "lap-joint"
-lap_joint = { element_size = 10.0, hole_radius = 0.0, washer_radius = 11.0 }
-[[bolt]]
-name = "bolt"
-preload = 10e3
-[reduction]
-methods = ["compliance"]
-[[interface]]
-name = "joint"
-"""
+SMALL = reduction("compliance") + tiny_joint(preload="10e3")
 SHIM = 5e-3
 
 

@@ -6,19 +6,9 @@ from faying.exceptions import StudyError
 from faying.model.matrices import mass_properties
 from faying.study.inputs.load_model import build
 from faying.study.keys.schema import parse_study
+from small_study import TINY_JOINT, static
 
-STUDY = """
-[model]
-source = "lap-joint"
-lap_joint = { element_size = 10.0, hole_radius = 0.0, washer_radius = 11.0 }
-
-[[interface]]
-name = "joint"
-
-[[bolt]]
-name = "bolt"
-preload = 1e3
-
+SECOND = """
 [[bolt]]
 name = "second"
 axis = [[10.0, 0.0, -10.0], [10.0, 0.0, 10.0]]
@@ -26,12 +16,8 @@ diameter = 6.0
 washer_radius = 11.0
 preload = 1e3
 MASS_OF_BOLT
-
-[[load_case]]
-name = "pull"
-kind = "static"
-forces = [{ boundary = "tip", component = "Fx", value = 1.0 }]
 """
+STUDY = TINY_JOINT + SECOND + static("pull", "Fx", 1.0)
 
 
 def mass_of(tmp_path, more: str, bolt: str = "") -> float:

@@ -23,31 +23,16 @@ from faying.study.keys.schema import read_study
 from faying.study.stages.offline import prepare_joint
 from faying.study.stages.recover import RecoverOptions, recover, reduced_model, results_of
 from faying.workflow.run import run
+from small_study import NO_REPORT, TINY_JOINT, reduction, static
 
-STUDY = """
-title = "recover"
-[model]
-source = "lap-joint"
-lap_joint = { element_size = 10.0, hole_radius = 0.0, washer_radius = 11.0 }
-[[bolt]]
-name = "bolt"
-preload = 10e3
-[sticking]
-stiffness = 1e6
-[damping]
-alpha = 160.0
-beta = 5e-7
-[reduction]
-normal_modes = 6
-joint_modes = [2, 4]
-methods = ["craig-bampton", "jim-a", "jim-a+compliance"]
-[[load_case]]
-name = "pull"
-kind = "static"
-forces = [{ boundary = "tip", component = "Fz", value = -100.0 }]
-[output]
-report = false
-"""
+STUDY = (
+    'title = "recover"\n'
+    + TINY_JOINT.replace("5e3", "10e3")
+    + "[sticking]\nstiffness = 1e6\n[damping]\nalpha = 160.0\nbeta = 5e-7\n"
+    + reduction("craig-bampton", "jim-a", "jim-a+compliance", normal_modes=6, joint_modes=[2, 4])
+    + static("pull", "Fz", -100.0)
+    + NO_REPORT
+)
 LOAD = fy.Load({"tip.Fz": -500.0, "tip.Mx": 20e3}, name="step")
 
 
