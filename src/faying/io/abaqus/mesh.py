@@ -1,6 +1,6 @@
 """``*NODE`` and ``*ELEMENT``: coordinates, and tables of elements by type."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -61,13 +61,19 @@ def read_nodes(deck: Deck) -> Nodes:
     again = np.flatnonzero(np.diff(all_ids[order]) == 0)
     if again.size:
         position = int(order[again[0] + 1])
-        block = int(np.searchsorted(np.cumsum([len(i) for i in ids]), position, side="right"))
-        row = position - sum(len(i) for i in ids[:block])
+        block, row = located(ids, position)
         owners[block].refuse(
             f"node {all_ids[position]} is defined twice; remove one definition",
             int(rows[block][row]),
         )
     return Nodes(ids=all_ids[order], coordinates=points[order])
+
+
+def located(parts: Sequence[Indices], position: int) -> tuple[int, int]:
+    """Return the part, and the place in it, of a position in all parts joined."""
+    ends = np.cumsum([len(part) for part in parts])
+    part = int(np.searchsorted(ends, position, side="right"))
+    return part, position - int(ends[part]) + len(parts[part])
 
 
 def _node_block(
@@ -311,11 +317,8 @@ def _check_distinct(blocks: list[ElementBlock]) -> None:
     order = np.argsort(ids, kind="stable")
     again = np.flatnonzero(np.diff(ids[order]) == 0)
     if again.size:
-        position = int(order[again[0] + 1])
-        for block in blocks:
-            if position < len(block.ids):
-                block.keyword.refuse(
-                    f"element {block.ids[position]} is defined twice; give it another id",
-                    int(block.rows[position]),
-                )
-            position -= len(block.ids)
+        number, row = located([block.ids for block in blocks], int(order[again[0] + 1]))
+        block = blocks[number]
+        block.keyword.refuse(
+            f"element {block.ids[row]} is defined twice; give it another id", int(block.rows[row])
+        )

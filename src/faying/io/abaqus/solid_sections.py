@@ -12,7 +12,7 @@ from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.deck_data import DeckData
 from faying.io.abaqus.fields import integer, padded, real
 from faying.io.abaqus.keyword import Keyword, named
-from faying.io.abaqus.mesh import SOLID_TYPES, ElementBlock
+from faying.io.abaqus.mesh import SOLID_TYPES, ElementBlock, located
 from faying.io.abaqus.sets import NamedSets
 from faying.model.assembly import Material
 from faying.model.axes import axes_along
@@ -183,23 +183,17 @@ def read_solid_sections(
             )
     missing = np.flatnonzero(section == 0)
     if missing.size:
-        block, row = _place(elements.solids, int(missing[0]))
+        position, row = located([block.ids for block in elements.solids], int(missing[0]))
+        block = elements.solids[position]
         block.keyword.refuse(
-            f"element {ids[missing[0]]} has no *SOLID SECTION; give its set one", row
+            f"element {ids[missing[0]]} has no *SOLID SECTION; give its set one",
+            int(block.rows[row]),
         )
     return tuple(cells(elements.solids, section, _reduced(deck))), used
 
 
 def _hourglasses(block: ElementBlock) -> bool:
     return SOLID_TYPES[block.type].hourglass_patterns is not None
-
-
-def _place(blocks: Sequence[ElementBlock], position: int) -> tuple[ElementBlock, int]:
-    for block in blocks:
-        if position < len(block.ids):
-            return block, int(block.rows[position])
-        position -= len(block.ids)
-    raise IndexError(position)
 
 
 def is_of_abaqus(deck: Deck) -> bool:

@@ -41,8 +41,7 @@ def read_line_loads(
     """
     if "PLOAD1" not in cards:
         return []
-    every = _beams(cards["PLOAD1"], cards, beams)
-    readable, loaded, kinds, scales = _readable(cards, every, unread)
+    readable, loaded, kinds, scales = _readable(cards, beams, unread)
     if not len(readable):
         return []
     ends = nodes[np.array([beam.nodes for beam in loaded])]
@@ -72,7 +71,7 @@ def read_line_loads(
 
 
 def _readable(
-    cards: Mapping[str, Cards], beams: Sequence[Beam | None], unread: dict[int, str]
+    cards: Mapping[str, Cards], beams: Sequence[Beam], unread: dict[int, str]
 ) -> tuple[Cards, list[Beam], list[str], list[str]]:
     """Return the cards that are read, their beams, TYPE and SCALE; note the sets of the others."""
     line_loads = cards["PLOAD1"]
@@ -86,8 +85,19 @@ def _readable(
                     field,
                 )
     turned = turned_properties(cards)
+    line_ids, bends = (
+        set[int]().union(*(cards[name].integers(0).tolist() for name in names if name in cards))
+        for names in (("CBAR", "CBEAM"), ("CBEND",))
+    )
+    by_id = {beam.id: beam for beam in beams if beam.id in line_ids}
     loaded = []
-    for i, (beam, kind, scale) in enumerate(zip(beams, kinds, scales, strict=True)):
+    numbers = line_loads.integers(1).tolist()
+    for i, (number, kind, scale) in enumerate(zip(numbers, kinds, scales, strict=True)):
+        beam = by_id.get(number)
+        if beam is None and number not in bends:
+            line_loads.refuse(
+                i, f"element {number} is no CBAR or CBEAM of the deck; correct the id", 1
+            )
         if beam is None:
             reason = "on a CBEND"
         elif kind in _COMPONENTS[3:] and scale.endswith("PR"):
@@ -105,22 +115,6 @@ def _readable(
         [kinds[i] for i in rows],
         [scales[i] for i in rows],
     )
-
-
-def _beams(
-    line_loads: Cards, cards: Mapping[str, Cards], beams: Sequence[Beam]
-) -> list[Beam | None]:
-    """Return the beam of each card, None of a CBEND."""
-    beam_ids = set[int]().union(*(cards[n].integers(0) for n in ("CBAR", "CBEAM") if n in cards))
-    bends = set(cards["CBEND"].integers(0).tolist()) if "CBEND" in cards else set[int]()
-    by_id = {beam.id: beam for beam in beams if beam.id in beam_ids}
-    ids = line_loads.integers(1).tolist()
-    for i, number in enumerate(ids):
-        if number not in by_id and number not in bends:
-            line_loads.refuse(
-                i, f"element {number} is no CBAR or CBEAM of the deck; correct the id", 1
-            )
-    return [by_id.get(number) for number in ids]
 
 
 def _along_beams(line_loads: Cards, unit: Vector, length: Vector) -> tuple[Matrix, Matrix]:
