@@ -28,7 +28,7 @@ from faying.contact.held_pairs import (
     change_from,
     symmetric_product,
 )
-from faying.contact.pair_factors import LU, Factors, PairSystem, WholeFactors
+from faying.contact.pair_factors import IN_CACHE, LU, Factors, PairSystem, Room, WholeFactors
 from faying.contact.point_springs import PointSprings
 from faying.linalg.gmres import corrected
 
@@ -43,9 +43,6 @@ MOST_CORRECTIONS = 15
 
 FEWEST_ALIKE = 8
 """Cases side by side from which an inverse of their own is worth it: it takes as long as two."""
-
-IN_CACHE = 64
-"""Rows that are gathered at once: 0.046 s for 6500 by 5500 of 8160 numbers, all at once 0.083."""
 
 
 class Condensed(Protocol):
@@ -77,12 +74,15 @@ class GluedPairs:
         Points closed and stuck.
     form_open
         Returns :attr:`opened`.
+    room
+        For the systems of steps; factors of one solution last until the next begins.
     """
 
     points: PointSprings
     structure: Matrix
     glued: HeldPairs
     form_open: Callable[[], HeldPairs | None]
+    room: Room
 
     @classmethod
     def of(
@@ -117,6 +117,7 @@ class GluedPairs:
             structure=structure,
             glued=hold(points, glued, structure),
             form_open=partial(_open_pairs, points, springs, between),
+            room=Room(len(structure)),
         )
 
     def about(self, springs: Matrix) -> "GluedPairs":
@@ -220,18 +221,19 @@ class GluedPairs:
             if isinstance(factors, Factors) and factors.reference is changed.reference:
                 updated = factors.updated(K, changed.rows, self.points)
                 if updated is not None:
-                    system = changed.system(updated.system.rows, factors.system)
+                    system = changed.system(updated.system.rows, self.room, factors.system)
                     answer = changed.solved(replace(updated, system=system), enough)
                     if answer is not None:
                         return answer
-            system = changed.system(changed.rows)
+            system = changed.system(changed.rows, self.room)
             try:
-                answer = changed.solved(Factors.of(changed.reference, K, system), enough)
+                answer = changed.solved(Factors.of(changed.reference, K, system, self.room), enough)
             except LinAlgError:
                 answer = None
         if answer is not None:
             return answer
-        exact = system.factorized(np.float64).solve(changed.shared(system))
+        whole = np.empty((len(system.rows),) * 2)
+        exact = system.factorized(whole).solve(changed.shared(system))
         return changed.moved_by(changed.rows, exact), None
 
     def _changed(self, K: Matrix, right: Vector) -> "_Changed":
@@ -272,13 +274,13 @@ class _Changed:
     right: Vector
     moved: Vector
 
-    def system(self, rows: Indices, previous: PairSystem | None = None) -> PairSystem:
+    def system(self, rows: Indices, room: Room, previous: PairSystem | None = None) -> PairSystem:
         """Return the system of some rows, whose U_cr a previous one may hold."""
         alike = previous is not None and np.array_equal(rows, previous.rows)
         if previous is not None and alike and np.array_equal(self.columns, previous.columns):
             return replace(previous, block=self.block[rows])
         compliance = self.reference.compliance
-        between = np.empty((len(self.columns), len(rows)), dtype=compliance.dtype)
+        between = room.between(len(self.columns), len(rows), compliance)
         for first in range(0, len(between), IN_CACHE):
             strip = compliance[self.columns[first : first + IN_CACHE]]
             between[first : first + IN_CACHE] = strip.take(rows, axis=1)

@@ -1,5 +1,6 @@
 """Factors between changed pairs, kept from step to step and updated where few points change."""
 
+import threading
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Self, final
@@ -17,6 +18,35 @@ STIFFNESS_CHANGE = 0.1
 
 MOST_UPDATED = 0.15
 """Rows that factors are updated by, over their own, from which new ones take no longer."""
+
+IN_CACHE = 64
+"""Rows that are gathered at once: 0.046 s for 6500 by 5500 of 8160 numbers, all at once 0.083."""
+
+
+class Room(threading.local):
+    """Memory that the systems of steps take one after the other, in each thread its own.
+
+    New pages take as long to clear as to fill: a quarter of the time of steps of 3000 rows.
+    """
+
+    def __init__(self, largest: int) -> None:
+        self._between = np.empty(8 * largest**2, dtype=np.uint8)
+        self._factors = np.empty(4 * largest**2, dtype=np.uint8)
+
+    def between(self, n_rows: int, n_columns: int, like: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Return an array that is lost once it is asked for again."""
+        return _taken(self._between, n_rows, n_columns, like.dtype)
+
+    def factors(self, n: int) -> npt.NDArray[np.float32]:
+        """Return an array that is lost once it is asked for again."""
+        return _taken(self._factors, n, n, np.dtype(np.float32))
+
+
+def _taken(
+    memory: npt.NDArray[np.uint8], n_rows: int, n_columns: int, dtype: np.dtype[Any]
+) -> npt.NDArray[Any]:
+    used = memory[: n_rows * n_columns * dtype.itemsize]
+    return used.view(dtype).reshape(n_rows, n_columns)
 
 
 @final
@@ -79,9 +109,12 @@ class PairSystem:
         moved = self.between @ solution.astype(self.between.dtype, copy=False)
         return np.asarray(solution + self.block @ moved)
 
-    def factorized(self, precision: type[np.floating[Any]]) -> LU:
-        """Return its factors."""
-        product = self.block.astype(precision) @ self.between.astype(precision, copy=False)
+    def factorized(self, product: npt.NDArray[Any]) -> LU:
+        """Return its factors in place of an array (n_row, n_row), in its precision."""
+        block = self.block.astype(product.dtype)
+        between = self.between.astype(product.dtype, copy=False)
+        for first in range(0, len(product), IN_CACHE):
+            product[first : first + IN_CACHE] = block[first : first + IN_CACHE] @ between
         product.flat[:: len(product) + 1] += 1.0
         return LU.of(product)
 
@@ -113,9 +146,10 @@ class Factors:
     update: "Update | None" = None
 
     @classmethod
-    def of(cls, reference: HeldPairs, K: Matrix, system: PairSystem) -> Self:
-        """Factorize a system."""
-        return cls(reference, K, system, K, system, system.factorized(np.float32))
+    def of(cls, reference: HeldPairs, K: Matrix, system: PairSystem, room: Room) -> Self:
+        """Factorize a system where there is room for factors."""
+        lu = system.factorized(room.factors(len(system.rows)))
+        return cls(reference, K, system, K, system, lu)
 
     def solve(self, right: Vector) -> Vector:
         """Return the solution of a right-hand side at the rows."""

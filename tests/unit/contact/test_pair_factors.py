@@ -1,12 +1,14 @@
 """Factors between changed pairs, updated to other points, against products with the system."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
 from faying.contact.between_pairs import ByCompliance
 from faying.contact.glued_pairs import GluedPairs
 from faying.contact.held_pairs import change_from
-from faying.contact.pair_factors import Factors, PairSystem
+from faying.contact.pair_factors import Factors, PairSystem, Room
 from few_points import ELASTIC, PAIRS, N, joint
 
 
@@ -30,7 +32,7 @@ def test_factors_are_updated_to_other_points_and_more_pairs(seed, monkeypatch):
         return K, rows, lambda r: PairSystem(r, columns, block[r], between[:, r])
 
     K, rows, system = changed([0])
-    first = Factors.of(glued, K, system(rows))
+    first = Factors.of(glued, K, system(rows), pairs.room)
     assert len(rows) < 3 * PAIRS
     for points in ([0], [0, N - 1], [N - 1], range(N)):
         K, rows, system = changed(list(points))
@@ -42,3 +44,13 @@ def test_factors_are_updated_to_other_points_and_more_pairs(seed, monkeypatch):
         assert factors.updated(K, rows, pairs.points) is factors
     monkeypatch.setattr("faying.contact.pair_factors.MOST_UPDATED", 0.0)
     assert first.updated(K, rows, pairs.points) is None
+
+
+def test_threads_have_rooms_of_their_own():
+    """Factors of one are not overwritten by another's; the same thread's next ones take theirs."""
+    room = Room(5)
+    mine = room.factors(4)
+    with ThreadPoolExecutor(1) as other:
+        assert not np.shares_memory(mine, other.submit(room.factors, 4).result())
+    assert np.shares_memory(mine, room.factors(5))
+    assert not np.shares_memory(room.between(5, 4, mine), room.factors(5))

@@ -45,10 +45,10 @@ def test_a_step_that_single_precision_does_not_solve_is_solved_in_double(failing
     right = np.random.default_rng(1).normal(size=3 * PAIRS)
     factorized, precisions = PairSystem.factorized, []
 
-    def spoilt(system, precision):
-        precisions.append(precision)
-        if precision is np.float64:
-            return factorized(system, precision)
+    def spoilt(system, product):
+        precisions.append(product.dtype)
+        if product.dtype == np.float64:
+            return factorized(system, product)
         size = len(system.rows)
         # Either refused by LAPACK, or a factor of a matrix that overflows single precision.
         return LU.of(
