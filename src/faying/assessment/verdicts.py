@@ -206,8 +206,8 @@ NO_FRICTION = "it is judged by static loads and cycles of joints with friction, 
 """Why nothing is known of sliding where no load is followed with friction."""
 
 NO_SLIP = (
-    "it is judged by static loads or cycles, and a coefficient, that of the interface or "
-    "slip_friction, and one of both is missing"
+    "slip needs a static load or a cycle, and a coefficient of friction: add the one that is "
+    "missing, the coefficient to the interface or as slip_friction"
 )
 """Why nothing is known of slip where no load and coefficient tells of it."""
 
