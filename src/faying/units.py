@@ -25,9 +25,17 @@ KINDS_OF_UNITS = {
 """Names of units whose kind is known; a study may use others."""
 
 
-# In m, kg and s; pound and slug by the international pound, foot and inch (NIST SP 811, App. B).
+# In m, kg and s; slug and slinch by the international pound, foot and inch (NIST SP 811, App. B).
 LENGTHS = {"m": 1.0, "dm": 0.1, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "ft": 0.3048}
-MASSES = {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3, "Mg": 1e3, "slug": 14.5939, "slinch": 175.127}
+MASSES = {
+    "kg": 1.0,
+    "g": 1e-3,
+    "mg": 1e-6,
+    "t": 1e3,
+    "Mg": 1e3,
+    "slug": 14.5939029372064,
+    "slinch": 175.126835246476,
+}
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}
 
 

@@ -284,7 +284,7 @@ def test_recovery_matrices_travel_along(given, unzipped):
 
 
 def test_step_size_is_that_of_the_run_or_follows_the_lowest_mode(given):
-    frequency = 1 / (archive.STEPS_PER_PERIOD * archive._step_size(given, None))
+    frequency = 1 / (archive.DEFAULT_INSTANTS * archive._step_size(given, None))
     lowest = archive.linearize(given).frequencies(1)[0]
     # rounded to one digit, so off by a third at most
     assert frequency == pytest.approx(lowest, rel=0.35)

@@ -26,6 +26,8 @@ and of what a number says."""
 MOST_HALVINGS, MOST_CHORDS = 12, 40
 """Cuts of an increment: what happens below a four-thousandth of it happens at once."""
 
+DEFAULT_INCREMENTS = 10
+"""Increments from the preload to a static load, and of a quarter of a cycle."""
 
 LARGEST_FACTOR = 10.0
 """Load factor at which the search is given up."""

@@ -7,7 +7,7 @@ from typing import TypeVar, final
 import numpy as np
 
 from faying._typing import Mask, Matrix, Vector
-from faying.assessment.growth import LARGEST_FACTOR, Event, first_events
+from faying.assessment.growth import DEFAULT_INCREMENTS, LARGEST_FACTOR, Event, first_events
 from faying.assessment.requirements import OPEN_BELOW
 from faying.contact.contact import Contact
 from faying.contact.increment import Increment
@@ -19,9 +19,6 @@ from faying.simulation.solution import Solution
 from faying.simulation.static import port_forces
 
 State = TypeVar("State")
-
-INCREMENTS = 10
-"""Increments up to the nominal load."""
 
 
 @final
@@ -130,7 +127,7 @@ def opening_factors(
         reach,
         start,
         {name: opening_event(pressed, share, limit) for name, share in shares.items()},
-        increments=INCREMENTS,
+        increments=DEFAULT_INCREMENTS,
         largest=largest,
     )
     opened = {name: events.factors.get(name, np.inf) for name in shares}

@@ -7,6 +7,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.assessment.case_metrics import PRESSURE, Metric, case_metrics
+from faying.assessment.growth import DEFAULT_INCREMENTS
 from faying.assessment.slip import ON_THE_BOUND, SLIP, slip_states
 from faying.interface.surface import ContactSurface
 from faying.joint.model import Model
@@ -50,10 +51,6 @@ def friction_figures(solution: Solution, interfaces: Mapping[str, ContactSurface
             far[:, points].max(axis=1),
         ]
     return np.array(columns).reshape(-1, len(normal)).T
-
-
-INCREMENTS = 10
-"""Of the load, after one of the bolts."""
 
 
 def slip_metrics(interfaces: Iterable[str]) -> list[Metric]:
@@ -106,7 +103,7 @@ def _case(
 ) -> Vector:
     tightened, bolts = np.zeros_like(inputs), system.port_compliance.bolts
     tightened[bolts] = inputs[bolts]
-    shares = np.arange(INCREMENTS + 1)[:, None] / INCREMENTS
+    shares = np.arange(DEFAULT_INCREMENTS + 1)[:, None] / DEFAULT_INCREMENTS
     rows = tightened + shares * (inputs - tightened)
     moved = moved_alone(system, rows)
     steps = list(follow(system.static_contact.increments, moved, path_start(system, None)))

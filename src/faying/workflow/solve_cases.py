@@ -9,6 +9,7 @@ import numpy as np
 from faying._typing import Indices, Matrix
 from faying.assessment.case_metrics import Metric, bent_bolts, metrics_of
 from faying.assessment.certificate import Certifier, certifier
+from faying.assessment.growth import DEFAULT_INCREMENTS
 from faying.assessment.joint_record import CaseState
 from faying.assessment.requirements import Requirements
 from faying.assessment.slip_metrics import friction_metrics
@@ -28,7 +29,6 @@ from faying.simulation.stepping import transient_solver
 from faying.simulation.transient_windows import transient_windows
 from faying.study.inputs.load_set import LoadSet, TimedLoad
 from faying.study.keys.requirement_tables import MarginsSection
-from faying.study.keys.tables import DEFAULT_INCREMENTS
 from faying.study.results.metric_table import TableFormat
 from faying.study.stages.books import FAILED, Books
 from faying.workflow.solved_cases import Demanded, SolvedCases, arrays_of, factors_of

@@ -15,8 +15,8 @@ from faying.assessment.requirements import ClosedRing, Verdict
 from faying.assessment.sealing import Ring, ring_around
 from faying.assessment.slip_demand import slip_coefficients
 from faying.assessment.slip_reserve import SlipReserve, followed_openings
-from faying.assessment.strength.fatigue import fibre_stresses
 from faying.assessment.strength.preload_ends import BoltStrengths, PreloadEnd
+from faying.assessment.strength.thread import fibre_stresses
 from faying.assessment.verdicts import ring_surface
 from faying.exceptions import ModelError
 from faying.joint.bolt_surroundings import pressed_near

@@ -13,23 +13,21 @@ from faying.assessment.strength.fatigue import (
     ENDURANCE_CYCLES,
     EXPONENT,
     endurance,
-    fibre_stresses,
     is_rated,
-    largest_amplitude,
     miner_sums,
 )
 from faying.assessment.strength.preload_ends import PreloadEnd
 from faying.assessment.strength.thread import (
+    SHEAR,
     Thread,
+    fibre_stresses,
+    largest_amplitude,
     thread_stress,
     tightening_stress,
     working_stress,
 )
 from faying.exceptions import ModelError
 from faying.units import units_of
-
-SHEAR = 0.6
-"""Shear strength over ultimate strength of steels, as commonly taken."""
 
 
 def stripping_force(thread: Thread, engagement: float, ultimate: float) -> float:

@@ -21,9 +21,6 @@ LEAST_ULTIMATE = 799.0
 EXPONENT = 3
 """Of the amplitude, below N_D cycles."""
 
-DIRECTIONS = 36
-"""Fibres around the section: of its bending 0.4 % at most is lost."""
-
 
 def endurance(thread: Thread, units: str) -> float:
     """Return σ_ASV [force/length²]."""
@@ -38,26 +35,6 @@ def is_rated(thread: Thread, units: str) -> bool:
     """Say whether σ_ASV is known: of steels from 800 MPa on that are not stainless."""
     strong = thread.strengths(units).ultimate >= LEAST_ULTIMATE * 1e6 / (pascals(units) or 1.0)
     return strong and not thread.grade.startswith("A")
-
-
-def fibre_stresses(thread: Thread, forces: Vector, moments: Matrix | None) -> Matrix:
-    """Return the normal stress of fibres at the root of the thread (n_instant, n_fibre).
-
-    Bolt forces are (n_instant,) [force], moments (n_instant, 2, 2) [force·length] by end of the
-    bolt and component across its axis.
-    """
-    axial = np.asarray(forces)[:, None] / thread.stress_area
-    if moments is None:
-        return np.asarray(axial)
-    angles = np.linspace(0, 2 * np.pi, DIRECTIONS, endpoint=False)
-    around = np.stack([np.cos(angles), np.sin(angles)])
-    bent = (moments / thread.section_modulus) @ around
-    return np.asarray(axial + bent.reshape(len(bent), -1))
-
-
-def largest_amplitude(stresses: Matrix) -> float:
-    """Return half the largest range of a fibre."""
-    return float(np.ptp(stresses, axis=0).max()) / 2
 
 
 def miner_sums(stresses: Matrix, repetitions: float, limit: float) -> Vector:

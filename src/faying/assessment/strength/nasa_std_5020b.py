@@ -22,7 +22,7 @@ from faying.assessment.strength.margins import (
     slip_margin,
 )
 from faying.assessment.strength.preload_ends import LEAST, MOST, initial_forces_at
-from faying.assessment.strength.thread import Thread
+from faying.assessment.strength.thread import SHEAR, Thread
 from faying.assessment.strength.tightening import PreloadRange
 from faying.exceptions import ModelError
 from faying.interface.surface import ContactSurface
@@ -33,9 +33,6 @@ from faying.joint.tangential import TangentialRows
 from faying.simulation.load import NamedLoad
 from faying.simulation.solution import Solution
 from faying.simulation.static import AT_REST, solved_inputs
-
-SHEAR = 0.6
-"""F_su over F_tu, where nothing else is known of the bolt."""
 
 MOST_FRICTION = 0.2
 """Coefficient above which slip is judged by tests alone, TFSR 14."""

@@ -16,11 +16,14 @@ from faying.assessment.strength.sizes import size_named
 from faying.exceptions import ModelError
 from faying.units import LENGTHS
 
+SHEAR = 0.6
+"""Shear strength over ultimate strength of steels, where nothing else is known of the bolt."""
+
 WORKING = 0.5
 """k_τ: share of the torsion of tightening that counts in service, section 5.5.2."""
 
 ANGLES = 72
-"""Places around the section at which the range of its stress is taken: 0.1 % of it at most lost."""
+"""Fibres around the section whose stress is told: of the range of bending 0.1 % at most is lost."""
 
 FLANK = 2 / np.sqrt(3)
 """1 / cos 30°, of the flanks of a metric thread."""
@@ -252,7 +255,7 @@ def thread_stress(
         bending=None if bent is None else bending,
         torsion=torsion,
         reduced=reduced,
-        amplitude=_amplitude(stresses, bent),
+        amplitude=largest_amplitude(fibre_stresses(thread, forces, moments)),
         proof=proof,
         safety=proof / reduced if reduced > 0 else float("inf"),
     )
@@ -289,13 +292,21 @@ def _outer(stresses: Vector, bent: Matrix | None) -> Vector:
     return np.asarray(np.linalg.norm(bent, axis=-1).max(axis=-1))
 
 
-def _amplitude(stresses: Vector, bent: Matrix | None) -> float:
-    """Return half the largest range of stress of a fibre, at either end where it is bent."""
-    if bent is None:
-        return float(np.ptp(stresses)) / 2
-    around = np.linspace(0, 2 * np.pi, ANGLES, endpoint=False)
-    ranges = [
-        np.ptp(stresses[:, None] + bent @ [np.cos(angle), np.sin(angle)], axis=0).max()
-        for angle in around
-    ]
-    return float(max(ranges)) / 2
+def fibre_stresses(thread: Thread, forces: Vector, moments: Matrix | None) -> Matrix:
+    """Return the normal stress of fibres at the root of the thread (n_instant, n_fibre).
+
+    Bolt forces are (n_instant,) [force], moments (n_instant, 2, 2) [force·length] by end of the
+    bolt and component across its axis.
+    """
+    axial = np.asarray(forces)[:, None] / thread.stress_area
+    if moments is None:
+        return np.asarray(axial)
+    angles = np.linspace(0, 2 * np.pi, ANGLES, endpoint=False)
+    around = np.stack([np.cos(angles), np.sin(angles)])
+    bent = (moments / thread.section_modulus) @ around
+    return np.asarray(axial + bent.reshape(len(bent), -1))
+
+
+def largest_amplitude(stresses: Matrix) -> float:
+    """Return half the largest range of a fibre."""
+    return float(np.ptp(stresses, axis=0).max()) / 2

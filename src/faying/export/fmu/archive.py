@@ -22,6 +22,7 @@ from faying.export.fmu.variable import Variable, fmu_units, seconds
 from faying.export.fmu.variables import Defaults, scalars, with_arrays
 from faying.export.linearized import linearize
 from faying.reduction.reduced_model import ReducedModel
+from faying.study.keys.tables import DEFAULT_INSTANTS
 from faying.study.results.values import Results
 
 SOURCES = Path(__file__).parent / "sources"
@@ -39,9 +40,6 @@ SHARED = (
     "variables.c",
     "fmi.c",
 )
-
-STEPS_PER_PERIOD = 100
-"""Of the lowest mode of the closed joint, where the run has no time step."""
 
 EPOCH = (1980, 1, 1, 0, 0, 0)
 """Date of all members: equal joints give equal archives."""
@@ -150,7 +148,7 @@ def _step_size(rom: ReducedModel, run: Results | None) -> float:
         if case.times is not None and len(case.times) > 1:
             return float(case.times[1] - case.times[0]) * seconds(rom.units)
     lowest = float(linearize(rom).frequencies(1)[0]) / seconds(rom.units)
-    return float(np.format_float_scientific(1 / (STEPS_PER_PERIOD * lowest), precision=0))
+    return float(np.format_float_scientific(1 / (DEFAULT_INSTANTS * lowest), precision=0))
 
 
 def _page(description: Description, version: int) -> bytes:

@@ -6,11 +6,7 @@ References are 2²⁰ times a kind plus an index, as ``sources/variables.c`` rea
 from dataclasses import dataclass
 from enum import IntEnum
 
-from faying.units import Units, units_of
-
-LENGTHS = {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "in": 0.0254, "ft": 0.3048}
-MASSES = {"t": 1e3, "kg": 1.0, "g": 1e-3, "slinch": 175.126835246476, "slug": 14.5939029372064}
-TIMES = {"s": 1.0, "ms": 1e-3}
+from faying.units import LENGTHS, MASSES, TIMES, Units, units_of
 
 FORCE, MOMENT, LENGTH, ANGLE = "force", "moment", "length", "angle"
 VELOCITY, SPIN, PRESSURE, STIFFNESS = "velocity", "spin", "pressure", "stiffness"

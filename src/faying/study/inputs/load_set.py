@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.assessment.growth import DEFAULT_INCREMENTS
 from faying.exceptions import StudyError
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.integrators import ImplicitEuler, Integrator, named_integrator
@@ -24,7 +25,7 @@ from faying.study.inputs.loads import case_load, time_span, time_step
 from faying.study.keys.requirement_tables import RequirementSection
 from faying.study.keys.schema import read_load_cases
 from faying.study.keys.section import LARGEST, SMALLEST
-from faying.study.keys.tables import DEFAULT_INCREMENTS, LoadCaseSection
+from faying.study.keys.tables import LoadCaseSection
 
 TABLES = (".csv", ".parquet")
 """Endings of files that are tables of loads."""

@@ -206,9 +206,6 @@ class ForceSection(Loading):
 DEFAULT_INSTANTS = 100
 """Time steps of a longest period unless told, and instants where a run chooses the steps."""
 
-DEFAULT_INCREMENTS = 10
-"""Increments from the preload to a static load, and of a quarter of a cycle."""
-
 
 class LoadCaseSection(Timed):
     """[[load_case]]: loads that act on the joint, at rest or over time.

@@ -13,6 +13,7 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.assessment.backbone import Backbone
+from faying.assessment.growth import DEFAULT_INCREMENTS
 from faying.assessment.modal_analysis import modal_analysis
 from faying.assessment.modal_cycles import ModalCycle, StillModeError
 from faying.assessment.slip_reserve import SlipReserve, slip_reserve
@@ -37,7 +38,7 @@ from faying.simulation.solution import Solution
 from faying.simulation.start import released_state
 from faying.study.inputs.loads import case_load
 from faying.study.keys.load_files import ALL, read_load_factors
-from faying.study.keys.tables import DEFAULT_INCREMENTS, LoadCaseSection
+from faying.study.keys.tables import LoadCaseSection
 from faying.study.results.nodal_motion import NodalMotion, nodal_motion
 from faying.study.results.path_record import CycleRecord, cycle_record, path_record
 from faying.study.results.responses import respond
