@@ -162,7 +162,7 @@ def test_coefficient_of_no_interface_is_refused(pair):
     with pytest.raises(ModelError, match="no interface 'jiont' without friction; there are joint"):
         fy.assess(pair, LOADS, wanted, paths=False)
     (verdict,) = fy.assess(pair, LOADS, fy.Requirements(min_slip_safety=1.2), paths=False).verdicts
-    assert "add the one that is missing" in verdict.reason
+    assert "add what is missing" in verdict.reason
 
 
 def area():

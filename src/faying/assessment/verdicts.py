@@ -206,8 +206,8 @@ NO_FRICTION = "it is judged by static loads and cycles of joints with friction, 
 """Why nothing is known of sliding where no load is followed with friction."""
 
 NO_SLIP = (
-    "slip needs a static load or a cycle, and a coefficient of friction: add the one that is "
-    "missing, the coefficient to the interface or as slip_friction"
+    "it is judged by static loads or cycles with a coefficient of friction: add what is missing, "
+    "the coefficient to the interface or as slip_friction"
 )
 """Why nothing is known of slip where no load and coefficient tells of it."""
 

@@ -101,7 +101,7 @@ def test_each_requirement_is_judged_alone(tmp_path):
     results = read_results(tmp_path / "out" / "results.h5")
     clamp, around, slip = results.assessment.verdicts
     assert (clamp.met, around.met, slip.met) == (True, None, None)
-    assert "add the one that is missing" in slip.reason
+    assert "add what is missing" in slip.reason
     assert results.assessment.bolts["bolt"].preload > 0
     said = run_verdict(results).sentence
     assert said.startswith("Not known: pressed within 0.5 mm of bolt: the preload presses no")
