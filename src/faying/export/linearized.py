@@ -207,15 +207,11 @@ def _outputs(system: System) -> tuple[str, ...]:
 
 def boundary_names(system: System, components: tuple[str, ...]) -> tuple[str, ...]:
     """Name every boundary degree of freedom."""
-    names: list[str] = []
-    for name, boundary in system.boundaries.items():
-        many_nodes = len(np.unique(boundary.nodes)) > 1
-        for node, component in zip(
-            boundary.nodes.tolist(), boundary.components.tolist(), strict=True
-        ):
-            label = f"{name}.{node}" if many_nodes else name
-            names.append(f"{label}.{components[component]}")
-    return tuple(names)
+    return tuple(
+        f"{place}.{components[component]}"
+        for boundary in system.boundaries.values()
+        for place, component in boundary.places
+    )
 
 
 def _output_rows(system: System, forces: Matrix) -> Matrix:

@@ -32,6 +32,15 @@ class Boundary(Frozen):
     components: Indices
     dofs: Indices
 
+    @property
+    def places(self) -> list[tuple[str, int]]:
+        """Name and component of each degree of freedom, by node where there are several."""
+        one = len(np.unique(self.nodes)) == 1
+        pairs = zip(self.nodes.tolist(), self.components.tolist(), strict=True)
+        return [
+            (self.name if one else f"{self.name}.{node}", component) for node, component in pairs
+        ]
+
     def pattern(self, force: str) -> Vector:
         """Distribute a unit force or moment evenly over the nodes of the boundary.
 

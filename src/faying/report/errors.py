@@ -197,23 +197,3 @@ def doubtful_references(results: Results) -> list[str]:
         and case.reference.estimate is not None
         and (error := case.reference.estimate.max_relative_error) > GOOD_ERROR
     ]
-
-
-def sharpness(results: Results) -> str:
-    """Return what the bounds of max errors were worth in a run; empty where nothing tells."""
-    ratios = [
-        result.certified_bound / result.accuracy.max_relative_error
-        for case in results.cases.values()
-        for sizes in case.methods.values()
-        for result in sizes.values()
-        if result.certified_bound is not None
-        and result.accuracy.max_relative_error > SMALLEST_DRAWN
-    ]
-    if not ratios:
-        return ""
-    low, middle, high = (float(f(ratios)) for f in (np.min, np.median, np.max))
-    return (
-        f"In this run the bound of the max error is {number(low)} to {number(high)} times the true "
-        f"one, {number(middle)} times in the median: it says that a pressure is wrong, not by how "
-        "much."
-    )

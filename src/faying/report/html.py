@@ -26,7 +26,6 @@ from faying.report.errors import (
     error_table,
     estimate_note,
     load_space_table,
-    sharpness,
     stage_table,
     timing_table,
 )
@@ -160,7 +159,6 @@ def render_methods(album: Album, folder: Path) -> str:
         timings=timing_table(results),
         stages=stage_table(results),
         reference=against(results.cases.values()).removeprefix("the "),
-        sharpness=sharpness(results),
         estimates=estimate_note(results),
         convergence=album.shown(convergence_figure),
     )

@@ -6,9 +6,8 @@ import numpy as np
 
 from faying.display.quantities import number, percent, quantity
 from faying.interface.surface import curve_of
-from faying.report.methods import GOOD_ERROR
 from faying.study.judgement.step_check import choice_sentence, step_check, step_choice
-from faying.study.results.values import CaseResult, InterfaceRecord, Results
+from faying.study.results.values import CaseResult, Results
 from faying.units import Units
 
 
@@ -32,20 +31,6 @@ def _resolution(results: Results, units: Units) -> Iterator[str]:
             f"{name}: {len(record.weights)} contact points by the rule {record.quadrature} on "
             f"{facets} facets, {quantity(edge, units.length)} wide on average."
         )
-    worst = max((_peaks(results, case) for case in results.cases.values()), default=None)
-    if worst is None or worst[1] <= 0:
-        return
-    excess, average, peak, case = worst
-    yield (
-        f"The largest pressure at a point stands up to {percent(excess)} above the largest nodal "
-        f"average ({quantity(peak, units.pressure)} against {quantity(average, units.pressure)} "
-        f"in {case})."
-    )
-    yield (
-        "So much of the peak hangs on where the rule puts its points."
-        if excess > GOOD_ERROR
-        else "Where the rule puts its points hardly shows."
-    )
 
 
 def _mesh(results: Results) -> Iterator[str]:
@@ -71,19 +56,6 @@ def _mesh(results: Results) -> Iterator[str]:
 
 def _with_estimate(results: Results, interface: str) -> list[CaseResult]:
     return [case for case in results.cases.values() if interface in case.mesh_errors]
-
-
-def _peaks(results: Results, case: CaseResult) -> tuple[float, float, float, str]:
-    """Return excess, largest nodal average and largest pressure when it peaks, and the case."""
-    pressure = np.atleast_2d(case.reference.pressure)
-    at_peak = pressure[pressure.max(axis=1, initial=0.0).argmax()]
-    averages = [_average(record, at_peak) for record in results.interfaces.values()]
-    average, peak = max(averages, default=0.0), float(at_peak.max(initial=0.0))
-    return (peak / average - 1.0 if average > 0 else 0.0), average, peak, case.name
-
-
-def _average(record: InterfaceRecord, pressure: np.ndarray) -> float:
-    return float(record.nodal_average(pressure[slice(*record.slice)]).max(initial=0.0))
 
 
 def _step(name: str, case: CaseResult, units: Units) -> str:

@@ -15,7 +15,7 @@ from faying.display.quantities import number
 from faying.display.table import Column, described
 from faying.exceptions import FormatError
 from faying.report import style
-from faying.report.errors import error_table, sharpness, timing_table
+from faying.report.errors import error_table, timing_table
 from faying.report.figures.album import Album
 from faying.report.html import render, render_methods, write_report
 from faying.report.methods import headline, meanings, reservations, verdicts
@@ -206,7 +206,6 @@ def test_what_limits_accuracy_is_said_of_this_joint_alone(written, methods):
         assert foreign not in text, foreign
     assert "joint: 28 contact points by the rule nodal on 18 facets, 6.24 mm wide" in text
     # Nodal points are their own averages.
-    assert "stands up to 0 % above the largest nodal average" in text
     assert (
         "joint: estimated from this mesh alone, its pressures are off by 4.0 % of the peak in the "
         "root mean square"
@@ -267,11 +266,6 @@ def test_certified_energy_and_clamp_force_come_before_the_pressure_and_its_loose
         "certified: clamp force error [%]",
         "certified: max error [%]",
     ]  # fmt: skip
-    results = with_errors(jim_b={5: 0.02, 20: 0.001}, compliance={0: 1e-9})
-    # The bound of jim-b with 5 joint modes, 0.1, serves as template: 5 and 100 times the errors;
-    # what is exact to round-off tells nothing.
-    assert "is 5.00 to 100 times the true one, 52.5 times in the median" in sharpness(results)
-    assert sharpness(with_errors(compliance={0: 1e-9})) == ""
 
 
 def test_no_column_is_lost_on_a_phone(written):

@@ -1,8 +1,8 @@
 """The variables of an FMU: names, value references and what they mean."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import chain, product
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from faying.export.fmu.variable import (
     Kind,
     Variable,
 )
-from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary
+from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES
 from faying.reduction.reduced_model import ReducedModel
 
 VELOCITY_NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
@@ -277,7 +277,8 @@ def _at_boundaries(
     turned: tuple[str, str],
 ) -> Iterator[Variable]:
     """Yield forces or motion of each boundary degree of freedom, in a quantity and with a text."""
-    for index, (port, component) in enumerate(_places(rom.boundaries.values())):
+    places = chain.from_iterable(boundary.places for boundary in rom.boundaries.values())
+    for index, (port, component) in enumerate(places):
         quantity, text = straight if component < 3 else turned
         yield Variable(
             name=f"{port}.{names[component]}",
@@ -288,16 +289,6 @@ def _at_boundaries(
             start=0.0 if causality == "input" else None,
             description=f"{text} {port}",
         )
-
-
-def _places(boundaries: Iterable[Boundary]) -> Iterator[tuple[str, int]]:
-    """Name each boundary degree of freedom; by node where a boundary has several."""
-    for boundary in boundaries:
-        many_nodes = len(np.unique(boundary.nodes)) > 1
-        for node, component in zip(
-            boundary.nodes.tolist(), boundary.components.tolist(), strict=True
-        ):
-            yield (f"{boundary.name}.{node}" if many_nodes else boundary.name), component
 
 
 def _motion(rom: ReducedModel, *, arrays: bool) -> Iterator[Variable]:
