@@ -19,7 +19,7 @@ from faying.reduction.attachment import refined_basis
 from faying.reduction.basis import ModeKind
 from faying.reduction.methods import METHODS
 from faying.reduction.pod import pod
-from faying.reduction.projection import projected
+from faying.reduction.projection import projected, trial_vectors_of
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.divided_steps import divided_steps
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
@@ -172,13 +172,7 @@ def finer_model(model: Model, solution: Solution) -> ReducedModel:
     rom = solution.system
     if not isinstance(rom, ReducedModel):
         raise ModelError(NO_TRANSIENT)
-    vectors = rom.trial_vectors
-    if len(vectors) != model.structure.n_dof:
-        message = (
-            f"the trial vectors have {len(vectors)} rows but the model {model.structure.n_dof} "
-            "degrees of freedom; give the model that was reduced"
-        )
-        raise ModelError(message)
+    _ = trial_vectors_of(rom, model)  # refuses another model
     if rom.basis.count(ModeKind.ATTACHMENT):
         # It has the inertia of all contact forces already, and no residual compliance.
         return projected(model, refined_basis(model, rom.basis))

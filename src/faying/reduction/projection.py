@@ -243,6 +243,23 @@ def full_displacement(model: Model, solution: Solution) -> Matrix:
     residual = rom.contact.residual_compliance
     if not isinstance(rom, ReducedModel) or residual is None:
         return solution.full_displacement()
+    vectors = trial_vectors_of(rom, model)
+    moved: Matrix = solution.states @ vectors.T
+    pairs = rom.contact.at_pairs(solution.contact_forces, solution.shear_forces).T
+    at_dofs = (np.atleast_2d(pairs) @ model.structure.relative_operator).T
+    # K_ii⁻¹ Pᵀ f − Φ_f (Φ_fᵀ K Φ_f)⁻¹ Φ_fᵀ Pᵀ f, which P takes to R f.
+    behind = _beyond(model, rom.basis, _held_stiffness(model, rom.basis), at_dofs)
+    return np.asarray(moved + behind.T.reshape(moved.shape))
+
+
+def trial_vectors_of(rom: ReducedModel, model: Model) -> Matrix:
+    """Return the trial vectors (n_dof, n_mode) of a reduced model.
+
+    Raises
+    ------
+    ModelError
+        If it came without them, or is no reduced one of this full model.
+    """
     vectors = rom.trial_vectors
     if len(vectors) != model.structure.n_dof:
         message = (
@@ -250,12 +267,7 @@ def full_displacement(model: Model, solution: Solution) -> Matrix:
             "degrees of freedom; give the model that was reduced"
         )
         raise ModelError(message)
-    moved: Matrix = solution.states @ vectors.T
-    pairs = rom.contact.at_pairs(solution.contact_forces, solution.shear_forces).T
-    at_dofs = (np.atleast_2d(pairs) @ model.structure.relative_operator).T
-    # K_ii⁻¹ Pᵀ f − Φ_f (Φ_fᵀ K Φ_f)⁻¹ Φ_fᵀ Pᵀ f, which P takes to R f.
-    behind = _beyond(model, rom.basis, _held_stiffness(model, rom.basis), at_dofs)
-    return np.asarray(moved + behind.T.reshape(moved.shape))
+    return vectors
 
 
 def _residuals(
