@@ -695,7 +695,7 @@ def test_a_requirement_that_cannot_be_judged_is_not_met(model_file, tmp_path):
         app, ["solve", str(model_file), str(loads), "--out", str(tmp_path / "out")]
     )
     assert done.exit_code == 3
-    assert "a coefficient, that of the interface or slip_friction" in " ".join(done.output.split())
+    assert "the coefficient to the interface or as slip_friction" in " ".join(done.output.split())
 
 
 def test_an_open_interface_needs_infinite_friction(model_file, tmp_path):
