@@ -178,6 +178,7 @@ def test_pages_say_what_they_must(written, methods):
     text = " ".join("".join(methods.text).split())
     for needed in (
         "max relative pressure error",
+        "energy error at most 10 %",
         "Max relative pressure errors at 100 random static loads",
         "recovered from its motion in transients, pressures are off by 2.0 %",
     ):
