@@ -1,5 +1,6 @@
 """Contact by sparse factors, for interfaces that dense matrices have no room for, against dense."""
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -96,6 +97,14 @@ def test_bolts_tightened_with_friction_have_their_forces(joints):
     assert_alike(mine.tightening.bolt_forces, exact.tightening.bolt_forces)
     for name in ("contact_forces", "shear_forces", "shear_slip"):
         assert_alike(getattr(mine.rest(mine.joint), name), getattr(exact.rest(exact.joint), name))
+
+
+def test_reduced_models_go_to_other_processes(joints):
+    """As those of dense matrices do, without factors; digits are the same."""
+    rom = fy.reduce(joints[1], fy.craig_bampton(joints[1], normal_modes=3), compliance=True)
+    mine = fy.solve_static(rom, LC2)
+    sent = pickle.loads(pickle.dumps(rom))
+    np.testing.assert_array_equal(fy.solve_static(sent, LC2).contact_forces, mine.contact_forces)
 
 
 def test_vibration_is_refused_by_name(joints):

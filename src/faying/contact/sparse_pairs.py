@@ -12,7 +12,7 @@ what tangential forces owe to a change of pressure is left to GMRES.
 import threading
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NoReturn, final
+from typing import Any, NoReturn, final
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -67,6 +67,10 @@ class _Latest:
 
     factors: SparseFactors | None = None
     turn: threading.RLock = field(default_factory=threading.RLock)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Leave factors behind, which belong to this process."""
+        return _Latest, ()
 
 
 @final

@@ -11,7 +11,7 @@ doi:10.1137/1031049).
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache, cached_property, partial
-from typing import NoReturn, final
+from typing import Any, NoReturn, final
 
 import numpy as np
 import scipy.sparse as sp
@@ -49,6 +49,10 @@ class SparseStiffness:
         """Return Σ; the matrix is factorized where this is asked for S."""
         once = cache(partial(factorize, matrix))
         return cls(matrix=matrix, ports=ports, solve=lambda forces: once().solve(forces))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Leave factors behind, which belong to this process."""
+        return SparseStiffness.of, (self.matrix, self.ports)
 
     def gives(self, forces: Matrix) -> Matrix:
         """Return Q A⁻¹ Qᵀ p of forces (n_port,) or (n_port, k)."""
