@@ -1,4 +1,4 @@
-"""How much memory dense matrices may take before sparse factors or compressed ones replace them."""
+"""How much memory dense matrices may take before sparse factors replace them."""
 
 from faying.linalg.memory import physical_memory
 

@@ -74,8 +74,8 @@ class BoltsByForce:
 
         Notes
         -----
-        One contact problem. Where contact is hard, or the compliance between pairs singular or
-        compressed, one for each of some trials.
+        One contact problem. Where contact is hard, or the compliance between pairs singular, one
+        for each of some trials.
         """
         others = locked.copy()
         others[self.bolts] = 0.0

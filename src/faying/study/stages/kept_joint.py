@@ -36,7 +36,7 @@ def check_same_joint(checkpoint: Bundles, model: Model) -> None:
 def keep_compliance(checkpoint: Bundles, key: str, structure: Structure) -> None:
     """Let a structure take what is between its pairs from a run before, or keep it for one.
 
-    Compressed compliances are formed anew: they are made of more than one array.
+    Nothing is kept of more pairs than matrices have room for.
     """
     if not structure.is_kept_whole:
         return
