@@ -29,17 +29,21 @@ def at(curve, frequencies):
     return [int(np.abs(curve.frequency - frequency).argmin()) for frequency in frequencies]
 
 
+# At this one the eleventh harmonic meets mode 6: with nine of them it was 0.63 % off, 0.26 with 12.
+MEETS = REFERENCE["frequency"] == 649.75
+
+
 @pytest.mark.parametrize(
-    ("level", "harmonics"),
+    ("rows", "harmonics"),
     [
-        pytest.param(0.3, 9, marks=pytest.mark.long),
-        # With 9 harmonics 0.63 % at 649.75 Hz: the eleventh, cut then, meets mode 6.
-        pytest.param(5.0, 12, marks=pytest.mark.slow),
+        pytest.param(REFERENCE[REFERENCE["level"] == 0.3], 9, marks=pytest.mark.long),
+        pytest.param(REFERENCE[(REFERENCE["level"] == 5.0) & ~MEETS], 9, marks=pytest.mark.slow),
+        pytest.param(REFERENCE[MEETS], 12, marks=pytest.mark.slow),
     ],
 )
-def test_steady_states_of_transients(joint, level, harmonics):
+def test_steady_states_of_transients(joint, rows, harmonics):
     """Generalized-α of a program apart from faying, settled over 120 to 300 periods."""
-    rows = REFERENCE[REFERENCE["level"] == level]
+    level = rows["level"][0]
     asked = rows["frequency"] * LONGER
     (curve,) = fy.frequency_response(
         joint, {"tip.Fz": 1.0}, asked, [level], harmonics=harmonics
@@ -59,18 +63,39 @@ def test_steady_states_of_transients(joint, level, harmonics):
 
 
 @pytest.mark.long
-def test_small_vibrations_are_linear(joint):
-    """Modes above 1.5 times the highest harmonic follow as if at rest, which leaves 1.3e-6."""
+@pytest.mark.parametrize(
+    # With modes up to 1.5 times the first harmonic alone it was 4e-3 off at 1000 Hz.
+    ("harmonics", "asked", "tolerance"),
+    [(1, (640.0, 1000.0), 3e-4), (9, (500.0, 648.0, 700.0), 2e-6)],
+)
+def test_small_vibrations_are_linear(joint, harmonics, asked, tolerance):
+    """What is left is the inertia of higher modes, which follow as if at rest."""
     rest = fy.solve_path(joint, [fy.Load()])
-    asked = np.array([500.0, 648.0, 700.0])
-    (curve,) = fy.frequency_response(
-        joint, {"tip.Fz": 1.0}, asked, [1e-3], harmonics=9, initial=rest
-    ).curves
+    found = fy.frequency_response(
+        joint, {"tip.Fz": 1.0}, asked, [1e-3], harmonics=harmonics, initial=rest
+    )
+    (curve,) = found.curves
     K = stuck_stiffness(joint, rest)
     force = input_forces(joint, harmonic_inputs(joint, {"tip.Fz": 1.0}).real)
     for frequency, row in zip(asked, at(curve, asked), strict=True):
         circular = 2 * np.pi * frequency
         dynamic = K + 1j * circular * joint.C - circular**2 * joint.M
         moved = 1e-3 * force @ np.linalg.solve(dynamic, force)
-        assert curve.response("tip.uz")[row] == pytest.approx(moved, rel=2e-6)
+        assert curve.response("tip.uz")[row] == pytest.approx(moved, rel=tolerance)
+    assert found.linear.response("tip.uz")[-1] == pytest.approx(1e3 * moved, rel=3e-4)
     assert (curve.contact.friction_energy == 0).all()
+
+
+@pytest.mark.slow
+def test_too_few_harmonics_where_a_multiple_meets_a_mode_are_said(joint):
+    """Mode 3, whose second harmonic meets mode 6; a transient of 600 steps a period beside it."""
+    one, three = (
+        fy.frequency_response(joint, {"tip.Fz": 1.0}, [3850.0], [6.0], harmonics=harmonics).curves[
+            0
+        ]
+        for harmonics in (1, 3)
+    )
+    assert "3 harmonics more than 1 change the peak by" in one.remarks[0]
+    transient = 8.79e-3
+    assert abs(one.response("tip.uz")[0]) > 1.15 * transient
+    assert abs(three.response("tip.uz")[0]) == pytest.approx(transient, rel=0.07)

@@ -26,11 +26,12 @@ from faying.simulation.periodic import ModalLoads, PeriodicProblem
 from faying.simulation.periodic_curve import CurvePoint, Traced, solve_motion, trace
 from faying.simulation.solution import Solution
 
-MODE_SPAN = 1.5
-"""Modes take part up to this multiple of the highest harmonic."""
-
 FEWEST, MOST, MORE = 3, 15, 3
 """Harmonics that are tried first, at most, and besides."""
+
+MODE_SPAN = 1.5
+"""Modes take part up to this multiple of the highest harmonic, with fewer than FEWEST as with so
+many: with one, the linear response of a lap was 0.4 % off between its resonances, and is 0.02 %."""
 
 PER_HARMONIC, FEWEST_SAMPLES = 16, 64
 """Samples of a period: amplitudes at 64 and 128 differed by 0.3 %."""
@@ -93,14 +94,15 @@ class ForcedJoint:
         stuck = StuckPoints.of(solver, start.increment.forces, start.slip, start.increment.moved)
         highest = float(frequencies[-1])
         slipping = slipping_stiffness(system, state)
-        modes = cache(lambda harmonics: stuck_modes(system, state, MODE_SPAN * harmonics * highest))
+
+        def span(harmonics: int) -> float:
+            return MODE_SPAN * max(harmonics, FEWEST) * highest
+
+        modes = cache(lambda harmonics: stuck_modes(system, state, span(harmonics)))
 
         @cache
         def loads(harmonics: int, released: Released) -> ModalLoads:
-            shapes, between = (
-                modes(harmonics).shapes,
-                (frequencies[0], MODE_SPAN * harmonics * highest),
-            )
+            shapes, between = modes(harmonics).shapes, (frequencies[0], span(harmonics))
             if released.slides:
                 shapes = with_released_modes(system, shapes, slipping, between)
             if released.opens:
@@ -120,7 +122,7 @@ class ForcedJoint:
 
     def linear(self, level: float, frequencies: Vector) -> ResponseCurve:
         """Return the curve of the stuck joint."""
-        response = LinearResponse.of(self.system, self.modes(2), self.inputs)
+        response = LinearResponse.of(self.system, self.modes(FEWEST), self.inputs)
         return response.curve(level, frequencies, {})
 
     def curve(
