@@ -41,7 +41,7 @@ def integrate(rom, load, integrator, **options):
 def in_python(solve, *arguments, **options):
     """Return what is solved as where there is no numba."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(compiled, "has_numba", lambda: False)
+        patch.setattr(compiled, "import_loop", lambda: None)
         return solve(*arguments, **options)
 
 
@@ -170,13 +170,17 @@ def test_an_earlier_run_changes_no_digit(compiled_loop, rom):
     np.testing.assert_array_equal(first.contact_forces, again.contact_forces)
 
 
-def test_numba_that_does_not_import_is_none(monkeypatch):
-    def broken(name):
-        message = "Numba needs NumPy 2.3 or less. Got NumPy 2.4."
-        raise ImportError(message)
+@pytest.mark.parametrize(
+    "error",
+    [ImportError("Numba needs NumPy 2.3 or less"), OSError("File too large")],
+    ids=["another NumPy", "a full disk"],
+)
+def test_what_keeps_numba_from_compiling_leaves_steps_in_python(monkeypatch, error):
+    def fails(name):
+        raise error
 
-    monkeypatch.setattr(compiled, "import_module", broken)
-    assert not compiled.has_numba.__wrapped__()
+    monkeypatch.setattr(compiled, "import_module", fails)
+    assert compiled.import_loop.__wrapped__() is None
 
 
 def test_without_numba_the_argument_that_is_gone_warns(rom):

@@ -55,23 +55,17 @@ def warn_of_compiled(compiled: bool | None) -> None:
 
 
 @cache
-def has_numba() -> bool:
-    """Say whether numba is there, and works with the NumPy that is."""
-    try:
-        import_module("numba")
-    except ImportError as error:
-        _log.info("time steps are not compiled: %s", error)
-        return False
-    return True
-
-
-@cache
-def import_loop() -> Any:
-    """Return the module of compiled steps, announcing that it may have to be compiled."""
+def import_loop() -> Any | None:
+    """Return the module of compiled steps; None where they are not compiled, which is logged."""
     begin = time.perf_counter()
     _log.info("compiling the time steps of reduced models, once per installation")
-    loop: Any = import_module(LOOP)
-    loop.compile_steps()
+    try:
+        loop: Any = import_module(LOOP)
+        loop.compile_steps()
+    # No numba, another NumPy than it takes, no room for what it keeps: steps in Python are there.
+    except Exception as error:
+        _log.info("time steps are not compiled: %s", error)
+        return None
     _log.info("time steps compiled, or read from the cache, in %.1f s", time.perf_counter() - begin)
     return loop
 
@@ -108,7 +102,8 @@ class CompiledSteps:
         is moved on under external forces (n_step, n); the history of this case is written from the
         instant ``first`` on.
         """
-        loop, guess, closed = import_loop(), state.active.copy(), state.supported
+        loop: Any = import_loop()
+        guess, closed = state.active.copy(), state.supported
         done, renewals = 0, 0
         while done < len(applied) and renewals <= MOST_RENEWALS:
             if done or closed is None or not self._near(closed, guess):
@@ -185,7 +180,7 @@ def compiled_steps(
     solver = condensed.increments
     if not isinstance(solver, YieldingContact):
         return None
-    if not isinstance(scheme.step_contact(condensed), EndContact) or not has_numba():
+    if not isinstance(scheme.step_contact(condensed), EndContact) or import_loop() is None:
         return None
     n, (columns, values) = P.shape[1], padded_rows(contact.interpolation)
     inverse = effective.solve(np.eye(n))

@@ -27,6 +27,7 @@ from faying.files.atomic import held
 from faying.files.names import file_names
 from faying.report.figures.album import Album
 from faying.report.html import render
+from faying.simulation.compiled import import_loop
 from faying.study.judgement.summary import summarize
 from faying.study.keys.schema import read_study
 from faying.study.results.store import read_results, write_results
@@ -78,6 +79,7 @@ def call(study, *options, limit=None):
 @pytest.mark.parametrize("limit", [50, 3000, 100_000])
 def test_full_disk(study, limit):
     """The stamp, the summary or the results do not fit; nothing is left half written."""
+    import_loop()  # what numba compiles is kept in files too
     ended = call(study, limit=limit)
     assert ended.returncode == 2, ended.stderr
     *stages, said = ended.stderr.splitlines()

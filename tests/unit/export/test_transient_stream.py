@@ -11,6 +11,7 @@ import faying as fy
 from faying.exceptions import FormatError, ModelError
 from faying.export import transient_stream
 from faying.export.transient_stream import FIELDS, SLACK
+from faying.simulation.compiled import import_loop
 
 STEP = 1e-5
 
@@ -111,6 +112,7 @@ def test_stopped_at_any_write(rom, load, tmp_path, monkeypatch, begun):
 @pytest.mark.parametrize("more", [-1_000_000, 10_000, 100_000, 150_000])
 def test_full_disk(rom, load, tmp_path, monkeypatch, capfd, more):
     """Met before anything is written: one message, a file that can be read, and resumed."""
+    import_loop()  # what numba compiles is kept in files too
     monkeypatch.setattr(transient_stream, "INSTANTS_PER_CHUNK", 30)
     path, fields = tmp_path / "long.h5", ("states", "pressure")
     usual = resource.getrlimit(resource.RLIMIT_FSIZE)
