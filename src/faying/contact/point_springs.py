@@ -86,7 +86,7 @@ class PointSprings:
         """Return the entries of B (nnz, components² n_point) per entry of K, columns and rows."""
         k, n_pair = self.components, self.G.shape[1]
         n = self.G.shape[0] // k
-        columns, values = (part.reshape(k, n, -1) for part in padded_rows(self.G))
+        columns, values = (part.reshape(k, n, part.shape[1]) for part in padded_rows(self.G))
         keys, sources, shares = [], [], []
         for i, j in np.ndindex(k, k):
             share = values[i][:, :, None] * values[j][:, None, :]

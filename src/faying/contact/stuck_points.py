@@ -24,6 +24,7 @@ from faying.contact.contact import Contact
 from faying.contact.glued_pairs import GluedPairs
 from faying.contact.increment import IncrementSolver
 from faying.contact.laws_at_points import LawsAtPoints
+from faying.contact.point_springs import PointSprings
 from faying.contact.yielding import YieldingContact
 from faying.exceptions import ModelError
 
@@ -231,19 +232,30 @@ class LocalContact:
         return np.asarray((moved + self.contact.offset(self.slip))[: self.components])
 
     @cached_property
+    def shares(self) -> PointSprings:
+        """What coordinates move at the points: the pairs, or the points where these are fewer."""
+        n = self.rows.shape[0]
+        G = self.rows if len(self.pairs) < n else sp.eye_array(n, format="csr")
+        return PointSprings(G=G, components=self.components)
+
+    @cached_property
     def compliance(self) -> Matrix:
-        """G_c T₀ G_cᵀ (components n_local, components n_local) [length/force]."""
+        """T of (F12), between the coordinates (n_coordinate, n_coordinate) [length/force]."""
+        if len(self.pairs) < self.rows.shape[0]:
+            return self._between
         return np.asarray(self.rows @ (self.rows @ self._between).T)
 
     @cached_property
     def give(self) -> Vector:
-        """What a force moves its own point by (components n_local,) [length/force]."""
+        """What a force moves its own coordinate by (n_coordinate,) [length/force]."""
         return self.compliance.diagonal().copy()
 
     @cached_property
     def for_steps(self) -> npt.NDArray[Any]:
-        """G_c T₀ G_cᵀ for Newton's steps: in single precision where springs leave digits of it."""
-        given_way = 1.0 - self.springs.ravel() * self.give
+        """T for Newton's steps: in single precision where springs leave digits of it."""
+        G = self.shares.G
+        moved = np.asarray((G * (G @ self.compliance)).sum(axis=1))
+        given_way = 1.0 - self.springs.ravel() * moved
         single = (given_way > LEAST_GIVEN_WAY).all()
         return self.compliance.astype(np.float32 if single else np.float64)
 

@@ -12,7 +12,7 @@ else. Contact is that of paths: increments (F12) of the points that slip, open o
 being springs (F10), and no force of contact is cut at H.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, final
@@ -28,6 +28,7 @@ from faying.model.bolt import Bolt
 from faying.simulation.local_path import (
     Excess,
     LocalPath,
+    OffSprings,
     changed_by,
     follow_local,
     local_derivatives,
@@ -249,10 +250,17 @@ class PeriodicProblem:
         """What load columns and outputs do at the points with all stuck (components n_local, …)."""
         return np.asarray(self.local.rows @ self.loads.restrained[self.local.pairs])
 
-    def follow(self, unknowns: Vector, circular: float, guess: Matrix | None = None) -> Motion:
+    def follow(
+        self,
+        unknowns: Vector,
+        circular: float,
+        guesses: Sequence[Matrix] = (),
+        kept: Sequence[OffSprings | None] = (),
+    ) -> Motion:
         """Run through the periods under given motion of the modes.
 
-        A guess is μ of the PERIODS N increments (PERIODS N, components n_local) [force].
+        Guesses are μ of the PERIODS N increments (PERIODS N, components n_local) [force]; factors
+        may be kept from a path that is close.
 
         Raises
         ------
@@ -266,7 +274,9 @@ class PeriodicProblem:
             local,
             columns @ self._at_points[:, :n].T,
             columns @ self.loads.restrained[local.pairs, :n].T,
-            guess,
+            period=self.samples,
+            guesses=guesses,
+            kept=kept,
         )
         outputs = self.loads.answers @ columns[-self.samples :].T
         outputs += self._at_points.T @ path.excess(local)[:, -self.samples :]
@@ -332,6 +342,23 @@ class PeriodicProblem:
         if change is None or by is None:
             return motion.path.excess(self.local).T
         return changed_by(motion.path, self.local, by.excess, change)
+
+    def turned(self, motion: Motion, change: Vector) -> tuple[Vector, Matrix]:
+        """Return unknowns that change (size,) as much as the motion turns, and μ so much later.
+
+        Close to a resonance a motion turns far while it changes little.
+        """
+        h, rate = motion.harmonics, self.unpacked(change)
+        size = float(np.vdot(h[1], h[1]).real)
+        angle = float(np.vdot(h[1], rate[1]).imag) / size if size > 0 else 0.0
+        turn = 1j * angle * np.arange(self.n_harmonic + 1)[:, None]
+        harmonics = np.exp(turn) * (h + rate - turn * h)
+        last = motion.path.excess(self.local).T[-self.samples :]
+        later = np.arange(PERIODS * self.samples) + angle * self.samples / (2 * np.pi)
+        first = np.floor(later).astype(np.int64)
+        share = (later - first)[:, None]
+        ahead = last[(first + 1) % self.samples]
+        return self.packed(harmonics), (1 - share) * last[first % self.samples] + share * ahead
 
     def watching(self, points: Indices) -> tuple["PeriodicProblem", Indices]:
         """Return the problem with more points (n,) to watch, and where its rows of μ are then."""

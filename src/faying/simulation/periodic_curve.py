@@ -16,9 +16,10 @@ import scipy.linalg as la
 
 from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import ConvergenceError
+from faying.simulation.local_path import OffSprings
 from faying.simulation.periodic import PERIODS, Derivatives, Motion, PeriodicProblem
 
-ROUND_OFF, SOLVED = 1e-9, 1e-6
+ROUND_OFF, SOLVED = 1e-10, 1e-6
 """Next step of Newton's method over the unknowns at which a motion is solved, and at which it is
 accepted where round-off allows no less."""
 
@@ -40,9 +41,6 @@ LARGEST_BEND = 0.4
 
 SHORTEST = 1e-4
 """Step along the curve, over BEND, below which it is given up."""
-
-MOST_ROUNDS = 12
-"""Times that points are watched besides because they did not stay stuck."""
 
 RISE, LEAST_RISE = 0.25, 0.01
 """Steps of the level towards a first motion, over it: the first one and the least."""
@@ -80,6 +78,12 @@ class CurvePoint:
         """Real unknowns (size,)."""
         return self.problem.packed(self.motion.harmonics)
 
+    def behind(self) -> "CurvePoint":
+        """Return it without what leads on from it."""
+        path = replace(self.motion.path, factors=())
+        motion, derivatives = replace(self.motion, path=path), replace(self.derivatives, excess=())
+        return replace(self, motion=motion, derivatives=derivatives)
+
     def tangent(self) -> Vector:
         """Return d(unknowns)/dω and 1 (size + 1,), as long as their change over their size."""
         slopes = self.derivatives.residual
@@ -92,86 +96,86 @@ def solve_motion(
     unknowns: Vector,
     circular: float,
     across: Vector | None = None,
-    begun: Matrix | None = None,
+    guesses: Sequence[Matrix] = (),
+    kept: Sequence[OffSprings | None] = (),
 ) -> CurvePoint:
     """Solve for the motion at a frequency, or on the plane through a guess across a tangent.
 
     The normal of the plane (size + 1,) is in unknowns and circular frequency; by default the
-    frequency stays. ``begun`` is what the forces beside those of springs may be along the path
-    (PERIODS N, components n_local).
+    frequency stays. Guesses are what the forces beside those of springs may be along the path
+    (PERIODS N, components n_local), and factors may be kept from a path that is close.
     """
-    if begun is None:
-        begun = np.zeros((PERIODS * problem.samples, problem.local.springs.size))
-    point: CurvePoint | None = None
-    for _ in range(MOST_ROUNDS):
-        leaving = _leaving(problem, unknowns, circular, begun)
-        derivatives = None if point is None else point.derivatives
-        if len(leaving):
-            problem, rows = problem.watching(leaving)
-            spread = np.zeros((len(begun), problem.local.springs.size))
-            spread[:, rows] = begun
-            begun, derivatives = spread, derivatives and derivatives.at(rows)
-        elif point is not None:
-            return point
-        motion = problem.follow(unknowns, circular, begun)
-        point = _newton(problem, motion, across, derivatives)
-        unknowns, circular = point.unknowns, point.motion.circular
-        begun = problem.begun(point.motion)
-    message = f"more points slip, open or close after {MOST_ROUNDS} rounds"
-    raise ConvergenceError(message)
-
-
-def _leaving(problem: PeriodicProblem, unknowns: Vector, circular: float, begun: Matrix) -> Indices:
-    """Return points that leave their springs in a motion that needs not be periodic yet."""
-    displaced = problem.displaced(unknowns, circular, begun)
-    return problem.stuck.leaving(displaced, problem.local.points)
-
-
-def _newton(
-    problem: PeriodicProblem,
-    motion: Motion,
-    across: Vector | None,
-    derivatives: Derivatives | None,
-) -> CurvePoint:
-    """Solve from a motion, with derivatives of one close to it to begin with."""
-    x = np.append(problem.packed(motion.harmonics), motion.circular)
+    x = np.append(unknowns, circular)
     border = np.append(np.zeros(problem.size), 1.0) if across is None else across
-    derivatives = derivatives or problem.derivatives(motion)
+    problem, _, motion = _followed(problem, x, guesses, kept)
+    derivatives = problem.derivatives(motion)
     factors = _factors(derivatives, border)
 
-    def step(reached: Motion, factors: tuple[Matrix, Indices]) -> Vector:
-        return np.asarray(la.lu_solve(factors, -np.append(problem.residual(reached), 0.0)))
+    def step(reached: Motion) -> Vector:
+        right = -np.append(problem.residual(reached), 0.0)
+        return np.asarray(la.lu_solve(factors, right, check_finite=False))
 
     for _ in range(MOST_STEPS):
-        change = step(motion, factors)
+        change = step(motion)
         far, size = float(np.linalg.norm(change[:-1])), float(np.linalg.norm(x[:-1]))
         error = far / max(size, np.finfo(float).tiny)
         if not np.isfinite(error):
             break
         point = CurvePoint(problem=problem, motion=motion, derivatives=derivatives, error=error)
-        if error <= ROUND_OFF:
-            return point
-        part, left = min(1.0, LARGEST_STEP / error), np.inf
-        while part >= LEAST_PART:
+        part, left, ends = LARGEST_STEP / max(error, LARGEST_STEP), np.inf, error <= ROUND_OFF
+        while not ends and part >= LEAST_PART:
             trial = x + part * change
             if trial[-1] > 0:
                 guess = problem.begun(motion, part * change, derivatives)
-                moved = problem.follow(trial[:-1], float(trial[-1]), guess)
-                left = float(np.linalg.norm(step(moved, factors)[:-1]))
-                if left <= (1 - part / 4) * far:
+                watching, rows, moved = _followed(problem, trial, [guess], motion.path.factors)
+                left = float(np.linalg.norm(step(moved)[:-1]))
+                # Of more points the step said nothing yet.
+                if left <= (1 - part / 4) * far or len(rows) < watching.local.springs.size:
                     break
-            if error <= SOLVED:
+            # Where round-off allows no less, the motion is solved.
+            ends, part = error <= SOLVED, part / 2
+        if ends:
+            trial, guess = x, problem.begun(motion)
+            if not len(_leaving(problem, x, guess)):
                 return point
-            part /= 2
-        if part < LEAST_PART:
+            watching, rows, moved = _followed(problem, x, [guess])
+        elif part < LEAST_PART:
             break
-        x, motion = trial, moved
+        x, motion, problem, derivatives = trial, moved, watching, derivatives.at(rows)
         # Where round-off allows no less, other derivatives change nothing.
-        if left > FAST_CONVERGENCE * far and left > SOLVED * size:
+        if not ends and left > FAST_CONVERGENCE * far and left > SOLVED * size:
             derivatives = problem.derivatives(motion)
             factors = _factors(derivatives, border)
     message = f"no periodic motion was found at {motion.circular / (2 * np.pi):.6g}"
     raise ConvergenceError(message)
+
+
+def _followed(
+    problem: PeriodicProblem,
+    x: Vector,
+    guesses: Sequence[Matrix] = (),
+    kept: Sequence[OffSprings | None] = (),
+) -> tuple[PeriodicProblem, Indices, Motion]:
+    """Run through the periods, with the points watched that leave their springs by a guess.
+
+    Where the rows of μ are then is returned besides.
+    """
+    n = problem.local.springs.size
+    guess = guesses[0] if guesses else np.zeros((PERIODS * problem.samples, n))
+    leaving, rows = _leaving(problem, x, guess), np.arange(n)
+    if len(leaving):
+        problem, rows = problem.watching(leaving)
+        spread = np.zeros((len(guesses), len(guess), problem.local.springs.size))
+        for new, old in zip(spread, guesses, strict=True):
+            new[:, rows] = old
+        guesses, kept = list(spread), ()
+    return problem, rows, problem.follow(x[:-1], float(x[-1]), guesses, kept)
+
+
+def _leaving(problem: PeriodicProblem, x: Vector, guess: Matrix) -> Indices:
+    """Return points that leave their springs in a motion that needs not be periodic yet."""
+    displaced = problem.displaced(x[:-1], float(x[-1]), guess)
+    return problem.stuck.leaving(displaced, problem.local.points)
 
 
 def _factors(derivatives: Derivatives, border: Vector) -> tuple[Matrix, Indices]:
@@ -202,7 +206,8 @@ def trace(
                 passed = [first or _started(problem, starts, target)]
             else:
                 passed = _onward(point, target)
-            points += passed
+            # The last one alone leads on.
+            points = [*map(CurvePoint.behind, [*points, *passed[:-1]]), passed[-1]]
             point = passed[-1]
         except ConvergenceError as error:
             missed.append(f"{frequencies[number]:.6g}: {error}")
@@ -266,6 +271,7 @@ def _onward(point: CurvePoint, target: float) -> list[CurvePoint]:
         if lands:
             length = abs((target - x[-1]) / direction[-1])
         guess = x + length * direction
+        guess[:-1], later = point.problem.turned(point.motion, length * direction[:-1])
         across = None if lands else scale**2 * direction
         try:
             if not begin - far < guess[-1] < begin + far:
@@ -276,7 +282,8 @@ def _onward(point: CurvePoint, target: float) -> list[CurvePoint]:
                 guess[:-1],
                 target if lands else float(guess[-1]),
                 None if across is None else across / np.abs(across).max(),
-                point.problem.begun(point.motion, length * direction, point.derivatives),
+                [later, point.problem.begun(point.motion, length * direction, point.derivatives)],
+                point.motion.path.factors,
             )
             off = np.linalg.norm(solved.unknowns - guess[:-1]) / size
             if off > LARGEST_BEND:
@@ -308,4 +315,4 @@ def _between(start: CurvePoint, finish: CurvePoint, target: float) -> CurvePoint
     guess = (1 - share) * start.unknowns + share * finish.unknowns
     change = np.append(guess - finish.unknowns, target - end)
     begun = finish.problem.begun(finish.motion, change, finish.derivatives)
-    return solve_motion(finish.problem, guess, target, None, begun)
+    return solve_motion(finish.problem, guess, target, None, [begun], finish.motion.path.factors)
