@@ -70,9 +70,10 @@ class NormalModeChoice(Frozen):
         Highest frequency of each number.
     estimates : (n,) [1]
         Largest pressure error of each over the peak, estimated; infinite where that failed.
-    tractions : (n,) [1]
+    tractions : (n_traction,) [1]
         Largest traction error of each over the largest traction, estimated likewise; zero where
-        there is none, NaN where that failed. The choice does not look at it.
+        there is none, NaN where that failed. The choice does not look at it. Files of before have
+        none where nothing rubs.
     """
 
     count: int

@@ -247,7 +247,7 @@ def test_where_modes_cannot_be_counted_the_fewest_are_tried_first(shaken, monkey
 @pytest.mark.parametrize(
     ("tractions", "met", "said"),
     [
-        (None, True, "within the tolerance of 3%."),
+        ([], True, "within the tolerance of 3%."),
         ([0.5, 0.02], True, "off by 2.00% of the largest one."),
         ([0.5, 0.0888], True, "them nearer the truth."),
         ([0.5, 0.45], False, "off by 45.00% of the largest one."),
@@ -264,7 +264,7 @@ def test_tractions_are_told_where_the_choice_is(tractions, met, said):
         counts=np.array([10, 20]),
         highest=np.array([1e3, 2e3]),
         estimates=np.array([0.1, 0.02 if met else 0.2]),
-        tractions=None if tractions is None else np.array(tractions),
+        tractions=np.array(tractions),
     )
     (sentence,) = mode_sentences({"push": choice}, units_of("mm-t-s"))
     assert sentence.endswith(said)

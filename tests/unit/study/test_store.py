@@ -46,7 +46,6 @@ def assert_same(found, expected):
         assert found == expected
 
 
-@pytest.mark.long
 def test_reading_returns_what_was_written(tmp_path):
     write_results(RESULTS, tmp_path / "results.h5")
     assert_same(read_results(tmp_path / "results.h5"), RESULTS)
