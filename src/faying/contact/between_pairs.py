@@ -110,6 +110,11 @@ class ByCompliance:
         """Return S P."""
         return self.compliance @ forces
 
+    @property
+    def compliance_for_steps(self) -> Matrix:
+        """S."""
+        return self.compliance
+
     @cached_property
     def stiffness(self) -> Matrix:
         """Σ."""
@@ -162,6 +167,11 @@ class ByStiffness:
     def compliance(self) -> Matrix:
         """S."""
         return self.form_compliance()
+
+    @property
+    def compliance_for_steps(self) -> Matrix:
+        """S with the digits that weak springs leave of Σ, in a third of the time."""
+        return inverse(self.stiffness)
 
     def __matmul__(self, forces: Matrix) -> Matrix:
         """Return S P."""

@@ -54,8 +54,8 @@ class Condensed(Protocol):
         ...
 
     @property
-    def compliance(self) -> Matrix:
-        """S (n_relative, n_relative) [length/force]."""
+    def compliance_for_steps(self) -> Matrix:
+        """S (n_relative, n_relative) [length/force] for Newton steps, which correct it."""
         ...
 
 
@@ -306,7 +306,10 @@ class _Changed:
 def _open_pairs(points: PointSprings, springs: Matrix, between: Condensed) -> HeldPairs | None:
     if factorized_whole(points.G):
         return None
-    return anchored_pairs(points, springs, between.compliance)
+    try:
+        return anchored_pairs(points, springs, between.compliance_for_steps)
+    except LinAlgError:  # nothing but the points holds a part
+        return None
 
 
 def factorized_whole(G: SparseMatrix | Matrix) -> bool:

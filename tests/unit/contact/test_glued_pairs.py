@@ -127,3 +127,14 @@ def test_contact_zones_shrink_along_normals_between_steps(monkeypatch):
         forces.append(pressed.forces)
     assert iterations[0] < iterations[1]
     np.testing.assert_allclose(forces[0], forces[1], rtol=0, atol=1e-11 * forces[1].max())
+
+
+def test_open_pairs_are_made_from_the_stiffness_that_is_known(monkeypatch):
+    """Not from S with all of its digits, which takes another Schur complement."""
+    monkeypatch.setattr("faying.contact.glued_pairs.DIRECT", 0)
+    contact = fy.lap_joint(element_size=5.0).with_friction(0.2).static_contact
+    pairs, structure = contact.increments.pairs, contact.between.stiffness
+    opened = pairs.opened
+    assert "compliance" not in vars(contact.between)
+    held = structure @ opened.compliance + opened.glue @ opened.compliance
+    np.testing.assert_allclose(held, np.eye(len(held)), rtol=0, atol=1e-4)
