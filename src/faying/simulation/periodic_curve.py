@@ -296,9 +296,9 @@ def _onward(point: CurvePoint, target: float) -> list[CurvePoint]:
             continue
         if (target - x[-1]) * (target - solved.motion.circular) < 0:
             return [*points, _between(point, solved, target)]
-        points.append(solved)
         if lands:
-            return points
+            return [*points, solved]
+        points.append(solved.behind())
         reach = min(1.0, 2 * reach if off < LARGEST_BEND / 4 else reach)
         onward = solved.tangent()
         # The curve goes on the way it came: past a turning point the frequency turns back.
