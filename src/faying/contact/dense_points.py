@@ -1,5 +1,6 @@
 """The flexibility between contact points as one dense matrix: exact for every law and penalty."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import final
@@ -50,6 +51,16 @@ class DensePoints:
         """Return H λ."""
         result: Vector = self.H @ forces
         return result
+
+    def yielding(self, added: Vector) -> Callable[[Vector], Vector]:
+        """Return what returns the forces under which gaps (n_point,) are (H + diag(added)) λ."""
+        matrix = self.H.copy()
+        matrix.flat[:: len(matrix) + 1] += added
+        factor, failed = lapack.dpotrf(matrix.T, lower=1, overwrite_a=1, clean=0)
+        if failed:
+            message = "the flexibility is not positive semidefinite"
+            raise la.LinAlgError(message)
+        return lambda gaps: np.asarray(lapack.dpotrs(factor, gaps, lower=1)[0])
 
     def shifted(self, delta: float) -> "DensePoints":
         """Return the space of H + δ I."""

@@ -1,5 +1,6 @@
 """The flexibility between points of hard contact too many for a matrix, by sparse factors."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import final
@@ -62,6 +63,11 @@ class SaddlePoints:
     def product(self, forces: Vector) -> Vector:
         """Return H λ."""
         return np.asarray(self.N @ (self.S @ (self.N.T @ forces)) + self.D * forces)
+
+    def yielding(self, added: Vector) -> Callable[[Vector], Vector]:
+        """Return what returns the forces under which gaps (n_point,) are (H + diag(added)) λ."""
+        softer, everywhere = replace(self, D=self.D + added), np.ones(len(added), dtype=bool)
+        return lambda gaps: softer.equilibrate(-gaps, everywhere)[0]
 
     def shifted(self, delta: float) -> "SaddlePoints":
         """Return the space of H + δ I."""
