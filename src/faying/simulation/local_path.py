@@ -245,7 +245,7 @@ class OffSprings:
         block = local.shares.between_pairs(change)[acting][:, feeling].astype(T.dtype)
         lu = None
         if len(acting):
-            core = block @ T[np.ix_(feeling, acting)]
+            core = block @ T[feeling].take(acting, axis=1)
             core.flat[:: len(core) + 1] += 1.0
             lu = LU.of(core)
         return cls(acting=acting, feeling=feeling, block=block, lu=lu)
