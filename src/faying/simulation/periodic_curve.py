@@ -39,6 +39,11 @@ LARGEST_STEP = 0.5
 LARGEST_BEND = 0.4
 """What a point may differ from the one before, over it."""
 
+LAST_STEP = 1.5
+"""What the step to the next frequency may be over the longest, so that as many steps lead there as
+rounding gives: a flange, 1.8 of them away, came there by two motions, the last of three being a
+hundredth of a step."""
+
 SHORTEST = 1e-4
 """Step along the curve, over BEND, below which it is given up."""
 
@@ -267,7 +272,7 @@ def _onward(point: CurvePoint, target: float) -> list[CurvePoint]:
         bent = float(np.linalg.norm(direction[:-1])) / size
         length = min(reach * LARGEST_BEND / max(bent, np.finfo(float).tiny), 2 * span)
         ahead = (target - x[-1]) * direction[-1] > 0
-        lands = ahead and length * abs(direction[-1]) >= abs(target - x[-1])
+        lands = ahead and LAST_STEP * length * abs(direction[-1]) >= abs(target - x[-1])
         if lands:
             length = abs((target - x[-1]) / direction[-1])
         guess = x + length * direction
