@@ -214,9 +214,9 @@ class Contact:
         for name, law in self.laws.items():
             if law.components > 1:
                 message = (
-                    f"interface '{name}' has friction, which is not carried here: tighten bolts "
-                    "before with_friction, solve by solve_static, solve_path or solve_transient, "
-                    "and take certificates of the model without friction"
+                    f"interface '{name}' has friction, which is not carried here: tighten bolts by "
+                    "tighten, or by preload before with_friction; solve by solve_static, "
+                    "solve_path or solve_transient; take certificates of the model without it"
                 )
                 raise ModelError(message)
 
