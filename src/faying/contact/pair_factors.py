@@ -30,8 +30,13 @@ class Room(threading.local):
     """
 
     def __init__(self, largest: int) -> None:
+        self._largest = largest
         self._between = np.empty(8 * largest**2, dtype=np.uint8)
         self._factors = np.empty(4 * largest**2, dtype=np.uint8)
+
+    def __reduce__(self) -> tuple[type[Self], tuple[int]]:
+        """Let other processes take memory of their own."""
+        return type(self), (self._largest,)
 
     def between(self, n_rows: int, n_columns: int, like: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Return an array that is lost once it is asked for again."""

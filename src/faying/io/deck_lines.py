@@ -262,9 +262,8 @@ def read_lines(path: Path, dialect: Dialect) -> Lines:
 
     def expand(path: Path, parents: tuple[Path, ...], included_from: str) -> None:
         nonlocal size
-        data = _file_text(path, dialect, parents, included_from)
+        data = _file_text(path, dialect, parents, included_from, size)
         size += len(data)
-        check_room(size, path)
         names.append(path.name if names else str(path))
         if len(names) > MOST_FILES:
             refuse(f"{included_from}: {dialect.include}: more than {MOST_FILES} files; merge them")
@@ -310,13 +309,17 @@ def _included(folder: Path, home: Path, name: str, dialect: Dialect) -> Path:
         return places[0]
 
 
-def _file_text(path: Path, dialect: Dialect, parents: Sequence[Path], included_from: str) -> bytes:
+def _file_text(
+    path: Path, dialect: Dialect, parents: Sequence[Path], included_from: str, read: int
+) -> bytes:
     """Return the text of a file, included from a place unless that is empty.
 
-    ``parents`` are the files, resolved, that include one another up to it.
+    ``parents`` are the files, resolved, that include one another up to it. So many bytes were read
+    before.
     """
     try:
         data = deck_text(file_bytes(path), path)
+        check_room(read + len(data), path)
     except ValueError as error:  # a path with a NUL character
         message = f"{included_from}: {dialect.include} names an impossible path; correct it"
         raise FormatError(message) from error

@@ -123,6 +123,8 @@ def solved_checks(
             reserves = followed.reserves(solver.rest, slides, opens)
             openings = followed_openings(reserves) or followed.openings(opens)
     summed = _loads(loads, rows)
+    # Openings of what remembers come of the paths that were followed.
+    anew = [*rows, *map(loads.names.index, openings)] if rom.contact.forgets else []
     judge = JointJudge(
         system=rom,
         exact=rom,
@@ -131,7 +133,7 @@ def solved_checks(
         requirements=options.requirements,
         strengths=options.strengths,
         attempt=solver.books.attempt,
-        loads=_loads(loads, [*rows, *map(loads.names.index, openings)]),
+        loads=_loads(loads, anew),
         summed=summed,
         reserves=reserves,
         openings=openings,
@@ -150,8 +152,10 @@ def solved_checks(
         more = [row for row in sorted(worst) if loads.names[row] not in solved]
         if not more or not (paths or ends[0].solved):
             break
-        paths = solver.followed(more)
-        judge = replace(judge, loads=[*judge.loads, *_loads(loads, more)])
+        if rom.contact.forgets:
+            judge = replace(judge, loads=[*judge.loads, *_loads(loads, more)])
+        else:
+            paths = solver.followed(more)
     assessment = judge.at_ends(assessment, ends)
     assessment = judge.strengthened(assessment, histories, apart, loads.repetitions)
     checks = tuple(_labelled(check, sets) for check in assessment.checks)
