@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import Protocol, TypeAlias, final
 
 import numpy as np
-from scipy.linalg import LinAlgError, block_diag, lapack
+from scipy.linalg import LinAlgError, lapack
 
 from faying._typing import Matrix, SparseMatrix, Vector, frozen
 from faying.contact.glued_pairs import GluedPairs
@@ -304,12 +304,3 @@ def between(compliance: Compliance) -> ByCompliance | BySubstitution:
     if isinstance(compliance, SparseCompliance):
         return BySubstitution(compliance)
     return ByCompliance(compliance)
-
-
-def yielding_besides(structure: BetweenPairs, shapes: Matrix, core: Matrix) -> BetweenPairs:
-    """Return the structure of S + X C Xᵀ, of shapes X (n_relative, k) and C (k, k)."""
-    if isinstance(structure, BySubstitution):
-        return BySubstitution(structure.total.plus(shapes, core))
-    if isinstance(structure, ByShapes):
-        return ByShapes(np.hstack([structure.shapes, shapes]), block_diag(structure.core, core))
-    return between(plus(structure.compliance, shapes, core))

@@ -10,13 +10,7 @@ import scipy.linalg as la
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.active_set import ActiveSetSpace
-from faying.contact.between_pairs import (
-    BetweenPairs,
-    ByCompliance,
-    ByShapes,
-    BySubstitution,
-    yielding_besides,
-)
+from faying.contact.between_pairs import BetweenPairs, ByCompliance, ByShapes, BySubstitution
 from faying.contact.contact import Contact
 from faying.contact.dense_points import DensePoints
 from faying.contact.frictional import FrictionalContact
@@ -80,18 +74,9 @@ class CondensedContact:
     @cached_property
     def between(self) -> BetweenPairs:
         """The structure between pairs, residual compliance included."""
-        residual, structure = self.contact.residual_compliance, self._structure
+        residual, known = self.contact.residual_compliance, self.compliance
+        structure = ByCompliance(known) if isinstance(known, np.ndarray) else known
         return structure if residual is None else structure.softened(residual)
-
-    @property
-    def _structure(self) -> BetweenPairs:
-        known = self.compliance
-        return ByCompliance(known) if isinstance(known, np.ndarray) else known
-
-    def yielding_besides(self, shapes: Matrix, core: Matrix) -> "CondensedContact":
-        """Return the contact of a compliance S + X C Xᵀ; see :func:`.yielding_besides`."""
-        compliance = yielding_besides(self._structure, shapes, core)
-        return CondensedContact(contact=self.contact, compliance=compliance)
 
     @property
     def total(self) -> Matrix:

@@ -18,9 +18,8 @@ import numpy as np
 from scipy.linalg import LinAlgError
 
 from faying._typing import Indices, Matrix, Vector
-from faying.contact.condensed import CondensedContact
 from faying.contact.glued_pairs import GluedPairs
-from faying.contact.increment import Increment, IncrementSolver
+from faying.contact.increment import Increment
 from faying.contact.newton_descent import solve_yielding
 from faying.contact.sparse_pairs import SparsePairs
 from faying.contact.yielding import YieldingContact
@@ -28,14 +27,7 @@ from faying.exceptions import ConvergenceError
 from faying.joint.system import Joint
 
 MOST_TRIALS = 30
-"""Contact problems until bolts have their forces; 4 are usual."""
-
-LEFT = 1e-3
-"""Compliance that bolts keep, over that of their springs: each problem leaves about so much.
-
-Problems of the five stages of four bolts on a saddle: 31 with 1e-2, 20 with 1e-3, 15 with 1e-4,
-which leaves 1e-9 of the forces of rigid bodies that bolts alone hold.
-"""
+"""Initial forces tried until bolts have their forces; 3 to 5 are usual."""
 
 FORCE_TOLERANCE = 1e-10
 """Deviation of a bolt force from its target over the largest target, at which trials end.
@@ -45,6 +37,9 @@ Round-off leaves 1e-12 where contact alone holds a part and springs of 1 N/mm it
 
 LAST_DIGITS = 1e-15
 """What round-off leaves of a bolt force, over the initial force: some units in the last place."""
+
+LEAST_SHARE = 1e-3
+"""Bolt force per initial force at least, of a bolt that must close a gap first."""
 
 
 @final
@@ -79,8 +74,8 @@ class BoltsByForce:
 
         Notes
         -----
-        One contact problem. Where contact is hard, or the compliance between pairs singular, some,
-        of which each begins with the one before.
+        One contact problem. Where contact is hard, or the compliance between pairs singular, one
+        for each of some trials.
         """
         others = locked.copy()
         others[self.bolts] = 0.0
@@ -88,9 +83,7 @@ class BoltsByForce:
             increment = self._at_once(forces, others, slip, start)
         except (LinAlgError, ConvergenceError):
             increment = None
-        if increment is None:
-            return self._by_proximal_forces(forces, locked, slip, start)
-        return increment
+        return self._by_trial(forces, locked, slip, start) if increment is None else increment
 
     def _at_once(
         self, forces: Vector, others: Vector, slip: Matrix | float, start: Increment | None
@@ -112,31 +105,32 @@ class BoltsByForce:
         )
         return increment, initial
 
-    def _by_proximal_forces(
+    def _by_trial(
         self, forces: Vector, locked: Vector, slip: Matrix | float, start: Increment | None
     ) -> tuple[Increment, Vector]:
-        """Solve (T1) by compliances, with (1/k − ι + ε) N₀ for (1/k − ι) N₀ + ε N₀ of before.
+        """Find the initial forces by a quasi-Newton method, a contact problem for each trial.
 
-        R. T. Rockafellar, SIAM J. Control Optim. 14 (1976) 877, doi:10.1137/0314056. Where nothing
-        but the bolts holds a part, 1/k − ι is singular.
+        C. G. Broyden, Math. Comp. 19 (1965) 577, doi:10.1090/S0025-5718-1965-0198670-6.
         """
-        ports, (solver, relieved) = self.joint.port_compliance, self._relieved
-        columns, rows = ports.contact_columns[ports.bolts], ports.input_rows[ports.bolts]
-        others, initial = locked.copy(), locked.copy()
-        others[self.bolts] = 0.0
-        elongations = forces / self._stiffness + (rows[:, ports.bolts] @ others)[self.bolts]
-        tolerance, offset = FORCE_TOLERANCE * np.abs(forces).max(), self.joint.contact.offset(slip)
-        for _ in range(MOST_TRIALS):
-            before = LEFT / self._stiffness * initial[self.bolts]
-            pull = others.copy()
-            pull[self.bolts] = relieved @ (elongations + before)
-            start = solver.solve(-pull @ columns, offset, start)
-            pressed = self.joint.contact.at_pairs(start.forces[0], start.forces[1:])
-            initial = pull.copy()
-            initial[self.bolts] -= relieved @ (columns[self.bolts] @ pressed)
-            miss = forces - forces_of_bolts(self.joint, initial, start)[self.bolts]
-            if np.abs(miss).max() <= max(tolerance, LAST_DIGITS * np.abs([initial, locked]).max()):
-                return start, initial
+        initial, slope = locked.copy(), np.eye(len(self.bolts))
+        initial[self.bolts] = np.maximum(initial[self.bolts], forces)
+        tolerance = FORCE_TOLERANCE * np.abs(forces).max()
+        increment = self.at(initial, slip, start)
+        reached = forces_of_bolts(self.joint, initial, increment)[self.bolts]
+        for trial in range(MOST_TRIALS):
+            miss = forces - reached
+            if np.abs(miss).max() <= max(tolerance, LAST_DIGITS * np.abs(initial).max()):
+                return increment, initial
+            if trial == 0:
+                # Without gaps forces are in proportion to initial ones.
+                slope = np.diag(np.maximum(reached / initial[self.bolts], LEAST_SHARE))
+            change = np.linalg.solve(slope, miss)
+            initial = initial.copy()
+            initial[self.bolts] += change
+            increment, previous = self.at(initial, slip, start), reached
+            reached = forces_of_bolts(self.joint, initial, increment)[self.bolts]
+            unexpected = reached - previous - slope @ change
+            slope = slope + np.outer(unexpected, change) / (change @ change)
         worst = int(np.abs(miss).argmax())
         message = (
             f"bolt '{list(self.joint.bolts)[self.bolts[worst]]}' cannot be tightened to "
@@ -155,17 +149,6 @@ class BoltsByForce:
         """K (n_known,)."""
         every = list(self.joint.bolts.values())
         return np.array([every[bolt].stiffness for bolt in self.bolts])
-
-    @cached_property
-    def _relieved(self) -> tuple[IncrementSolver, Matrix]:
-        """The contact of bolts that keep ε of their compliance, and (1/k − ι + ε)⁻¹."""
-        ports, bolts = self.joint.port_compliance, self.bolts
-        rows = ports.input_rows[ports.bolts, ports.bolts]
-        core = np.diag((1.0 + LEFT) / self._stiffness) - rows[np.ix_(bolts, bolts)]
-        relieved = np.asarray(np.linalg.inv(core), dtype=float)
-        contact = cast("CondensedContact", self.joint.static_contact)
-        columns = ports.contact_columns[ports.bolts][bolts]
-        return contact.yielding_besides(columns.T, relieved).increments, relieved
 
     @cached_property
     def _loosened(self) -> tuple[GluedPairs | SparsePairs, Matrix, Matrix]:
