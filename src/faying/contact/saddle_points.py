@@ -8,7 +8,7 @@ from typing import final
 import numpy as np
 from scipy.linalg import LinAlgError
 
-from faying._typing import Mask, SparseMatrix, Vector
+from faying._typing import Indices, Mask, SparseMatrix, Vector
 from faying.contact.active_set import ROUND_OFF
 from faying.linalg.singular import NotDefiniteError
 from faying.linalg.sparse_compliance import SparseCompliance
@@ -42,21 +42,8 @@ class SaddlePoints:
         points, forces = np.flatnonzero(active), np.zeros_like(g_free)
         if not len(points):
             return forces, g_free.copy()
-        rows, core = self.N[points].tocsr(), self.S.core
-        seen = rows @ self.S.shapes
-        try:
-            answers, moved = self.S.stiffness.pressed(
-                rows, self.D[points], np.column_stack([g_free[points], -seen])
-            )
-        except NotDefiniteError as error:
-            raise LinAlgError(str(error)) from None
-        # By Woodbury: forces that X C Xᵀ takes up.
-        system = np.eye(len(core)) + core @ (seen.T @ answers[:, 1:])
-        shares = np.linalg.solve(system, core @ (seen.T @ answers[:, 0]))
-        weights = np.concatenate([[1.0], -shares])
-        forces[points] = answers @ weights
-        shared = core @ (seen.T @ forces[points])
-        slack = self.N @ (moved @ weights + self.S.shapes @ shared) + g_free
+        forces[points], moved = self._closing(points, self.D)(g_free[points])
+        slack = self.N @ moved + g_free
         slack[active] = 0.0
         return forces, slack
 
@@ -66,8 +53,31 @@ class SaddlePoints:
 
     def yielding(self, added: Vector) -> Callable[[Vector], Vector]:
         """Return what returns the forces under which gaps (n_point,) are (H + diag(added)) λ."""
-        softer, everywhere = replace(self, D=self.D + added), np.ones(len(added), dtype=bool)
-        return lambda gaps: softer.equilibrate(-gaps, everywhere)[0]
+        closing = self._closing(np.arange(len(added)), self.D + added)
+        return lambda gaps: closing(-gaps)[0]
+
+    def _closing(self, points: Indices, D: Vector) -> Callable[[Vector], tuple[Vector, Vector]]:
+        """Return what returns the forces that close gaps of points, and what they move.
+
+        One factorization serves all gaps.
+        """
+        rows, shapes, core = self.N[points].tocsr(), self.S.shapes, self.S.core
+        seen = rows @ shapes
+        try:
+            pressing = self.S.stiffness.pressing(rows, D[points])
+        except NotDefiniteError as error:
+            raise LinAlgError(str(error)) from None
+
+        def closing(gaps: Vector) -> tuple[Vector, Vector]:
+            answers, moved = pressing(np.column_stack([gaps, -seen]))
+            # By Woodbury: forces that X C Xᵀ takes up.
+            system = np.eye(len(core)) + core @ (seen.T @ answers[:, 1:])
+            shares = np.linalg.solve(system, core @ (seen.T @ answers[:, 0]))
+            weights = np.concatenate([[1.0], -shares])
+            forces = answers @ weights
+            return forces, moved @ weights + shapes @ (core @ (seen.T @ forces))
+
+        return closing
 
     def shifted(self, delta: float) -> "SaddlePoints":
         """Return the space of H + δ I."""

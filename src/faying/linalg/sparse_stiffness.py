@@ -79,8 +79,8 @@ class SparseStiffness:
         both = self.matrix + self._transposed @ springs @ self.ports
         return factorize_definite(both.tocsr())
 
-    def pressed(self, rows: SparseMatrix, D: Vector, gaps: Matrix) -> tuple[Matrix, Matrix]:
-        """Return forces λ (n_row, k) that close gaps (n_row, k), and what they move (n_port, k).
+    def pressing(self, rows: SparseMatrix, D: Vector) -> Callable[[Matrix], tuple[Matrix, Matrix]]:
+        """Return what returns forces λ that close gaps (n_row, k), and what they move (n_port, k).
 
         Rows N (n_row, n_port) take displacements of ports to gaps, which yield D λ besides:
 
@@ -100,10 +100,15 @@ class SparseStiffness:
         size = np.sqrt(stiff.mean() / np.maximum(D + G.multiply(G) @ (1.0 / stiff), TINY))
         G = sp.diags_array(size) @ G
         saddle = sp.block_array([[self.matrix, G.T], [G, sp.diags_array(-D * size**2)]])
-        right = np.zeros((saddle.shape[0], gaps.shape[1]))
-        right[n:] = -size[:, None] * gaps
-        solved = factorize_saddle(saddle.tocsr()).solve(right)
-        return -size[:, None] * solved[n:], np.asarray(self.ports @ solved[:n])
+        factors = factorize_saddle(saddle.tocsr())
+
+        def closing(gaps: Matrix) -> tuple[Matrix, Matrix]:
+            right = np.zeros((saddle.shape[0], gaps.shape[1]))
+            right[n:] = -size[:, None] * gaps
+            solved = factors.solve(right)
+            return -size[:, None] * solved[n:], np.asarray(self.ports @ solved[:n])
+
+        return closing
 
     def moved_by(self, held: MatrixFactorization, forces: Matrix) -> Matrix:
         """Return (Σ + B)⁻¹ b of forces (n_port,) or (n_port, k), of factors on springs B."""
