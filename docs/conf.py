@@ -51,7 +51,8 @@ sphinx_gallery_conf = {
 }
 
 PACKAGES = {
-    "sources": "Where models come from",
+    "readers": "Models of other programs",
+    "sources": "Where models of studies come from",
     "model": "What a model is made of",
     "joint": "Models with their contact",
     "contact": "The contact problem",

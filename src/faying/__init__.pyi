@@ -52,6 +52,10 @@ from faying.model.specs import BoundarySpec as BoundarySpec
 from faying.model.specs import InterfaceSpec as InterfaceSpec
 from faying.model.specs import Rayleigh as Rayleigh
 from faying.model.temperature import Temperature as Temperature
+from faying.readers import from_matrices as from_matrices
+from faying.readers import read_abaqus as read_abaqus
+from faying.readers import read_mesh as read_mesh
+from faying.readers import read_nastran as read_nastran
 from faying.reduction.attachment import attachment_modes as attachment_modes
 from faying.reduction.basis import Basis as Basis
 from faying.reduction.craig_bampton import craig_bampton as craig_bampton
@@ -87,10 +91,6 @@ from faying.simulation.tightening_plan import TighteningPlan as TighteningPlan
 from faying.simulation.tightening_plan import tightening_plan as tightening_plan
 from faying.simulation.transient import solve_transient as solve_transient
 from faying.simulation.transient import solve_transient_cases as solve_transient_cases
-from faying.sources import from_matrices as from_matrices
 from faying.sources import lap_joint as lap_joint
-from faying.sources import read_abaqus as read_abaqus
-from faying.sources import read_mesh as read_mesh
-from faying.sources import read_nastran as read_nastran
 
 __version__: str

@@ -24,6 +24,7 @@ ORDER = (
     "interface",
     "joint",
     "io",
+    "readers",
     "sources",
     "simulation",
     "reduction",

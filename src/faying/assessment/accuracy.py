@@ -38,6 +38,15 @@ class Accuracy(Shown):
     max_traction_error : [1]
         Largest difference of tractions over all points and instants, over the largest of the
         reference; None where nothing rubs.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=5))
+    >>> error = fy.compare(fy.solve_static(rom), fy.solve_static(joint))
+    >>> error.rms_relative_error < error.max_relative_error
+    True
     """
 
     max_relative_error: float
@@ -75,6 +84,13 @@ def relative_error(pressure: Matrix, reference: Matrix) -> Matrix:
     ------
     ModelError
         If the shapes differ, or the reference has no pressure at all where the other one has some.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> import numpy as np
+    >>> fy.relative_error(np.array([9.0, 4.0]), np.array([10.0, 2.0]))
+    array([-0.1,  0.2])
     """
     if np.shape(pressure) != np.shape(reference):
         message = (

@@ -330,6 +330,16 @@ def certify(model: Joint, load: Load, pressure: Matrix) -> Certificate:
     Rigorous up to round-off (about 1e-12 of ‖λ̂‖_H). The model's compliance must be known, with
     which the exact solution costs milliseconds: certificates are for searches over many loads and
     bases, and for pressures whose origin one does not trust. See :func:`certifier` for many.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> push = fy.Load({"tip.Fz": -500.0})
+    >>> rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=4), compliance=True)
+    >>> certificate = fy.certify(joint, push, fy.solve_static(rom, push).pressure)
+    >>> bool(certificate.max_relative_error < 1e-6)
+    True
     """
     inputs = load.inputs(model, np.zeros(1))[0]
     return certifier(model).certify_inputs(inputs, pressure)

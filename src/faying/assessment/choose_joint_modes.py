@@ -79,6 +79,16 @@ def choose_joint_modes(
     -----
     Counts are tried upwards, as errors need not fall with every mode. Per count one projection and
     one reduced static solution and certificate per load, some milliseconds each.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> loads = [fy.Load({"tip.Fz": -500.0}), fy.Load({"tip.Mx": 20e3})]
+    >>> basis = fy.jim_a(joint, normal_modes=4, joint_modes=20)
+    >>> choice = fy.choose_joint_modes(joint, basis, loads, 0.2)
+    >>> choice.count, choice.met
+    (9, True)
     """
     if not loads or not tolerance > 0:
         message = (

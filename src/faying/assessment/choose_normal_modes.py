@@ -142,6 +142,15 @@ def choose_normal_modes(
     within the tolerance, modes have periods shorter than a step, or the last two estimates say that
     320 modes would not do either. Estimates are no bounds. Tractions are estimated too, and often
     off by several times as much.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    >>> joint = fy.preload(joint, {"bolt": 10e3})
+    >>> tap = fy.Load({"tip.Fz": -50.0})
+    >>> fy.choose_normal_modes(joint, tap, step=1e-5, duration=2e-4, tolerance=0.1).met
+    True
     """
     check_times(step, duration)
     if not tolerance > 0:

@@ -76,6 +76,14 @@ def energy_balance(solution: Solution) -> EnergyBalance:
     with the mean velocity of each step, both of second order and exactly what the midpoint rule
     balances. In the first step the force at its end counts, for the load jumps at t = 0+; the error
     is of third order because the system starts at rest.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> moved = fy.solve_transient(joint, fy.Load({"tip.Fz": -50.0}), step=1e-5, duration=1e-4)
+    >>> bool((fy.energy_balance(moved).kinetic[1:] > 0.0).all())
+    True
     """
     system, u, v = solution.system, solution.states, solution.velocities
     if solution.times is None or v is None:

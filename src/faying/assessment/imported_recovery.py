@@ -54,6 +54,17 @@ def recover_from_modal(
     ModelError
         If shapes do not fit, times do not increase, or fewer than four instants must be
         differentiated.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> basis = fy.craig_bampton(joint, normal_modes=4)
+    >>> rom, push = fy.reduce(joint, basis), fy.Load({"tip.Fz": -100.0})
+    >>> moved = fy.solve_transient(rom, push, step=1e-5, duration=1e-4)
+    >>> known = fy.recover_from_modal(rom.recovery, moved.times, moved.states, push)
+    >>> known.pressure.shape
+    (11, 112)
     """
     times = np.asarray(times, dtype=float)
     shape = (len(times), operator.inertia.shape[1])
@@ -133,6 +144,17 @@ def recover_from_boundary_loads(
     ------
     ModelError
         If the times do not start at zero and increase, or a boundary does not exist.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> import numpy as np
+    >>> rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=4), compliance=True)
+    >>> times = np.linspace(0.0, 1e-4, 11)
+    >>> ramp = {"tip.Fz": -100.0 * times / times[-1]}
+    >>> fy.recover_from_boundary_loads(rom, times, ramp).pressure.shape
+    (11, 112)
     """
     times = np.asarray(times, dtype=float)
     if len(times) < 2 or times[0] != 0:

@@ -299,6 +299,14 @@ def assess(
     Some milliseconds a load, besides its path. Clamp forces of the full model
     are certified: those of a reduced model whose basis gives contact its forces from a static
     solution at the ports of the full one, another some milliseconds a load.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> found = fy.assess(joint, [fy.Load({"tip.Fz": -100.0}, name="push")])
+    >>> found.bolts["bolt"].least_case, bool(found.interfaces["joint"].max_pressure > 0.0)
+    ('push', True)
     """
     if not loads:
         message = "there is no load to assess the joint under; give one or more"

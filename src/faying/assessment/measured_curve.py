@@ -30,6 +30,17 @@ class MeasuredCurve(Frozen):
         Of everything that damps; None where it was not measured.
     frequency_scatter, damping_scatter : [1]
         Standard deviation of a measurement over its value; None where it is not known.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> import numpy as np
+    >>> amplitude, frequency = np.array([0.05, 0.1]), np.array([642.0, 640.0])
+    >>> test = fy.MeasuredCurve(
+    ...     name="ring", case="ring", mode=1, amplitude=amplitude, frequency=frequency
+    ... )
+    >>> test.damping_ratio is None
+    True
     """
 
     name: str

@@ -27,6 +27,13 @@ class Parameter:
         Ends of the range.
     start
         Where a search begins; None is the middle.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> friction = fy.Parameter(name="friction", low=0.1, high=0.4)
+    >>> [round(trial["friction"], 3) for trial in fy.design([friction])]
+    [0.2, 0.1, 0.4]
     """
 
     name: str

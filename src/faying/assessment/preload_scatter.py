@@ -39,6 +39,15 @@ class PreloadScatter:
         Smallest and largest μ of the interfaces that have friction, each on its own.
     samples
         Tightenings that are tried, the same ones at every call.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> torque = fy.PreloadScatter(tightening_factor=1.6)
+    >>> (spread, *_) = fy.assess(joint, [fy.Load()], scatter=torque).scatter
+    >>> bool(spread.least < spread.meant < spread.most)
+    True
     """
 
     tightening_factor: float = 1.0

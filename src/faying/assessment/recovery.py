@@ -158,6 +158,16 @@ def recover_pressure(
     and tractions at one depend on all before it, so all of them are solved whichever are wanted.
     The first takes its slip from the solution. What a poor trajectory says of the way to an
     instant stays in the slip there; recovery corrects forces, not the past.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=4))
+    >>> push = fy.Load({"tip.Fz": -100.0})
+    >>> recovered = fy.recover_pressure(joint, fy.solve_static(rom, push))
+    >>> fy.compare(recovered, fy.solve_static(joint, push)).max_relative_error < 1e-8
+    True
     """
     joint = model.joint if isinstance(model, ReducedModel) else model
     several = joint.contact.forgets and solution.contact_forces.ndim > 1

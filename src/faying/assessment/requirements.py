@@ -22,6 +22,13 @@ class ClosedRing:
         Least pressure of the ring, which must be above zero in any case.
     interface
         Where it is; None is the only one.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> ring = fy.ClosedRing(around="bolt", pressure=2.0)
+    >>> len(fy.Requirements(closed_ring=(ring,)).closed_ring)
+    1
     """
 
     around: tuple[float, float, float]
@@ -56,6 +63,14 @@ class Requirements:
         μ that interfaces without friction are judged with; or one for each interface named.
     closed_ring
         Rings around holes that must stay pressed.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> demanded = fy.Requirements(min_clamp_force=8e3)
+    >>> fy.assess(joint, [fy.Load({"tip.Fz": -100.0})], demanded).met
+    True
     """
 
     min_clamp_force: float | Mapping[str, float] | None = None

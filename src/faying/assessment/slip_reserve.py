@@ -156,6 +156,15 @@ def slip_reserve(
     Some 35 increments up to a factor of ten, and ten for each factor found; no displacements are
     computed. Tightening with friction leaves points on their bounds, which slip under almost any
     load, so that ``first_slip`` can be next to nothing: ``onset`` counts the others.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    >>> joint = joint.with_bolt_forces({"bolt": 10e3}).with_friction(0.2)
+    >>> reserve = fy.slip_reserve(joint, fy.Load({"tip.Fx": 500.0}))
+    >>> reserve.first_slip < reserve.share_slip < reserve.gross_slip
+    True
     """
     _check(system, load, share, increments, largest)
     preloaded = solve_path(system, [Load()]) if initial is None else initial

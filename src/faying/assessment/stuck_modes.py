@@ -231,6 +231,13 @@ def preloaded_frequencies(model: Model, count: int, *, state: Solution | None = 
     -----
     One factorization and one Lanczos run. :func:`faying.count_frequencies_below` proves that none
     is missing.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> fy.preloaded_frequencies(joint, 3).round()
+    array([ 352.,  635., 1622.])
     """
     tangent = _tangent(model, state)
     factor = factorize_relieved(tangent, model.M, model.rigid_motions)

@@ -124,6 +124,16 @@ def transient_error(
     -----
     Sixty back-substitutions, one projection, and one transient of the reduced model with sixty
     trial vectors more. No time step of the full model.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=4), compliance=True)
+    >>> tap = fy.Load({"tip.Fz": -50.0})
+    >>> moved = fy.solve_transient(rom, tap, step=1e-5, duration=1e-3)
+    >>> fy.transient_error(joint, moved, tap).max_relative_error < 0.02
+    True
     """
     finer = finer_model(model, solution) if isinstance(model, Model) else model
     times = _instants(solution)

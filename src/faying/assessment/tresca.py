@@ -73,6 +73,15 @@ def certify_increments(
     What an increment inherits, the slip of those before, is taken from the path: errors do not add
     up here, and an increment that was halved counts as one. A Cholesky factorization of H with all
     components, ⅔ (3 n_point)³ multiplications, then O(n_point²) an increment.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    >>> joint = joint.with_bolt_forces({"bolt": 10e3}).with_friction(0.2)
+    >>> path = fy.solve_path(joint, [fy.Load({"tip.Fz": -50.0}), fy.Load({"tip.Fz": -100.0})])
+    >>> bool((fy.certify_increments(joint, path).energy_error < 1e-6).all())
+    True
     """
     contact = model.contact
     contact.check_rubs()

@@ -142,5 +142,14 @@ class ContactProblem:
 
 
 def contact_problem(H: Matrix, g_free: Vector) -> ContactProblem:
-    """Return the contact problem of a flexibility matrix and a free gap, for bare matrices."""
+    """Return the contact problem of a flexibility matrix and a free gap, for bare matrices.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> import numpy as np
+    >>> flexibility, gap = np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([-1.0, 1.0])
+    >>> fy.contact_problem(flexibility, gap).solve().forces
+    array([0.5, 0. ])
+    """
     return ContactProblem(H=H, g_free=g_free)

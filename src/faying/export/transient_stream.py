@@ -165,6 +165,19 @@ def stream_transient(
     Notes
     -----
     Whatever is written stays readable when the run is stopped.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=4), compliance=True)
+    >>> with TemporaryDirectory() as folder:
+    ...     path = fy.stream_transient(
+    ...         rom, fy.Load({"tip.Fz": -50.0}), f"{folder}/history.h5", step=1e-5, duration=1e-3
+    ...     )
+    ...     path.name
+    'history.h5'
     """
     warn_of_compiled(compiled)
     unknown = [name for name in fields if name not in FIELDS]

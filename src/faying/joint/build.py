@@ -84,6 +84,14 @@ def build_model(
     Notes
     -----
     Elimination of constraints only; matrices are formed when they are first asked for.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> assembly = fy.lap_joint(element_size=5.0).assembly
+    >>> stiff = fy.build_model(assembly, interfaces=[fy.InterfaceSpec(name="lap", penalty=1e6)])
+    >>> list(stiff.interfaces)
+    ['lap']
     """
     model = _built(assembly, interfaces, bolts, boundaries, damping, units)
     if not model.interfaces:

@@ -58,6 +58,12 @@ class Model(Shown):
         Distributed loads that may be scaled; none unless asked for, as each costs a port.
     weak_supports
         Springs that hold bodies beside contact alone, by the names of both bodies.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> fy.lap_joint(element_size=5.0).K.shape
+    (1326, 1326)
     """
 
     structure: Structure

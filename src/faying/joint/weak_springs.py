@@ -68,6 +68,19 @@ def with_weak_springs(model: Model, stiffness: float | Literal["auto"] = "auto")
     -----
     Where neither contact nor friction resists, the springs carry the load and displacements mean
     nothing: look at their forces. They are part of K, and of C by its Rayleigh factor.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> loose = fy.lap_joint(
+    ...     element_size=10.0,
+    ...     plates=3,
+    ...     hole_radius=0.0,
+    ...     washer_radius=11.0,
+    ...     tip_suspension=(0.0, 0.0),
+    ... )
+    >>> sorted(fy.with_weak_springs(loose).weak_supports)
+    ['lower-middle', 'middle-upper']
     """
     if stiffness != "auto" and not 0 < stiffness < np.inf:
         message = f"weak springs: the stiffness is {stiffness:g}; give a positive number or 'auto'"

@@ -22,6 +22,13 @@ class Material:
         differ; E and ν are its means then, by which contact is scaled. None if isotropic.
     expansion : [1/temperature]
         Coefficient of thermal expansion α; None where it is not known.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> steel = fy.Material(youngs_modulus=210e3, poissons_ratio=0.3, density=7.85e-9)
+    >>> fy.lap_joint(element_size=5.0, material=steel).units
+    'mm-t-s'
     """
 
     youngs_modulus: float

@@ -45,6 +45,15 @@ class InterfaceSpec:
     search_distance
         Largest gap [length] across which facets that see each other are paired, ``inf`` for any;
         None pairs only those that touch. Surfaces that a deck declares to be in contact have one.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.lap_joint(element_size=5.0)
+    >>> hard = fy.InterfaceSpec(name="joint", penalty="hard")
+    >>> again = fy.build_model(joint.assembly, interfaces=[hard])
+    >>> again.contact.laws
+    {'joint': Hard()}
     """
 
     name: str
@@ -89,6 +98,14 @@ class BoltSpec:
         Whether the generated beam has mass.
     end_masses : [mass]
         Of head and washer where the axis begins, and of nut and washer where it ends.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> fy.BoltSpec(
+    ...     name="M8", axis=((0, 0, -8), (0, 0, 8)), diameter=8.0, washer_radius=6.75
+    ... ).washer
+    'rbe2'
     """
 
     name: str
@@ -117,6 +134,12 @@ class BoundarySpec:
         average. Loads then enter at that node, with six components.
     at
         Place (x, y, z) of the new node [length]; the mean of the set's nodes unless given.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> fy.BoundarySpec(name="tip", set="tip face", coupling="rbe3").coupling
+    'rbe3'
     """
 
     name: str
@@ -128,7 +151,15 @@ class BoundarySpec:
 
 @dataclass(frozen=True, kw_only=True)
 class Rayleigh:
-    """C = alpha M + beta K, alpha [1/time], beta [time]."""
+    """C = alpha M + beta K, alpha [1/time], beta [time].
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.lap_joint(element_size=5.0, damping=fy.Rayleigh(beta=1e-6))
+    >>> bool(abs(joint.C - 1e-6 * joint.K).max() == 0.0)
+    True
+    """
 
     alpha: float = 0.0
     beta: float = 0.0

@@ -25,6 +25,12 @@ class Temperature:
         Temperature of what ``parts`` does not name; the reference if None.
     parts
         Bodies, element sets, property ids or bolts to their temperatures.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> fy.Temperature(reference=20.0, parts={"bolt": 120.0}).parts["bolt"]
+    120.0
     """
 
     reference: float

@@ -27,11 +27,7 @@ from faying.files.described import (
 )
 from faying.interface.surface import ContactSurface, recorded_law
 from faying.joint.load_pattern import LoadPattern
-from faying.joint.system import (
-    PortCompliance,
-    boundary_slices,
-    port_compliance_of,
-)
+from faying.joint.system import PortCompliance, boundary_slices, port_compliance_of
 from faying.linalg.relief import factorize_relieved, shifted
 from faying.linalg.sparse_compliance import Compliance, plus
 from faying.model.bolt import Bolt
@@ -82,6 +78,17 @@ def read_reduced_model(path: Path | str) -> ReducedModel:
     FormatError
         If the file is missing, is none of faying's reduced models, is of another version or is
         damaged.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> import faying as fy
+    >>> joint = fy.lap_joint(element_size=5.0)
+    >>> rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=4))
+    >>> with TemporaryDirectory() as folder:
+    ...     rom.save(f"{folder}/joint.h5")
+    ...     len(fy.read_reduced_model(f"{folder}/joint.h5").K)
+    11
     """
     with described_file(Path(path), MODEL) as file:
         for entry in _MEMBERS:

@@ -238,6 +238,16 @@ def full_displacement(model: Model, solution: Solution) -> Matrix:
     Notes
     -----
     One back-substitution for each case or instant where there is a residual compliance.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=4), compliance=True)
+    >>> push = fy.Load({"tip.Fz": -500.0})
+    >>> moved = fy.full_displacement(joint, fy.solve_static(rom, push))
+    >>> bool(abs(moved - fy.solve_static(joint, push).states).max() < 1e-9)
+    True
     """
     rom = solution.system
     residual = rom.contact.residual_compliance

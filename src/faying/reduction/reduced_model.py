@@ -89,6 +89,14 @@ class ReducedModel(Shown, ModelData):
     pressures, exports and files (:meth:`save`,
     :func:`faying.read_reduced_model`). Its fields are those of
     :class:`~faying.reduction.model_data.ModelData`.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=4), compliance=True)
+    >>> len(rom.K), rom.method, rom.joint_modes
+    (11, 'compliance', 0)
     """
 
     @property

@@ -105,6 +105,13 @@ def static_snapshots(system: System, loads: Sequence[Load]) -> Matrix:
         A preloaded model, full or reduced.
     loads
         One column of the result each.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> fy.static_snapshots(joint, [fy.Load({"tip.Fz": -500.0}), fy.Load()]).shape
+    (112, 2)
     """
     return solve_static_cases(system, loads).contact_forces.T
 
@@ -133,6 +140,14 @@ def step_snapshots(
     -----
     As many responses side by side as have room in memory; their back-substitutions then
     read the factorization once a step for all.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=4), compliance=True)
+    >>> fy.step_snapshots(rom, [fy.Load({"tip.Fz": -50.0})], step=1e-5, duration=1e-4).shape
+    (112, 11)
     """
     solver = transient_solver(system, step=step, integrator=integrator)
     together = runs_at_once(system, round(duration / step) + 1)

@@ -96,6 +96,15 @@ def solve_cycles(
     Notes
     -----
     Four times ``increments`` for each cycle.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    >>> joint = joint.with_bolt_forces({"bolt": 10e3}).with_friction(0.2)
+    >>> cycles = fy.solve_cycles(joint, fy.Load({"tip.Fz": 50.0}))
+    >>> bool(cycles.energies[-1] > 0.0), cycles.stationary
+    (True, True)
     """
     if not 0 < amplitude < np.inf or increments < 1:
         message = (

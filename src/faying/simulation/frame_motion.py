@@ -34,6 +34,18 @@ class FrameMotion(Frozen):
         Absolute acceleration of the mesh's origin, less gravity where that acts.
     angular_velocity : (n_time, 3) [rad/time]
     angular_acceleration : (n_time, 3) [rad/time²]
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> import numpy as np
+    >>> rest = np.zeros((100, 3))
+    >>> lifted = rest + np.array([0.0, 0.0, 9810.0])  # one g along z, in mm/s²
+    >>> motion = fy.FrameMotion(
+    ...     acceleration=lifted, angular_velocity=rest, angular_acceleration=rest
+    ... )
+    >>> motion.acceleration[0]
+    array([   0.,    0., 9810.])
     """
 
     acceleration: Matrix

@@ -20,6 +20,14 @@ class History:
     times : (n,) [time]
         Increasing.
     values : (n,) [force] or [force·length]
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> import numpy as np
+    >>> ramp = fy.History(times=np.array([0.0, 1e-3]), values=np.array([0.0, 500.0]))
+    >>> ramp.at(np.array([5e-4, 2e-3]))
+    array([250., 500.])
     """
 
     times: Vector

@@ -38,6 +38,15 @@ def solve_static_newton(model: Model, load: Load = AT_REST) -> Solution:
     One sparse factorization per iteration. Penalty contact minimizes a convex energy, so steps
     are shortened until it falls and Newton cannot fail; hard contact takes full steps on the
     saddle-point equations.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> push = fy.Load({"tip.Fz": -500.0})
+    >>> other = fy.solve_static_newton(joint, push)
+    >>> bool(abs(other.max_pressure / fy.solve_static(joint, push).max_pressure - 1) < 1e-8)
+    True
     """
     model.contact.check_frictionless()
     inputs = load.inputs(model, np.zeros(1))[0]

@@ -24,6 +24,14 @@ class Sticking:
         Fraction of an interface's largest preload pressure above which node pairs stick.
     stiffness : [force/length]
         Tangential penalty of each pair, in both directions.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.lap_joint(element_size=5.0)
+    >>> tied = fy.preload(joint, {"bolt": 10e3}, sticking=fy.Sticking(threshold=0.3))
+    >>> bool(tied.stuck["joint"].any())
+    True
     """
 
     threshold: float = 0.5
@@ -65,6 +73,13 @@ def preload(
     Notes
     -----
     Ties change the stiffness: with ``sticking`` the structure is factorized once more.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> round(float(fy.solve_static(joint).bolt_force("bolt")), 6)
+    10000.0
     """
     model.contact.check_frictionless()
     if sticking is None:

@@ -20,6 +20,15 @@ class PreloadLoss:
         the sum f_Z and loses f_Z / (δ_S + δ_P) where nothing else acts (T3).
     relaxation
         Share of its force that it loses in time, before the faces have flattened.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> seated = fy.PreloadLoss(embedding=(3e-3, 3e-3), relaxation=0.02)
+    >>> joint = fy.lap_joint(element_size=5.0)
+    >>> kept = fy.solve_static(fy.preload(joint, {"bolt": 10e3}, losses={"bolt": seated}))
+    >>> bool(kept.bolt_force("bolt") < 10e3)
+    True
     """
 
     embedding: tuple[float, ...] = ()

@@ -62,6 +62,14 @@ class Solution(ContactFields, Shown):
     step_error : (n_time,) or None
         5 times (first order; else 2.5 times) the largest change of a pressure that half as many
         steps make there, over the largest pressure so far; NaN where the steps were given.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> pushed = fy.solve_static(joint, fy.Load({"tip.Fz": -500.0}))
+    >>> bool(pushed.max_pressure > fy.solve_static(joint).max_pressure)
+    True
     """
 
     name: str

@@ -30,6 +30,14 @@ def solve_static_cases(system: System, loads: Sequence[Load], name: str = "cases
     -----
     Free gaps and displacements of all cases are one matrix product each; similar contact problems
     are solved together, or follow one another.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> loads = [fy.Load({"tip.Fz": -force}) for force in (100.0, 200.0, 300.0)]
+    >>> fy.solve_static_cases(joint, loads).pressure.shape
+    (3, 112)
     """
     start = np.zeros(1)
     inputs = np.concatenate([load.inputs(system, start) for load in loads])

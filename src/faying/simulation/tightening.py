@@ -126,6 +126,16 @@ def tighten(
     One contact problem between pairs for each increment, in which the initial forces are unknown
     beside the contact forces (T1). With friction a model that is only locked at the initial forces
     is not in the state that tightening leaves: :func:`faying.solve_path` follows ``loads`` there.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.lap_joint(
+    ...     element_size=5.0, hole_radius=None, bolt_positions=((-10.0, 0.0), (10.0, 0.0))
+    ... )
+    >>> tightened = fy.tighten(joint, {"bolt-1": 10e3, "bolt-2": 10e3})
+    >>> tightened.stages, tightened.bolt_forces[-1].round(6)
+    (('bolt-1 to 100%', 'bolt-2 to 100%', 'all to nominal'), array([10000., 10000.]))
     """
     return tightened_joint(system, forces, increments=increments, losses=losses).tightening
 

@@ -54,6 +54,16 @@ class TighteningPlan(Frozen):
         The same where each bolt is brought to its target once, in the same order.
     initial_forces : [force]
         Bolt to the N₀ it is locked at in the end.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.lap_joint(
+    ...     element_size=5.0, hole_radius=None, bolt_positions=((-10.0, 0.0), (10.0, 0.0))
+    ... )
+    >>> plan = fy.tightening_plan(joint, {"bolt-1": 10e3, "bolt-2": 10e3})
+    >>> plan.targets
+    {'bolt-1': 10000.0, 'bolt-2': 10000.0}
     """
 
     targets: Mapping[str, float]

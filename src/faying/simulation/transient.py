@@ -63,6 +63,15 @@ def solve_transient(
     One factorization of the effective matrix, then per step two back-substitutions and a warm
     contact problem. Contact is implicit: the forces at the end of a step obey Eq. (15.7) or
     (15.12) there.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=4), compliance=True)
+    >>> moved = fy.solve_transient(rom, fy.Load({"tip.Fz": -50.0}), step=1e-5, duration=1e-3)
+    >>> moved.times.shape, moved.pressure.shape
+    ((101,), (101, 112))
     """
     warn_of_compiled(compiled)
     check_times(step, duration)
@@ -113,6 +122,16 @@ def solve_transient_cases(
     The matrix products and back-substitutions of a step are done for all cases at once, contact
     problems one after the other, each from where its own case was. All histories are in memory
     together: 3 n_dof + 2 n_point numbers per case and instant.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> rom = fy.reduce(joint, fy.craig_bampton(joint, normal_modes=4), compliance=True)
+    >>> loads = [fy.Load({"tip.Fz": -force}) for force in (20.0, 40.0)]
+    >>> first, second = fy.solve_transient_cases(rom, loads, step=1e-5, duration=1e-3)
+    >>> bool(abs(second.states).max() > abs(first.states).max())
+    True
     """
     warn_of_compiled(compiled)
     check_times(step, duration)

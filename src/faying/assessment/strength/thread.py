@@ -58,6 +58,12 @@ class Thread:
         p_G, what the plate under the head bears.
     engagement : [length]
         Length of the thread that is engaged.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> round(fy.Thread(diameter=8.0, pitch=1.25, grade="8.8").stress_area, 1)
+    36.6
     """
 
     diameter: float

@@ -35,6 +35,14 @@ class ExponentialClosure(Curve):
     ------
     ModelError
         If one of them is not a positive number.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> rough = fy.ExponentialClosure(pressure=5.0, clearance=2e-3)
+    >>> joint = fy.lap_joint(element_size=5.0).with_closure(rough)
+    >>> bool(fy.solve_static(fy.preload(joint, {"bolt": 10e3})).max_pressure > 10.0)
+    True
     """
 
     pressure: float

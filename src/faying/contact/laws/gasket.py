@@ -29,6 +29,14 @@ class GasketClosure(TableClosure):
     ------
     ModelError
         If there is no such table, slopes are not as many, or a line would lie above the table.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> fy.GasketClosure(
+    ...     closures=(0.0, 0.4, 0.7), pressures=(0.0, 44.0, 157.0), unloading=(500.0, 500.0, 1200.0)
+    ... ).pressures[-1]
+    157.0
     """
 
     unloading: tuple[float, ...]

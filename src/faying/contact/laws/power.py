@@ -31,6 +31,14 @@ class PowerClosure(Curve):
     ------
     ModelError
         If one of them is not positive, or the exponent less than one.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> rough = fy.PowerClosure(pressure=5.0, depth=2e-3, exponent=2.0)
+    >>> joint = fy.lap_joint(element_size=5.0).with_closure(rough)
+    >>> bool(fy.solve_static(fy.preload(joint, {"bolt": 10e3})).max_pressure > 10.0)
+    True
     """
 
     pressure: float

@@ -24,6 +24,14 @@ class TableClosure(Curve):
     ------
     ModelError
         If there are fewer than two rows, or they do not rise.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> paper = fy.TableClosure(closures=(0.0, 1e-3, 2e-3), pressures=(0.0, 1.0, 5.0))
+    >>> joint = fy.lap_joint(element_size=5.0).with_closure(paper)
+    >>> bool(fy.solve_static(fy.preload(joint, {"bolt": 10e3})).max_pressure > 10.0)
+    True
     """
 
     closures: tuple[float, ...]

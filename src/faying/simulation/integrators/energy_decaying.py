@@ -35,6 +35,17 @@ class EnergyDecaying(SpectralRadius):
         Above 0 what the step cannot resolve rings on in pressures. A motion of 100 steps a period
         is damped by 6e-5 of critical at 0, by 1e-7 at 0.8, an eighth of it with half the step: to
         tell damping of a joint take 0.8, as :func:`faying.ring_down` does.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> step = fy.Load({"tip.Fz": -100.0})
+    >>> moved = fy.solve_transient(
+    ...     joint, step, step=1e-5, duration=1e-4, integrator=fy.EnergyDecaying(rho_infinity=0.5)
+    ... )
+    >>> len(moved.times)
+    11
     """
 
     rho_infinity: float = 0.0

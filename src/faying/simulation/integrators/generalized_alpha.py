@@ -25,6 +25,17 @@ class GeneralizedAlpha(SpectralRadius):
     rho_infinity
         Spectral radius at infinite frequency, 0 (annihilates) to 1 (no damping; the trapezoidal
         rule in its midpoint form).
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> step = fy.Load({"tip.Fz": -100.0})
+    >>> moved = fy.solve_transient(
+    ...     joint, step, step=1e-5, duration=1e-4, integrator=fy.GeneralizedAlpha(rho_infinity=0.5)
+    ... )
+    >>> len(moved.times)
+    11
     """
 
     @property

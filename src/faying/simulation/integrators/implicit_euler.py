@@ -18,6 +18,17 @@ class ImplicitEuler:
     u₁ = u₀ + h v₁ and M (v₁ − v₀)/h + C v₁ + K u₁ = f₁ combine to
 
         (M/h² + C/h + K) u₁ = f₁ + M (u₀/h² + v₀/h) + C u₀/h.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> step = fy.Load({"tip.Fz": -100.0})
+    >>> moved = fy.solve_transient(
+    ...     joint, step, step=1e-5, duration=1e-4, integrator=fy.ImplicitEuler()
+    ... )
+    >>> len(moved.times)
+    11
     """
 
     @property
