@@ -153,5 +153,5 @@ def test_what_has_no_such_derivative_is_refused():
     change = fy.sensitivity(rough, tight)
     with pytest.raises(ModelError, match="there is no boundary 'top'; the boundaries are tip"):
         change.friction.displacement("top")
-    with pytest.raises(ModelError, match="depend on the order of tightening"):
+    with pytest.raises(ModelError, match="final preloads depend on the order"):
         _ = change.final_preloads

@@ -3,7 +3,8 @@
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
+from typing import Self
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from faying.assessment.certificate import Certifier, certifier
 from faying.assessment.joint_assessment import judged, loosest_checks
 from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.opening import Openings, areas_that_open, opening_factors
-from faying.assessment.preload_scatter import PreloadScatter, preload_spreads
+from faying.assessment.preload_scatter import PreloadScatter, Spread, preload_spreads
 from faying.assessment.recovery import solve_cases_at_ports
 from faying.assessment.requirements import Requirements, check_names
 from faying.assessment.slip_demand import SlipDemand, slip_coefficients, slip_demands
@@ -40,9 +41,9 @@ from faying.joint.tangential import TangentialRows, tangential_rows
 from faying.reduction.projection import contact_surfaces
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import Load, NamedLoad
-from faying.simulation.path import solve_static
+from faying.simulation.path import moved_alone, solve_static
 from faying.simulation.solution import Solution
-from faying.simulation.static import port_forces, solve_static_cases, solved_cases
+from faying.simulation.static import solve_static_cases, solved_cases
 from faying.units import units_of
 
 UNTOLD = "the file does not tell what is carried along it; reduce the study again"
@@ -70,15 +71,17 @@ class JointJudge:
     attempt
         Context, by name, for parts that may fail; they raise unless it is given.
     loads
-        Static load cases without friction: those to follow to their openings, and to solve anew.
+        Static load cases.
     followed
-        Names of those that are followed.
+        Names of those to follow to their openings, where nothing is remembered.
     summed
         Loads whose slip is judged by sums of forces.
     reserves
         Load case to its slip reserve, of joints with friction.
     openings
         Load case to its openings, of those that were followed before.
+    scatter
+        Of the preloads, over which the metrics of each static load case are told too.
     """
 
     system: Model | ReducedModel
@@ -93,6 +96,12 @@ class JointJudge:
     summed: Sequence[NamedLoad] = ()
     reserves: Mapping[str, SlipReserve] = field(default_factory=dict)
     openings: Mapping[str, Openings] = field(default_factory=dict)
+    scatter: PreloadScatter | None = None
+
+    @cached_property
+    def memoryless(self) -> Mapping[str, NamedLoad]:
+        """Static load cases, by name, that can be solved whatever came before them."""
+        return {load.name: load for load in self.loads if self.system.contact.forgets}
 
     @cached_property
     def surfaces(self) -> Mapping[str, ContactSurface]:
@@ -111,7 +120,38 @@ class JointJudge:
         demands: dict[tuple[str, str], SlipDemand] = {}
         with self.attempt("slip by sums"):
             demands = self._demands()
-        return self._judged({**self._paths(self.followed), **self.openings}, demands)
+        judged_cases = self._judged({**self._paths(self.followed), **self.openings}, demands)
+        spreads, scatter, threads = list[Spread](), self.scatter, self.strengths.threads
+        if scatter is not None:
+            with self.attempt("preload scatter"):
+                for load in self.loads:
+                    spreads += preload_spreads(self.exact, self.surfaces, load, scatter, threads)
+        return replace(judged_cases, scatter=tuple(spreads))
+
+    def certified(
+        self, certifier: Callable[[], Certifier | None], pressure: Matrix | None = None
+    ) -> Self:
+        """Return a copy with certified clamp forces of its memoryless load cases.
+
+        The certifier, None where there is none, is asked for where there are such cases. Pressures
+        (n_case, n_point) are those of the load cases unless given.
+        """
+        names = [name for name in self.memoryless if name in self.cases]
+        judge = certifier() if names else None
+        if judge is None:
+            return self
+        if pressure is None:
+            pressure = np.concatenate([self.cases[name].pressure for name in names])
+        areas = surroundings(self.surfaces, self.system.bolts)
+        inputs = self._inputs([self.memoryless[name] for name in names], None)
+        certificate = judge.certify_inputs(inputs, pressure, areas)
+        ends = {(name, ""): bounds for name, bounds in certificate.contact_force.items()}
+        ends |= certificate.area_force
+        cases = dict(self.cases)
+        for row, name in enumerate(names):
+            bounds = {area: values[row] for area, values in ends.items()}
+            cases[name] = replace(cases[name], certified=bounds)
+        return replace(self, cases=cases)
 
     def ends(self, histories: Mapping[str, CaseState]) -> tuple[PreloadEnd, ...]:
         """Return load cases at both ends of the preloads, and at the temperatures of the joint."""
@@ -120,7 +160,7 @@ class JointJudge:
             self.exact,
             self.preloaded,
             histories,
-            {load.name: load for load in self.loads},
+            self.memoryless,
             strengths.ranges,
             strengths.tightened,
             strengths.temperatures,
@@ -154,6 +194,16 @@ class JointJudge:
         threads, units = self.strengths.threads, self.system.units
         return with_threads(assessment, histories, threads, units, ends, repetitions)
 
+    def with_strength(
+        self,
+        assessment: Assessment,
+        histories: Mapping[str, CaseState],
+        repetitions: Mapping[str, float],
+    ) -> Assessment:
+        """Return an assessment with the ends of the preloads, and the strength of bolts there."""
+        ends = self.ends(histories)
+        return self.strengthened(self.at_ends(assessment, ends), histories, ends, repetitions)
+
     def _judged(
         self, paths: Mapping[str, Openings], demands: Mapping[tuple[str, str], SlipDemand]
     ) -> Assessment:
@@ -171,15 +221,15 @@ class JointJudge:
     def _paths(
         self, followed: Collection[str], initial: Vector | None = None
     ) -> dict[str, Openings]:
-        """Follow load cases without friction to their openings; not those where that failed."""
+        """Follow memoryless load cases to their openings; not those where that failed."""
         system, openings = self.system, dict[str, Openings]()
         joint = system.joint if isinstance(system, ReducedModel) else system
         areas = areas_that_open(self.surfaces, system.contact.slices, system.bolts)
-        for load in self.loads:
-            if load.name in followed:
-                with self.attempt(f"{load.name}, load factors of opening"):
+        for name, load in self.memoryless.items():
+            if name in followed:
+                with self.attempt(f"{name}, load factors of opening"):
                     (inputs,) = self._inputs([load], initial)
-                    openings[load.name] = opening_factors(
+                    openings[name] = opening_factors(
                         joint,
                         inputs,
                         areas,
@@ -202,12 +252,10 @@ class JointJudge:
         system, asked = self.system, bool(self.reserves)
         asked = asked or self.requirements.min_slip_safety is not None
         inputs, names = self._inputs(self.summed, initial), [load.name for load in self.summed]
-        if initial is None and system.contact.forgets and self.cases.keys() >= set(names):
+        if initial is None and self.cases.keys() & self.memoryless.keys() >= set(names):
             pressure = np.concatenate([self.cases[name].pressure for name in names])
         else:
-            ports = system.port_compliance
-            free = port_forces(ports, inputs) @ ports.contact_columns
-            forces = solved_cases(smooth_joint(system), free).forces
+            forces = solved_cases(smooth_joint(system), moved_alone(system, inputs)).forces
             pressure = forces / system.contact.weights
         demands = slip_demands(
             system,
@@ -243,23 +291,6 @@ def tangential_of(system: Model | ReducedModel) -> Sequence[TangentialRows]:
 def rest_of(preloaded: Solution) -> CaseState:
     """Return a preloaded state, or the last one of a path, as it is judged."""
     return state_of(preloaded, slice(-1, None), bent_bolts(preloaded.system.bolts))
-
-
-def certified_cases(
-    judge: Certifier,
-    system: Model | ReducedModel,
-    names: Sequence[str],
-    inputs: Matrix,
-    pressure: Matrix,
-) -> dict[str, dict[tuple[str, str], Vector]]:
-    """Return the certified clamp forces of static load cases without friction."""
-    areas = surroundings(surfaces_of(system), system.bolts)
-    certificate = judge.certify_inputs(inputs, pressure, areas)
-    ends = {(name, ""): bounds for name, bounds in certificate.contact_force.items()}
-    ends |= certificate.area_force
-    return {
-        name: {area: bounds[row] for area, bounds in ends.items()} for row, name in enumerate(names)
-    }
 
 
 def assess(
@@ -319,13 +350,8 @@ def assess(
     check_names(demanded, list(system.contact.slices), list(system.contact.slices))
     cases = solve_static_cases(system, loads)
     full = system.joint if isinstance(system, ReducedModel) else system
-    exact = _exact(system, loads, cases)
-    clamps = certified_cases(certifier(full), system, names, cases.inputs, exact)
     bent = bent_bolts(system.bolts)
-    states = {
-        name: replace(state_of(cases, slice(row, row + 1), bent), certified=clamps[name])
-        for row, name in enumerate(names)
-    }
+    states = {name: state_of(cases, slice(row, row + 1), bent) for row, name in enumerate(names)}
     factor = 1.0 if scatter is None else scatter.tightening_factor
     ranges = dict.fromkeys(system.bolts, PreloadRange(variation=variation_of(factor)))
     judge = JointJudge(
@@ -338,16 +364,9 @@ def assess(
         loads=loads,
         followed=names if paths else (),
         summed=loads,
-    )
-    ends = judge.ends(states)
-    assessment = judge.at_ends(judge.assessment(), ends)
-    spreads = [
-        spread
-        for load in loads
-        if scatter is not None
-        for spread in preload_spreads(system, judge.surfaces, load, scatter, threads or {})
-    ]
-    return judge.strengthened(replace(assessment, scatter=tuple(spreads)), states, ends, {})
+        scatter=scatter,
+    ).certified(partial(certifier, full), _exact(system, loads, cases))
+    return judge.with_strength(judge.assessment(), states, {})
 
 
 def _exact(system: Model | ReducedModel, loads: Sequence[Load], cases: Solution) -> Matrix:

@@ -98,6 +98,8 @@ def opening_factors(
 
     Raises
     ------
+    ModelError
+        If the joint remembers slip or closure.
     ConvergenceError
         If a trial in an increment is not solved.
 
@@ -108,6 +110,7 @@ def opening_factors(
     within an increment. What opens and closes again between two increments is missed.
     """
     contact, solver = system.contact, system.static_contact.increments
+    contact.check_cases()
     fixed, growing = growing_displacements(system, inputs)
     touching = SOLVED * float(np.abs(contact.free_gap(fixed)).max(initial=0.0))
     cases = {} if reached is None else reached

@@ -14,7 +14,7 @@ from faying.assessment.strength.thread import Thread
 from faying.exceptions import ModelError, naming
 from faying.interface.surface import ContactSurface
 from faying.joint.system import System
-from faying.simulation.load import Load
+from faying.simulation.load import NamedLoad
 
 QUANTILES = (0.0, 0.05, 0.5, 0.95, 1.0)
 """Of the tightenings, below which the values that are told lie."""
@@ -116,7 +116,7 @@ class Spread:
 def preload_spreads(
     system: System,
     interfaces: Mapping[str, ContactSurface],
-    load: Load,
+    load: NamedLoad,
     scatter: PreloadScatter,
     threads: Mapping[str, Thread] = MappingProxyType({}),
 ) -> tuple[Spread, ...]:
@@ -139,13 +139,11 @@ def preload_spreads(
     initial force N₀ of a bolt is multiplied and lowered by its stiffness times the settlement; its
     final force follows in proportion where nothing but the bolts loads the joint and gaps are zero.
     """
-    missing = {"bolt": not system.bolts}
-    if scatter.surface_friction is not None:
-        missing["interface with friction"] = not system.contact.rubbing_interfaces
-    if any(missing.values()):
-        what = next(filter(missing.get, missing))
-        message = f"the model has no {what} that could scatter; leave that out"
+    if not system.bolts:
+        message = "the model has no bolt that could scatter; leave that out"
         raise ModelError(message)
+    if scatter.surface_friction is not None:
+        system.contact.check_rubs()
     rng = np.random.default_rng(0)
     meant = load.inputs(system, np.zeros(1))
     inputs = np.vstack([meant, _tightened(system, meant, scatter, threads, rng)])

@@ -155,7 +155,7 @@ def recover_pressure(
     Cost: one small matrix product for all instants and one warm contact problem each.
 
     With friction the contact problems are increments of a path, from instant to instant: pressures
-    and tractions at one depend on all before it, so all of them are solved whichever are wanted.
+    and tractions at one depend on all before it, so that these are solved too.
     The first takes its slip from the solution. What a poor trajectory says of the way to an
     instant stays in the slip there; recovery corrects forces, not the past.
 
@@ -170,8 +170,11 @@ def recover_pressure(
     True
     """
     joint = model.joint if isinstance(model, ReducedModel) else model
-    several = joint.contact.forgets and solution.contact_forces.ndim > 1
-    chosen = solution if instants is None or not several else some_states(solution, instants)
+    chosen, taken = solution, None
+    if instants is not None and solution.contact_forces.ndim > 1:
+        wanted = np.asarray(instants, dtype=np.int64) % len(solution.contact_forces)
+        way = joint.contact.way_to(wanted)
+        chosen, taken = some_states(solution, way), np.searchsorted(way, wanted)
     if isinstance(chosen.system, ReducedModel):
         free = _free_from_reduced(model, joint, chosen.system, chosen, operator)
     elif isinstance(model, ReducedModel):
@@ -180,8 +183,7 @@ def recover_pressure(
     else:
         free = _free_from_full(model, chosen)
     path = solve_instants(joint, chosen.name, chosen.inputs, free, chosen.times, begin=solution)
-    whole = several or instants is None or free.ndim == 1
-    return path if whole else _taken(path, np.asarray(instants, dtype=np.int64))
+    return path if taken is None else _taken(path, taken)
 
 
 def solve_at_ports(joint: Joint, load: Load = AT_REST) -> Recovered:

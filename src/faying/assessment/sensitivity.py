@@ -84,12 +84,9 @@ class Sensitivity:
             If tightening a bolt clamps nothing, or there is friction: what a preload does then
             depends on the way to it.
         """
-        if not self.system.contact.forgets:
-            message = (
-                "with friction the final preloads depend on the order of tightening; take "
-                "initial_bolt_forces"
-            )
-            raise ModelError(message)
+        self.system.contact.check_frictionless(
+            "so that final preloads depend on the order of tightening; take initial_bolt_forces"
+        )
         slope = self._tightened.initial_bolt_forces.bolt_forces
         if np.linalg.svd(slope, compute_uv=False).min(initial=1.0) < SOLVED:
             message = (

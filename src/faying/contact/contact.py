@@ -13,6 +13,13 @@ from faying.exceptions import ModelError
 from faying.linalg.budget import default_budget, points_fit
 from faying.linalg.sparse_compliance import Compliance
 
+NOT_CARRIED = (
+    "which is not carried here: tighten bolts by tighten, or by preload before with_friction; "
+    "solve by solve_static, solve_path or solve_transient; take certificates of the model "
+    "without it"
+)
+"""Why friction is refused where nothing else is said."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Contact:
@@ -193,6 +200,10 @@ class Contact:
         """Return how many increments a way takes: those asked for, or one if nothing remembers."""
         return 1 if self.forgets else asked
 
+    def way_to(self, instants: Indices) -> Indices:
+        """Return the instants, in order, that lead to some: all before them where one remembers."""
+        return np.unique(instants) if self.forgets else np.arange(instants.max(initial=-1) + 1)
+
     def check_rubs(self) -> None:
         """Refuse joints without friction, for what tells of slip alone."""
         if not self.coefficients.any():
@@ -209,15 +220,11 @@ class Contact:
             )
             raise ModelError(message)
 
-    def check_frictionless(self) -> None:
-        """Refuse friction, for what solves without increments."""
+    def check_frictionless(self, why: str = NOT_CARRIED) -> None:
+        """Refuse friction, for what solves without increments; say why, and what to do instead."""
         for name, law in self.laws.items():
             if law.components > 1:
-                message = (
-                    f"interface '{name}' has friction, which is not carried here: tighten bolts by "
-                    "tighten, or by preload before with_friction; solve by solve_static, "
-                    "solve_path or solve_transient; take certificates of the model without it"
-                )
+                message = f"interface '{name}' has friction, {why}"
                 raise ModelError(message)
 
     def check_forgetful(self, what: str, instead: str) -> None:

@@ -72,12 +72,15 @@ class Deciding:
         Name to the points (n_point,) of what opens.
     open_below
         Share of the area pressed at rest below which it is open.
+    along
+        Whether areas are followed on the paths of joints with friction too.
     """
 
     rom: ReducedModel
     loads: LoadSet
     areas: Mapping[str, Mask]
     open_below: float
+    along: bool
 
     def openings(self, estimates: Matrix) -> dict[str, Openings]:
         """Return the openings of the cases that open an area before all others do.
@@ -111,18 +114,16 @@ class Deciding:
     def reserves(self, rest: Solution, slides: Matrix, opens: Matrix) -> dict[str, SlipReserve]:
         """Return the slip reserves of the cases that slide or open before all others do.
 
-        None where nothing is remembered, so that nothing slides. Estimated factors are (n_case,
-        n_interface) and (n_case, n_area).
+        None where no interface slides. Estimated factors are (n_case, n_interface) of interfaces
+        with friction, and (n_case, n_area).
         """
         found: dict[str, SlipReserve] = {}
-        if self.rom.contact.forgets:
-            return found
 
         def reserve(row: int) -> SlipReserve:
             name = self.loads.names[row]
             if name not in found:
                 load = InputRow(name=name, row=self.loads.inputs[row])
-                below = self.open_below if self.areas else None
+                below = self.open_below if self.along else None
                 found[name] = slip_reserve(self.rom, load, rest, share=None, open_below=below)
             return found[name]
 
@@ -135,7 +136,7 @@ class Deciding:
 
         for column in slides.T:
             least_factor(column, slid, every, TRIED_BY_PATHS)
-        for area, column in zip(self.areas, opens.T, strict=True):
+        for area, column in zip(self.areas, opens.T, strict=True) if found and self.along else ():
 
             def opened(row: int, area: str = area) -> float:
                 one = reserve(row)

@@ -66,10 +66,11 @@ def solve_loads(
     Raises
     ------
     ModelError
-        If a requirement names an interface that is not there.
+        If a requirement names an interface that is not there, or it is not known how a joint with
+        friction was tightened.
     StudyError
-        If a case to be kept is not there, another call is writing to the folder, or it is not known
-        how a joint with friction was tightened. Cases that do not converge are recorded instead.
+        If a case to be kept is not there, or another call is writing to the folder. Cases that do
+        not converge are recorded instead.
 
     Notes
     -----
@@ -85,15 +86,12 @@ def solve_loads(
         remedy = nearest(unknown[0], loads.names[:20])
         message = f"there is no static case '{unknown[0]}' to keep; {remedy}"
         raise StudyError(message)
-    unknown = rom.contact.rubbing_interfaces if tightening is None else []
-    if unknown:
-        message = (
-            f"interface '{unknown[0]}' has friction, so that what a load leaves depends on how the "
-            "bolts were tightened, and nothing says how: make the file anew with faying reduce; in "
-            "Python give solve_loads the bolt_loads of preload_path_of(file) as tightening, or "
-            "follow the loads with faying.solve_path"
+    if tightening is None:
+        rom.contact.check_frictionless(
+            "so that what a load leaves depends on how the bolts were tightened, and nothing says "
+            "how: make the file anew with faying reduce; in Python give solve_loads the bolt_loads "
+            "of preload_path_of(file) as tightening, or follow the loads with faying.solve_path"
         )
-        raise StudyError(message)
     path = tuple(tightening or ())
     with results_in(out, _mark(rom, loads, chosen, path), resume=resume) as checkpoint:
         books = Books(progress)

@@ -109,10 +109,15 @@ class CaseSolver:
         """Rows of the static cases whose fields are kept in any case."""
         return [self.loads.names.index(name) for name in self.options.named]
 
+    @property
+    def increments(self) -> int:
+        """Increments of a static case from the preload: those of a study, or one is as good."""
+        return self.rom.contact.increments(DEFAULT_INCREMENTS)
+
     @cached_property
     def judge(self) -> Certifier | None:
-        """What certifies static cases without friction; None where they are not certified."""
-        if not (self.options.certificates and self.rom.contact.forgets):
+        """What certifies static cases; None where it is not asked for, or they are paths."""
+        if not self.options.certificates or self.increments > 1:
             return None
         with self.books.timed("certificates"), self.books.attempt("certified bounds"):
             return certifier(self.rom.joint)
@@ -228,19 +233,17 @@ class CaseSolver:
         ]
 
     def _ends(self, inputs: Matrix) -> Solution:
-        """Solve static cases, with friction in increments from the preload as in a study."""
+        """Solve static cases, where it matters in increments from the preload as in a study."""
         return solve_ramps(self.rom, inputs, self.rest, increments=DEFAULT_INCREMENTS)
 
     def followed(self, rows: Sequence[int]) -> dict[int, CaseState]:
         """Return static cases as a run judges them, every increment.
 
-        None where nothing is remembered: then they are what was solved.
+        None where there is one: it is what was solved.
         """
-        if self.rom.contact.forgets:
-            return {}
-        shares = np.arange(1, DEFAULT_INCREMENTS + 1) / DEFAULT_INCREMENTS
+        shares = np.arange(1, self.increments + 1) / self.increments
         states: dict[int, CaseState] = {}
-        for row in rows:
+        for row in rows if self.increments > 1 else ():
             load = InputRow(name=self.loads.names[row], row=self.loads.inputs[row])
             path = solve_path(self.rom, [load.scaled(share) for share in shares], self.rest)
             states[row] = state_of(path, slice(None), bent_bolts(self.rom.bolts))

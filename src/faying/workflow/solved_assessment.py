@@ -8,7 +8,7 @@ import numpy as np
 from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.check import Check
 from faying.assessment.joint_checks import joint_checks
-from faying.assessment.joint_judge import JointJudge, certified_cases, rest_of
+from faying.assessment.joint_judge import JointJudge, rest_of
 from faying.assessment.joint_record import CaseState
 from faying.assessment.opening import Openings, area_name, areas_that_open
 from faying.assessment.requirements import ClosedRing, Verdict
@@ -40,9 +40,6 @@ ALL_STATIC = "all static cases"
 def demanded_of(options: SolveOptions, rom: ReducedModel, rest: Solution) -> Demanded:
     """Return what is asked of every case because a requirement judges it."""
     requirements = options.requirements
-    # Openings that take paths are followed where they are demanded.
-    tells = rom.contact.forgets or requirements.min_opening_factor is not None
-    opens = areas_that_open(rom.interfaces, rom.contact.slices, rom.bolts) if tells else {}
     radius = requirements.no_opening_within
     near = {}
     if radius is not None:
@@ -54,7 +51,7 @@ def demanded_of(options: SolveOptions, rom: ReducedModel, rest: Solution) -> Dem
     return Demanded(
         rings=dict(_rings(requirements.closed_ring, rom)),
         areas=_areas(options, rom),
-        opens=opens,
+        opens=areas_that_open(rom.interfaces, rom.contact.slices, rom.bolts),
         open_below=requirements.open_share,
         pressed={name: points for name, points in near.items() if points.any()},
     )
@@ -100,11 +97,6 @@ def solved_checks(
         decided = paths or static.states(deciding)
     rows = list(decided)
     states = {loads.names[row]: state for row, state in decided.items()}
-    if rows and solver.judge is not None:
-        pressure = np.concatenate([state.pressure for state in states.values()])
-        names = list(states)
-        clamps = certified_cases(solver.judge, rom, names, loads.inputs[rows], pressure)
-        states = {name: replace(states[name], certified=clamps[name]) for name in names}
     for name, cases in transients.items():
         at = cases.states(cases.deciding(options.worst))
         states |= {cases.named(name, row): state for row, state in at.items()}
@@ -116,15 +108,18 @@ def solved_checks(
     if static is not None:
         demanded = solver.demanded
         followed = Deciding(
-            rom=rom, loads=loads, areas=demanded.opens, open_below=demanded.open_below
+            rom=rom,
+            loads=loads,
+            areas=demanded.opens,
+            open_below=demanded.open_below,
+            # Openings that take paths are followed where they are demanded.
+            along=options.requirements.min_opening_factor is not None,
         )
         slides, opens = static.of_all(SLIDES, OPENS)
         with solver.books.attempt("load factors of opening and sliding"):
             reserves = followed.reserves(solver.rest, slides, opens)
-            openings = followed_openings(reserves) or followed.openings(opens)
+            openings = followed_openings(reserves) if reserves else followed.openings(opens)
     summed = _loads(loads, rows)
-    # Openings of what remembers come of the paths that were followed.
-    anew = [*rows, *map(loads.names.index, openings)] if rom.contact.forgets else []
     judge = JointJudge(
         system=rom,
         exact=rom,
@@ -133,11 +128,11 @@ def solved_checks(
         requirements=options.requirements,
         strengths=options.strengths,
         attempt=solver.books.attempt,
-        loads=_loads(loads, anew),
+        loads=_loads(loads, [*rows, *map(loads.names.index, openings)]),
         summed=summed,
         reserves=reserves,
         openings=openings,
-    )
+    ).certified(lambda: solver.judge)
     assessment = judge.assessment()
     histories = {name: _history(cases, rom) for name, cases in sets.items()} if rom.bolts else {}
     histories = {name: state for name, state in histories.items() if len(state.pressure)}
@@ -152,10 +147,8 @@ def solved_checks(
         more = [row for row in sorted(worst) if loads.names[row] not in solved]
         if not more or not (paths or ends[0].solved):
             break
-        if rom.contact.forgets:
-            judge = replace(judge, loads=[*judge.loads, *_loads(loads, more)])
-        else:
-            paths = solver.followed(more)
+        judge = replace(judge, loads=[*judge.loads, *_loads(loads, more)])
+        paths = solver.followed(more)
     assessment = judge.at_ends(assessment, ends)
     assessment = judge.strengthened(assessment, histories, apart, loads.repetitions)
     checks = tuple(_labelled(check, sets) for check in assessment.checks)

@@ -7,9 +7,9 @@ import pytest
 from faying.report.html import write_report
 from faying.report.methods import reference_note
 from faying.study.inputs.load_model import build_loaded, load_model
+from faying.study.keys import friction_rules
 from faying.study.keys.schema import parse_study
 from faying.study.results.store import read_results
-from faying.study.stages import reference
 from faying.study.stages.worker_tasks import pieces
 from faying.workflow.run import run
 from small_study import BEND, FINE_JUMP, NO_REPORT, PULL, SMALL_JOINT, reduction, static
@@ -126,14 +126,14 @@ def test_size_decides_where_the_study_does_not(tmp_path, monkeypatch):
     open_study = study(tmp_path, "")
     model = build_loaded(load_model(open_study))
     n_dof = model.structure.n_dof
-    assert reference.reference_kind(open_study, model) == ("full", "")
-    monkeypatch.setattr(reference, "FULL_UP_TO", n_dof - 1)
+    assert friction_rules.reference_kind(open_study, model) == ("full", "")
+    monkeypatch.setattr(friction_rules, "FULL_UP_TO", n_dof - 1)
     done = run(open_study, tmp_path / "out")
     assert done["reference"]["kind"] == "worst"
     assert f"{n_dof} free degrees of freedom" in done["reference"]["reason"]
     asked = study(tmp_path, 'reference = "full"')
-    assert reference.reference_kind(asked, model) == ("full", "")
+    assert friction_rules.reference_kind(asked, model) == ("full", "")
     none = study(tmp_path, 'reference = "none"')
-    kind, reason = reference.reference_kind(none, model.with_friction(0.2))
+    kind, reason = friction_rules.reference_kind(none, model.with_friction(0.2))
     assert kind == "full"
     assert "friction" in reason

@@ -65,9 +65,9 @@ def preload_ends(
 ) -> tuple[PreloadEnd, ...]:
     """Return a joint at both ends of its preloads, or as it is where they do not scatter.
 
-    ``rest`` and ``cases`` are at nominal preloads. Loads of static cases that remember nothing are
-    solved anew where ranges change them, beside each of the temperatures. Bolts that lost some of
-    their force since were tightened to a higher one [force].
+    ``rest`` and ``cases`` are at nominal preloads. The loads, of static cases that remember
+    nothing, are solved anew where ranges change them, beside each of the temperatures. Bolts that
+    lost some of their force since were tightened to a higher one [force].
 
     Raises
     ------
@@ -78,7 +78,6 @@ def preload_ends(
     -----
     One contact problem for each end, and one for each static load case at each end and temperature.
     """
-    anew = loads if system.contact.forgets else {}
     nominal = {name: float(force[0]) for name, force in rest.bolt_forces.items()}
     scattered = ends_of(nominal, ranges)
     before = {"": dict(tightened)} | {
@@ -94,12 +93,12 @@ def preload_ends(
             cases={name: _shifted(state, shifts) for name, state in cases.items()},
             tightened=before[end],
         )
-        if not anew or (not end and not temperatures):
+        if not loads or (not end and not temperatures):
             ends.append(moved)
             continue
         initial = initial_forces_at(system, forces)
         for name, heated in {"": None, **temperatures}.items():
-            solved = solved_end(moved, system, anew, initial, heated)
+            solved = solved_end(moved, system, loads, initial, heated)
             ends.append(replace(solved, name=", ".join(filter(None, (end, name)))))
     return tuple(ends)
 

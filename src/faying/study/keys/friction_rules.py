@@ -1,9 +1,9 @@
 """What load cases in increments, backbones, and studies of joints with friction must be."""
 
 from collections.abc import Iterator
+from typing import Literal
 
 from faying.assessment.modal_cycles import boundary_and_component
-from faying.assessment.preload_scatter import PreloadScatter
 from faying.exceptions import FormatError, ModelError
 from faying.joint.model import Model
 from faying.model.boundary import DISPLACEMENT_NAMES
@@ -151,7 +151,7 @@ def scatter_problems(study: Study) -> Iterator[Problem]:
     if section is None:
         return
     try:
-        PreloadScatter(**section.model_dump(exclude={"temperatures"}))
+        _ = section.spread
     except ModelError as error:
         yield study.problem(("preload_scatter",), str(error))
     if section.thread_friction is not None:
@@ -265,3 +265,29 @@ def _with_friction(study: Study, interface: str) -> Iterator[Problem]:
         places["reduction", "joint_modes"] = "'auto' goes by certificates, which know none"
     for location, what in places.items():
         yield study.problem(location, f"{reason}, and {what}; remove it")
+
+
+FULL_UP_TO = 100_000
+"""Free degrees of freedom up to which everything is compared with the full model by default.
+
+A step of the full model takes some tenths of a second there, a response of some hundred steps
+minutes.
+"""
+
+Kind = Literal["full", "worst", "none"]
+
+
+def reference_kind(study: Study, model: Model) -> tuple[Kind, str]:
+    """Return the kind of reference of a study, and why where the study leaves it open."""
+    asked, n_dof = study.validation.reference, model.structure.n_dof
+    if not model.contact.forgets:
+        reason = "with friction or gaskets, all load cases are compared with the full model"
+        return "full", "" if asked in (None, "full") else reason
+    if asked is not None:
+        return asked, ""
+    if n_dof <= FULL_UP_TO:
+        return "full", ""
+    return "worst", (
+        f"the model has {n_dof} free degrees of freedom, and only up to {FULL_UP_TO} load cases "
+        'are compared with the full model unless [validation] reference = "full" asks for it'
+    )

@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from faying.assessment.preload_scatter import PreloadScatter
 from faying.study.keys.section import (
     MOST_SOLVED,
     Count,
@@ -28,6 +29,11 @@ class ScatterSection(Section):
     surface_friction: tuple[NotNegative, NotNegative] | None = None
     samples: Annotated[Count, Field(le=MOST_SOLVED)] = 200
     temperatures: tuple[Name, ...] = ()
+
+    @property
+    def spread(self) -> PreloadScatter:
+        """The scatter, temperatures aside."""
+        return PreloadScatter(**self.model_dump(exclude={"temperatures"}))
 
 
 class RingSection(Section):

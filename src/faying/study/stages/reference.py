@@ -1,25 +1,15 @@
 """What the load cases of a run are compared with: the full model, or the best reduced one."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 from faying.joint.model import Model
 from faying.joint.system import System
 from faying.reduction.craig_bampton import craig_bampton
 from faying.reduction.projection import completed, projected
-from faying.study.keys.tables import Study
+from faying.study.keys.friction_rules import Kind, reference_kind
 from faying.study.results.second_solution import Remedy
 from faying.study.results.values import FULL_MODEL, Response
 from faying.study.stages.offline import PreparedJoint
-
-FULL_UP_TO = 100_000
-"""Free degrees of freedom up to which everything is compared with the full model by default.
-
-A step of the full model takes some tenths of a second there, a response of some hundred steps
-minutes.
-"""
-
-Kind = Literal["full", "worst", "none"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -67,22 +57,6 @@ class Solved:
     name: str
     label: str = REDUCED
     remedy: Remedy | None = None
-
-
-def reference_kind(study: Study, model: Model) -> tuple[Kind, str]:
-    """Return the kind of reference of a study, and why where the study leaves it open."""
-    asked, n_dof = study.validation.reference, model.structure.n_dof
-    if not model.contact.forgets:
-        reason = "with friction or gaskets, all load cases are compared with the full model"
-        return "full", "" if asked in (None, "full") else reason
-    if asked is not None:
-        return asked, ""
-    if n_dof <= FULL_UP_TO:
-        return "full", ""
-    return "worst", (
-        f"the model has {n_dof} free degrees of freedom, and only up to {FULL_UP_TO} load cases "
-        'are compared with the full model unless [validation] reference = "full" asks for it'
-    )
 
 
 def reference_of(joint: PreparedJoint, normal_modes: int) -> Reference:

@@ -3,12 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
-from faying._typing import Vector
-from faying.assessment.joint_judge import JointJudge, certified_cases, rest_of, surfaces_of
+from faying.assessment.joint_judge import JointJudge, rest_of
 from faying.assessment.joint_record import Assessment, CaseState
-from faying.assessment.preload_scatter import PreloadScatter, Spread, preload_spreads
 from faying.assessment.slip_reserve import followed_openings
 from faying.joint.model import Model
 from faying.reduction.reduced_model import ReducedModel
@@ -17,7 +13,7 @@ from faying.study.inputs.loads import case_load
 from faying.study.judgement.comparison import state_of_case
 from faying.study.judgement.margins import with_margins
 from faying.study.keys.requirement_rules import requirements_of
-from faying.study.keys.tables import LoadCaseSection, Study
+from faying.study.keys.tables import LoadCaseSection
 from faying.study.keys.threads import StudyBolts
 from faying.study.results.frequency_record import FrequencyRecord
 from faying.study.results.values import CaseResult
@@ -33,7 +29,7 @@ def assess_run(
     """Judge the joint over all load cases and periods that were kept; None where that failed.
 
     Static pressures of the exact model are those of the full model; preloads scatter on it. Static
-    load cases without friction are certified, and followed to their openings.
+    load cases that remember nothing are certified, and followed to their openings.
     """
     vibrating = {
         f"{name}, level {curve.level:g} at {frequency}": CaseState(**vars(period))
@@ -45,16 +41,10 @@ def assess_run(
         return None
     study, books = joint.study, joint.books
     with books.stage("joint assessment"), books.attempt("joint assessment"):
-        static = [case for case in study.load_cases if case.kind == "static"]
-        loads = [case_load(case) for case in static]
-        smooth = loads if joint.model.contact.forgets else []
-        intervals = _intervals(joint, smooth, cases)
-        states = {
-            name: replace(state_of_case(case), certified=intervals.get(name, {}))
-            for name, case in cases.items()
-        }
-        states |= vibrating
+        loads = [case_load(case) for case in study.load_cases if case.kind == "static"]
+        states = {name: state_of_case(case) for name, case in cases.items()} | vibrating
         reserves = {n: case.reserve for n, case in cases.items() if case.reserve is not None}
+        scatter = study.preload_scatter
         judge = JointJudge(
             system=joint.model,
             exact=exact,
@@ -63,21 +53,21 @@ def assess_run(
             requirements=requirements_of(study.requirement),
             strengths=replace(StudyBolts.of(study).strengths, tightened=joint.loaded.preloads),
             attempt=books.attempt,
-            loads=smooth,
-            followed=[load.name for load in smooth],
+            loads=loads,
+            followed=[load.name for load in loads],
             summed=_summed(study.load_cases),
             reserves=reserves,
             openings=followed_openings(
-                {case.name: reserves[case.name] for case in static if case.name in reserves}
+                {load.name: reserves[load.name] for load in loads if load.name in reserves}
             ),
+            scatter=None if scatter is None else scatter.spread,
         )
+        with books.attempt("certified bounds"):
+            judge = judge.certified(lambda: joint.certifier)
         assessment = judge.assessment()
-        assessment = replace(assessment, scatter=_scatter(study, exact, loads, judge))
         with books.attempt("strength of bolts"):
-            ends = judge.ends(states)
-            assessment = judge.at_ends(assessment, ends)
             counted = {c.name: c.repetitions for c in study.load_cases if c.repetitions}
-            assessment = judge.strengthened(assessment, states, ends, counted)
+            assessment = judge.with_strength(assessment, states, counted)
         with books.attempt("margins of bolts"):
             return with_margins(assessment, judge, study.requirement.margins, loads)
         return assessment
@@ -92,36 +82,6 @@ def _bent_in_all(preloaded: CaseState, states: Mapping[str, CaseState]) -> CaseS
         if all(name in state.bolt_moments for state in states.values())
     }
     return replace(preloaded, bolt_moments=moments)
-
-
-def _scatter(
-    study: Study, exact: Model | ReducedModel, loads: Sequence[Load], judge: JointJudge
-) -> tuple[Spread, ...]:
-    """Return what scatter of the preloads does to static load cases."""
-    if study.preload_scatter is None:
-        return ()
-    scatter = PreloadScatter(**study.preload_scatter.model_dump(exclude={"temperatures"}))
-    spreads: list[Spread] = []
-    with judge.attempt("preload scatter"):
-        for load in loads:
-            spreads += preload_spreads(
-                exact, surfaces_of(exact), load, scatter, judge.strengths.threads
-            )
-    return tuple(spreads)
-
-
-def _intervals(
-    joint: PreparedJoint, loads: Sequence[Load], cases: Mapping[str, CaseResult]
-) -> dict[str, dict[tuple[str, str], Vector]]:
-    """Return the certified clamp forces of static load cases."""
-    if not loads:
-        return {}
-    with joint.books.attempt("certified bounds"):
-        start, names = np.zeros(1), [load.name for load in loads]
-        inputs = np.concatenate([load.inputs(joint.model, start) for load in loads])
-        pressure = np.array([cases[name].reference.pressure for name in names])
-        return certified_cases(joint.certifier, joint.model, names, inputs, pressure)
-    return {}
 
 
 ENDS = ("forth", "back")

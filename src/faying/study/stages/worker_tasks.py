@@ -18,12 +18,12 @@ from faying.execution.executor import Executor, Function
 from faying.files.flattening import flattened
 from faying.study.inputs.load_model import build_loaded, load_model
 from faying.study.inputs.loads import is_trained
+from faying.study.keys.friction_rules import reference_kind
 from faying.study.keys.schema import parse_study
 from faying.study.keys.tables import Study
 from faying.study.stages.books import Books
 from faying.study.stages.full_transients import FullTransient, case_groups, full_transients
 from faying.study.stages.offline import PreparedJoint, prepare_joint, step_training
-from faying.study.stages.reference import reference_kind
 from faying.study.stages.training import StepTraining, step_groups
 
 Piece = int | FullTransient
