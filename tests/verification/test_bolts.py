@@ -7,6 +7,8 @@ import pytest
 from pressed_layers import STEEL
 
 import faying as fy
+from faying.contact.frictional import FrictionalContact
+from faying.contact.pressing import PressingContact
 from faying.exceptions import ModelError
 from faying.joint.build import build_model
 from faying.model.assembly import Assembly, RigidCoupling, Spring, Support
@@ -77,6 +79,37 @@ def two_bolts():
     return fy.lap_joint(
         element_size=5.0, bolt_positions=((-10.0, 0.0), (10.0, 0.0)), hole_radius=None
     )
+
+
+@pytest.mark.parametrize(
+    ("friction", "quadrature"), [(0.0, "nodal"), (0.0, "gauss"), (0.2, "nodal")]
+)
+def test_hard_joints_take_one_contact_problem_a_stage(friction, quadrature, monkeypatch):
+    """Locked at the initial forces that are found, the joint has the bolt forces asked for."""
+    solver = FrictionalContact if friction else PressingContact
+    inner = "solve_slack" if friction else "_solved"
+    solve, solved = getattr(solver, inner), []
+
+    def counted(*arguments):
+        solved.append(solve(*arguments))
+        return solved[-1]
+
+    monkeypatch.setattr(solver, inner, counted)
+    hard = fy.lap_joint(
+        element_size=5.0,
+        hole_radius=None,
+        bolt_positions=((-10.0, 0.0), (10.0, 0.0)),
+        penalty="hard",
+        quadrature=quadrature,
+    )
+    forces = dict(zip(hard.bolts, (9e3, 7e3), strict=True))
+    hard = hard.with_friction(friction) if friction else hard
+    tightened = fy.tighten(hard, forces, increments=2)
+    assert len(solved) == len(tightened.stages) == (5 if friction else 3)
+    rest = fy.solve_path(hard, tightened.loads)
+    found = {name: float(rest.bolt_force(name)[-1]) for name in forces}
+    # Round-off of contact problems that end at 1e-13 of the forces.
+    assert found == pytest.approx(forces, rel=1e-11)
 
 
 def test_several_bolts_in_sequence(two_bolts):

@@ -282,14 +282,14 @@ def test_redundant_hard_contact_in_other_units(unit):
 
 def test_all_linear_systems_are_counted(monkeypatch):
     """Those of redundant contact too, which solves many problems that are not."""
-    answered, equilibrate = [], DensePoints.equilibrate
+    answered, closing = [], DensePoints.closing
 
     def counted(*arguments):
-        answer = equilibrate(*arguments)
+        answer = closing(*arguments)
         answered.append(answer)
         return answer
 
-    monkeypatch.setattr(DensePoints, "equilibrate", counted)
+    monkeypatch.setattr(DensePoints, "closing", counted)
     _, _, H, g_free = redundant_problem(np.random.default_rng(3), 12, 5)
     # All points at once are singular, so that nothing is answered before they are regularized.
     found = contact_problem(H, g_free).solve(active=np.ones(12, dtype=bool))

@@ -6,16 +6,19 @@ contact forces g_free,
     s = H λ + g_free ≥ 0,   λ ≥ 0,   λᵀ s = 0
 
 is Eq. (15.7) regularized by Eq. (15.12), or Eq. (15.7) itself where D vanishes (hard contact).
+With springs that are known by their forces (T1a) their initial forces N₀ are unknown too,
+
+    s = H λ − b N₀ + g_free,   bᵀ λ + M N₀ = t.                                             (T1b)
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Protocol, Self
+from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 import scipy.linalg as la
 
-from faying._typing import Mask, Vector
+from faying._typing import Indices, Mask, Matrix, Vector
 from faying.exceptions import ConvergenceError
 
 
@@ -33,12 +36,59 @@ class ContactForces:
         Points in contact; a warm start for a neighbouring problem.
     iterations
         Linear systems solved.
+    initial : (n_spring,) [force]
+        N₀ of springs that are known by their forces.
     """
 
     forces: Vector
     slack: Vector
     active: Mask
     iterations: int
+    initial: Vector
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Balance:
+    """What forces known beside those of contact ask for: the second of (T1b).
+
+    Attributes
+    ----------
+    closing : (n_point, n_spring) [length/force]
+        b.
+    yields : (n_spring, n_spring) [length/force]
+        M.
+    elongations : (n_spring,) [length]
+        t.
+    about : (n_spring,) [force]
+        Where N₀ may be.
+    """
+
+    closing: Matrix
+    yields: Matrix
+    elongations: Vector
+    about: Vector
+
+    @classmethod
+    def of_nothing(cls, n_points: int) -> "Balance":
+        """Return it where no spring is known by its force."""
+        none = np.zeros(0)
+        return cls(
+            closing=np.zeros((n_points, 0)),
+            yields=np.zeros((0, 0)),
+            elongations=none,
+            about=none,
+        )
+
+    def solved(
+        self, close: Callable[[Matrix], Matrix], points: Indices, gaps: Vector, missed: Vector
+    ) -> tuple[Vector, Vector]:
+        """Return forces (n,) that close gaps (n,) of points and end what is missed, and N₀."""
+        b = self.closing[points]
+        answers = close(np.column_stack([gaps, -b]))
+        core = self.yields + b.T @ answers[:, 1:]
+        np.linalg.cholesky(core)  # refuses what resists the springs nowhere
+        initial = np.asarray(np.linalg.solve(core, missed - b.T @ answers[:, 0]), dtype=float)
+        return np.asarray(answers[:, 0] + answers[:, 1:] @ initial), initial
 
 
 BLOCK_ATTEMPTS = 5
@@ -73,33 +123,26 @@ class ActiveSetSpace(Protocol):
         """Diagonal of H (n_point,) [length/force]."""
         ...
 
-    def equilibrate(self, g_free: Vector, active: Mask) -> tuple[Vector, Vector]:
-        """Return the forces that close the active gaps, and the slack of all points.
-
-        Raises ``LinAlgError`` where the active block is singular to working precision.
-        """
-        ...
-
     def product(self, forces: Vector) -> Vector:
         """Return H λ."""
         ...
 
-    def yielding(self, added: Vector) -> Callable[[Vector], Vector]:
-        """Return what returns the forces under which gaps (n_point,) are (H + diag(added)) λ.
+    def closing(self, points: Indices, added: Vector) -> Callable[[Matrix], Matrix]:
+        """Return what returns the forces (n, k) that close gaps (n, k) of points.
 
-        Raises ``LinAlgError`` where that matrix is not positive definite.
+        Each yields by a part of its force besides (n,) [length/force]. Raises ``LinAlgError`` where
+        H and that are singular between them to working precision.
         """
-        ...
-
-    def shifted(self, delta: float) -> Self:
-        """Return the space of H + δ I."""
         ...
 
 
 def solve_complementarity(
-    space: ActiveSetSpace, g_free: Vector, active: Mask | None = None
+    space: ActiveSetSpace,
+    g_free: Vector,
+    active: Mask | None = None,
+    balance: Balance | None = None,
 ) -> ContactForces:
-    """Solve s = H λ + g_free ≥ 0, λ ≥ 0, λᵀ s = 0 by a primal-dual active set.
+    """Solve s ≥ 0, λ ≥ 0, λᵀ s = 0 by a primal-dual active set, of s as (T1b) has it.
 
     All points with a wrong sign change sides at once, which is the semismooth Newton method
     (Hintermüller, Ito & Kunisch 2002, doi:10.1137/S1052623401383558). Where that stops reducing the
@@ -108,15 +151,27 @@ def solve_complementarity(
     λ = 0 takes over (Rockafellar 1976, doi:10.1137/0314056), which selects contact
     forces near those of a very stiff penalty. A singular H without such a block on the way gives
     one of its solutions. Active points (n_point,) are assumed in contact at the start; by default
-    those with g_free < 0.
+    those that overlap without contact forces.
+
+    Raises
+    ------
+    LinAlgError
+        If nothing resists springs that are known by their forces.
+    ConvergenceError
+        If there are no such forces.
     """
-    start = g_free < 0 if active is None else np.array(active, dtype=bool)
+    balance = balance or Balance.of_nothing(len(g_free))
+    if active is None:
+        active = g_free < balance.closing @ balance.about
     try:
-        return _pivot(space, g_free, start)
+        return _pivot(space, g_free, active, balance)
     except la.LinAlgError:
         pass
+    if len(balance.about):
+        # Where closed points alone do not resist the springs, or depend on each other.
+        return _through_interior(space, g_free, balance, balance.about, 0.0, 1)
     try:
-        return _proximal_point(space, g_free, start)
+        return _proximal_point(space, g_free, active, balance)
     except la.LinAlgError:
         message = (
             "the contact flexibility is zero or not positive semidefinite at the points in "
@@ -126,60 +181,85 @@ def solve_complementarity(
         raise ConvergenceError(message) from None
 
 
-def _pivot(space: ActiveSetSpace, g_free: Vector, active: Mask) -> ContactForces:
-    """Exchange all points of a wrong sign at once, as long as that gains."""
+def _pivot(
+    space: ActiveSetSpace, g_free: Vector, active: Mask, balance: Balance, delta: float = 0.0
+) -> ContactForces:
+    """Exchange all points of a wrong sign at once, of H + δ I, as long as that gains."""
     diagonal = np.maximum(space.diagonal, np.finfo(float).tiny)
     fewest, attempts, iterations = len(g_free) + 1, BLOCK_ATTEMPTS, 0
+    initial = balance.about
     while attempts >= 0:
-        forces, slack = space.equilibrate(g_free, active)
+        points, forces = np.flatnonzero(active), np.zeros_like(g_free)
+        close = space.closing(points, np.full(len(points), delta))
+        forces[points], initial = balance.solved(close, points, g_free[points], balance.elongations)
+        pulled = g_free - balance.closing @ initial
+        slack = space.product(forces) + pulled
+        slack[points] = 0.0
         iterations += 1
-        noise = _noise(space, g_free, forces)
+        noise = _noise(space, pulled, forces)
         wrong = np.where(active, diagonal * forces < -noise, slack < -noise)
         count = int(np.count_nonzero(wrong))
         if count == 0:
-            forces = np.maximum(forces, 0.0)
             return ContactForces(
-                forces=forces, slack=np.maximum(slack, 0.0), active=active, iterations=iterations
+                forces=np.maximum(forces, 0.0),
+                slack=np.maximum(slack, 0.0),
+                active=active,
+                iterations=iterations,
+                initial=initial,
             )
         attempts = BLOCK_ATTEMPTS if count < fewest else attempts - 1
         fewest = min(count, fewest)
         active = active ^ wrong
-    return _through_interior(space, g_free, iterations)
+    return _through_interior(space, g_free, balance, initial, delta, iterations)
 
 
-def _through_interior(space: ActiveSetSpace, g_free: Vector, iterations: int) -> ContactForces:
+def _through_interior(
+    space: ActiveSetSpace,
+    g_free: Vector,
+    balance: Balance,
+    initial: Vector,
+    delta: float,
+    iterations: int,
+) -> ContactForces:
     """Go between λ > 0 and s > 0 to where either vanishes at each point, after some iterations.
 
     A primal-dual interior point method with predictor and corrector (Mehrotra 1992,
     doi:10.1137/0802028): Newton's method on λ s = σ μ at each point, whose σ falls with what the
-    step to σ = 0 leaves of the mean μ.
+    step to σ = 0 leaves of the mean μ. It begins with some initial forces N₀.
     """
+    every, b = np.arange(len(g_free)), balance.closing
     root = np.sqrt(np.maximum(space.diagonal, EPSILON * space.diagonal.max()))
-    scale = float((np.abs(g_free) / root).max())
+    scale = float((np.abs(g_free - b @ initial) / root).max())
     forces, slack = scale / root, scale * root
     for _ in range(MOST_INTERIOR):
-        wrong = space.product(forces) + g_free - slack
-        noise = _noise(space, g_free, forces)
+        pulled = g_free - b @ initial
+        wrong = space.product(forces) + delta * forces + pulled - slack
+        missed = balance.elongations - b.T @ forces - balance.yields @ initial
+        noise = _noise(space, pulled, forces)
         either = np.minimum(root**2 * forces, slack)
-        if (np.maximum(either, np.abs(wrong)) <= noise).all():
+        unsolved = np.abs(missed).max(initial=0.0) > noise.max()
+        if not unsolved and (np.maximum(either, np.abs(wrong)) <= noise).all():
             active = root**2 * forces > slack
             return ContactForces(
                 forces=np.where(active, forces, 0.0),
                 slack=np.where(active, 0.0, slack),
                 active=active,
                 iterations=iterations,
+                initial=initial,
             )
-        solve = space.yielding(slack / forces)
+        # A part of round-off keeps points apart that depend on each other.
+        close = space.closing(every, slack / forces + delta + ROUND_OFF * root**2)
         mean, aim = forces @ slack / len(forces), np.zeros_like(forces)
         for share in (1.0, INSIDE):
-            pressed = solve(aim / forces - slack - wrong)
+            gaps = wrong + slack - aim / forces
+            pressed, pulled = balance.solved(close, every, gaps, missed)
             parted = (aim - slack * (forces + pressed)) / forces
             outward = np.minimum(pressed / forces, parted / slack).min()
             length = min(1.0, share / max(-outward, np.finfo(float).tiny))
             left = (forces + length * pressed) @ (slack + length * parted) / len(forces)
             aim = (left / mean) ** 3 * mean - pressed * parted
         forces, slack = forces + length * pressed, slack + length * parted
-        iterations += 1
+        initial, iterations = initial + length * pulled, iterations + 1
     message = (
         f"the contact problem of {len(g_free)} points did not settle: its flexibility matrix is "
         "not positive semidefinite, or round-off hides that it is; check that the stiffness matrix "
@@ -204,20 +284,22 @@ def largest(values: Vector) -> float:
     return float(np.abs(values).max()) if values.size else 0.0
 
 
-def _proximal_point(space: ActiveSetSpace, g_free: Vector, active: Mask) -> ContactForces:
+def _proximal_point(
+    space: ActiveSetSpace, g_free: Vector, active: Mask, balance: Balance
+) -> ContactForces:
     """Solve with H + δ I, feeding δ times the last forces back into the gap until it is closed."""
     delta = PROXIMAL_FRACTION * float(space.diagonal.max())
-    regular = space.shifted(delta)
     forces = np.zeros_like(g_free)
     iterations = 0
     for _ in range(200):
-        step = _pivot(regular, g_free - delta * forces, active)
+        step = _pivot(space, g_free - delta * forces, active, balance, delta)
         iterations += step.iterations
         residual = delta * np.abs(step.forces - forces).max()
         forces, active = step.forces, step.active
-        if residual <= _noise(space, g_free, forces).max():
-            slack = np.maximum(space.product(forces) + g_free, 0.0)
-            return ContactForces(forces=forces, slack=slack, active=active, iterations=iterations)
+        pulled = g_free - balance.closing @ step.initial
+        if residual <= _noise(space, pulled, forces).max():
+            slack = np.maximum(space.product(forces) + pulled, 0.0)
+            return replace(step, slack=slack, iterations=iterations)
     message = (
         f"hard contact at {len(g_free)} points was not closed to round-off (remaining gap "
         f"{residual:.1e}); use nodal quadrature or a penalty"

@@ -9,7 +9,7 @@ import numpy as np
 import scipy.linalg as la
 from scipy.linalg import blas, lapack
 
-from faying._typing import Mask, Matrix, Vector, frozen
+from faying._typing import Indices, Mask, Matrix, Vector, frozen
 from faying.contact.active_set import ROUND_OFF, ContactForces, solve_complementarity
 from faying.exceptions import ModelError
 
@@ -30,51 +30,30 @@ class DensePoints:
         """Diagonal of H."""
         return np.diag(self.H).copy()
 
-    def equilibrate(self, g_free: Vector, active: Mask) -> tuple[Vector, Vector]:
-        """Return the forces that close the active gaps, and the slack of all points."""
-        points, forces = np.flatnonzero(active), np.zeros_like(g_free)
-        if not len(points):
-            return forces, g_free.copy()
-        factor, regular = self._factorized(active)
-        if not regular:
-            message = "singular active block"
-            raise la.LinAlgError(message)
-        # Two triangular substitutions take half the time of LAPACK's, which is made for many.
-        half = blas.dtrsv(factor, -g_free[points], lower=1)
-        forces[points] = blas.dtrsv(factor, half, lower=1, trans=1, overwrite_x=1)
-        # A product with all of H beats gathering its active columns.
-        slack = self.H @ forces + g_free
-        slack[active] = 0.0
-        return forces, slack
-
     def product(self, forces: Vector) -> Vector:
         """Return H λ."""
         result: Vector = self.H @ forces
         return result
 
-    def yielding(self, added: Vector) -> Callable[[Vector], Vector]:
-        """Return what returns the forces under which gaps (n_point,) are (H + diag(added)) λ."""
-        matrix = self.H.copy()
-        matrix.flat[:: len(matrix) + 1] += added
-        factor, failed = lapack.dpotrf(matrix.T, lower=1, overwrite_a=1, clean=0)
-        if failed:
-            message = "the flexibility is not positive semidefinite"
-            raise la.LinAlgError(message)
-        return lambda gaps: np.asarray(lapack.dpotrs(factor, gaps, lower=1)[0])
-
-    def shifted(self, delta: float) -> "DensePoints":
-        """Return the space of H + δ I."""
-        return DensePoints(H=self.H + delta * np.eye(len(self.H)))
-
-    def _factorized(self, active: Mask) -> tuple[Matrix, bool]:
-        """Return the lower Cholesky factor of an active block, and whether it is regular."""
-        points = np.flatnonzero(active)
+    def closing(self, points: Indices, added: Vector) -> Callable[[Matrix], Matrix]:
+        """Return what returns the forces (n, k) that close gaps (n, k) of points."""
         # H is symmetric, so the transpose is the same block in the column order LAPACK works on.
         block = self.H.take(points, axis=0)[:, points].T
+        block[np.diag_indices_from(block)] += added
         factor, failed = lapack.dpotrf(block, lower=1, overwrite_a=1, clean=0)
         pivots = np.diag(factor)
-        smallest, biggest = pivots.min(initial=np.inf), pivots.max(initial=0.0)
-        return factor, not failed and bool(smallest >= SINGULAR_PIVOT * biggest)
+        rigid = pivots[added == 0.0].min(initial=np.inf)
+        if failed or rigid < SINGULAR_PIVOT * pivots.max(initial=0.0):
+            message = "singular active block"
+            raise la.LinAlgError(message)
+
+        def forces(gaps: Matrix) -> Matrix:
+            if not len(points):
+                return gaps
+            half = blas.dtrsm(-1.0, factor, gaps, lower=1)
+            return np.asarray(blas.dtrsm(1.0, factor, half, lower=1, trans_a=1, overwrite_b=1))
+
+        return forces
 
 
 __all__ = ["ContactForces", "ContactProblem", "contact_problem"]

@@ -23,8 +23,8 @@ import numpy as np
 from scipy.linalg import LinAlgError
 
 from faying._typing import Matrix
-from faying.contact.laws_at_points import LawsAtPoints
-from faying.contact.newton_steps import NewtonSteps
+from faying.contact.forced_laws import Admitting
+from faying.contact.newton_steps import NewtonSteps, at_least
 
 LEAST_YIELD = 1e-6
 """Least that points yield, over what the structure yields at them.
@@ -64,7 +64,7 @@ class FixedBounds:
     """
 
     steps: NewtonSteps
-    laws: LawsAtPoints
+    laws: Admitting
     z_free: Matrix
     about: Matrix
 
@@ -95,9 +95,8 @@ class FixedBounds:
     @cached_property
     def _yield(self) -> Matrix:
         """Y (3, n_point), one where nothing yields."""
-        floor = LEAST_YIELD * self.steps.own
-        yields = np.maximum(self.laws.closure(self.about)[1], floor)
-        return np.where((yields > 0) & np.isfinite(yields), yields, 1.0)
+        yields = at_least(LEAST_YIELD * self.steps.own, self.laws.closure(self.about)[1])
+        return np.where((yields != 0) & np.isfinite(yields), yields, 1.0)
 
     def _judged(self, x: Matrix, y: Matrix) -> tuple[Matrix, Matrix]:
         """Return forces that the right side of (F1a) makes admissible, and x less that side."""

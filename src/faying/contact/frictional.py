@@ -23,6 +23,8 @@ import scipy.sparse as sp
 from faying._typing import Matrix, SparseMatrix, Vector, read_only
 from faying.contact.contact import Contact
 from faying.contact.fixed_bounds import FixedBounds
+from faying.contact.forced_laws import Admitting, ForcedLaws
+from faying.contact.forced_springs import ForcedSprings
 from faying.contact.increment import Increment, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_steps import NewtonSteps
@@ -92,10 +94,14 @@ class FrictionalContact:
         Gaps, tangential displacements and laws.
     S : (n_relative, n_relative) [length/force]
         Compliance between pairs.
+    springs
+        Those that are known by their forces, if any: points behind all others, where initial forces
+        make elongations.
     """
 
     contact: Contact
     S: Matrix
+    springs: ForcedSprings | None = None
 
     def moved_by(self, forces: Vector) -> Vector:
         """Return S p (n_relative,) [length] of forces between the pairs."""
@@ -107,12 +113,29 @@ class FrictionalContact:
         return LawsAtPoints(contact=self.contact)
 
     @cached_property
+    def _laws(self) -> Admitting:
+        """What points admit and yield, and springs."""
+        return self.laws if self.springs is None else ForcedLaws(self.laws, self.springs.stiffness)
+
+    @cached_property
     def steps(self) -> NewtonSteps:
         """The linear systems of Newton steps."""
         rows, n = self.contact.rows, 3 * self.contact.n_points
         if rows.shape[0] < n:
             rows = sp.vstack([rows, sp.csr_array((n - rows.shape[0], rows.shape[1]))]).tocsr()
-        return NewtonSteps(G=read_only(rows), S=self.S)
+        if self.springs is None:
+            return NewtonSteps(G=read_only(rows), S=self.S)
+        springs = self.springs
+        k, shape = len(springs.stiffness), (len(springs.stiffness), rows.shape[1])
+        parts = [rows[first : first + n // 3] for first in range(0, n, n // 3)]
+        elongations = [sp.eye_array(k), sp.csr_array((k, k)), sp.csr_array((k, k))]
+        blocks = [
+            block
+            for part, own in zip(parts, elongations, strict=True)
+            for block in ([part, None], [sp.csr_array(shape), own])
+        ]
+        S = np.block([[self.S, -springs.columns.T], [-springs.columns, springs.between]])
+        return NewtonSteps(G=read_only(sp.block_array(blocks).tocsr()), S=S)
 
     @property
     def G(self) -> SparseMatrix:
@@ -122,7 +145,7 @@ class FrictionalContact:
     @cached_property
     def D(self) -> Matrix:
         """What the laws yield per force, to the first of it (3, n_point) [length/force]."""
-        return self.laws.closure(np.zeros((3, self.contact.n_points)))[1]
+        return self._laws.closure(np.zeros_like(self.steps.own))[1]
 
     @property
     def friction(self) -> Vector:
@@ -132,11 +155,16 @@ class FrictionalContact:
     @cached_property
     def scale(self) -> Matrix:
         """Factors r of (F1) (3, n_point) [force/length], one over the diagonal of H and more."""
-        total = self.steps.own + self.D
+        total = self.steps.own + np.maximum(self.D, 0.0)
         usable = (total > 0) & np.isfinite(total)
         scale = np.where(usable, 1.0 / np.where(usable, total, 1.0), 1.0)
         scale[1:] *= TANGENTIAL_SCALE
         return np.asarray(scale)
+
+    @cached_property
+    def _softness(self) -> Matrix:
+        """What proximal points yield (3, n_point) [length/force]: as much as the structure."""
+        return np.where(self.D < 0, 0.0, self.steps.own)
 
     def about(self, state: Increment) -> "FrictionalContact":  # noqa: ARG002
         """Return itself: forces are unknowns wherever a path is."""
@@ -147,6 +175,10 @@ class FrictionalContact:
         z_free = self.contact.moved(free) + offset
         increment = self.solve_slack(z_free, None if start is None else start.forces)
         return replace(increment, moved=displaced(self, free, increment.forces))
+
+    def loosened(self, springs: ForcedSprings) -> "LoosenedFrictional":
+        """Return the solver with springs that are known by their forces."""
+        return LoosenedFrictional(solver=replace(self, springs=springs), columns=springs.columns)
 
     def solve_slack(self, z_free: Matrix, start: Matrix | None = None) -> Increment:
         """Solve one increment whose points move by z_free (3, n_point) without contact forces.
@@ -182,18 +214,18 @@ class FrictionalContact:
         return Increment(
             forces=x,
             slack=self._slack(x, z_free),
-            moved=np.zeros(len(self.S)),
+            moved=np.zeros(len(self.steps.S)),
             iterations=steps,
             residual=left,
         )
 
     def _slack(self, x: Matrix, z_free: Matrix, added: float = 0.0) -> Matrix:
-        slack: Matrix = self.steps.moved(x) + self.laws.closure(x)[0] + z_free
-        return slack + added * self.steps.own * x if added else slack
+        slack: Matrix = self.steps.moved(x) + self._laws.closure(x)[0] + z_free
+        return slack + added * self._softness * x if added else slack
 
     def _residual(self, x: Matrix, z: Matrix, pressing: Vector | None) -> Matrix:
         """F of (F1), with tangential forces held by fixed normal ones where they are given."""
-        return np.asarray(x - self.laws.admissible(x - self.scale * z, pressing))
+        return np.asarray(x - self._laws.admissible(x - self.scale * z, pressing))
 
     def _newton(
         self,
@@ -244,8 +276,8 @@ class FrictionalContact:
         added: float = 0.0,
     ) -> Matrix:
         """Return the Newton step dx (3, n_point)."""
-        slope = self.laws.derivative(x - self.scale * z, pressing)
-        compliance = self.laws.closure(x)[1] + added * self.steps.own
+        slope = self._laws.derivative(x - self.scale * z, pressing)
+        compliance = self._laws.closure(x)[1] + added * self._softness
         return self.steps.step(wrong, slope, self.scale, compliance)
 
     def _by_proximal_points(self, z_free: Matrix, x: Matrix) -> tuple[Matrix, int, float]:
@@ -256,7 +288,7 @@ class FrictionalContact:
         """
         steps, added, left = 0, SOFTEST, np.inf
         for _ in range(MOST_PROXIMAL):
-            shifted = z_free - added * self.steps.own * x
+            shifted = z_free - added * self._softness * x
             candidate, more, left = self._newton(shifted, x, None, STEPS_TO_FALL, added=added)
             steps += more
             x = candidate if left <= SOLVED else x
@@ -294,14 +326,41 @@ class FrictionalContact:
         """
         steps, left = 0, np.inf
         for _ in range(MOST_BOUNDS):
-            about = self.laws.admissible(x, None)
-            bounded = FixedBounds(steps=self.steps, laws=self.laws, z_free=z_free, about=about)
+            about = self._laws.admissible(x, None)
+            bounded = FixedBounds(steps=self.steps, laws=self._laws, z_free=z_free, about=about)
             x, bounded_steps = bounded.solve()
             candidate, more, left = self._newton(z_free, x, None)
             steps += bounded_steps + more
             if left <= SOLVED:
                 return candidate, steps, left
         return x, steps, left
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LoosenedFrictional:
+    """The same with springs that are known by their forces, whose initial ones move pairs."""
+
+    solver: FrictionalContact
+    columns: Matrix
+
+    def solve(
+        self,
+        free: Vector,
+        offset: Matrix,
+        elongations: Vector,
+        about: Vector,
+        start: Increment | None = None,
+    ) -> tuple[Increment, Vector]:
+        """Solve one increment; see :meth:`.ForcedContact.solve`."""
+        solver, n = self.solver, self.solver.contact.n_points
+        z_free, x = np.zeros((2, 3, n + len(about)))
+        z_free[:, :n], z_free[0, n:] = solver.contact.moved(free) + offset, elongations
+        x[:, :n], x[0, n:] = 0.0 if start is None else start.forces, about
+        found = solver.solve_slack(z_free, x)
+        forces, initial = found.forces[:, :n], found.forces[0, n:]
+        moved = displaced(solver, free, forces) - initial @ self.columns
+        return replace(found, forces=forces, slack=found.slack[:, :n], moved=moved), initial
 
 
 def _relative(wrong: Matrix, x: Matrix) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.contact.contact import Contact
+from faying.contact.forced_springs import ForcedSprings
 from faying.contact.laws_at_points import LawsAtPoints
 
 
@@ -79,6 +80,10 @@ class IncrementSolver(Protocol):
         """Return the solver of many increments about a state."""
         ...
 
+    def loosened(self, springs: ForcedSprings) -> "ForcedContact":
+        """Return the solver of increments with springs that are known by their forces."""
+        ...
+
     def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
         """Solve one increment.
 
@@ -88,6 +93,32 @@ class IncrementSolver(Protocol):
 
         Raises
         ------
+        ConvergenceError
+            If the increment is not solved.
+        """
+        ...
+
+
+class ForcedContact(Protocol):
+    """Solves increments with springs that are known by their forces, of other forces each."""
+
+    def solve(
+        self,
+        free: Vector,
+        offset: Matrix,
+        elongations: Vector,
+        about: Vector,
+        start: Increment | None = None,
+    ) -> tuple[Increment, Vector]:
+        """Return where contact stands, and the initial forces N₀ (n_spring,) of the springs.
+
+        Elongations are T/k − e₀ (n_spring,) [length] of (T1a), and initial forces are sought about
+        some (n_spring,). All else is as of :meth:`.IncrementSolver.solve`.
+
+        Raises
+        ------
+        LinAlgError
+            If nothing resists the springs.
         ConvergenceError
             If the increment is not solved.
         """

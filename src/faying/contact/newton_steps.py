@@ -92,7 +92,7 @@ class NewtonSteps:
         if not len(points):
             return dx
         blocks, r = slope[points], scale[:, points].T
-        yielding = np.maximum(compliance, PROXIMAL * self.own)[:, points].T
+        yielding = at_least(PROXIMAL * self.own, compliance)[:, points].T
         E = blocks * r[:, None, :]
         A = np.eye(3) - blocks + E * yielding[:, None, :]
         solved = np.linalg.solve(A, np.concatenate([E, dx[:, points].T[:, :, None]], axis=2))
@@ -128,3 +128,11 @@ class NewtonSteps:
             raise LinAlgError(message)
         forces[touched] = lapack.dgetrs(lu, pivots, right_side[touched], trans=1)[0]
         return forces
+
+
+def at_least(least: Matrix, compliance: Matrix) -> Matrix:
+    """Return what points yield, the least or more.
+
+    Springs that are known by their forces, which come out of the structure, yield less than zero.
+    """
+    return np.where(compliance < 0, compliance, np.maximum(compliance, least))

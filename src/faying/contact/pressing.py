@@ -2,16 +2,17 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import final
 
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.contact.active_set import ActiveSetSpace, solve_complementarity
+from faying.contact.active_set import ActiveSetSpace, Balance, solve_complementarity
 from faying.contact.between_pairs import BetweenPairs
 from faying.contact.contact import Contact
+from faying.contact.forced_springs import ForcedSprings
 from faying.contact.increment import Increment, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.exceptions import ConvergenceError, ModelError
@@ -65,22 +66,65 @@ class PressingContact:
             If there are no forces: the compliance is not positive semidefinite, or contact is hard
             at more points than the basis of a reduced model has modes, which the message says.
         """
+        return self._solved(free, offset, start, Balance.of_nothing(self.contact.n_points))[0]
+
+    def loosened(self, springs: ForcedSprings) -> "LoosenedPressing":
+        """Return the solver with springs that are known by their forces."""
+        return LoosenedPressing(solver=self, springs=springs)
+
+    def _solved(
+        self, free: Vector, offset: Matrix, start: Increment | None, balance: Balance
+    ) -> tuple[Increment, Vector]:
+        """Return where contact stands, and the initial forces of a balance."""
         g_free = self.contact.interpolation @ free + offset[0]
         if not np.isfinite(g_free).all():
             message = "the gap without contact forces holds NaN or infinity; check loads and model"
             raise ModelError(message)
         with _naming_few_modes(self.contact):
             active = None if start is None else start.forces[0] > 0
-            solution = solve_complementarity(self.space, g_free, active)
+            solution = solve_complementarity(self.space, g_free, active, balance)
         forces, slack = np.zeros(offset.shape), np.zeros(offset.shape)
         forces[0], slack[0] = solution.forces, solution.slack
-        return Increment(
+        increment = Increment(
             forces=forces,
             slack=slack,
             moved=displaced(self, free, forces),
             iterations=solution.iterations,
             residual=0.0,
         )
+        return increment, solution.initial
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LoosenedPressing:
+    """The same with springs that are known by their forces."""
+
+    solver: PressingContact
+    springs: ForcedSprings
+
+    @cached_property
+    def _closing(self) -> Matrix:
+        return np.asarray(self.solver.contact.interpolation @ self.springs.columns.T)
+
+    def solve(
+        self,
+        free: Vector,
+        offset: Matrix,
+        elongations: Vector,
+        about: Vector,
+        start: Increment | None = None,
+    ) -> tuple[Increment, Vector]:
+        """Solve one increment; see :meth:`.ForcedContact.solve`."""
+        balance = Balance(
+            closing=self._closing,
+            yields=self.springs.yields,
+            elongations=elongations,
+            about=about,
+        )
+        increment, initial = self.solver._solved(free, offset, start, balance)
+        moved = increment.moved - initial @ self.springs.columns
+        return replace(increment, moved=moved), initial
 
 
 @contextmanager

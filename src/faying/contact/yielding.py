@@ -10,6 +10,7 @@ from scipy.linalg import LinAlgError
 from faying._typing import Matrix, Vector
 from faying.contact.between_pairs import BetweenPairs, ByCompliance, Pressed
 from faying.contact.contact import Contact
+from faying.contact.forced_springs import ForcedSprings
 from faying.contact.frictional import FrictionalContact
 from faying.contact.glued_pairs import GluedPairs
 from faying.contact.increment import Increment, displaced
@@ -117,35 +118,110 @@ class YieldingContact:
         slides far as a whole turns tangential forces more than a step can tell, and points far
         stiffer than the structure leave displacements too few digits.
         """
-        if not np.isfinite(free).all():
-            message = "the gap without contact forces holds NaN or infinity; check loads and model"
-            raise ModelError(message)
+        _check_finite(free)
         try:
-            increment = self._solved(free, offset, start)
+            increment = self._solved(self.pairs, free, offset, start)
         except ConvergenceError as error:
-            if self.contact.remembers:
-                raise
-            try:
-                S = self.S
-            except ModelError:  # there is no room for it
-                raise error from None
-            return FrictionalContact(contact=self.contact, S=S).solve(free, offset, start)
+            return self._for_forces(error).solve(free, offset, start)
         return replace(increment, moved=displaced(self, free, increment.forces))
 
-    def _solved(self, free: Vector, offset: Matrix, start: Increment | None) -> Increment:
-        if self.shapes is None:
-            return solve_yielding(
-                self.laws, self.pairs, free, offset, start, moved_by=self.moved_by
-            )
-        moved = offset.copy()
-        moved[: self.laws.components] += (self.contact.rows @ free).reshape(-1, offset.shape[1])
-        if start is not None:
+    def loosened(self, springs: ForcedSprings) -> "LoosenedContact":
+        """Return the solver with springs that are known by their forces."""
+        return LoosenedContact(solver=self, springs=springs)
+
+    def _for_forces(self, error: ConvergenceError) -> FrictionalContact:
+        """Return the solver for forces where this one failed, and there is memory and room."""
+        if self.contact.remembers:
+            raise error
+        try:
+            return FrictionalContact(contact=self.contact, S=self.S)
+        except ModelError:  # there is no room for it
+            raise error from None
+
+    def _solved(
+        self,
+        pairs: GluedPairs | SparsePairs,
+        free: Vector,
+        offset: Matrix,
+        start: Increment | None,
+        pull: Vector | None = None,
+    ) -> Increment:
+        """Return the solution by some pairs under a pull, moved as far as their unknowns are."""
+        laws, shapes = self.laws, self.shapes
+        inverse = self.moved_by if shapes is None else pairs.resisted  # Σ of q is one
+        moved_by = inverse if pull is None else None
+        if shapes is None:
+            return solve_yielding(laws, pairs, free, offset, start, pull=pull, moved_by=moved_by)
+        at_first = offset.copy()
+        at_first[: laws.components] += (self.contact.rows @ free).reshape(-1, offset.shape[1])
+        if start is not None and pull is None:
             pressed = self.contact.at_pairs(start.forces[0], start.forces[1:])
-            start = replace(start, moved=self.shapes.T @ pressed)
-        nothing = np.zeros(self.shapes.shape[1])
-        return solve_yielding(
-            self.laws, self.pairs, nothing, moved, start, moved_by=self.pairs.resisted
-        )
+            start = replace(start, moved=shapes.T @ pressed)
+        elif start is not None:
+            # Forces of springs move them as well, and hold what nothing else does.
+            start = replace(start, moved=_coordinates(shapes, start.moved - free))
+        nothing = np.zeros(shapes.shape[1])
+        return solve_yielding(laws, pairs, nothing, at_first, start, pull=pull, moved_by=moved_by)
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LoosenedContact:
+    """The same with springs that are known by their forces.
+
+    With z = Σ c and M = 1/k − ι + cᵀ Σ c, (T1a) is
+
+        Σ (y − y₀) + z N₀ = Gᵀ λ,   zᵀ (y − y₀) + M N₀ = T/k − e₀,                           (T1)
+
+    so that Σ becomes Σ − z M⁻¹ zᵀ: a change of rank one for each spring.
+    """
+
+    solver: YieldingContact
+    springs: ForcedSprings
+
+    @cached_property
+    def _loosened(self) -> tuple[GluedPairs | SparsePairs, Matrix, Matrix]:
+        """The pairs without the springs, z and M."""
+        pairs, columns, shapes = self.solver.pairs, self.springs.columns, self.solver.shapes
+        if shapes is not None:
+            columns = _coordinates(shapes, columns.T).T
+        z = np.array([pairs.resisted(column) for column in columns])
+        yields = self.springs.yields + columns @ z.T
+        return pairs.loosened(z, yields), z, yields
+
+    def solve(
+        self,
+        free: Vector,
+        offset: Matrix,
+        elongations: Vector,
+        about: Vector,
+        start: Increment | None = None,
+    ) -> tuple[Increment, Vector]:
+        """Solve one increment; see :meth:`.ForcedContact.solve`."""
+        _check_finite(free)
+        pairs, z, yields = self._loosened
+        pull, shapes = z.T @ np.linalg.solve(yields, elongations), self.solver.shapes
+        try:
+            increment = self.solver._solved(pairs, free, offset, start, pull)
+        except ConvergenceError as error:
+            by_forces = self.solver._for_forces(error).loosened(self.springs)
+            return by_forces.solve(free, offset, elongations, about, start)
+        moved = increment.moved if shapes is not None else increment.moved - free
+        initial = np.asarray(np.linalg.solve(yields, elongations - z @ moved), dtype=float)
+        if shapes is not None:
+            increment = replace(increment, moved=free + shapes @ moved)
+        return increment, initial
+
+
+def _coordinates(shapes: Matrix, moved: Matrix) -> Matrix:
+    """Return q of displacements Y q (n_relative,) or (n_relative, k)."""
+    return np.asarray(np.linalg.lstsq(shapes, moved)[0], dtype=float)
+
+
+def _check_finite(free: Vector) -> None:
+    if not np.isfinite(free).all():
+        message = "the gap without contact forces holds NaN or infinity; check loads and model"
+        raise ModelError(message)
 
 
 def _check_stiffness(contact: Vector, structure: Vector | float) -> None:

@@ -16,7 +16,7 @@ from faying.contact.contact import Contact
 from faying.contact.laws import Curve, Law, normal_law
 from faying.digits import ROUND_OFF
 from faying.display.facts import Shown, with_unit
-from faying.exceptions import naming
+from faying.exceptions import ModelError, naming
 from faying.interface.averaging import averaging_operator, facet_columns
 from faying.interface.coupling import Coupling
 from faying.interface.relative_displacement import axes_of, tangents_of, times_normals
@@ -101,6 +101,17 @@ class Interface(Frozen, Shown):
     quadrature: str
     coupling: Coupling | None = None
     declared_area: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse hard contact with friction at points that contradict each other."""
+        rigid = self.law.friction > 0 and np.isinf(self.penalty)
+        if rigid and self.quadrature != "nodal" and self.n_points > len(self.pairs):
+            message = (
+                f"interface '{self.name}': contact is hard, with friction, at {self.n_points} "
+                f"points by {self.quadrature} between {len(self.pairs)} node pairs; so many rigid "
+                "points contradict each other: take quadrature = 'nodal', or a penalty"
+            )
+            raise ModelError(message)
 
     @property
     def facts(self) -> Mapping[str, str]:

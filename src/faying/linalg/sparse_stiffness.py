@@ -79,8 +79,8 @@ class SparseStiffness:
         both = self.matrix + self._transposed @ springs @ self.ports
         return factorize_definite(both.tocsr())
 
-    def pressing(self, rows: SparseMatrix, D: Vector) -> Callable[[Matrix], tuple[Matrix, Matrix]]:
-        """Return what returns forces λ that close gaps (n_row, k), and what they move (n_port, k).
+    def pressing(self, rows: SparseMatrix, D: Vector) -> Callable[[Matrix], Matrix]:
+        """Return what returns forces λ (n_row, k) that close gaps (n_row, k).
 
         Rows N (n_row, n_port) take displacements of ports to gaps, which yield D λ besides:
 
@@ -102,11 +102,10 @@ class SparseStiffness:
         saddle = sp.block_array([[self.matrix, G.T], [G, sp.diags_array(-D * size**2)]])
         factors = factorize_saddle(saddle.tocsr())
 
-        def closing(gaps: Matrix) -> tuple[Matrix, Matrix]:
+        def closing(gaps: Matrix) -> Matrix:
             right = np.zeros((saddle.shape[0], gaps.shape[1]))
             right[n:] = -size[:, None] * gaps
-            solved = factors.solve(right)
-            return -size[:, None] * solved[n:], np.asarray(self.ports @ solved[:n])
+            return np.asarray(-size[:, None] * factors.solve(right)[n:])
 
         return closing
 

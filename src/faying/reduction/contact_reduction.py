@@ -10,6 +10,7 @@ import numpy as np
 from faying._typing import Mask, Matrix, Vector
 from faying.contact.condensed import CondensedContact, ContactSolver
 from faying.contact.contact import Contact
+from faying.contact.forced_springs import ForcedSprings
 from faying.contact.increment import Increment, IncrementSolver, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.exceptions import ModelError
@@ -85,6 +86,14 @@ class ReducedContact:
 
         Active points are those in contact of a similar case.
         """
+
+    def loosened(self, springs: ForcedSprings) -> NoReturn:  # noqa: ARG002
+        """Refuse: bolts are tightened in the whole model."""
+        message = (
+            "a reduced set of contact forces (DEIM, force bases) does not tell the initial forces "
+            "of bolts; tighten the model that it was made of"
+        )
+        raise ModelError(message)
 
     @property
     def frictional(self) -> NoReturn:

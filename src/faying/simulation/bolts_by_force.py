@@ -1,45 +1,17 @@
-"""Joints whose bolts are known by their forces: initial forces are unknown beside contact.
-
-A bolt of stiffness k whose force is T has the initial force N₀ = T − k e (e its elongation): the
-structure without the bolt's spring, pulled together by T. With y₀ and e₀ what everything else does
-and c, ι the displacement of pairs and bolt per initial force, one contact problem gives both,
-
-    Σ (y − y₀) + z N₀ = Gᵀ λ,   zᵀ (y − y₀) + M N₀ = T/k − e₀,                               (T1)
-    z = Σ c,   M = 1/k − ι + cᵀ Σ c,
-
-so that Σ becomes Σ − z M⁻¹ zᵀ: a change of rank one for each bolt.
-"""
+"""Joints whose bolts are known by their forces: initial forces are unknown beside contact."""
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import cast, final
+from typing import final
 
 import numpy as np
 from scipy.linalg import LinAlgError
 
 from faying._typing import Indices, Matrix, Vector
-from faying.contact.glued_pairs import GluedPairs
-from faying.contact.increment import Increment
-from faying.contact.newton_descent import solve_yielding
-from faying.contact.sparse_pairs import SparsePairs
-from faying.contact.yielding import YieldingContact
+from faying.contact.forced_springs import ForcedSprings
+from faying.contact.increment import ForcedContact, Increment
 from faying.exceptions import ConvergenceError
 from faying.joint.system import Joint
-
-MOST_TRIALS = 30
-"""Initial forces tried until bolts have their forces; 3 to 5 are usual."""
-
-FORCE_TOLERANCE = 1e-10
-"""Deviation of a bolt force from its target over the largest target, at which trials end.
-
-Round-off leaves 1e-12 where contact alone holds a part and springs of 1 N/mm its rigid motion.
-"""
-
-LAST_DIGITS = 1e-15
-"""What round-off leaves of a bolt force, over the initial force: some units in the last place."""
-
-LEAST_SHARE = 1e-3
-"""Bolt force per initial force at least, of a bolt that must close a gap first."""
 
 
 @final
@@ -74,69 +46,27 @@ class BoltsByForce:
 
         Notes
         -----
-        One contact problem. Where contact is hard, or the compliance between pairs singular, one
-        for each of some trials.
+        One contact problem, (T1).
         """
+        ports, springs = self.joint.port_compliance, self._springs
         others = locked.copy()
         others[self.bolts] = 0.0
-        try:
-            increment = self._at_once(forces, others, slip, start)
-        except (LinAlgError, ConvergenceError):
-            increment = None
-        return self._by_trial(forces, locked, slip, start) if increment is None else increment
-
-    def _at_once(
-        self, forces: Vector, others: Vector, slip: Matrix | float, start: Increment | None
-    ) -> tuple[Increment, Vector] | None:
-        """Solve (T1) where contact yields and Σ exists."""
-        ports, solver = self.joint.port_compliance, self.joint.static_contact.increments
-        if not isinstance(solver, YieldingContact) or solver.shapes is not None:
-            return None
         free = -others @ ports.contact_columns[ports.bolts]
         rows = ports.input_rows[ports.bolts, ports.bolts]
-        elongations = forces / self._stiffness + rows[self.bolts] @ others
-        pairs, shapes, yields = self._loosened
-        pull = shapes.T @ np.linalg.solve(yields, elongations)
-        offset = self.joint.contact.offset(slip)
-        increment = solve_yielding(solver.laws, pairs, free, offset, start, pull=pull)
-        initial = others.copy()
-        initial[self.bolts] = np.linalg.solve(
-            yields, elongations - shapes @ (increment.moved - free)
-        )
-        return increment, initial
-
-    def _by_trial(
-        self, forces: Vector, locked: Vector, slip: Matrix | float, start: Increment | None
-    ) -> tuple[Increment, Vector]:
-        """Find the initial forces by a quasi-Newton method, a contact problem for each trial.
-
-        C. G. Broyden, Math. Comp. 19 (1965) 577, doi:10.1090/S0025-5718-1965-0198670-6.
-        """
-        initial, slope = locked.copy(), np.eye(len(self.bolts))
-        initial[self.bolts] = np.maximum(initial[self.bolts], forces)
-        tolerance = FORCE_TOLERANCE * np.abs(forces).max()
-        increment = self.at(initial, slip, start)
-        reached = forces_of_bolts(self.joint, initial, increment)[self.bolts]
-        for trial in range(MOST_TRIALS):
-            miss = forces - reached
-            if np.abs(miss).max() <= max(tolerance, LAST_DIGITS * np.abs(initial).max()):
-                return increment, initial
-            if trial == 0:
-                # Without gaps forces are in proportion to initial ones.
-                slope = np.diag(np.maximum(reached / initial[self.bolts], LEAST_SHARE))
-            change = np.linalg.solve(slope, miss)
-            initial = initial.copy()
-            initial[self.bolts] += change
-            increment, previous = self.at(initial, slip, start), reached
-            reached = forces_of_bolts(self.joint, initial, increment)[self.bolts]
-            unexpected = reached - previous - slope @ change
-            slope = slope + np.outer(unexpected, change) / (change @ change)
-        worst = int(np.abs(miss).argmax())
-        message = (
-            f"bolt '{list(self.joint.bolts)[self.bolts[worst]]}' cannot be tightened to "
-            f"{forces[worst]:g}: what it pulls at gives way; check that it clamps an interface"
-        )
-        raise ConvergenceError(message)
+        elongations = forces / springs.stiffness + rows[self.bolts] @ others
+        about, offset = np.maximum(locked[self.bolts], forces), self.joint.contact.offset(slip)
+        try:
+            increment, initial = self._loosened.solve(free, offset, elongations, about, start)
+        except LinAlgError:
+            names = np.array(list(self.joint.bolts))[self.bolts]
+            message = (
+                f"bolt{'s' * (len(names) > 1)} {', '.join(names)} cannot be tightened to "
+                f"{', '.join(f'{force:g}' for force in forces)}: what they pull at gives way; "
+                "check that each clamps an interface"
+            )
+            raise ConvergenceError(message) from None
+        others[self.bolts] = initial
+        return increment, others
 
     def at(self, initial: Vector, slip: Matrix | float, start: Increment | None) -> Increment:
         """Return where contact stands with all initial forces (n_bolt,) given."""
@@ -144,23 +74,21 @@ class BoltsByForce:
         free, offset = -initial @ ports.contact_columns[ports.bolts], contact.offset(slip)
         return self.joint.static_contact.increments.solve(free, offset, start)
 
-    @property
-    def _stiffness(self) -> Vector:
-        """K (n_known,)."""
+    @cached_property
+    def _springs(self) -> ForcedSprings:
+        """The known bolts."""
+        ports, bolts = self.joint.port_compliance, self.bolts
         every = list(self.joint.bolts.values())
-        return np.array([every[bolt].stiffness for bolt in self.bolts])
+        return ForcedSprings(
+            columns=ports.contact_columns[ports.bolts][bolts],
+            between=ports.input_rows[ports.bolts, ports.bolts][np.ix_(bolts, bolts)],
+            stiffness=np.array([every[bolt].stiffness for bolt in bolts]),
+        )
 
     @cached_property
-    def _loosened(self) -> tuple[GluedPairs | SparsePairs, Matrix, Matrix]:
-        """The pairs without the springs of the known bolts, z and M."""
-        pairs = cast("YieldingContact", self.joint.static_contact.increments).pairs
-        ports, bolts = self.joint.port_compliance, self.bolts
-        columns = ports.contact_columns[ports.bolts][bolts]
-        rows = ports.input_rows[ports.bolts, ports.bolts]
-        shapes = np.array([pairs.resisted(column) for column in columns])
-        core = np.diag(1.0 / self._stiffness) - rows[np.ix_(bolts, bolts)]
-        yields = core + columns @ shapes.T
-        return pairs.loosened(shapes, yields), shapes, yields
+    def _loosened(self) -> ForcedContact:
+        """The contact of the joint without their springs."""
+        return self.joint.static_contact.increments.loosened(self._springs)
 
 
 def forces_of_bolts(system: Joint, initial: Vector, contact: Increment) -> Vector:

@@ -63,11 +63,10 @@ def test_it_is_not_formed(sparse):
 def test_forces_that_close_gaps(sparse, dense, yields):
     rows = sp.csr_array(RANDOM.standard_normal((5, 12)))
     gaps = RANDOM.standard_normal((5, 2))
-    forces, moved = sparse.stiffness.pressing(rows, np.full(5, yields))(gaps)
+    forces = sparse.stiffness.pressing(rows, np.full(5, yields))(gaps)
     N = rows.toarray()
     exact = -np.linalg.solve(N @ dense @ N.T + yields * np.eye(5), gaps)
     np.testing.assert_allclose(forces, exact, rtol=1e-9)
-    np.testing.assert_allclose(moved, dense @ N.T @ exact, rtol=1e-8)
 
 
 def test_gaps_that_depend_on_each_other_are_refused(sparse):

@@ -14,7 +14,7 @@ from faying.contact.yielding import YieldingContact
 from faying.exceptions import ConvergenceError, ModelError
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
-from faying.simulation import bolts_by_force
+from faying.simulation.bolts_by_force import BoltsByForce
 from faying.simulation.cycles import load_work, loop_area
 from faying.simulation.path import follow, moved_alone, path_inputs, path_start
 from faying.simulation.start import released_state
@@ -422,12 +422,15 @@ def test_bolts_that_are_locked_already_come_first():
     assert none.tightening.bolt_forces.shape == (0, 2)
 
 
-def test_forces_that_no_turning_reaches_are_refused(monkeypatch):
-    """Of bolts that pull at what gives way, the one that is farthest off is named."""
-    system, goal = sliders(lean=120.0), {"b": 12.0, "a": 8.0}
-    monkeypatch.setattr(bolts_by_force, "MOST_TRIALS", 1)
-    with pytest.raises(ConvergenceError, match=r"bolt 'b' cannot be tightened to 12: .* gives way"):
-        tightened_joint(system, goal, increments=1)
+@pytest.mark.parametrize("sideways", [0.0, 350.0])
+def test_bolts_that_pull_at_what_gives_way_are_refused(sideways):
+    """As those that are stiffer than all that resists them, contact included."""
+    system = sliders(lean=120.0, sideways=sideways)
+    stiff = {n: replace(bolt, stiffness=1e9) for n, bolt in system.bolts.items()}
+    problem = BoltsByForce(joint=replace(system, bolts=stiff), bolts=np.array([1, 0]))
+    message = r"bolts b, a cannot be tightened to 12, 8: .* gives way"
+    with pytest.raises(ConvergenceError, match=message):
+        problem.solve(np.array([12.0, 8.0]), np.zeros(2), 0.0, None)
 
 
 @pytest.mark.parametrize("load", [pulled(3.0, -2.0), pulled(3.0, -2.0, {"a": 0.0, "b": 20.0})])

@@ -442,6 +442,16 @@ def test_friction_after_tightening_begins_without_traction(tmp_path):
     )
 
 
+@pytest.mark.parametrize("given", ["penalty", "friction"])
+def test_hard_friction_at_more_points_than_pairs_is_refused(given):
+    """Before anything is computed, whichever comes last; alone each is as good as any."""
+    model = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0, penalty=1e5)
+    model = model.with_friction(0.2) if given == "penalty" else model.with_penalty(np.inf)
+    message = r"interface 'joint': .* hard, with friction, at 32 points .* 15 node pairs; .*'nodal'"
+    with pytest.raises(ModelError, match=message):
+        _ = model.with_penalty(np.inf) if given == "penalty" else model.with_friction(0.2)
+
+
 def test_interfaces_may_have_laws_of_their_own(tmp_path):
     text = """
 [model]

@@ -1,0 +1,43 @@
+"""Springs across the pairs that are known by their forces, as bolts while they are tightened.
+
+A spring of stiffness k whose force is T has the initial force N₀ = T − k e, e its elongation. With
+c and ι the displacement of pairs and spring per initial force, p the forces between the pairs, and
+y₀ and e₀ what everything else does,
+
+    y = y₀ + S p − c N₀,   cᵀ p + (1/k − ι) N₀ = T/k − e₀.                                  (T1a)
+
+1/k − ι vanishes where nothing but the spring holds a part: N₀ is then the multiplier of forces that
+must balance.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ForcedSprings:
+    """Springs that the structure between the pairs contains.
+
+    Attributes
+    ----------
+    columns : (n_spring, n_relative) [length/force]
+        c.
+    between : (n_spring, n_spring) [length/force]
+        ι.
+    stiffness : (n_spring,) [force/length]
+        k.
+    """
+
+    columns: Matrix
+    between: Matrix
+    stiffness: Vector
+
+    @property
+    def yields(self) -> Matrix:
+        """1/k − ι (n_spring, n_spring)."""
+        return np.asarray(np.diag(1.0 / self.stiffness) - self.between)
