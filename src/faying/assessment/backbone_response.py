@@ -26,6 +26,7 @@ from faying.assessment.response_curve import (
     rows_of,
 )
 from faying.assessment.stuck_modes import StuckModes, stuck_modes
+from faying.digits import SOLVED
 from faying.exceptions import ModelError
 from faying.joint.system import System, input_forces
 from faying.simulation.load import Load, harmonic_inputs
@@ -249,7 +250,7 @@ class _Estimate:
     def of(cls, backbone: Backbone, linear: LinearResponse) -> "_Estimate":
         number = backbone.mode - 1
         forced = complex(linear.forced[number])
-        if not abs(forced) > 1e-9 * float(np.abs(linear.forced).max(initial=0.0)):
+        if not abs(forced) > SOLVED * float(np.abs(linear.forced).max(initial=0.0)):
             message = f"the load does no work on mode {backbone.mode}; load a place that it moves"
             raise ModelError(message)
         order = np.argsort(backbone.modal_amplitude)

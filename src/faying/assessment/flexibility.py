@@ -12,10 +12,7 @@ import scipy.linalg as la
 
 from faying._typing import Matrix, Vector
 from faying.contact.dense_points import SINGULAR_PIVOT
-from faying.digits import ROUND_OFF
-
-LARGEST_MISS = 1e-8
-"""A force functional that misses the range of a singular H by this fraction is unbounded."""
+from faying.digits import ROUND_OFF, SOLVED
 
 
 @final
@@ -48,7 +45,7 @@ class Flexibility:
         """Return √(ℓᵀ H⁺ ℓ) (k,) of force functionals ℓ (k, n_point); infinite off the range."""
         norms = np.linalg.norm(self.half(functionals), axis=-1)
         missed = np.linalg.norm(functionals - self.projected(functionals), axis=-1)
-        return np.where(missed > LARGEST_MISS * np.linalg.norm(functionals, axis=-1), np.inf, norms)
+        return np.where(missed > SOLVED * np.linalg.norm(functionals, axis=-1), np.inf, norms)
 
     @cached_property
     def point_norms(self) -> Vector:
@@ -57,7 +54,7 @@ class Flexibility:
         if self.range_basis is None:
             return np.asarray(norms)
         missed = 1.0 - (self.range_basis**2).sum(axis=1)
-        return np.where(missed > LARGEST_MISS, np.inf, norms)
+        return np.where(missed > SOLVED, np.inf, norms)
 
     def projected(self, gaps: Matrix) -> Matrix:
         """Return gaps projected onto the range of H."""

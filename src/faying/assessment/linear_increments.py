@@ -11,6 +11,7 @@ from faying._typing import Frozen, Indices, Matrix, Vector
 from faying.assessment.slip import slip_history
 from faying.contact.dense_points import SINGULAR_PIVOT
 from faying.contact.frictional import FrictionalContact
+from faying.digits import DECK_DIGITS
 from faying.exceptions import ModelError
 from faying.joint.system import System, boundary_slices
 from faying.simulation.path import moved_alone
@@ -130,13 +131,6 @@ class Derivatives(Frozen):
         return np.asarray(np.einsum("...ipq,ipk->...pkq", values, tangents))
 
 
-LARGEST_RESIDUAL = 1e-7
-"""Natural residual over the largest force above which an increment is not the one of its load.
-
-A hundred times what increments are accepted at, ``SOLVED`` of the solver.
-"""
-
-
 @final
 @dataclass(frozen=True, eq=False)
 class LinearIncrement:
@@ -237,7 +231,8 @@ def linear_increments(solution: Solution, initial: Solution | None) -> Iterator[
         z = solver.steps.moved(x) + closure + contact.free_slack(moved, slip)
         tried = x - solver.scale * z
         residual = np.abs(x - solver.laws.admissible(tried, None)).max()
-        if residual > LARGEST_RESIDUAL * np.abs(x).max():
+        # Far above SOLVED, to which increments are accepted.
+        if residual > DECK_DIGITS * np.abs(x).max():
             message = (
                 f"load {number + 1} on the path is not one increment from the state before it: "
                 "it was divided, or the path began elsewhere; give smaller increments, or the "

@@ -7,6 +7,7 @@ import numpy as np
 
 from faying._typing import Frozen, Vector
 from faying.assessment.backbone import Backbone
+from faying.digits import SOLVED
 
 
 @final
@@ -80,7 +81,7 @@ def at_amplitudes(computed: Backbone, amplitude: Vector, values: Vector) -> Vect
     order = np.argsort(computed.amplitude)
     reached, logarithm = np.log(computed.amplitude[order]), np.log(amplitude)
     # The smallest and the largest amplitude count, whose last digits are round-off.
-    within = (logarithm >= reached[0] - 1e-9) & (logarithm <= reached[-1] + 1e-9)
+    within = (logarithm >= reached[0] - SOLVED) & (logarithm <= reached[-1] + SOLVED)
     return np.where(within, np.interp(logarithm, reached, values[order]), np.nan)
 
 

@@ -27,6 +27,7 @@ from faying.assessment.modal_cycles import (
     measured,
 )
 from faying.assessment.stuck_modes import StuckMode, stuck_mode
+from faying.digits import DECK_DIGITS
 from faying.display.facts import with_unit
 from faying.exceptions import ModelError, naming
 from faying.joint.system import System
@@ -34,10 +35,6 @@ from faying.simulation.cycles import MOST_CYCLES
 from faying.simulation.load import Load
 from faying.simulation.path import path_start, solve_path
 from faying.simulation.solution import Solution
-
-SMALLEST_CONTACT_SHARE = 1e-6
-"""Share of a mode's strain energy below which its contact does not take part in it."""
-
 
 SMALLEST_COMPANION = 0.05
 """Velocity of another mode over that of the one that is loaded, from which it is said."""
@@ -283,7 +280,7 @@ def _remarks(
     stuck: StuckMode, mode: int, rows: Sequence[ModalCycle], swing: Swing, measured_at: str
 ) -> tuple[str, ...]:
     remarks, unit = [], amplitude_unit(measured_at, swing.system.units)
-    if stuck.contact_share < SMALLEST_CONTACT_SHARE:
+    if stuck.contact_share < DECK_DIGITS:
         remarks.append(
             f"mode {mode} does not move the joint: its contact holds {stuck.contact_share:.1e} of "
             "the strain energy, so friction does not damp it"
@@ -291,7 +288,7 @@ def _remarks(
     elif not any(row.energy > 0 for row in rows):
         remarks.append(f"nothing slips in mode {mode} up to the largest amplitude")
     bound = 1.0 - swing.sticking(swing.start)[0]
-    if bound > 0 and stuck.contact_share >= SMALLEST_CONTACT_SHARE:
+    if bound > 0 and stuck.contact_share >= DECK_DIGITS:
         remarks.append(
             f"{bound:.0%} of the area in contact lies on its friction bound before the "
             "first load, which is softer for it than small vibrations are; their frequency is that "

@@ -10,15 +10,13 @@ from faying._typing import Indices, Matrix, Vector
 from faying.assessment.slip import ON_THE_BOUND
 from faying.assessment.stuck_modes import StuckMode, stuck_modes
 from faying.contact.increment import IncrementSolver
+from faying.digits import DECK_DIGITS
 from faying.exceptions import ModelError
 from faying.joint.system import System, boundary_slices
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.simulation.cycles import MOST_CYCLES, NO_LOSS, STATIONARY
 from faying.simulation.path import PathStep, follow
 from faying.simulation.solution import Solution
-
-SMALLEST_BOUNDARY_MOTION = 1e-6
-"""Displacement at a boundary, over that of the structure, below which a mode leaves it still."""
 
 SAME_MOTION = 0.99
 """Share of the largest displacement from which the first place that moves so far is measured:
@@ -85,7 +83,7 @@ def measured(system: System, mode: StuckMode, measured_at: str | None) -> tuple[
     best = _first(sizes, SAME_MOTION)
     name, direction, unit = names[best], moved[best], float(sizes[best])
     moves = np.abs(mode.shape).max(initial=0.0)
-    if not unit > SMALLEST_BOUNDARY_MOTION * moves:
+    if not unit > DECK_DIGITS * moves:
         message = (
             f"the mode of {mode.frequency:.6g} leaves '{name}' still; measure its amplitude "
             f"where it moves: at = a boundary, or one of its components as '{name}.rx'"

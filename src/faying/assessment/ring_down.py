@@ -23,7 +23,7 @@ from faying.simulation.solution import Solution
 from faying.simulation.transient import solve_transient
 
 FEWEST_SWINGS = 3
-"""Half swings from which a damping ratio is told."""
+"""Half swings from which a damping ratio is told, and periods from which several are."""
 
 
 @final
@@ -117,10 +117,6 @@ def _extremes(t: Vector, x: Vector) -> tuple[Vector, Vector]:
     offset = 0.5 * (low + high) / (low - high)
     step = (t[inner + 1] - t[inner - 1]) / 2
     return t[inner] + offset * step, x[inner] + 0.25 * (low + high) * offset
-
-
-FEWEST_PERIODS = 3
-"""Periods from which a decay over more than one of them is told."""
 
 
 @final
@@ -316,9 +312,9 @@ def _check(
         wrong.append(f"found {increments} increments; give one or more")
     if cycles is not None and cycles < 0:
         wrong.append(f"found {cycles} cycles; give none or more")
-    if not FEWEST_PERIODS <= periods < np.inf or steps_per_period < 20:
+    if not FEWEST_SWINGS <= periods < np.inf or steps_per_period < 20:
         wrong.append(
-            f"found {periods:g} periods of {steps_per_period} steps; give {FEWEST_PERIODS} periods "
+            f"found {periods:g} periods of {steps_per_period} steps; give {FEWEST_SWINGS} periods "
             "or more of 20 steps or more"
         )
     if wrong:

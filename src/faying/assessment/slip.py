@@ -9,7 +9,7 @@ import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.contact.contact import Contact
-from faying.digits import SOLVED
+from faying.digits import DECK_DIGITS, SOLVED
 from faying.simulation.path import last_of
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import check_points
@@ -17,7 +17,7 @@ from faying.simulation.solution_parts import check_points
 OPEN, STICK, SLIP = 0, 1, 2
 """States of a contact point; closed points without friction always slip."""
 
-ON_THE_BOUND = 1e-6
+ON_THE_BOUND = DECK_DIGITS
 """Distance of a traction from its bound, over it, that leaves it on the bound: far more than
 increments are solved to, far less than an increment of load changes it."""
 

@@ -17,7 +17,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.digits import ROUND_OFF
+from faying.digits import DECK_DIGITS, ROUND_OFF
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import surroundings
 from faying.joint.system import Joint
@@ -26,15 +26,8 @@ from faying.joint.tangential import TangentialRows
 MOST_PASSES = 1000
 """Passes after which the search for the point of the least mean arm ends."""
 
-SMALLEST_CHANGE = 1e-13
-"""Change of the mean arm in a pass, over it, at which the search ends."""
-
-
-SMALLEST_FRICTION = 1e-6
+SMALLEST_FRICTION = DECK_DIGITS
 """Coefficient needed that is none: below that of any two surfaces; balance leaves 1e-14."""
-
-SMALLEST_DISTANCE = 1e-6
-"""Distance over the size of an area from which on a place pulls no more: at zero for ever."""
 
 
 @final
@@ -133,7 +126,8 @@ def least_mean_arm(places: Matrix, shares: Matrix) -> Vector:
     pour lequel la somme des distances de n points donnés est minimum", Tohoku Math. J. 43 (1937)
     355-386. Distances change in the second order only; a few passes do.
     """
-    reach = SMALLEST_DISTANCE * float(np.ptp(places, axis=0).max(initial=0.0))
+    # A place pulls no more from next to it: at no distance it would for ever.
+    reach = DECK_DIGITS * float(np.ptp(places, axis=0).max(initial=0.0))
     point = shares @ places
     arms, left = _mean_arms(places, shares, point), np.arange(len(shares))
     for _ in range(MOST_PASSES):
@@ -141,7 +135,7 @@ def least_mean_arm(places: Matrix, shares: Matrix) -> Vector:
         arms_found = _mean_arms(places, shares[left], fast)
         worse = ~(arms_found < arms[left])
         arms_found[worse] = _mean_arms(places, shares[left[worse]], slow[worse])
-        better = arms[left] - arms_found > SMALLEST_CHANGE * arms[left]
+        better = arms[left] - arms_found > ROUND_OFF * arms[left]
         point[left] = np.where(worse[:, None], slow, fast)
         arms[left] = np.minimum(arms[left], arms_found)
         left = left[better]

@@ -9,6 +9,7 @@ import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.laws_at_points import LawsAtPoints
+from faying.digits import DECK_DIGITS
 from faying.joint.model import Model
 from faying.joint.system import System
 from faying.linalg.backends import count_negative
@@ -139,10 +140,6 @@ def with_released_modes(
     return np.column_stack([shapes, outside @ ways[:, joins] / np.sqrt(mass[joins])])
 
 
-SMALLEST_FLEXIBILITY = 1e-6
-"""Flexibility of a closed point that is hard in a direction, over its own compliance in it."""
-
-
 def stuck_stiffness(system: System, state: Solution) -> SparseMatrix | Matrix:
     """Return K + Pᵀ (B⁻¹ + R)⁻¹ P with the springs B between the pairs of closed points.
 
@@ -197,7 +194,8 @@ def stuck_springs(system: System, state: Solution) -> tuple[SparseMatrix, Vector
     along = compliance[1:, contact.rubbing].ravel()[stuck]
     flexibility = np.concatenate([compliance[0, closed], along])
     if (flexibility == 0).any():
-        flexibility = np.maximum(flexibility, SMALLEST_FLEXIBILITY * _own_compliance(system, rows))
+        # What is hard in a direction yields by a share of its own compliance there.
+        flexibility = np.maximum(flexibility, DECK_DIGITS * _own_compliance(system, rows))
     return rows, flexibility
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.digits import SOLVED
 
 FLAT = 1e-3
 """Points this far out of the best plane, over the extent, still make a flat surface."""
@@ -56,7 +57,7 @@ def plane_of(points: Matrix, normals: Matrix, weights: Vector) -> Plane:
     first = _unit(np.eye(3)[keep[0]] - normal[keep[0]] * normal)
     second = np.eye(3)[keep[1]] - normal[keep[1]] * normal
     second = _unit(second - (second @ first) * first)
-    aligned = np.abs(normal).max() > 1 - 1e-9
+    aligned = np.abs(normal).max() > 1 - SOLVED
     names = ["xyz"[axis] + ("" if aligned else "′") for axis in keep]
     height = (points - points.mean(axis=0)) @ normal if len(points) else np.zeros(1)
     extent = float(np.ptp(points, axis=0).max()) if len(points) else 0.0

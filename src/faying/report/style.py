@@ -13,6 +13,7 @@ from matplotlib.image import imsave
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from faying._typing import Mask
+from faying.digits import DECK_DIGITS
 from faying.files.atomic import replacing
 from faying.reduction.methods import METHODS
 
@@ -45,7 +46,7 @@ GAP_MAP = "Purples"
 SLIP_MAP = "magma_r"
 OPEN_COLOUR = "#E4E4E4"
 
-SMALLEST_DRAWN = 1e-6
+SMALLEST_DRAWN = DECK_DIGITS
 """Share of the largest that no picture shows and no ratio is formed of: next to round-off."""
 
 DPI = 150

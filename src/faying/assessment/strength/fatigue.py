@@ -8,15 +8,14 @@ The endurance of threads rolled before heat treatment is quoted widely in the sy
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.assessment.strength.grades import strength_of
 from faying.assessment.strength.thread import Thread
+from faying.digits import DECK_DIGITS
 from faying.exceptions import ModelError
 from faying.units import LENGTHS, pascals
 
 ENDURANCE_CYCLES = 2e6
 """N_D."""
-
-LEAST_ULTIMATE = 799.0
-"""R_m of property class 8.8 [MPa], less rounding."""
 
 EXPONENT = 3
 """Of the amplitude, below N_D cycles."""
@@ -33,8 +32,8 @@ def endurance(thread: Thread, units: str) -> float:
 
 def is_rated(thread: Thread, units: str) -> bool:
     """Say whether σ_ASV is known: of steels from 800 MPa on that are not stainless."""
-    strong = thread.strengths(units).ultimate >= LEAST_ULTIMATE * 1e6 / (pascals(units) or 1.0)
-    return strong and not thread.grade.startswith("A")
+    least = strength_of("8.8", units).ultimate * (1 - DECK_DIGITS)
+    return thread.strengths(units).ultimate >= least and not thread.grade.startswith("A")
 
 
 def miner_sums(stresses: Matrix, repetitions: float, limit: float) -> Vector:

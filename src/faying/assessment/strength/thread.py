@@ -25,7 +25,7 @@ WORKING = 0.5
 ANGLES = 72
 """Fibres around the section whose stress is told: of the range of bending 0.1 % at most is lost."""
 
-FLANK = 2 / np.sqrt(3)
+FLANK = float(1 / np.cos(np.pi / 6))
 """1 / cos 30°, of the flanks of a metric thread."""
 
 

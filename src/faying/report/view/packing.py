@@ -8,7 +8,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 
-STEPS = 65535
+STEPS = int(np.iinfo(np.uint16).max)
 """Steps between the smallest and the largest number of an array."""
 
 
