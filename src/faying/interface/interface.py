@@ -104,6 +104,7 @@ class Interface(Frozen, Shown):
 
     def __post_init__(self) -> None:
         """Refuse hard contact with friction at points that contradict each other."""
+        super().__post_init__()
         rigid = self.law.friction > 0 and np.isinf(self.penalty)
         if rigid and self.quadrature != "nodal" and self.n_points > len(self.pairs):
             message = (
