@@ -63,26 +63,23 @@ def test_steady_states_of_transients(joint, rows, harmonics):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    # With modes up to 1.5 times the first harmonic alone it was 4e-3 off at 1000 Hz.
-    ("harmonics", "asked", "tolerance"),
-    [(1, (640.0, 1000.0), 3e-4), (9, (500.0, 648.0, 700.0), 2e-6)],
-)
-def test_small_vibrations_are_linear(joint, harmonics, asked, tolerance):
-    """What is left is the inertia of higher modes, which follow as if at rest."""
-    rest = fy.solve_path(joint, [fy.Load()])
+@pytest.mark.parametrize("harmonics", [1, 9])
+def test_small_vibrations_are_linear(joint, harmonics):
+    """Without directions beside the modes (F17) it was 2e-4 off with one harmonic."""
+    rest, asked = fy.solve_path(joint, [fy.Load()]), (640.0, 648.0, 656.0)
     found = fy.frequency_response(
         joint, {"tip.Fz": 1.0}, asked, [1e-3], harmonics=harmonics, initial=rest
     )
     (curve,) = found.curves
     K = stuck_stiffness(joint, rest)
     force = input_forces(joint, harmonic_inputs(joint, {"tip.Fz": 1.0}).real)
-    for frequency, row in zip(asked, at(curve, asked), strict=True):
-        circular = 2 * np.pi * frequency
-        dynamic = K + 1j * circular * joint.C - circular**2 * joint.M
-        moved = 1e-3 * force @ np.linalg.solve(dynamic, force)
-        assert curve.response("tip.uz")[row] == pytest.approx(moved, rel=tolerance)
-    assert found.linear.response("tip.uz")[-1] == pytest.approx(1e3 * moved, rel=3e-4)
+    for one in (curve, found.linear):
+        moved = [
+            one.level * force @ np.linalg.solve(K + 1j * w * joint.C - w**2 * joint.M, force)
+            for w in 2 * np.pi * one.frequency
+        ]
+        np.testing.assert_allclose(one.response("tip.uz"), moved, rtol=1e-8)
+    assert set(asked) <= set(curve.frequency.round(9))
     assert (curve.contact.friction_energy == 0).all()
 
 

@@ -8,14 +8,14 @@ import scipy.sparse as sp
 from test_backbone import DAMPER, LIMIT, MASS, SLIDER, SPRING, mass_on_a_slider
 
 import faying as fy
-from faying.assessment.forced_joint import ForcedJoint
+from faying.assessment.forced_joint import ForcedJoint, Released
 from faying.assessment.resonance import steady_state
 from faying.contact.contact import Contact
 from faying.contact.laws import Coulomb, Penalty
 from faying.exceptions import ModelError
 from faying.model.boundary import Boundary
 from faying.simulation import local_path
-from faying.simulation.periodic import ModalLoads, PeriodicProblem
+from faying.simulation.periodic import PeriodicProblem
 from small_system import SmallSystem
 
 
@@ -63,12 +63,11 @@ def test_derivatives_are_those_of_the_path(lap, motion_size, length, closing, to
     """Through slip, opening, closing and both periods; also by the frequency."""
     rest = fy.solve_path(lap, [fy.Load()])
     forced = ForcedJoint.of(lap, {"tip.Fz": 1.0, "tip.Fy": 0.5j}, rest, np.array([600.0]))
-    modes = forced.modes(2)
     points = np.flatnonzero(forced.stuck.forces[0] >= 0)
     problem = PeriodicProblem.of(
         forced.stuck,
         points,
-        ModalLoads.of(lap, forced.stuck, forced.inputs, modes.shapes),
+        forced.loads(2, Released()),
         level=20.0,
         n_harmonic=2,
         samples=24,
@@ -191,7 +190,7 @@ def test_points_off_their_springs_go_the_way_of_all_paths(lap, monkeypatch):
     problem = PeriodicProblem.of(
         forced.stuck,
         np.arange(lap.contact.n_points),
-        ModalLoads.of(lap, forced.stuck, forced.inputs, forced.modes(1).shapes),
+        forced.loads(1, Released()),
         level=30.0,
         n_harmonic=1,
         samples=12,

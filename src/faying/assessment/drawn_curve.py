@@ -103,17 +103,13 @@ def _row(system: System, point: CurvePoint) -> dict[str, float | Vector]:
     ever, at_rest = closed.any(axis=1), stuck.forces[0] > 0
     surfaces = [contact.slices[name] for name in contact.rubbing_interfaces]
     shares = [_share(weights[at], sticks[at], closed[at]) for at in surfaces if at_rest[at].any()]
-    inputs, damping = motion.outputs[:2], motion.outputs[2 + loads.n_mode : loads.n_column]
-    # f du and q̇ Φᵀ C du over a period, by the first harmonics and those of the modes.
-    orders = np.arange(1, problem.n_harmonic + 1)[:, None]
-    velocity = 1j * orders * motion.harmonics[1:]
-    damped = harmonics_of(damping, problem.n_harmonic)[1:]
-    first = harmonics_of(inputs, 1)[1]
+    # f du and forces of damping on du over a period, by the first harmonic and all.
+    orders = np.arange(problem.n_harmonic + 1)[:, None]
+    damped = 1j * orders * harmonics_of(motion.outputs[loads.damped], problem.n_harmonic)
+    first = harmonics_of(motion.outputs[:2], 1)[1]
     return {
         "load_work": -np.pi * problem.level * float(first[0].imag - first[1].real),
-        "damping_energy": np.pi
-        * motion.circular
-        * float((velocity.conj() * 1j * orders * damped).real.sum()),
+        "damping_energy": np.pi * float((problem.velocities(motion).conj() * damped).real.sum()),
         "friction_energy": float(path.dissipation[-N:].sum()),
         "motion_energy": (motion.circular * np.linalg.norm(motion.harmonics[1])) ** 2 / 2,
         "peak_pressure": float((forces[0] / weights[:, None]).max(initial=0.0)),

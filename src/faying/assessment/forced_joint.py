@@ -7,10 +7,9 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import ComplexMatrix, ComplexVector, Indices, Matrix, SparseMatrix, Vector
-from faying.assessment.backbone_response import LinearResponse
+from faying._typing import ComplexMatrix, Indices, Matrix, SparseMatrix, Vector
 from faying.assessment.drawn_curve import drawn_curve, harmonics_of
-from faying.assessment.response_curve import ResponseCurve
+from faying.assessment.response_curve import ResponseCurve, boundary_components
 from faying.assessment.stuck_modes import (
     StuckModes,
     slipping_stiffness,
@@ -25,13 +24,14 @@ from faying.simulation.path import path_start
 from faying.simulation.periodic import ModalLoads, PeriodicProblem
 from faying.simulation.periodic_curve import CurvePoint, Traced, solve_motion, trace
 from faying.simulation.solution import Solution
+from faying.simulation.stuck_rest import StuckRest
 
 FEWEST, MOST, MORE = 3, 15, 3
 """Harmonics that are tried first, at most, and besides."""
 
 MODE_SPAN = 1.5
 """Modes take part up to this multiple of the highest harmonic, with fewer than FEWEST as with so
-many: with one, the linear response of a lap was 0.4 % off between its resonances, and is 0.02 %."""
+many."""
 
 PER_HARMONIC, FEWEST_SAMPLES = 16, 64
 """Samples of a period: amplitudes at 64 and 128 differed by 0.3 %."""
@@ -53,8 +53,8 @@ class ForcedJoint:
     system
     stuck
         Its points, those that are closed sticking.
-    inputs : (n_input,)
-        Complex amplitudes at level one.
+    load : (n_dof, 2)
+        Both parts of it at level one.
     frequencies : (n,) [1/time]
         Rising.
     modes
@@ -70,7 +70,7 @@ class ForcedJoint:
 
     system: System
     stuck: StuckPoints
-    inputs: ComplexVector
+    load: Matrix
     frequencies: Vector
     modes: Callable[[int], StuckModes]
     slipping: SparseMatrix | Matrix
@@ -89,6 +89,7 @@ class ForcedJoint:
             If contact is hard, or the load does not fit the system.
         """
         inputs = harmonic_inputs(system, load)
+        parts = input_forces(system, np.array([inputs.real, inputs.imag])).T
         start = path_start(system, state)
         solver = system.static_contact.increments
         stuck = StuckPoints.of(solver, start.increment.forces, start.slip, start.increment.moved)
@@ -107,12 +108,14 @@ class ForcedJoint:
                 shapes = with_released_modes(system, shapes, slipping, between)
             if released.opens:
                 shapes = with_released_modes(system, shapes, system.K, between)
-            return ModalLoads.of(system, stuck, inputs, shapes)
+            still = modes(harmonics)
+            rest = StuckRest.of(system, still.stiffness, still.factor, shapes, parts)
+            return ModalLoads.of(system, stuck, parts, rest)
 
         return cls(
             system=system,
             stuck=stuck,
-            inputs=inputs,
+            load=parts,
             frequencies=frequencies,
             modes=modes,
             slipping=slipping,
@@ -122,8 +125,15 @@ class ForcedJoint:
 
     def linear(self, level: float, frequencies: Vector) -> ResponseCurve:
         """Return the curve of the stuck joint."""
-        response = LinearResponse.of(self.system, self.modes(FEWEST), self.inputs)
-        return response.curve(level, frequencies, {})
+        loads, names = self.loads(FEWEST, Released()), boundary_components(self.system)
+        moved = [level * loads.stuck(circular) for circular in (2 * np.pi * frequencies).tolist()]
+        fundamental = np.array(moved).reshape(len(frequencies), len(names))
+        return ResponseCurve(
+            level=level,
+            components=names,
+            frequency=frequencies,
+            harmonics=np.stack([np.zeros_like(fundamental), fundamental], axis=1),
+        )
 
     def curve(
         self,
@@ -209,19 +219,16 @@ class ForcedJoint:
 
     def _starts(self, problem: PeriodicProblem, released: "Released") -> list[Vector]:
         """Return unknowns to begin the curve with: what is nearest first."""
-        linear = LinearResponse.of(self.system, self.modes(problem.n_harmonic), self.inputs)
-        driven = 2 * np.pi * float(self.frequencies[0])
-        modal = linear.circular**2 - driven**2 + 1j * driven * linear.damping
-        first = np.zeros((problem.n_harmonic + 1, problem.loads.n_mode), dtype=complex)
-        first[1, : len(modal)] = problem.level * linear.forced / modal
+        driven, rest = 2 * np.pi * float(self.frequencies[0]), problem.loads.rest
+        first = np.zeros((problem.n_harmonic + 1, rest.n_mode), dtype=complex)
+        first[1] = problem.level * rest.swung(driven)[: rest.n_mode]
         starts = [problem.packed(first)]
         if released.slides:
             # Where much more slips than sticks, the motion without friction is closer.
-            shapes, C = problem.loads.shapes, self.system.C
+            shapes, C = rest.shapes, self.system.C
             slipping = shapes.T @ (self.slipping @ shapes) + 1j * driven * (shapes.T @ (C @ shapes))
             slipping = slipping - driven**2 * np.eye(len(slipping))
-            parts = input_forces(self.system, np.array([self.inputs.real, self.inputs.imag])).T
-            forced = shapes.T @ (parts[:, 0] + 1j * parts[:, 1])
+            forced = rest.forced[: rest.n_mode]
             first[1] = problem.level * np.linalg.solve(slipping, forced)
             starts.insert(0, problem.packed(first))
         return starts
@@ -265,9 +272,11 @@ class ForcedJoint:
         point, coarse = points[top], points[top].motion.harmonics
         watched, level = point.problem.local.points, point.problem.level
         problem = self._problem(level, order, samples, released, watched)
-        shapes = problem.loads.shapes
-        begun = np.zeros((order + 1, shapes.shape[1]), dtype=complex)
-        begun[: len(coarse)] = coarse @ (point.problem.loads.shapes.T @ (self.system.M @ shapes))
+        old, new = (
+            of.loads.rest.directions[:, : of.loads.n_mode] for of in (point.problem, problem)
+        )
+        begun = np.zeros((order + 1, new.shape[1]), dtype=complex)
+        begun[: len(coarse)] = coarse @ (old.T @ (self.system.M @ new))
         try:
             fine = solve_motion(problem, problem.packed(begun), point.motion.circular)
         except ConvergenceError:

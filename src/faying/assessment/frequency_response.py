@@ -61,11 +61,11 @@ def frequency_response(
 
     Notes
     -----
-    Inertia and damping are those of the modes up to 1.5 times the highest harmonic, the third at
-    least; everything else follows quasi-statically (F11). Where all that is closed on an interface
-    slips or opens, what those modes miss of the joint without friction or contact joins them. Each
-    motion is two periods from the slip of the joint at rest; points that stick all the time keep
-    what came before, so that steady states are a family, a narrow one
+    Modes up to 1.5 times the highest harmonic, the third at least, have inertia and damping (F11),
+    everything else as in the stuck joint, which is exact (F17). Where all that is closed on an
+    interface slips or opens, what those modes miss of the joint without friction or contact joins
+    them. Each motion is two periods from the slip of the joint at rest; points that stick all the
+    time keep what came before, so that steady states are a family, a narrow one
     (``docs/theory/friction.md``). Frequencies at which no motion was found are named in ``missed``
     of their curve.
 

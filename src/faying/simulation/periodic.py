@@ -2,11 +2,12 @@
 
 The unknowns are the harmonics q_k, k = 0 … H, of a few M-orthonormal shapes φ, such as modes of
 small vibrations with every closed point stuck. Their motion q(t) = φᵀ M (u − u₀) is prescribed, and
-everything else follows quasi-statically along two periods of N increments, of which the second one
-counts: under forces M φ a(t) that make the shapes move so, and f(t) − C φ q̇(t), with
+everything else follows along two periods of N increments, of which the second one counts: under
+forces M φ a(t) that make the shapes move so, and f(t) − M Y ẍ(t) − C (φ q̇(t) + Y ẋ(t)), with
 
     a_k = k² ω² q_k.                                                                        (F11)
 
+The rest Y x is that of the stuck joint (F17); what slip and opening add to it is quasi-static.
 Harmonics past H are none of these shapes, whose inertia holds them, and the static ones of all
 else. Contact is that of paths: increments (F12) of the points that slip, open or close, all others
 being springs (F10), and no force of contact is cut at H.
@@ -23,7 +24,7 @@ import scipy.sparse as sp
 
 from faying._typing import ComplexMatrix, ComplexVector, Indices, Matrix, Vector
 from faying.contact.stuck_points import LocalContact, StuckPoints
-from faying.joint.system import System, input_forces
+from faying.joint.system import System
 from faying.model.bolt import Bolt
 from faying.simulation.local_path import (
     Excess,
@@ -33,6 +34,7 @@ from faying.simulation.local_path import (
     follow_local,
     local_derivatives,
 )
+from faying.simulation.stuck_rest import StuckRest
 
 PERIODS = 2
 """Periods of a path; what the second leaves differed from its start by 1e-6 of the amplitude."""
@@ -41,14 +43,14 @@ PERIODS = 2
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ModalLoads:
-    """What is given in columns: both parts of f, then q and C φ q̇ of every shape.
+    """What is given in columns: both parts of f, then q, −M Y ẍ, and −C (φ q̇ + Y ẋ).
 
     What it moves is stored once, and so is what it asks for: a force −a at q.
 
     Attributes
     ----------
-    shapes : (n_dof, n_mode)
-        φ.
+    rest
+        Shapes, and what follows them.
     restrained : (n_relative, n_column + n_output)
         What it moves the pairs with all closed points stuck, and what forces at outputs do.
     answers : (n_column + n_output, n_column)
@@ -59,7 +61,7 @@ class ModalLoads:
     n_boundary
     """
 
-    shapes: Matrix
+    rest: StuckRest
     restrained: Matrix
     answers: Matrix
     prescribed: Matrix
@@ -67,12 +69,10 @@ class ModalLoads:
     n_boundary: int
 
     @classmethod
-    def of(
-        cls, system: System, stuck: StuckPoints, inputs: ComplexVector, shapes: Matrix
-    ) -> "ModalLoads":
-        """Return them for amplitudes of inputs (n_input,) and shapes (n_dof, n_mode)."""
-        parts = input_forces(system, np.array([inputs.real, inputs.imag])).T
-        forces = np.column_stack([parts, system.M @ shapes, system.C @ shapes])
+    def of(cls, system: System, stuck: StuckPoints, load: Matrix, rest: StuckRest) -> "ModalLoads":
+        """Return them for both parts of a load (n_dof, 2), and shapes with what follows them."""
+        W = rest.directions
+        forces = np.column_stack([load, system.M @ W, system.C @ W])
         factor, G = system.factorize_static(), system.contact.relative_operator
         still = factor.solve(forces)
         ports, n = system.port_compliance, forces.shape[1]
@@ -90,7 +90,7 @@ class ModalLoads:
         restrained = stuck.restrained(moved)
         answers = np.concatenate(outputs) - moved.T @ stuck.held_back(restrained[:, :n])
         # Exchange a, so far given, for the q that it makes.
-        shape = slice(2, 2 + shapes.shape[1])
+        shape = slice(2, 2 + rest.n_mode)
         root = la.cholesky(answers[shape, shape], lower=True)
         unit = la.solve_triangular(root, np.eye(len(root)), lower=True)
         prescribed = restrained[:, shape] @ unit.T
@@ -102,7 +102,7 @@ class ModalLoads:
         answers[shape] = answers[:n, shape].T
         answers[shape, shape] = -unit.T @ unit
         return cls(
-            shapes=shapes,
+            rest=rest,
             restrained=restrained,
             answers=answers,
             prescribed=prescribed,
@@ -113,12 +113,37 @@ class ModalLoads:
     @property
     def n_mode(self) -> int:
         """Number of shapes."""
-        return int(self.shapes.shape[1])
+        return self.rest.n_mode
 
     @property
     def n_column(self) -> int:
         """Number of load columns."""
-        return 2 + 2 * self.n_mode
+        return 2 + 2 * self.rest.directions.shape[1]
+
+    @property
+    def damped(self) -> slice:
+        """Columns of damping."""
+        return slice(self.n_column - self.rest.directions.shape[1], self.n_column)
+
+    def factors(self, circular: float) -> tuple[ComplexMatrix, ComplexMatrix]:
+        """Return harmonics of the columns per load and q (n_column, 1 + n_mode), and slopes over ω.
+
+        All are of one circular frequency.
+        """
+        x, slope = self.rest.led(circular)
+        swung = np.vstack([np.eye(self.n_mode, 1 + self.n_mode, 1), x])
+        turned = np.vstack([np.zeros((self.n_mode, 1 + self.n_mode)), slope])
+        load = np.outer([1.0, 1j], np.eye(1, 1 + self.n_mode))
+        inertia = circular**2 * slope + 2 * circular * x
+        columns = [load, swung[: self.n_mode], circular**2 * x, -1j * circular * swung]
+        slopes = [0 * load, turned[: self.n_mode], inertia, -1j * (swung + circular * turned)]
+        return np.concatenate(columns), np.concatenate(slopes)
+
+    def stuck(self, circular: float) -> ComplexVector:
+        """Return what the load moves boundaries by where nothing slips (n_boundary,) [length]."""
+        q = self.rest.swung(circular)[: self.n_mode]
+        columns = self.factors(circular)[0] @ np.append(1.0, q)
+        return np.asarray(self.answers[self.n_column :][: self.n_boundary] @ columns)
 
     def bolt_forces(self, outputs: Matrix) -> Matrix:
         """Return what motion adds to the forces of bolts (n_bolt, N) [force]."""
@@ -236,14 +261,25 @@ class PeriodicProblem:
         harmonics[1:] += 1j * unknowns[(H + 1) * m :].reshape(H, m)
         return harmonics
 
+    def _given(self, harmonics: ComplexMatrix) -> ComplexMatrix:
+        """Return the load and q of all harmonics (H + 1, 1 + n_mode)."""
+        given = np.pad(harmonics, ((0, 0), (1, 0)))
+        given[1, 0] = self.level
+        return given
+
+    def _driven(self, harmonics: ComplexMatrix, circular: float) -> ComplexMatrix:
+        """Return harmonics of the load columns (H + 1, n_column)."""
+        order = circular * np.arange(self.n_harmonic + 1)
+        factors = [self.loads.factors(each)[0] for each in order.tolist()]
+        return np.asarray(np.einsum("kcm,km->kc", factors, self._given(harmonics)))
+
     def _columns(self, harmonics: ComplexMatrix, circular: float) -> Matrix:
         """Return factors of the load columns along a period (N, n_column)."""
-        wave = np.exp(1j * self._angles)
-        order = circular * np.arange(self.n_harmonic + 1)[:, None]
-        first = wave[:, 1]
-        force = self.level * np.column_stack([first.real, -first.imag])
-        damping = (wave @ (-1j * order * harmonics)).real
-        return np.hstack([force, (wave @ harmonics).real, damping])
+        return np.asarray((np.exp(1j * self._angles) @ self._driven(harmonics, circular)).real)
+
+    def velocities(self, motion: Motion) -> ComplexMatrix:
+        """Return those of all directions, on which damping acts (H + 1, n_mode + n_rest)."""
+        return -self._driven(motion.harmonics, motion.circular)[:, self.loads.damped]
 
     @cached_property
     def _at_points(self) -> Matrix:
@@ -298,22 +334,13 @@ class PeriodicProblem:
         """Return those of the residual and of the path, exact along it."""
         H, m, N = self.n_harmonic, self.loads.n_mode, self.samples
         size, n = self.size, self.loads.n_column
-        # What one unknown adds to the load columns (N, n_column, size + 1).
-        order = motion.circular * np.arange(H + 1)
-        cosine, sine = np.cos(self._angles), np.sin(self._angles)
-        added = np.zeros((N, n, 2, H + 1, m))
-        mode = np.arange(m)
-        for k in range(H + 1):
-            added[:, 2 + mode, 0, k, mode] = cosine[:, [k]]
-            added[:, 2 + mode, 1, k, mode] = -sine[:, [k]]
-            added[:, 2 + m + mode, 0, k, mode] = order[k] * sine[:, [k]]
-            added[:, 2 + m + mode, 1, k, mode] = order[k] * cosine[:, [k]]
-        columns = np.zeros((N, n, size + 1))
-        columns[:, :, :size] = np.delete(
-            added.reshape(N, n, size + m), np.s_[(H + 1) * m : (H + 2) * m], axis=2
-        )
-        per_frequency = self._columns(motion.harmonics, motion.circular) / motion.circular
-        columns[:, 2 + m :, size] = per_frequency[:, 2 + m :]
+        wave, order = np.exp(1j * self._angles), motion.circular * np.arange(H + 1)
+        factors, slopes = map(np.array, zip(*map(self.loads.factors, order.tolist()), strict=True))
+        # What one unknown adds to the load columns.
+        added = np.einsum("nk,kcm->nckm", wave, factors[:, :, 1:]).reshape(N, n, -1)
+        given = self._given(motion.harmonics) * np.arange(H + 1)[:, None]
+        per_frequency = (wave @ np.einsum("kcm,km->kc", slopes, given)).real
+        columns = np.dstack([added.real, -added.imag[:, :, m:], per_frequency])
         modal = slice(2, 2 + m)
         change = np.einsum("mc,ncx->nmx", self.loads.answers[modal], columns)
         shapes = self._at_points[:, :n]
