@@ -118,7 +118,7 @@ class ModalLoads:
     @property
     def n_column(self) -> int:
         """Number of load columns."""
-        return 2 + 2 * self.rest.directions.shape[1]
+        return 2 + 2 * int(self.rest.directions.shape[1])
 
     @property
     def damped(self) -> slice:
