@@ -23,7 +23,7 @@ import numpy as np
 from faying._typing import Indices, Matrix
 from faying.assessment.recovery import solve_at_ports
 from faying.export.linearized import linearize
-from faying.export.vtk_xml import Grid, write_pvd, write_vtu
+from faying.export.vtk_files import write_pvd, write_vtu
 from faying.files.names import file_names
 from faying.interface.surface import ContactSurface
 from faying.reduction.reduced_model import ReducedModel
@@ -65,25 +65,18 @@ def write_fields_vtu(
 ) -> None:
     """Write point data (n_pair,) by name on the facets of the minus side of an interface.
 
-    Viewers show the time that the fields belong to.
+    Normals, and 1 where pairs stick, are written too. Viewers show the time that the fields belong
+    to.
 
     Raises
     ------
     FormatError
         If the file cannot be written.
     """
-    write_vtu(surface(record, fields, time), path)
-
-
-def surface(record: ContactSurface, fields: Mapping[str, Matrix], time: float | None) -> Grid:
-    """Return the facets of the minus side with point data, normals and 1 where pairs stick."""
     fixed = {"normal": _pair_normals(record), "sticking": record.stuck.astype("u1")}
-    return Grid(
-        points=record.pair_points,
-        cells=pair_facets(record),
-        point_data={**fields, **fixed},
-        time=time,
-    )
+    point_data = {**fields, **fixed}
+    cells = pair_facets(record)
+    write_vtu(path, record.pair_points, cells, point_data=point_data, time=time)
 
 
 def _pair_normals(record: ContactSurface) -> Matrix:
@@ -176,23 +169,27 @@ def _structure(rom: ReducedModel, run: Results | None, folder: Path) -> Iterator
             )
         }
     for stem, fields in contents.items():
-        yield _written(_solids(rom, run, fields), folder / f"{stem}.vtu")
+        yield _solids(rom, run, fields, folder / f"{stem}.vtu")
 
 
-def _solids(rom: ReducedModel, run: Results | None, fields: Mapping[str, Matrix]) -> Grid:
+def _solids(
+    rom: ReducedModel, run: Results | None, fields: Mapping[str, Matrix], path: Path
+) -> Path:
     blocks = rom.mesh.blocks
     numbers: dict[str, Indices] = {"node id": rom.mesh.node_ids}
     if run is not None:
         numbers["body"] = run.body
-    return Grid(
-        points=rom.mesh.nodes,
-        cells=[(block.kind, block.nodes) for block in blocks],
+    write_vtu(
+        path,
+        rom.mesh.nodes,
+        [(block.kind, block.nodes) for block in blocks],
         point_data={**fields, **numbers},
         cell_data={
             "element id": _joined([block.ids for block in blocks]),
             "property": _joined([block.properties for block in blocks]),
         },
     )
+    return path
 
 
 def _joined(parts: list[Indices]) -> Indices:
@@ -235,12 +232,11 @@ def _bolts(run: Results | None, folder: Path) -> Iterator[Path]:
     for case in _cases(run, static=True):
         values = [float(case.reference.bolt_forces[name]) for name in drawn]
         forces[f"{case.name} force [{unit}]"] = np.array(values)
-    grid = Grid(
-        points=np.concatenate(list(drawn.values())),
-        cells=[("line2", np.arange(2 * len(drawn)).reshape(-1, 2))],
-        cell_data=forces,
-    )
-    yield _written(grid, folder / "bolts.vtu")
+    ends = np.concatenate(list(drawn.values()))
+    lines = np.arange(2 * len(drawn)).reshape(-1, 2)
+    path = folder / "bolts.vtu"
+    write_vtu(path, ends, [("line2", lines)], cell_data=forces)
+    yield path
 
 
 def _interfaces(rom: ReducedModel, run: Results | None, folder: Path) -> Iterator[Path]:
@@ -258,7 +254,9 @@ def _interfaces(rom: ReducedModel, run: Results | None, folder: Path) -> Iterato
         )
         responses = partial(_responses, rom, run)
         fields = static_fields(records, _cases(run, static=True), responses, units)
-        yield _written(surface(record, fields, None), folder / f"{stem}.vtu")
+        path = folder / f"{stem}.vtu"
+        write_fields_vtu(record, fields, path)
+        yield path
         for case in moving:
             yield from _series(rom, run, record, case, folder / f"{stem}_{labels[case.name]}")
 
@@ -277,7 +275,8 @@ def _series(
     for number, time in enumerate(times[instants].tolist()):
         now = {name: values[number] for name, values in fields.items()}
         file = stem / f"{number:04d}.vtu"
-        yield _written(surface(record, now, time), file)
+        write_fields_vtu(record, now, file, time=time)
+        yield file
         entries.append((time, file))
     series = stem.parent / f"{stem.name}.pvd"
     write_pvd(entries, series)
@@ -299,8 +298,3 @@ def _responses(
     errors = case.methods.get(rom.method, {}).get(-1 if count is None else count)
     if errors is not None:
         yield f" {rom.method}", errors.response
-
-
-def _written(grid: Grid, path: Path) -> Path:
-    write_vtu(grid, path)
-    return path

@@ -121,12 +121,7 @@ def _read(path: Path) -> Any:
     if path.suffix.lower() == ".mail":
         return read_mail(path)
     _check_whole(path)
-    import meshio
-    from meshio._mesh import topological_dimension
-
-    # meshio 5.3.5 reads these but forgot that they are solids.
-    for kind in ("wedge15", "pyramid13"):
-        topological_dimension.setdefault(kind, 3)
+    meshio = meshio_of_all_solids()
     said = io.StringIO()
     try:
         with (
@@ -142,6 +137,16 @@ def _read(path: Path) -> Any:
             ".vtu or .med"
         )
         raise FormatError(message) from None
+
+
+def meshio_of_all_solids() -> Any:
+    """Return meshio, with two kinds of solids that 5.3.5 reads but forgot to be solids."""
+    import meshio
+    from meshio._mesh import topological_dimension
+
+    for kind in ("wedge15", "pyramid13"):
+        topological_dimension.setdefault(kind, 3)
+    return meshio
 
 
 def _check_whole(path: Path) -> None:

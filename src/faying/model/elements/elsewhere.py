@@ -23,10 +23,10 @@ class Elsewhere:
     abaqus
         Types of Abaqus and CalculiX that are read as the element, the one that is written first,
         and what differs from each; empty if nothing does. No types where these programs have none.
-    meshio, vtk
-        Name and number of the cell.
+    meshio
+        Name of the cell.
     places
-        Place of each of our nodes in the order of Abaqus, meshio and VTK; empty where it is ours.
+        Place of each of our nodes in the order of Abaqus and meshio; empty where it is ours.
         We number mid-side nodes as Nastran does: bottom, upright, top.
     """
 
@@ -35,13 +35,12 @@ class Elsewhere:
     nastran_lacks: str = ""
     abaqus: Mapping[str, str]
     meshio: str
-    vtk: int
     places: tuple[int, ...] = ()
 
     def ours(self, nodes: Indices) -> Indices:
-        """Return cells (n_cell, n_node) of Abaqus, meshio or VTK in our order."""
+        """Return cells (n_cell, n_node) of Abaqus or meshio in our order."""
         return nodes[:, self.places] if self.places else nodes
 
     def theirs(self, nodes: Indices) -> Indices:
-        """Return cells (n_cell, n_node) of ours in the order of Abaqus, meshio and VTK."""
+        """Return cells (n_cell, n_node) of ours in the order of Abaqus and meshio."""
         return nodes[:, np.argsort(self.places)] if self.places else nodes

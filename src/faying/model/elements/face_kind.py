@@ -27,8 +27,8 @@ class FaceKind:
         add up to the area of the reference face. Nodes without weight are no points of it.
     cells
         Local nodes of the linear cells a face is divided into; ``n_nodes`` stands for its centre.
-    meshio, vtk
-        Name and number of the cell.
+    meshio
+        Name of the cell.
     """
 
     name: str
@@ -40,7 +40,6 @@ class FaceKind:
     nodal_weights: tuple[float, ...]
     cells: tuple[tuple[int, ...], ...]
     meshio: str
-    vtk: int
 
     @property
     def linear(self) -> str:
@@ -95,7 +94,6 @@ TRI3 = FaceKind(
     nodal_weights=(1 / 6,) * 3,
     cells=((0, 1, 2),),
     meshio="triangle",
-    vtk=5,
 )
 
 QUAD4 = FaceKind(
@@ -108,7 +106,6 @@ QUAD4 = FaceKind(
     nodal_weights=(1 / 4,) * 4,
     cells=((0, 1, 2, 3),),
     meshio="quad",
-    vtk=9,
 )
 
 TRI6 = FaceKind(
@@ -122,7 +119,6 @@ TRI6 = FaceKind(
     nodal_weights=(0.0,) * 3 + (1 / 6,) * 3,
     cells=((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)),
     meshio="triangle6",
-    vtk=22,
 )
 
 QUAD8 = FaceKind(
@@ -136,5 +132,4 @@ QUAD8 = FaceKind(
     nodal_weights=(1 / 36,) * 4 + (4 / 36,) * 4 + (16 / 36,),
     cells=((0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3)),
     meshio="quad8",
-    vtk=23,
 )

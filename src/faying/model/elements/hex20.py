@@ -1,7 +1,7 @@
 """Twenty-node serendipity brick, fully integrated (CHEXA with 3 x 3 x 3 points, C3D20).
 
-Mid-side nodes in Nastran order: bottom edges 8-11, upright edges 12-15, top edges 16-19. Abaqus,
-meshio and VTK number the top edges before the upright ones.
+Mid-side nodes in Nastran order: bottom edges 8-11, upright edges 12-15, top edges 16-19. Abaqus and
+meshio number the top edges before the upright ones.
 """
 
 from dataclasses import replace
@@ -29,7 +29,6 @@ HEX20 = SolidElement(
         nastran_lacks="reduced shear integration of CHEXA with 20 nodes (full integration is used)",
         abaqus={"C3D20": ""},
         meshio="hexahedron20",
-        vtk=25,
         places=(*range(12), *range(16, 20), *range(12, 16)),
     ),
     brick_cells=WHOLE,

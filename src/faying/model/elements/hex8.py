@@ -45,7 +45,6 @@ HEX8 = SolidElement(
         nastran_scheme=("TWO", "FULL"),
         abaqus={"C3D8": ""},
         meshio="hexahedron",
-        vtk=12,
     ),
     brick_cells=WHOLE,
 )

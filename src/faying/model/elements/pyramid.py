@@ -85,7 +85,7 @@ PYRAMID5 = SolidElement(
         (TRI3, (2, 3, 4)),
         (TRI3, (3, 0, 4)),
     ),
-    elsewhere=Elsewhere(nastran="CPYRAM", abaqus={}, meshio="pyramid", vtk=14),
+    elsewhere=Elsewhere(nastran="CPYRAM", abaqus={}, meshio="pyramid"),
     brick_cells=(),
 )
 
@@ -156,6 +156,6 @@ PYRAMID13 = SolidElement(
     stiffness_quadrature=partial(pyramid, 3),
     mass_quadrature=partial(pyramid, 4),
     faces=_FACES,
-    elsewhere=Elsewhere(nastran="CPYRAM", abaqus={}, meshio="pyramid13", vtk=27),
+    elsewhere=Elsewhere(nastran="CPYRAM", abaqus={}, meshio="pyramid13"),
     brick_cells=(),
 )

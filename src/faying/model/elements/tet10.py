@@ -26,7 +26,6 @@ TET10 = SolidElement(
         nastran="CTETRA",
         abaqus={"C3D10": "", "C3D10M": "taken as the plain ten-node tetrahedron"},
         meshio="tetra10",
-        vtk=24,
     ),
     brick_cells=SIXTHS,
 )

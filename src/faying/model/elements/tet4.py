@@ -28,6 +28,6 @@ TET4 = SolidElement(
         (TRI3, (1, 2, 3)),
         (TRI3, (2, 0, 3)),
     ),
-    elsewhere=Elsewhere(nastran="CTETRA", abaqus={"C3D4": ""}, meshio="tetra", vtk=10),
+    elsewhere=Elsewhere(nastran="CTETRA", abaqus={"C3D4": ""}, meshio="tetra"),
     brick_cells=SIXTHS,
 )

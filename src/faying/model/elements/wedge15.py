@@ -1,7 +1,7 @@
 """Fifteen-node serendipity wedge (CPENTA with fifteen nodes, C3D15), integrated with 3 x 3 points.
 
-Mid-side nodes in Nastran order: bottom edges 6-8, upright edges 9-11, top edges 12-14. Abaqus,
-meshio and VTK number the top edges before the upright ones.
+Mid-side nodes in Nastran order: bottom edges 6-8, upright edges 9-11, top edges 12-14. Abaqus and
+meshio number the top edges before the upright ones.
 """
 
 from functools import partial
@@ -72,7 +72,6 @@ WEDGE15 = SolidElement(
         nastran_lacks="reduced shear integration of CPENTA with 15 nodes (3 x 3 points are used)",
         abaqus={"C3D15": ""},
         meshio="wedge15",
-        vtk=26,
         places=(*range(9), *range(12, 15), *range(9, 12)),
     ),
     brick_cells=HALVES,

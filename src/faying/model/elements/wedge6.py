@@ -43,7 +43,6 @@ WEDGE6 = SolidElement(
         ),
         abaqus={"C3D6": "integrated with 3 x 2 points (both programs take 1 x 2, which is softer)"},
         meshio="wedge",
-        vtk=13,
     ),
     brick_cells=HALVES,
 )
