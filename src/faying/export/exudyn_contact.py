@@ -39,7 +39,7 @@ class CoupledPoints:
         Wrong signs change sides all at once, and one at a time, by the largest index, where that
         has not helped for twenty times (block principal pivoting).
         """
-        active, largest = self.active, np.abs(gap).max()
+        active, largest = self.active, np.abs(gap).max(initial=0.0)
         root = np.sqrt(self.diagonal)
         fewest, attempts = len(gap) + 1, 20
         for _ in range(50 * len(gap) + 200):
@@ -87,20 +87,6 @@ class CoupledPoints:
         return P
 
 
-class Springs(CoupledPoints):
-    """Contact points that do not feel each other: penalty without flexible surroundings."""
-
-    def solve(self, gap: Array) -> Array:
-        """Return the forces (n_point,) for gaps (n_point,)."""
-        self.active = gap < 0
-        forces: Array = np.maximum(-gap / self.diagonal, 0.0)
-        return forces
-
-    def inverse(self, active: Array) -> Array:
-        """Return the inverse of the active block (n_point, n_point), zero elsewhere."""
-        return np.diag(active / self.diagonal)
-
-
 class ReducedJoint:
     """What the data file holds, and the user functions that Exudyn calls."""
 
@@ -133,8 +119,7 @@ class ReducedJoint:
         if not penalty.all():
             message = "hard contact needs a model with the compliance its trial vectors lack"
             raise ValueError(message)
-        kind = CoupledPoints if diagonal.any() else Springs
-        return kind(flexibility + np.diag(penalty))
+        return CoupledPoints(flexibility + np.diag(penalty))
 
     def contact_forces(self, q: Array) -> Array:
         """Return λ (n_point,) in a state q."""

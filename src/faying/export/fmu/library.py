@@ -45,7 +45,7 @@ def compile_library(source: Path, library: Path) -> bool:
     if command is None:
         _log.warning(
             "there is no C compiler (%s), so the FMU has sources but no binary; compile it where "
-            "it is used, see its documentation",
+            "it is used, see resources/README.txt in it",
             ", ".join(COMPILERS),
         )
         return False

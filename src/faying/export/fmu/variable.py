@@ -3,7 +3,7 @@
 References are 2²⁰ times a kind plus an index, as ``sources/variables.c`` reads them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 from faying.units import LENGTHS, MASSES, TIMES, Units, units_of
@@ -12,19 +12,19 @@ FORCE, MOMENT, LENGTH, ANGLE = "force", "moment", "length", "angle"
 VELOCITY, SPIN, PRESSURE, STIFFNESS = "velocity", "spin", "pressure", "stiffness"
 ENERGY, TIME, NONE = "energy", "time", ""
 
-# Exponents of kg, m, s and rad.
 DIMENSIONS = {
-    FORCE: (1, 1, -2, 0),
-    MOMENT: (1, 2, -2, 0),
-    ENERGY: (1, 2, -2, 0),
-    LENGTH: (0, 1, 0, 0),
-    ANGLE: (0, 0, 0, 1),
-    VELOCITY: (0, 1, -1, 0),
-    SPIN: (0, 0, -1, 1),
-    PRESSURE: (1, -1, -2, 0),
-    STIFFNESS: (1, -2, -2, 0),
-    TIME: (0, 0, 1, 0),
+    FORCE: ((1, 1, -2, 0), "{force}"),
+    MOMENT: ((1, 2, -2, 0), "{force}.{length}"),
+    ENERGY: ((1, 2, -2, 0), "{force}.{length}"),
+    LENGTH: ((0, 1, 0, 0), "{length}"),
+    ANGLE: ((0, 0, 0, 1), "rad"),
+    VELOCITY: ((0, 1, -1, 0), "{length}/s"),
+    SPIN: ((0, 0, -1, 1), "rad/s"),
+    PRESSURE: ((1, -1, -2, 0), "{pressure}"),
+    STIFFNESS: ((1, -2, -2, 0), "{pressure}/{length}"),
+    TIME: ((0, 0, 1, 0), "s"),
 }
+"""Quantities to exponents of kg, m, s and rad, and to their unit in those of a unit set."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,30 +52,15 @@ def seconds(label: str) -> float:
 def fmu_units(label: str) -> dict[str, Unit]:
     """Return the unit of every quantity that an FMU has variables of."""
     units = units_of(label)
+    names = {"force": units.force, "length": units.length, "pressure": units.pressure}
     return {
         quantity: Unit(
-            name=_name(units, quantity),
+            name=text.format(**names),
             exponents=exponents,
             factor=_factor(units, quantity, exponents),
         )
-        for quantity, exponents in DIMENSIONS.items()
+        for quantity, (exponents, text) in DIMENSIONS.items()
     }
-
-
-def _name(units: Units, quantity: str) -> str:
-    names = {
-        FORCE: units.force,
-        MOMENT: f"{units.force}.{units.length}",
-        ENERGY: f"{units.force}.{units.length}",
-        LENGTH: units.length,
-        ANGLE: "rad",
-        VELOCITY: f"{units.length}/s",
-        SPIN: "rad/s",
-        PRESSURE: units.pressure,
-        STIFFNESS: f"{units.pressure}/{units.length}",
-        TIME: "s",
-    }
-    return names[quantity]
 
 
 def _factor(units: Units, quantity: str, exponents: tuple[int, int, int, int]) -> float | None:
@@ -125,9 +110,9 @@ class Kind(IntEnum):
     TRACTION = 25
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Variable:
-    """One variable of a model description.
+    """One variable of a model description, or what all of a kind have in common.
 
     Attributes
     ----------
@@ -145,16 +130,25 @@ class Variable:
         Least and largest value of a parameter.
     """
 
-    name: str
     kind: Kind
-    index: int
+    name: str
     causality: str
     description: str
-    type: str = "real"
     quantity: str = NONE
+    index: int = 0
+    type: str = "real"
     start: float | None = None
     size: int | None = None
     limits: tuple[float | None, float | None] = (None, None)
+
+    def of(
+        self, part: str, index: int, start: float | None = None, size: int | None = None
+    ) -> "Variable":
+        """Return the variable of a part of the joint, for which braces stand in the texts."""
+        name, description = self.name.format(part), self.description.format(part)
+        return replace(
+            self, name=name, description=description, index=index, start=start, size=size
+        )
 
     @property
     def reference(self) -> int:

@@ -15,7 +15,6 @@ from faying.export.fmu.variable import (
     FORCE,
     LENGTH,
     MOMENT,
-    NONE,
     PRESSURE,
     SPIN,
     STIFFNESS,
@@ -46,31 +45,18 @@ class Defaults:
     start_loaded: bool = True
 
 
-def scalars(rom: ReducedModel, defaults: Defaults) -> tuple[Variable, ...]:
-    """Return all variables without arrays, which FMI 2.0 does not have.
+def variables(rom: ReducedModel, defaults: Defaults, *, arrays: bool) -> tuple[Variable, ...]:
+    """Return all variables; FMI 2.0 has no arrays, as which pressures and tractions come.
 
     Raises
     ------
     ModelError
         If two of them have the same name.
     """
-    return _distinct([*_ports(rom, defaults), *_motion(rom, arrays=False)])
-
-
-def with_arrays(rom: ReducedModel, defaults: Defaults) -> tuple[Variable, ...]:
-    """Return all variables, pressures, tractions and motion as arrays.
-
-    Raises
-    ------
-    ModelError
-        If two of them have the same name.
-    """
-    return _distinct([*_ports(rom, defaults), *_fields(rom), *_motion(rom, arrays=True)])
-
-
-def _distinct(variables: Sequence[Variable]) -> tuple[Variable, ...]:
+    fields = _fields(rom) if arrays else ()
+    all_variables = (*_ports(rom, defaults), *fields, *_motion(rom, arrays=arrays))
     names = set()
-    for variable in variables:
+    for variable in all_variables:
         if variable.name in names:
             message = (
                 f"two variables of the FMU are both called '{variable.name}'; give boundaries, "
@@ -78,144 +64,148 @@ def _distinct(variables: Sequence[Variable]) -> tuple[Variable, ...]:
             )
             raise ModelError(message)
         names.add(variable.name)
-    return tuple(variables)
-
-
-@dataclass(frozen=True)
-class _Family:
-    """What all variables of a kind have in common; braces stand for the part of the joint."""
-
-    name: str
-    causality: str
-    description: str
-    quantity: str = NONE
-    limits: tuple[float | None, float | None] = (None, None)
-    type: str = "real"
-
-    def variable(
-        self,
-        kind: Kind,
-        index: int,
-        part: str = "",
-        start: float | None = None,
-        size: int | None = None,
-    ) -> Variable:
-        """Return one of them."""
-        return Variable(
-            name=self.name.format(part),
-            kind=kind,
-            index=index,
-            causality=self.causality,
-            description=self.description.format(part),
-            type=self.type,
-            quantity=self.quantity,
-            start=start,
-            size=size,
-            limits=self.limits,
-        )
+    return all_variables
 
 
 POSITIVE = (0.0, None)
 
-FAMILIES = {
-    Kind.STEP_SIZE: _Family(
+_COMMON = (
+    Variable(
+        Kind.STEP_SIZE,
         "step_size",
         "parameter",
         "longest internal time step; communication steps are divided equally",
         TIME,
-        POSITIVE,
+        limits=POSITIVE,
     ),
-    Kind.INTEGRATOR: _Family(
+    Variable(
+        Kind.INTEGRATOR,
         "integrator",
         "parameter",
         "0 implicit Euler, 1 generalized-alpha, 2 energy-decaying",
         limits=(0, 2),
         type="integer",
     ),
-    Kind.RHO: _Family(
+    Variable(
+        Kind.RHO,
         "rho_infinity",
         "parameter",
         "spectral radius at infinite frequency of schemes of second order",
         limits=(0.0, 1.0),
     ),
-    Kind.START_LOADED: _Family(
+    Variable(
+        Kind.START_LOADED,
         "start_loaded",
         "parameter",
         "start in equilibrium with the boundary forces at initialization (true), or under the "
         "bolts alone, with those forces applied at once (false)",
         type="boolean",
     ),
-    Kind.PENALTY: _Family(
-        "{}.penalty", "parameter", "contact stiffness of interface {}", STIFFNESS, POSITIVE
+    Variable(
+        Kind.PENALTY,
+        "{}.penalty",
+        "parameter",
+        "contact stiffness of interface {}",
+        STIFFNESS,
+        limits=POSITIVE,
     ),
-    Kind.FRICTION: _Family(
+    Variable(
+        Kind.FRICTION,
         "{}.friction",
         "parameter",
         "coefficient of friction of interface {}",
         limits=(0.0, LARGEST_FRICTION),
     ),
-    Kind.TANGENTIAL_PENALTY: _Family(
+    Variable(
+        Kind.TANGENTIAL_PENALTY,
         "{}.tangential_penalty",
         "parameter",
         "tangential stiffness of interface {}",
         STIFFNESS,
-        POSITIVE,
+        limits=POSITIVE,
     ),
-    Kind.INITIAL_FORCE: _Family(
+    Variable(
+        Kind.INITIAL_FORCE,
         "{}.initial_force",
         "input",
         "force that bolt '{}' would have at zero elongation; what tightening set, not the force it "
         "ends with",
         FORCE,
     ),
-    Kind.FACTOR: _Family("{}.factor", "input", "what load {} of the deck is multiplied by"),
-    Kind.BOLT_FORCE: _Family(
-        "{}.force", "output", "axial force of bolt '{}', tension positive", FORCE
+    Variable(Kind.FACTOR, "{}.factor", "input", "what load {} of the deck is multiplied by"),
+    Variable(
+        Kind.BOLT_FORCE, "{}.force", "output", "axial force of bolt '{}', tension positive", FORCE
     ),
-    Kind.CONTACT_FORCE: _Family(
-        "{}.contact_force", "output", "normal force through interface {}", FORCE
+    Variable(
+        Kind.CONTACT_FORCE, "{}.contact_force", "output", "normal force through interface {}", FORCE
     ),
-    Kind.MAX_PRESSURE: _Family(
-        "{}.max_pressure", "output", "largest contact pressure in interface {}", PRESSURE
+    Variable(
+        Kind.MAX_PRESSURE,
+        "{}.max_pressure",
+        "output",
+        "largest contact pressure in interface {}",
+        PRESSURE,
     ),
-    Kind.OPEN_FRACTION: _Family(
-        "{}.open_fraction", "output", "part of the area without pressure of interface {}"
+    Variable(
+        Kind.OPEN_FRACTION,
+        "{}.open_fraction",
+        "output",
+        "part of the area without pressure of interface {}",
     ),
-    Kind.MAX_TRACTION: _Family(
-        "{}.max_traction", "output", "largest tangential traction in interface {}", PRESSURE
+    Variable(
+        Kind.MAX_TRACTION,
+        "{}.max_traction",
+        "output",
+        "largest tangential traction in interface {}",
+        PRESSURE,
     ),
-    Kind.STICK_FRACTION: _Family(
-        "{}.stick_fraction", "output", "part of the area that sticks of interface {}"
+    Variable(
+        Kind.STICK_FRACTION,
+        "{}.stick_fraction",
+        "output",
+        "part of the area that sticks of interface {}",
     ),
-    Kind.SLIP_FRACTION: _Family(
+    Variable(
+        Kind.SLIP_FRACTION,
         "{}.slip_fraction",
         "output",
         "part of the area that slipped in the last internal step of interface {}",
     ),
-    Kind.DISSIPATED_ENERGY: _Family(
+    Variable(
+        Kind.DISSIPATED_ENERGY,
         "{}.dissipated_energy",
         "output",
         "energy that friction took since initialization in interface {}",
         ENERGY,
     ),
-    Kind.PRESSURE: _Family(
-        "{}.pressure", "output", "contact pressure at the points of interface {}", PRESSURE
+    Variable(
+        Kind.PRESSURE,
+        "{}.pressure",
+        "output",
+        "contact pressure at the points of interface {}",
+        PRESSURE,
     ),
-    Kind.TRACTION: _Family(
+    Variable(
+        Kind.TRACTION,
         "{}.traction",
         "output",
         "length of the tangential traction at the points of interface {}",
         PRESSURE,
     ),
-    Kind.Q: _Family("modal.q{}", "local", "generalized coordinates; for pressure recovery"),
-    Kind.Q_VELOCITY: _Family(
-        "modal.v{}", "local", "their velocities, per second; for pressure recovery"
+    Variable(Kind.Q, "modal.q{}", "local", "generalized coordinates; for pressure recovery"),
+    Variable(
+        Kind.Q_VELOCITY, "modal.v{}", "local", "their velocities, per second; for pressure recovery"
     ),
-    Kind.Q_ACCELERATION: _Family(
-        "modal.a{}", "local", "their accelerations, per second squared; for pressure recovery"
+    Variable(
+        Kind.Q_ACCELERATION,
+        "modal.a{}",
+        "local",
+        "their accelerations, per second squared; for pressure recovery",
     ),
-}
+)
 """What there is besides forces and motion at boundaries."""
+
+FAMILIES = {variable.kind: variable for variable in _COMMON}
 
 SMOOTH = (Kind.CONTACT_FORCE, Kind.MAX_PRESSURE, Kind.OPEN_FRACTION)
 RUBBED = (Kind.MAX_TRACTION, Kind.STICK_FRACTION, Kind.SLIP_FRACTION, Kind.DISSIPATED_ENERGY)
@@ -231,19 +221,18 @@ def _ports(rom: ReducedModel, defaults: Defaults) -> Iterator[Variable]:
         Kind.START_LOADED: float(defaults.start_loaded),
     }
     for kind, start in starts.items():
-        yield FAMILIES[kind].variable(kind, 0, start=start)
+        yield FAMILIES[kind].of("", 0, start)
     numbers = {name: index for index, name in enumerate(rom.contact.slices)}
     for name, index in numbers.items():
         for kind, value in _of_law(rom.contact.laws[name]):
-            yield FAMILIES[kind].variable(kind, index, name, value)
+            yield FAMILIES[kind].of(name, index, value)
     yield from _at_boundaries(
         rom, Kind.FORCE, "input", FORCE_NAMES, (FORCE, "force on"), (MOMENT, "moment on")
     )
     for index, (name, bolt) in enumerate(rom.bolts.items()):
-        kind = Kind.INITIAL_FORCE
-        yield FAMILIES[kind].variable(kind, index, name, float(bolt.initial_force))
+        yield FAMILIES[Kind.INITIAL_FORCE].of(name, index, float(bolt.initial_force))
     for index, name in enumerate(rom.load_patterns):
-        yield FAMILIES[Kind.FACTOR].variable(Kind.FACTOR, index, name, 0.0)
+        yield FAMILIES[Kind.FACTOR].of(name, index, 0.0)
     moved, rate = "displacement, from the unloaded joint, of", "velocity of"
     yield from _at_boundaries(
         rom, Kind.DISPLACEMENT, "output", DISPLACEMENT_NAMES, (LENGTH, moved), (ANGLE, moved)
@@ -252,10 +241,10 @@ def _ports(rom: ReducedModel, defaults: Defaults) -> Iterator[Variable]:
         rom, Kind.VELOCITY, "output", VELOCITY_NAMES, (VELOCITY, rate), (SPIN, rate)
     )
     for index, name in enumerate(rom.bolts):
-        yield FAMILIES[Kind.BOLT_FORCE].variable(Kind.BOLT_FORCE, index, name)
+        yield FAMILIES[Kind.BOLT_FORCE].of(name, index)
     for kinds, names in ((SMOOTH, numbers), (RUBBED, rom.contact.rubbing_interfaces)):
         for kind, name in product(kinds, names):
-            yield FAMILIES[kind].variable(kind, numbers[name], name)
+            yield FAMILIES[kind].of(name, numbers[name])
 
 
 def _of_law(law: Law) -> Iterator[tuple[Kind, float]]:
@@ -295,10 +284,10 @@ def _motion(rom: ReducedModel, *, arrays: bool) -> Iterator[Variable]:
     count = len(rom.K)
     for kind in (Kind.Q, Kind.Q_VELOCITY, Kind.Q_ACCELERATION):
         if arrays:
-            yield FAMILIES[kind].variable(kind, WHOLE_ARRAY, size=count)
+            yield FAMILIES[kind].of("", WHOLE_ARRAY, size=count)
             continue
         for index in range(count):
-            yield FAMILIES[kind].variable(kind, index, f"[{index + 1}]")
+            yield FAMILIES[kind].of(f"[{index + 1}]", index)
 
 
 def _fields(rom: ReducedModel) -> Iterator[Variable]:
@@ -308,4 +297,4 @@ def _fields(rom: ReducedModel) -> Iterator[Variable]:
         for index, (name, points) in enumerate(slices.items()):
             count = points.stop - points.start
             if count and name in names:
-                yield FAMILIES[kind].variable(kind, index, name, size=count)
+                yield FAMILIES[kind].of(name, index, size=count)
