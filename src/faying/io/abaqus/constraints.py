@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, Vector
-from faying.digits import DECK_DIGITS
+from faying._typing import Indices, Matrix
+from faying.digits import DECK_DIGITS, ROUND_OFF
 from faying.io.abaqus.deck_data import DeckData, component
 from faying.io.abaqus.fields import integer, is_integer, real
 from faying.io.abaqus.keyword import Keyword
@@ -152,10 +152,8 @@ def _terms(
     ]
     if kind == "MEANROT":
         yield _mean_rotation(keyword, row, nodes, data.nodes.coordinates)
-    elif kind == "PLANE":
-        yield from _plane(keyword, row, nodes, data.nodes.coordinates)
     else:
-        yield from _straight(keyword, row, nodes, data.nodes.coordinates)
+        yield from _staying(keyword, row, kind, nodes, data.nodes.coordinates)
 
 
 def _check_two(keyword: Keyword, row: int, kind: str, fields: list[str]) -> None:
@@ -194,47 +192,60 @@ def _mean_rotation(keyword: Keyword, row: int, nodes: list[int], points: Matrix)
     return (*sorted(terms, key=lambda t: -abs(t[2])), (turning[0], 0, -float(len(distinct))))
 
 
-def _plane(keyword: Keyword, row: int, nodes: list[int], points: Matrix) -> Iterator[Terms]:
-    """All nodes stay on one plane, which is said by the three of them that lie farthest apart."""
-    nodes = list(dict.fromkeys(nodes))
-    if len(nodes) < 4:
-        keyword.refuse(f"found {len(nodes)} nodes, expected four or more that stay on a plane", row)
-    basis = _farthest(nodes, points)
-    a, b, c = (points[node] for node in basis)
-    first, second = a - c, b - c
-    normal = np.cross(first, second)
-    size = float(np.linalg.norm(normal))
-    if not size > DECK_DIGITS * float(np.linalg.norm(first) * np.linalg.norm(second)):
-        keyword.refuse("all nodes lie on one line; they must span a plane", row)
-    for node in (candidate for candidate in nodes if candidate not in basis):
-        arm = points[node] - c
-        _check_on(keyword, row, abs(float(normal @ arm)) / size, arm, "plane of the others")
-        at_a, at_b = np.cross(second, arm), np.cross(arm, first)
-        vectors = np.array([normal, at_a, at_b, -(normal + at_a + at_b)])
-        yield _largest_first(node, _of([node, *basis], vectors))
+_SHAPES = {
+    "PLANE": (3, "four", "plane", "lie on one line"),
+    "STRAIGHT": (2, "three", "line", "coincide"),
+}
+"""How many nodes say where it is, how many there must be, what it is, and what of none."""
 
 
-def _straight(keyword: Keyword, row: int, nodes: list[int], points: Matrix) -> Iterator[Terms]:
-    """All nodes stay on one line, which is said by the two of them that lie farthest apart."""
+def _staying(
+    keyword: Keyword, row: int, kind: str, nodes: list[int], points: Matrix
+) -> Iterator[Terms]:
+    """Yield the equations of nodes that stay on one plane or line.
+
+    Across it each moves as those of them that lie farthest apart do, in its shares of them.
+    """
+    count, least, shape, problem = _SHAPES[kind]
     nodes = list(dict.fromkeys(nodes))
-    if len(nodes) < 3:
-        keyword.refuse(f"found {len(nodes)} nodes, expected three or more that stay on a line", row)
-    a, b = basis = _farthest(nodes, points)[:2]
-    along = points[b] - points[a]
-    along_axis = int(np.abs(along).argmax())
-    if not np.abs(along).max() > 0:
-        keyword.refuse("all nodes coincide; they must span a line", row)
-    others = [c for c in range(3) if c != along_axis]
-    for node in (candidate for candidate in nodes if candidate not in basis):
-        arm = points[node] - points[a]
-        off = np.cross(along, arm) / np.linalg.norm(along)
-        _check_on(keyword, row, float(np.linalg.norm(off)), arm, "line of the others")
-        for c in others:
-            across, down = np.zeros(3), np.zeros(3)
-            across[c], across[along_axis] = along[along_axis], -along[c]
-            down[along_axis], down[c] = arm[c], -arm[along_axis]
-            vectors = np.array([across, -across - down, down])
-            yield _largest_first(node, _of([node, a, b], vectors))
+    if len(nodes) <= count:
+        keyword.refuse(
+            f"found {len(nodes)} nodes, expected {least} or more that stay on a {shape}", row
+        )
+    basis = _farthest(nodes, points)[:count]
+    edges = points[basis[1:]] - points[basis[0]]
+    across = _across(edges)
+    sizes = np.linalg.norm(edges, axis=1)
+    if not np.linalg.norm(across[0]) > DECK_DIGITS * np.prod(sizes):
+        keyword.refuse(f"all nodes {problem}; they must span a {shape}", row)
+    others = [node for node in nodes if node not in basis]
+    arms = points[others] - points[basis[0]]
+    shares = np.linalg.lstsq(edges.T, arms.T)[0].T
+    off = np.linalg.norm(arms - shares @ edges, axis=1)
+    wrong = np.flatnonzero(off > DECK_DIGITS * np.linalg.norm(arms, axis=1))
+    if wrong.size:
+        keyword.refuse(
+            f"a node is {off[wrong[0]]:.3g} off the {shape} of the others; place it there, for it "
+            "is not moved to it",
+            row,
+        )
+    shares[np.abs(shares) < ROUND_OFF] = 0.0
+    for node, share in zip(others, shares, strict=True):
+        factors = [1.0, share.sum() - 1.0, *-share]
+        for direction in across:
+            yield _largest_first(node, _of([node, *basis], np.outer(factors, direction)))
+
+
+def _across(edges: Matrix) -> Matrix:
+    """Return what lies across one edge, or across two, as rows."""
+    if len(edges) == 2:
+        return np.cross(edges[:1], edges[1:])
+    axis = int(np.abs(edges[0]).argmax())
+    others = [c for c in range(3) if c != axis]
+    across = np.zeros((2, 3))
+    across[[0, 1], others] = edges[0, axis]
+    across[:, axis] = -edges[0, others]
+    return across
 
 
 def _farthest(nodes: list[int], points: Matrix) -> list[int]:
@@ -243,14 +254,6 @@ def _farthest(nodes: list[int], points: Matrix) -> list[int]:
     second = int(np.linalg.norm(arms, axis=1).argmax())
     third = int(np.linalg.norm(np.cross(arms[second], arms), axis=1).argmax())
     return [nodes[0], nodes[second], nodes[third]]
-
-
-def _check_on(keyword: Keyword, row: int, distance: float, arm: Vector, where: str) -> None:
-    if distance > DECK_DIGITS * float(np.linalg.norm(arm)):
-        keyword.refuse(
-            f"a node is {distance:.3g} off the {where}; place it there, for it is not moved to it",
-            row,
-        )
 
 
 def _of(nodes: list[int], vectors: Matrix) -> list[tuple[int, int, float]]:

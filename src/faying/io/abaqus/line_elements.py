@@ -22,7 +22,7 @@ from faying.io.abaqus.fields import (
 )
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.mesh import ElementBlock
-from faying.io.abaqus.sets import assign
+from faying.io.abaqus.sets import section_numbers
 from faying.io.abaqus.solid_sections import find_isotropic
 from faying.model.assembly import Beam, BeamSection, Bush, Material, PointMass, Spring
 from faying.model.axes import any_across, axes_along, rectangular_section, round_section
@@ -41,18 +41,23 @@ def read_beams(data: DeckData, materials: Mapping[str, Material]) -> Iterator[Be
     blocks = elements.of(*TYPES)
     if not blocks:
         return
-    sections = _sections(data, materials)
+    keywords = deck.of("BEAM SECTION", "BEAM GENERAL SECTION")
+    first = len(deck.of("SOLID SECTION")) + 1
+    sections = [_beam(keyword, n, materials) for n, keyword in enumerate(keywords, start=first)]
+    numbers = section_numbers("BEAM SECTION", keywords, blocks, data.element_sets, deck.ignored)
+    for keyword in deck.of("TRANSVERSE SHEAR STIFFNESS"):
+        keyword.refuse("it is not supported; leave it out, and take B33 for beams rigid in shear")
     deck.ignored.extend(
         f"{name}: taken as beams exact for end loads, not as the element's own"
         for name in sorted({block.type for block in blocks} - {"B33"})
     )
     halves = max((int(block.ids.max(initial=0)) for block in elements.blocks), default=0) + 1
-    for block in blocks:
+    for block, of_block in zip(blocks, numbers, strict=True):
         for i, element_id in enumerate(block.ids.tolist()):
             ends = block.nodes[i].tolist()
             for start, end in pairwise(ends):
                 last = end == ends[-1]
-                section = block.section(i, sections, "BEAM SECTION")
+                section = sections[of_block[i]]
                 if block.type == "B33":
                     rigid = replace(section.section, shear_factor_y=np.inf, shear_factor_z=np.inf)
                     section = replace(section, section=rigid)
@@ -60,33 +65,22 @@ def read_beams(data: DeckData, materials: Mapping[str, Material]) -> Iterator[Be
                 halves += not last
 
 
-def _sections(data: DeckData, materials: Mapping[str, Material]) -> dict[int, Beam]:
-    """Return beams of nowhere that have the sections of elements."""
-    deck, sets = data.deck, data.element_sets
-    sections: dict[int, Beam] = {}
-    first = len(deck.of("SOLID SECTION")) + 1
-    named = ("BEAM SECTION", "BEAM GENERAL SECTION", "TRANSVERSE SHEAR STIFFNESS")
-    for number, keyword in enumerate(deck.of(*named), start=first):
-        if keyword.name == "TRANSVERSE SHEAR STIFFNESS":
-            keyword.refuse(
-                "it is not supported; leave it out, and take B33 for beams rigid in shear"
-            )
-        rows = keyword.rows()
-        if keyword.name == "BEAM SECTION":
-            material = find_isotropic(materials, keyword)
-            section = _profile(keyword, rows, material.poissons_ratio)
-        else:
-            section, material = _general(keyword, rows)
-        beam = Beam(
-            id=0,
-            nodes=(0, 0),
-            section=section,
-            material=material,
-            orientation=_direction(keyword, rows),
-            property=number,
-        )
-        assign(sections, keyword, sets, beam)
-    return sections
+def _beam(keyword: Keyword, number: int, materials: Mapping[str, Material]) -> Beam:
+    """Return a beam of nowhere that has a section."""
+    rows = keyword.rows()
+    if keyword.name == "BEAM SECTION":
+        material = find_isotropic(materials, keyword)
+        section = _profile(keyword, rows, material.poissons_ratio)
+    else:
+        section, material = _general(keyword, rows)
+    return Beam(
+        id=0,
+        nodes=(0, 0),
+        section=section,
+        material=material,
+        orientation=_direction(keyword, rows),
+        property=number,
+    )
 
 
 def _measures(keyword: Keyword, rows: list[list[str]], counts: tuple[int, ...]) -> list[float]:
@@ -168,17 +162,12 @@ def read_trusses(data: DeckData, materials: Mapping[str, Material]) -> Iterator[
     blocks, coordinates = data.elements.of(*TRUSSES), data.nodes.coordinates
     if not blocks:
         return
-    truss_ids = np.concatenate([block.ids for block in blocks])
-    sections: dict[int, tuple[int, BeamSection, Material]] = {}
-    for number, keyword in enumerate(data.deck.of("SOLID SECTION"), start=1):
-        ids = data.element_sets.find(keyword, keyword.required("ELSET"))
-        members = ids[np.isin(ids, truss_ids)].tolist()
-        if members:
-            member = number, _section(keyword), find_isotropic(materials, keyword)
-            sections.update(dict.fromkeys(members, member))
-    for block in blocks:
+    keywords = data.deck.of("SOLID SECTION")
+    sets, ignored = data.element_sets, data.deck.ignored
+    numbers = section_numbers("SOLID SECTION", keywords, blocks, sets, ignored)
+    for block, of_block in zip(blocks, numbers, strict=True):
         for i, element_id in enumerate(block.ids.tolist()):
-            number, section, material = block.section(i, sections, "SOLID SECTION")
+            keyword = keywords[of_block[i]]
             start, end = block.nodes[i].tolist()
             along = coordinates[end] - coordinates[start]
             if not along.any():
@@ -187,10 +176,10 @@ def read_trusses(data: DeckData, materials: Mapping[str, Material]) -> Iterator[
             yield Beam(
                 id=element_id,
                 nodes=(start, end),
-                section=section,
-                material=material,
+                section=_section(keyword),
+                material=find_isotropic(materials, keyword),
                 orientation=any_across(along),
-                property=number,
+                property=int(of_block[i]) + 1,
             )
 
 
@@ -202,15 +191,14 @@ def _section(keyword: Keyword) -> BeamSection:
 
 def read_springs(data: DeckData) -> tuple[tuple[Spring, ...], tuple[Bush, ...]]:
     """Read SPRING1, SPRING2 and SPRINGA; those off the coordinate axes are bushes."""
-    stiffness: dict[int, Keyword] = {}
-    for keyword in data.deck.of("SPRING"):
-        assign(stiffness, keyword, data.element_sets, keyword)
+    keywords = data.deck.of("SPRING")
+    blocks = data.elements.of("SPRING1", "SPRING2", "SPRINGA")
+    numbers = section_numbers("SPRING", keywords, blocks, data.element_sets, data.deck.ignored)
     springs: list[Spring] = []
     bushes: list[Bush] = []
-    for block in data.elements.of("SPRING1", "SPRING2", "SPRINGA"):
-        for i in range(len(block.ids)):
-            section = block.section(i, stiffness, "SPRING")
-            spring = _spring(block, i, section, data.nodes.coordinates)
+    for block, of_block in zip(blocks, numbers, strict=True):
+        for i, number in enumerate(of_block.tolist()):
+            spring = _spring(block, i, keywords[number], data.nodes.coordinates)
             if isinstance(spring, Bush):
                 bushes.append(spring)
             else:
@@ -274,38 +262,28 @@ def _inclined(block: ElementBlock, i: int, stiffness: float, coordinates: Matrix
     )
 
 
-Tensor = tuple[tuple[float, float, float], ...]
-
-
 def read_masses(data: DeckData) -> Iterator[PointMass]:
     """Read MASS and ROTARYI elements."""
-    values: dict[int, float] = {}
-    inertias: dict[int, Tensor] = {}
-    sets = data.element_sets
-    for keyword in data.deck.of("MASS", "ROTARY INERTIA"):
-        if keyword.name == "MASS":
-            assign(values, keyword, sets, _mass(keyword))
-        else:
-            assign(inertias, keyword, sets, _inertia(keyword))
-    for block in data.elements.of("MASS", "ROTARYI"):
-        for i, (number, node) in enumerate(zip(block.ids.tolist(), block.nodes[:, 0], strict=True)):
-            if block.type == "MASS":
-                mass = block.section(i, values, "MASS")
-                yield PointMass(id=number, node=int(node), mass=mass)
-            else:
-                inertia = block.section(i, inertias, "ROTARY INERTIA")
-                yield PointMass(id=number, node=int(node), mass=0.0, inertia=inertia)
+    for kind, name, read in (("MASS", "MASS", _mass), ("ROTARYI", "ROTARY INERTIA", _inertia)):
+        keywords, blocks = data.deck.of(name), data.elements.of(kind)
+        values = [read(keyword) for keyword in keywords]
+        numbers = section_numbers(name, keywords, blocks, data.element_sets, data.deck.ignored)
+        for block, of_block in zip(blocks, numbers, strict=True):
+            for element_id, node, number in zip(
+                block.ids.tolist(), block.nodes[:, 0].tolist(), of_block.tolist(), strict=True
+            ):
+                yield replace(values[number], id=element_id, node=node)
 
 
-def _mass(keyword: Keyword) -> float:
+def _mass(keyword: Keyword) -> PointMass:
     (text,) = only_line(keyword, (1,), "one mass")
     value = real(keyword, 0, text, "a mass")
     if value < 0:
         keyword.refuse(f"the mass is {value:g}; it must not be negative", 0)
-    return value
+    return PointMass(id=0, node=0, mass=value)
 
 
-def _inertia(keyword: Keyword) -> Tensor:
+def _inertia(keyword: Keyword) -> PointMass:
     fields = only_line(keyword, range(3, 7), "I11, I22, I33, I12, I13, I23")
     xx, yy, zz, xy, xz, yz = padded(keyword, 0, fields, 6, "an inertia")
     tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
@@ -313,7 +291,7 @@ def _inertia(keyword: Keyword) -> Tensor:
     if np.linalg.eigvalsh(tensor).min() < 0:
         keyword.refuse("the inertia has a negative principal value; check its signs", 0)
     first, second, third = ((float(a), float(b), float(c)) for a, b, c in turned)
-    return (first, second, third)
+    return PointMass(id=0, node=0, mass=0.0, inertia=(first, second, third))
 
 
 _VIBRATIONS = ("FREQUENCY", "COMPLEX FREQUENCY", "DYNAMIC", "MODAL DYNAMIC")

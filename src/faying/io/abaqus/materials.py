@@ -1,9 +1,7 @@
 """``*MATERIAL`` and ``*TEMPERATURE``: elasticity, density, and free strains."""
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from itertools import pairwise
 
 import numpy as np
 
@@ -117,19 +115,10 @@ def read_expansion(keyword: Keyword) -> Expansion:
     wrong = next((row for row, fields in enumerate(rows) if len(fields) > 2), None)
     if not rows or wrong is not None:
         keyword.refuse("expected a coefficient of expansion and a temperature on each line", wrong)
-    table = np.array(
-        [
-            [
-                optional_real(keyword, row, fields, 1, 0.0, "a temperature"),
-                real(keyword, row, fields[0], "a coefficient of expansion"),
-            ]
-            for row, fields in enumerate(rows)
-        ]
-    )
-    if (np.diff(table[:, 0]) <= 0).any():
-        keyword.refuse("the temperatures do not increase; sort them")
+    coefficients, temperatures = _table(keyword, ("a coefficient of expansion", "a temperature")).T
+    _check_increasing(keyword, temperatures)
     zero = parameter(keyword, "ZERO", 0.0)
-    return Expansion(temperatures=table[:, 0], coefficients=table[:, 1], zero=zero)
+    return Expansion(temperatures=temperatures, coefficients=coefficients, zero=zero)
 
 
 def constant_expansion(keyword: Keyword) -> float | None:
@@ -195,17 +184,6 @@ def thermal_forces(
     ]
 
 
-def check_constant(keyword: Keyword, temperature: float | None) -> float:
-    """Return the temperature that constants are taken at."""
-    if temperature is None:
-        keyword.refuse(
-            "constants that depend on temperature are not supported where it differs between "
-            f"nodes; give one line, or {request('temperature')}",
-            1,
-        )
-    return temperature
-
-
 HARMLESS = frozenset(("CONDUCTIVITY", "SPECIFIC HEAT", "LATENT HEAT", "INELASTIC HEAT FRACTION"))
 """Properties without effect at constant temperature."""
 
@@ -232,97 +210,114 @@ def without_unused(deck: Deck) -> Deck:
     return replace(deck, keywords=keywords)
 
 
-def read_materials(deck: Deck, temperature: float | None) -> dict[str, Material]:
-    """Read all *MATERIAL with *ELASTIC and *DENSITY: upper-case name to material.
+def read_materials(
+    deck: Deck, temperature: float | None
+) -> tuple[dict[str, Material], dict[str, Expansion]]:
+    """Read all *MATERIAL: upper-case name to material, and to what it expands by.
 
-    Tables over temperature count at the temperature given; None where it differs.
+    Tables over temperature count at the temperature given; None where it differs. Without
+    temperatures of steps nothing expands.
     """
     materials: dict[str, Material] = {}
+    expansions: dict[str, Expansion] = {}
     for head, members in deck.groups("MATERIAL", *MEMBERS):
         name = head.required("NAME")
-        elastic, law, density, expansion = None, None, 0.0, None
-        for member in members:
-            if _is_anisotropic(member):
-                law = read_law(member, partial(check_constant, member, temperature))
-            elif member.name == "ELASTIC":
-                names = ("Young's modulus", "nu")
-                elastic = _constants(member, temperature, "E, nu", names)
-            elif member.name == "DENSITY":
-                (density,) = _constants(member, temperature, "the density", ["the density"])
-            elif member.name == "EXPANSION":
-                expansion = constant_expansion(member)
-            elif member.name in HARMLESS:
-                deck.ignored.append(f"*{member.name} of material {name} (no temperatures)")
-        tables = [m for m in members if m.name in ("ELASTIC", "DENSITY") and len(m.data) > 1]
-        if any(not _is_anisotropic(member) for member in tables):
-            deck.ignored.append(
-                f"tables of material {name}: taken at the temperature {temperature:g}"
-            )
-        if elastic is None and law is None:
+        by_name = {member.name: member for member in members}
+        deck.ignored.extend(
+            f"*{member} of material {name} (no temperatures)"
+            for member in by_name
+            if member in HARMLESS
+        )
+        elastic, density = by_name.get("ELASTIC"), by_name.get("DENSITY")
+        expansion = by_name.get("EXPANSION")
+        if elastic is None:
             head.refuse(
                 f"material '{name}' has no *ELASTIC; add Young's modulus and Poisson's ratio"
             )
+        anisotropic = elastic.choice("TYPE", "ISOTROPIC") not in ISOTROPIC
+        mass = _constants(density, temperature, ("the density",)) if density else [0.0]
+        constant = constant_expansion(expansion) if expansion else None
         try:
-            material = (
-                Material(
+            if anisotropic:
+                law = read_law(elastic, temperature)
+                material = Material.anisotropic(law, density=float(mass[0]), name=name)
+            else:
+                modulus, ratio = _constants(elastic, temperature, ("Young's modulus", "nu"))
+                material = Material(
                     name=name,
-                    youngs_modulus=elastic[0],
-                    poissons_ratio=elastic[1],
-                    density=density,
-                    expansion=expansion,
+                    youngs_modulus=float(modulus),
+                    poissons_ratio=float(ratio),
+                    density=float(mass[0]),
+                    expansion=constant,
                 )
-                if elastic is not None
-                else Material.anisotropic(np.asarray(law), density=density, name=name)
-            )
         except ModelError as error:
             raise head.error(str(error)) from None
+        tables = [density, None if anisotropic else elastic]
+        if any(keyword is not None and len(keyword.data) > 1 for keyword in tables):
+            deck.ignored.append(
+                f"tables of material {name}: taken at the temperature {temperature:g}"
+            )
+        if expansion and not deck.of("TEMPERATURE"):
+            deck.ignored.append(f"*EXPANSION of material {name} (no temperature changes)")
+        elif expansion:
+            if anisotropic:
+                expansion.refuse(
+                    f"material '{name}' is anisotropic; only isotropic ones expand here"
+                )
+            expansions[name.upper()] = read_expansion(expansion)
         add(materials, head, name, material, "materials")
-    return materials
+    return materials, expansions
 
 
-def _is_anisotropic(member: Keyword) -> bool:
-    return member.name == "ELASTIC" and member.choice("TYPE", "ISOTROPIC") not in ISOTROPIC
-
-
-def read_expansions(deck: Deck) -> dict[str, Expansion]:
-    """Read all *EXPANSION, upper-case name of the material to what it expands by."""
-    expansions = {}
-    for head, members in deck.groups("MATERIAL", *MEMBERS):
-        name = head.required("NAME")
-        for member in (entry for entry in members if entry.name == "EXPANSION"):
-            if deck.of("TEMPERATURE") and any(map(_is_anisotropic, members)):
-                member.refuse(f"material '{name}' is anisotropic; only isotropic ones expand here")
-            if deck.of("TEMPERATURE"):
-                expansions[name.upper()] = read_expansion(member)
-            else:
-                deck.ignored.append(f"*EXPANSION of material {name} (no temperature changes)")
-    return expansions
-
-
-def _constants(
-    keyword: Keyword, temperature: float | None, expected: str, names: Sequence[str]
-) -> list[float]:
+def _constants(keyword: Keyword, temperature: float | None, names: Sequence[str]) -> Vector:
     """Return constants, of which only the first must be there, at the temperature that counts.
 
     Each line has them in order, and the temperature it is of behind them.
     """
-    rows, width = keyword.rows(), len(names) + 1
+    rows = keyword.rows()
+    expected = ", ".join(names)
     if not rows:
         keyword.refuse(f"expected {expected} on a data line")
     for i, row in enumerate(rows):
-        check_count(keyword, i, row, range(width + 1), expected)
-    first = [real(keyword, i, row[0], names[0]) for i, row in enumerate(rows)]
-    others = [
-        [optional_real(keyword, i, row, column, 0.0, what) for i, row in enumerate(rows)]
-        for column, what in enumerate((*names[1:], "a temperature"), start=1)
-    ]
-    *values, places = first, *others
-    if len(rows) == 1:
-        return [column[0] for column in values]
-    degrees = check_constant(keyword, temperature)
-    if any(upper <= lower for lower, upper in pairwise(places)):
+        check_count(keyword, i, row, range(len(names) + 2), expected)
+    return _at(keyword, temperature, _table(keyword, (*names, "a temperature")))
+
+
+def _table(keyword: Keyword, names: Sequence[str]) -> Matrix:
+    """Return the numbers of all data lines, of which only the first of each must be there."""
+    return np.array(
+        [
+            [
+                real(keyword, i, row[0], names[0]),
+                *(
+                    optional_real(keyword, i, row, column, 0.0, names[column])
+                    for column in range(1, len(names))
+                ),
+            ]
+            for i, row in enumerate(keyword.rows())
+        ]
+    )
+
+
+def _at(keyword: Keyword, temperature: float | None, table: Matrix) -> Vector:
+    """Return the constants of a table over temperature, the last of its columns."""
+    if len(table) == 1:
+        constants: Vector = table[0, :-1]
+        return constants
+    if temperature is None:
+        keyword.refuse(
+            "constants that depend on temperature are not supported where it differs between "
+            f"nodes; give one line, or {request('temperature')}",
+            1,
+        )
+    _check_increasing(keyword, table[:, -1])
+    return np.array([np.interp(temperature, table[:, -1], c) for c in table[:, :-1].T])
+
+
+def _check_increasing(keyword: Keyword, temperatures: Vector) -> None:
+    """Refuse a table over temperature that does not go up."""
+    if (np.diff(temperatures) <= 0).any():
         keyword.refuse("the temperatures do not increase; sort them", 1)
-    return [float(np.interp(degrees, places, column)) for column in values]
 
 
 ISOTROPIC = ("ISOTROPIC", "ISO")
@@ -331,10 +326,10 @@ _ORDER = np.array([0, 1, 2, 3, 5, 4])
 """Decks have 11, 22, 33, 12, 13, 23; see :mod:`faying.model.elastic_law`."""
 
 
-def read_law(keyword: Keyword, temperature: Callable[[], float]) -> Matrix:
+def read_law(keyword: Keyword, temperature: float | None) -> Matrix:
     """Return the stiffness (6, 6) along the axes of the material.
 
-    ``temperature`` tells at which one a table over temperature counts.
+    A table over temperature counts at the one given.
     """
     wished = keyword.choice("TYPE").replace(" ", "")
     kind = next((name for name in _COUNTS if len(wished) > 2 and name.startswith(wished)), "")
@@ -350,17 +345,14 @@ def read_law(keyword: Keyword, temperature: Callable[[], float]) -> Matrix:
         for value in numbers(keyword, i, row, "an elastic constant")
     ]
     # A temperature may stand behind the last constant, and must in a table.
-    if len(values) < count or (len(values) > count and len(values) % (count + 1)):
+    if len(values) == count:
+        values.append(0.0)
+    if not values or len(values) % (count + 1):
         keyword.refuse(
             f"found {len(values)} numbers, expected {count}, or as many and a temperature for each "
             "temperature of a table"
         )
-    if len(values) > count + 1:
-        table = np.array(values).reshape(-1, count + 1)
-        if (np.diff(table[:, -1]) <= 0).any():
-            keyword.refuse("the temperatures do not increase; sort them")
-        degrees = temperature()
-        values = [float(np.interp(degrees, table[:, -1], column)) for column in table[:, :-1].T]
+    values = _at(keyword, temperature, np.array(values).reshape(-1, count + 1)).tolist()
     if kind == "ENGINEERINGCONSTANTS":
         shear = np.array([values[6], values[8], values[7]])
         try:

@@ -1,5 +1,6 @@
 """Matrices of Abaqus (``.mtx``) and CalculiX (``.sti``, ``.mas``), and what their deck adds."""
 
+import io
 import re
 from collections.abc import Mapping
 from dataclasses import replace
@@ -137,23 +138,15 @@ def _numbers(path: Path, name: str, widths: tuple[int, ...]) -> Matrix:
     if not _ALLOWED.fullmatch(data):
         raise _unreadable_row(path, name, data, widths)
     plain = data.translate(bytes.maketrans(b",Dd", b" EE"))
-    texts = plain.split()
-    if not texts:
+    if not plain.strip():
         refuse(f"matrix {name}: '{path}' holds no numbers; write it again")
     width = len(plain.lstrip().split(b"\n", 1)[0].split())
-    # Fields per line: a field starts where a blank is followed by another character.
-    letters = np.frombuffer(b"\n" + plain, dtype=np.uint8)
-    blank = letters <= ord(" ")
-    starts = blank[:-1] & ~blank[1:]
-    at_line = np.cumsum(letters[:-1] == ord("\n"))[starts]
-    counts = np.bincount(at_line)
-    if width not in widths or ((counts != width) & (counts != 0)).any():
-        raise _unreadable_row(path, name, data, (width,) if width in widths else widths)
+    expected = (width,) if width in widths else widths
     try:
-        table = np.array(texts).astype(np.float64).reshape(-1, width)
+        table = np.loadtxt(io.BytesIO(plain), comments=None, ndmin=2)
     except ValueError:
-        raise _unreadable_row(path, name, data, widths) from None
-    if not np.isfinite(table).all():
+        raise _unreadable_row(path, name, data, expected) from None
+    if table.shape[1] not in widths or not np.isfinite(table).all():
         raise _unreadable_row(path, name, data, widths)
     return table
 

@@ -9,7 +9,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import refuse
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import integers, padded, reals, table
-from faying.io.abaqus.keyword import Keyword, T
+from faying.io.abaqus.keyword import Keyword
 from faying.model.axes import axes_along
 from faying.model.elements import ALL_SOLIDS, SOLIDS, SolidElement
 
@@ -192,14 +192,6 @@ class ElementBlock:
     nodes: Indices
     rows: Indices
     keyword: Keyword
-
-    def section(self, i: int, sections: Mapping[int, T], keyword: str) -> T:
-        """Return what a keyword gave one of the elements, by the ids of these."""
-        number = int(self.ids[i])
-        if number not in sections:
-            message = f"element {number} has no *{keyword}; give its set one"
-            self.keyword.refuse(message, int(self.rows[i]))
-        return sections[number]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -88,7 +88,7 @@ def description(deck: Deck) -> JointDescription:
     amplitudes = read_amplitudes(deck)
     temperatures = read_temperatures(data, amplitudes)
     used = np.concatenate([np.empty(0, np.int64), *(b.nodes.ravel() for b in elements.blocks)])
-    named = materials.read_materials(deck, temperatures.uniform(np.unique(used)))
+    named, expansions = materials.read_materials(deck, temperatures.uniform(np.unique(used)))
     solids, of_property = read_solid_sections(data, named)
     note_controls(deck, elements.solids)
     note_masses(deck, elements.solids)
@@ -140,7 +140,6 @@ def description(deck: Deck) -> JointDescription:
         for in_step in forces
     )
     distributed = list(read_distributed(data, assembly, surfaces, amplitudes))
-    expansions = materials.read_expansions(deck)
     free = [item for item in sections if item.element is not None and item.node not in holds.since]
     heated = with_unlocked_bolts(assembly, pretension.bolts(free, []))
     locked = [item.element for item in sections if item.node in holds.since]

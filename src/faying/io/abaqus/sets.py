@@ -1,6 +1,6 @@
 """``*NSET`` and ``*ELSET``, and the sets that ``*NODE`` and ``*ELEMENT`` name on their way."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -8,8 +8,8 @@ import numpy as np
 from faying._typing import Indices, frozen
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import Table, integers, is_integer, table
-from faying.io.abaqus.keyword import Keyword, T, scoped_names
-from faying.io.abaqus.mesh import Elements, Nodes
+from faying.io.abaqus.keyword import Keyword, scoped_names
+from faying.io.abaqus.mesh import ElementBlock, Elements, Nodes, located
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -232,9 +232,34 @@ def _check_known(
         )
 
 
-def assign(sections: dict[int, T], keyword: Keyword, sets: NamedSets, value: T) -> None:
-    """Give the elements of a keyword's ELSET a value, which none may have already."""
-    for number in sets.find(keyword, keyword.required("ELSET")).tolist():
-        if number in sections:
-            keyword.refuse(f"element {number} has a *{keyword.name} already; remove one of them")
-        sections[number] = value
+def section_numbers(
+    name: str,
+    keywords: Sequence[Keyword],
+    blocks: Sequence[ElementBlock],
+    sets: NamedSets,
+    ignored: list[str],
+) -> list[Indices]:
+    """Return which keyword each element (n_element,) of each block is in the ELSET of, from 0.
+
+    Of several the last counts. All are called ``name`` where an element has none.
+    """
+    ids = np.concatenate([np.empty(0, dtype=np.int64), *(block.ids for block in blocks)])
+    numbers = np.full(len(ids), -1)
+    for number, keyword in enumerate(keywords):
+        chosen = np.isin(ids, sets.find(keyword, keyword.required("ELSET")))
+        again = ids[chosen & (numbers >= 0)]
+        if again.size:
+            ignored.append(
+                f"{keyword.where()}: *{keyword.name} of {len(again)} elements (the first "
+                f"{again[0]}) that have one already: the last counts, as in CalculiX; Abaqus "
+                "refuses such a deck"
+            )
+        numbers[chosen] = number
+    missing = np.flatnonzero(numbers < 0)
+    if missing.size:
+        position, row = located([block.ids for block in blocks], int(missing[0]))
+        blocks[position].keyword.refuse(
+            f"element {ids[missing[0]]} has no *{name}; give its set one",
+            int(blocks[position].rows[row]),
+        )
+    return np.split(numbers, np.cumsum([len(block.ids) for block in blocks], dtype=int))[:-1]

@@ -10,6 +10,7 @@ from faying.io.abaqus.deck_data import DeckData
 from faying.io.abaqus.fields import only_line, positive, real
 from faying.io.abaqus.keyword import Keyword
 from faying.io.abaqus.mesh import SHELL_TYPES
+from faying.io.abaqus.sets import section_numbers
 from faying.io.abaqus.solid_sections import find_isotropic
 from faying.io.element_faces import shell_facets
 from faying.model.assembly import Material
@@ -53,48 +54,41 @@ def read_shells(data: DeckData, materials: Mapping[str, Material]) -> Shells:
     all_blocks = data.elements.of(*SHELL_TYPES)
     if not all_blocks:
         return Shells()
-    ids = np.concatenate([block.ids for block in all_blocks])
-    number = np.zeros(len(ids), dtype=np.int64)
-    offset = np.zeros(len(ids))
-    sections: dict[int, ShellSection] = {}
-    thicknesses: dict[int, float] = {}
-    others = deck.of("SOLID SECTION", "BEAM SECTION", "BEAM GENERAL SECTION")
-    for section_number, keyword in enumerate(deck.of("SHELL SECTION"), start=len(others) + 1):
-        chosen = np.isin(ids, sets.find(keyword, keyword.required("ELSET")))
-        thickness = thicknesses[section_number] = positive(
-            keyword, 0, only_line(keyword, range(1, 9), "the thickness")[0], "the thickness"
+    keywords = deck.of("SHELL SECTION")
+    first = len(deck.of("SOLID SECTION", "BEAM SECTION", "BEAM GENERAL SECTION")) + 1
+    thicknesses = [
+        positive(keyword, 0, fields[0], "the thickness")
+        for keyword in keywords
+        for fields in [only_line(keyword, range(1, 9), "the thickness")]
+    ]
+    # Theirs is that of the nodes from the middle, ours that of the middle from the nodes.
+    offsets = np.array([-_offset(k) * t for k, t in zip(keywords, thicknesses, strict=True)])
+    numbers = section_numbers("SHELL SECTION", keywords, all_blocks, sets, deck.ignored)
+    blocks = tuple(
+        ShellBlock(
+            kind=SHELL_TYPES[block.type][0],
+            nodes=block.nodes,
+            ids=block.ids,
+            properties=first + number,
+            offsets=offsets[number],
+            directions=np.zeros((len(block.ids), 3)),
         )
-        number[chosen] = section_number
-        # Theirs is that of the nodes from the middle, ours that of the middle from the nodes.
-        offset[chosen] = -_offset(keyword) * thickness
-        sections[section_number] = _section(find_isotropic(materials, keyword), thickness)
-    missing = np.flatnonzero(number == 0)
-    start, blocks = 0, []
-    for block in all_blocks:
-        rows = slice(start, start + len(block.ids))
-        start += len(block.ids)
-        lost = missing[(missing >= rows.start) & (missing < rows.stop)]
-        if lost.size:
-            block.keyword.refuse(
-                f"shell {ids[lost[0]]} has no *SHELL SECTION; give its set one",
-                int(block.rows[lost[0] - rows.start]),
-            )
-        blocks.append(
-            ShellBlock(
-                kind=SHELL_TYPES[block.type][0],
-                nodes=block.nodes,
-                ids=block.ids,
-                properties=number[rows],
-                offsets=offset[rows],
-                directions=np.zeros((len(block.ids), 3)),
-            )
-        )
-    deck.ignored.append(
-        f"{len(ids)} shells: surfaces with rotations at their nodes, as in Abaqus, with a drilling "
-        "stiffness, shear and mass of their own; CalculiX makes solids of them, which differ where "
-        "shells are thick, coarse or joined at angles"
+        for block, number in zip(all_blocks, numbers, strict=True)
     )
-    return Shells(blocks=tuple(blocks), sections=sections, thicknesses=thicknesses)
+    deck.ignored.append(
+        f"{sum(map(len, numbers))} shells: surfaces with rotations at their nodes, as in Abaqus, "
+        "with a drilling stiffness, shear and mass of their own; CalculiX makes solids of them, "
+        "which differ where shells are thick, coarse or joined at angles"
+    )
+    sections = [
+        _section(find_isotropic(materials, keyword), thickness)
+        for keyword, thickness in zip(keywords, thicknesses, strict=True)
+    ]
+    return Shells(
+        blocks=blocks,
+        sections=dict(enumerate(sections, start=first)),
+        thicknesses=dict(enumerate(thicknesses, start=first)),
+    )
 
 
 def _offset(keyword: Keyword) -> float:

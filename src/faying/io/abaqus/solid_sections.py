@@ -12,8 +12,8 @@ from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.deck_data import DeckData
 from faying.io.abaqus.fields import integer, padded, real
 from faying.io.abaqus.keyword import Keyword, named
-from faying.io.abaqus.mesh import SOLID_TYPES, ElementBlock, located
-from faying.io.abaqus.sets import NamedSets
+from faying.io.abaqus.mesh import SOLID_TYPES, ElementBlock
+from faying.io.abaqus.sets import NamedSets, section_numbers
 from faying.model.assembly import Material
 from faying.model.axes import axes_along
 from faying.model.cells import CellBlock
@@ -149,24 +149,18 @@ def read_solid_sections(
 ) -> tuple[tuple[CellBlock, ...], dict[int, Material]]:
     """Return blocks of cells, whose properties number the sections from 1, and their materials."""
     deck, elements, sets = data.deck, data.elements, data.element_sets
-    ids = np.concatenate([np.empty(0, dtype=np.int64), *(b.ids for b in elements.solids)])
-    section = np.zeros(len(ids), dtype=np.int64)
+    sections = deck.of("SOLID SECTION")
+    numbers = section_numbers("SOLID SECTION", sections, elements.solids, sets, deck.ignored)
+    nothing = np.empty(0, dtype=np.int64)
+    ids = np.concatenate([nothing, *(block.ids for block in elements.solids)])
+    section = np.concatenate([nothing, *numbers]) + 1
     used: dict[int, Material] = {}
     reduced = np.concatenate(
         [np.empty(0, dtype=bool), *(np.full(len(b.ids), _hourglasses(b)) for b in elements.solids)]
     )
-    sections = deck.of("SOLID SECTION")
     more = itertools.count(len(sections) + 1)
     for number, keyword in enumerate(sections, start=1):
-        chosen = np.isin(ids, sets.find(keyword, keyword.required("ELSET")))
-        again = np.flatnonzero(chosen & (section > 0))
-        if again.size:
-            deck.ignored.append(
-                f"{keyword.where()}: *SOLID SECTION of {len(again)} elements (the first "
-                f"{ids[again[0]]}) that have one already: the last counts, as in CalculiX; Abaqus "
-                "refuses such a deck"
-            )
-        section[chosen] = number
+        chosen = section == number
         used[number] = find_material(materials, keyword)
         material, law = used[number], used[number].law
         if law is not None and keyword.has("ORIENTATION"):
@@ -181,14 +175,6 @@ def read_solid_sections(
                 f"material '{used[number].name}' is anisotropic; the hourglass stiffness of C3D8R "
                 "is isotropic, take C3D8I"
             )
-    missing = np.flatnonzero(section == 0)
-    if missing.size:
-        position, row = located([block.ids for block in elements.solids], int(missing[0]))
-        block = elements.solids[position]
-        block.keyword.refuse(
-            f"element {ids[missing[0]]} has no *SOLID SECTION; give its set one",
-            int(block.rows[row]),
-        )
     return tuple(cells(elements.solids, section, _reduced(deck))), used
 
 
