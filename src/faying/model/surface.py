@@ -50,10 +50,7 @@ class Facets(Frozen):
 
     def by_kind(self) -> dict[str, Indices]:
         """Return the nodes (n, n_node_per_face) of the facets of each kind present."""
-        return {
-            kind: self.nodes[rows, : FACES[kind].n_nodes]
-            for kind, rows in rows_by_kind(self.nodes).items()
-        }
+        return nodes_by_kind(self.nodes)
 
     def taken(self, chosen: Mask | Indices) -> "Facets":
         """Return the chosen facets."""
@@ -93,6 +90,12 @@ def rows_by_kind(nodes: Indices) -> dict[str, Indices]:
     counts = (nodes >= 0).sum(axis=1)
     rows = {kind: np.flatnonzero(counts == face.n_nodes) for kind, face in FACES.items()}
     return {kind: chosen for kind, chosen in rows.items() if len(chosen)}
+
+
+def nodes_by_kind(nodes: Indices) -> dict[str, Indices]:
+    """Return the facets (n, n_node_per_face) of each kind present in a table (n_facet, width)."""
+    rows = rows_by_kind(nodes)
+    return {kind: nodes[chosen, : FACES[kind].n_nodes] for kind, chosen in rows.items()}
 
 
 def triangular(nodes: Indices) -> Mask:

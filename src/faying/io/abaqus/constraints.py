@@ -16,7 +16,6 @@ Term = tuple[int, int, float]
 
 def read_equations(data: DeckData) -> Iterator[Equation]:
     """Read all *EQUATION; the first term is the one that is eliminated."""
-    number = 0
     for keyword in data.deck.of("EQUATION"):
         rows = keyword.rows()
         row = 0
@@ -36,8 +35,7 @@ def read_equations(data: DeckData) -> Iterator[Equation]:
             if len(fields) != count:
                 keyword.refuse(f"found {len(fields)} terms, expected {count}", start)
             for terms in _per_node(keyword, fields, data):
-                number += 1
-                yield Equation(id=number, terms=terms)
+                yield Equation(id=0, terms=terms)
 
 
 def _per_node(
@@ -81,7 +79,7 @@ passes over a node of MEANROT."""
 Terms = tuple[tuple[int, int, float], ...]
 
 
-def read_mpcs(data: DeckData, first_id: int) -> tuple[list[Equation], list[RigidCoupling]]:
+def read_mpcs(data: DeckData) -> tuple[list[Equation], list[RigidCoupling]]:
     """Read *MPC of type PIN, TIE, BEAM, PLANE, STRAIGHT and MEANROT.
 
     The last four are linearized about the geometry of the deck: with unit axis a and p_i the arms
@@ -92,13 +90,11 @@ def read_mpcs(data: DeckData, first_id: int) -> tuple[list[Equation], list[Rigid
     rigid: list[RigidCoupling] = []
     for keyword in data.deck.of("MPC"):
         for row, kind, fields in _definitions(keyword):
-            number = first_id + len(equations) + len(rigid)
             if kind == "BEAM":
-                rigid.append(_beam(keyword, row, fields, data, number))
+                rigid.append(_beam(keyword, row, fields, data))
             else:
-                for terms in _terms(keyword, row, kind, fields, data):
-                    next_id = first_id + len(equations) + len(rigid)
-                    equations.append(Equation(id=next_id, terms=terms))
+                all_terms = _terms(keyword, row, kind, fields, data)
+                equations += [Equation(id=0, terms=terms) for terms in all_terms]
             if kind in ("BEAM", "PLANE", "STRAIGHT", "MEANROT"):
                 note = f"*MPC of type {kind}: linear about the geometry of the deck"
                 if note not in data.deck.ignored:
@@ -121,12 +117,10 @@ def _definitions(keyword: Keyword) -> Iterator[tuple[int, str, list[str]]]:
     return iter(definitions)
 
 
-def _beam(
-    keyword: Keyword, row: int, fields: list[str], data: DeckData, number: int
-) -> RigidCoupling:
+def _beam(keyword: Keyword, row: int, fields: list[str], data: DeckData) -> RigidCoupling:
     _check_two(keyword, row, "BEAM", fields)
     return RigidCoupling(
-        id=number,
+        id=0,
         reference=data.one(keyword, row, fields[1], "the independent node"),
         nodes=data.find(keyword, row, fields[0]),
         components=tuple(range(6)),
@@ -279,19 +273,14 @@ def rotation_nodes(data: DeckData) -> dict[int, int]:
     return {rotation: reference for reference, rotation in reversed(_turning(data))}
 
 
-def shared_rotations(data: DeckData, first_id: int) -> list[Equation]:
+def shared_rotations(data: DeckData) -> list[Equation]:
     """Return the equations by which bodies with one rotation node turn together."""
-    pairs, first = _turning(data), rotation_nodes(data)
-    others = [
-        (reference, first[rotation])
-        for reference, rotation in pairs
-        if reference != first[rotation]
-    ]
+    first = rotation_nodes(data)
     return [
-        Equation(id=first_id + i, terms=((reference, c, 1.0), (follower, c, -1.0)))
-        for i, (reference, follower, c) in enumerate(
-            (*pair, c) for pair in others for c in (3, 4, 5)
-        )
+        Equation(id=0, terms=((reference, c, 1.0), (first[rotation], c, -1.0)))
+        for reference, rotation in _turning(data)
+        if reference != first[rotation]
+        for c in (3, 4, 5)
     ]
 
 
@@ -309,9 +298,8 @@ def _turning(data: DeckData) -> list[tuple[int, int]]:
     return pairs
 
 
-def read_rigid_bodies(data: DeckData, first_id: int) -> Iterator[RigidCoupling]:
+def read_rigid_bodies(data: DeckData) -> Iterator[RigidCoupling]:
     """Read all *RIGID BODY of CalculiX (NSET or ELSET) and Abaqus (PIN NSET, TIE NSET, ELSET)."""
-    number = first_id
     for keyword in data.deck.of("RIGID BODY"):
         groups = _groups(keyword, data)
         if not sum(len(nodes) for nodes, _ in groups):
@@ -320,10 +308,7 @@ def read_rigid_bodies(data: DeckData, first_id: int) -> Iterator[RigidCoupling]:
         for nodes, components in groups:
             others = nodes[nodes != reference]
             if len(others):
-                yield RigidCoupling(
-                    id=number, reference=reference, nodes=others, components=components
-                )
-                number += 1
+                yield RigidCoupling(id=0, reference=reference, nodes=others, components=components)
 
 
 def _reference(keyword: Keyword, data: DeckData, groups: list[Group]) -> int:

@@ -22,7 +22,7 @@ _ALL = tuple(range(6))
 
 
 def read_couplings(
-    data: DeckData, surfaces: Surfaces, first_id: int
+    data: DeckData, surfaces: Surfaces
 ) -> tuple[list[RigidCoupling], list[AverageCoupling], list[Equation]]:
     """Read all *COUPLING with their *KINEMATIC or *DISTRIBUTING.
 
@@ -34,7 +34,7 @@ def read_couplings(
     average: list[AverageCoupling] = []
     turned: list[Equation] = []
     deck = data.deck
-    for number, (head, members) in enumerate(deck.groups("COUPLING", *MEMBERS), start=first_id):
+    for head, members in deck.groups("COUPLING", *MEMBERS):
         if len(members) != 1:
             head.refuse("expected one *KINEMATIC or *DISTRIBUTING below it")
         (member,) = members
@@ -53,7 +53,7 @@ def read_couplings(
                 turned += _along(data.nodes.coordinates, reference, nodes, axes[:, translations])
                 continue
             rigid.append(
-                RigidCoupling(id=number, reference=reference, nodes=nodes, components=components)
+                RigidCoupling(id=0, reference=reference, nodes=nodes, components=components)
             )
             continue
         if head.has("ORIENTATION"):
@@ -66,14 +66,13 @@ def read_couplings(
         weights = _areas(coupled, data.nodes.coordinates)[coupled.nodes != reference]
         average.append(
             AverageCoupling(
-                id=number,
+                id=0,
                 reference=reference,
                 nodes=nodes[weights != 0],
                 weights=weights[weights != 0],
                 reference_components=tuple(sorted({0, 1, 2, *components})),
             )
         )
-    turned = [replace(e, id=first_id + len(rigid) + len(average) + i) for i, e in enumerate(turned)]
     return rigid, average, turned
 
 
@@ -144,7 +143,7 @@ def _areas(coupled: DeckSurface, coordinates: Matrix) -> Vector:
     return weights
 
 
-def read_distributing(data: DeckData, first_id: int) -> list[Equation]:
+def read_distributing(data: DeckData) -> list[Equation]:
     """Read all *DISTRIBUTING COUPLING: one DCOUP3D element, then nodes or sets and weights.
 
     As in CalculiX the displacement of the element's node is the weighted mean, and nothing turns;
@@ -171,7 +170,7 @@ def read_distributing(data: DeckData, first_id: int) -> list[Equation]:
         for c in range(3):
             terms = [(reference, c, 1.0)]
             terms += [(node, c, -weight / total) for node, weight in weights.items()]
-            equations.append(Equation(id=first_id + len(equations), terms=tuple(terms)))
+            equations.append(Equation(id=0, terms=tuple(terms)))
         data.deck.ignored.append(
             f"rotations of *DISTRIBUTING COUPLING {keyword.value('ELSET')}: the mean displacement "
             "as in CalculiX; Abaqus turns it too, as *COUPLING with *DISTRIBUTING does"
@@ -179,9 +178,7 @@ def read_distributing(data: DeckData, first_id: int) -> list[Equation]:
     return equations
 
 
-def with_real_rotations(
-    couplings: Sequence[RigidCoupling], rotating: Mask
-) -> tuple[RigidCoupling, ...]:
+def with_real_rotations(couplings: Sequence[RigidCoupling], rotating: Mask) -> list[RigidCoupling]:
     """Leave out the rotations of nodes that have none (those of solids)."""
     result = []
     for coupling in couplings:
@@ -196,4 +193,4 @@ def with_real_rotations(
             for nodes, components in parts
             if len(nodes) and components
         ]
-    return tuple(result)
+    return result

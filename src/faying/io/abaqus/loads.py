@@ -13,10 +13,11 @@ from faying.io.abaqus.deck_data import DeckData, component
 from faying.io.abaqus.fields import check_count, integer, numbers, parameter, real
 from faying.io.abaqus.keyword import Keyword, add, named
 from faying.io.abaqus.sets import NamedSets
-from faying.io.abaqus.surfaces import Surfaces, facets_of_faces, find_surface
+from faying.io.abaqus.surfaces import Surfaces, faces_of_solids, find_surface
 from faying.io.element_faces import face_areas, nodal_forces
 from faying.model.assembly import Assembly
 from faying.model.body_forces import body_forces, centrifugal
+from faying.model.surface import nodes_by_kind
 
 _TIMED = ("STATIC", "DYNAMIC", "VISCO", "MODAL DYNAMIC")
 """Procedures whose data line holds the length of the step, behind its first increment."""
@@ -224,10 +225,11 @@ def _lines(
         elif len(kind) == 2 and kind[0] == "P" and len(fields) == 3:
             face = integer(keyword, row, kind[1], "a face P1 … P6")
             ids = sets.members(keyword, fields[0], row)
-            facets = facets_of_faces(
+            facets = faces_of_solids(
                 keyword, assembly.mesh, ids, np.full(len(ids), face), np.full(len(ids), row)
             )
-            yield key, _pressure(assembly, facets, real(keyword, row, fields[2], "a pressure"))
+            value = real(keyword, row, fields[2], "a pressure")
+            yield key, _pressure(assembly, nodes_by_kind(facets), value)
         else:
             keyword.refuse(
                 f"load {kind} is not supported; P1 … P6 (pressure), P on shells, GRAV and CENTRIF "

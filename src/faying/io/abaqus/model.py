@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from itertools import count
 
 import numpy as np
 
@@ -152,8 +153,8 @@ def description(deck: Deck) -> JointDescription:
     standing = len(assembly.springs)
     assembly, moving = with_moved_supports(assembly, holds.moved, deck.n_step + 1)
     if holds.moved:
-        count = len(assembly.springs) - standing
-        ignored.append(moved_note(count, "*BOUNDARY", "the loads of the steps"))
+        n_spring = len(assembly.springs) - standing
+        ignored.append(moved_note(n_spring, "*BOUNDARY", "the loads of the steps"))
     if len(general) < len(forces):
         thermal[-1] = thermal[-1] - thermal[-2]
         ignored.append(
@@ -168,10 +169,9 @@ def description(deck: Deck) -> JointDescription:
         ),
         loads=loads,
     )
-    senses = pretension.beam_senses(sections, data)
-    pretension.note_displaced(sections, general, holds.pretension, nodes.ids, ignored)
-    senses |= {cut.name: cut.sense for cut in cuts}
-    preloads = pretension.preloads(sections, general, holds, senses)
+    senses = {cut.name: cut.sense for cut in cuts}
+    sections = [replace(item, sense=senses.get(item.name, item.sense)) for item in sections]
+    preloads = pretension.preloads(sections, general, holds, data)
     unlocked = pretension.unlocked(sections, holds, preloads, loads, deck.n_step, ignored)
     assembly, points = with_lone_nodes(assembly, pairs, ignored)
     specs = contact.specs(assembly, points, ignored)
@@ -185,9 +185,7 @@ def description(deck: Deck) -> JointDescription:
         interfaces=specs,
         bolts=bolts,
         preloads=preloads,
-        initial_forces=pretension.initial_forces(
-            sections, bolts, holds.pretension, senses, assembly
-        ),
+        initial_forces=pretension.initial_forces(sections, bolts, holds.pretension, assembly),
         unlocked=unlocked,
         initial_gaps=offsets,
         gap_rules=rules,
@@ -225,15 +223,13 @@ def _cut(
 
 def _tied(data: DeckData, assembly: Assembly, surfaces: Mapping[str, DeckSurface]) -> Assembly:
     """Add couplings and equations."""
-    equations = list(read_equations(data))
-    equations += shared_rotations(data, len(equations) + 1)
-    more, links = read_mpcs(data, len(equations) + 1)
-    first = len(equations) + len(more) + len(links) + 1
-    bodies = list(read_rigid_bodies(data, first))
-    kinematic, average, turned = read_couplings(data, surfaces, first + len(bodies))
-    first += len(bodies) + len(kinematic) + len(average) + len(turned)
-    means = read_distributing(data, first)
-    rigid = [*links, *bodies, *kinematic]
+    more, links = read_mpcs(data)
+    kinematic, average, turned = read_couplings(data, surfaces)
+    equations = [
+        *(*read_equations(data), *shared_rotations(data)),
+        *(*more, *turned, *read_distributing(data)),
+    ]
+    rigid = [*links, *read_rigid_bodies(data), *kinematic]
     rotating = np.zeros(len(assembly.mesh.nodes), dtype=bool)
     rotating[[coupling.reference for coupling in rigid]] = True
     rotating[[coupling.reference for coupling in average]] = True
@@ -244,11 +240,12 @@ def _tied(data: DeckData, assembly: Assembly, surfaces: Mapping[str, DeckSurface
         rotating[block.nodes] = True
     rotating[[node for s in assembly.springs for node, component in s.ends if component > 2]] = True
     rotating[[mass.node for mass in assembly.masses if np.any(mass.inertia)]] = True
+    rigid, number = with_real_rotations(rigid, rotating), count(1)
     return replace(
         assembly,
-        equations=(*equations, *more, *turned, *means),
-        rigid_couplings=with_real_rotations(rigid, rotating),
-        average_couplings=tuple(average),
+        equations=tuple(replace(item, id=next(number)) for item in equations),
+        rigid_couplings=tuple(replace(item, id=next(number)) for item in rigid),
+        average_couplings=tuple(replace(item, id=next(number)) for item in average),
     )
 
 

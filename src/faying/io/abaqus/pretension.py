@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying._typing import Indices
+from faying._typing import Vector
 from faying.io import solid_cuts
 from faying.io.abaqus.deck_data import DeckData
 from faying.io.abaqus.fields import is_integer, numbers, only_line
@@ -33,6 +33,8 @@ class Section:
         Name of the surface it cuts solids at; empty for a beam.
     direction : (3,)
         Normal given on the data line, if any.
+    sense
+        1 where a positive force pulls, -1 where it presses.
     """
 
     keyword: Keyword
@@ -41,6 +43,7 @@ class Section:
     element: int | None
     surface: str
     direction: tuple[float, ...] | None = None
+    sense: float = 1.0
 
     def through(self, surface: DeckSurface) -> solid_cuts.Section:
         """Return it as a section through solids at a surface."""
@@ -70,7 +73,12 @@ def read_sections(data: DeckData) -> list[Section]:
                 f"the pretension node {keyword.value('NODE')} belongs to another section too, "
                 "which would share its force; give each section a node of its own"
             )
-        element = _beam(keyword, data) if keyword.has("ELEMENT") else None
+        direction, element, sense = _direction(keyword), None, 1.0
+        if keyword.has("ELEMENT"):
+            element, axis = _beam(keyword, data)
+            sense = float(np.sign(np.dot(direction, axis))) if direction else 1.0
+            if sense == 0.0:
+                keyword.refuse("the direction is zero or lies across the beam; give the beam's", 0)
         surface = keyword.value("SURFACE")
         label = keyword.value("NODE")
         plain = surface or (f"bolt {element}" if is_integer(label) else label)
@@ -81,7 +89,8 @@ def read_sections(data: DeckData) -> list[Section]:
                 node=node,
                 element=element,
                 surface=surface,
-                direction=_direction(keyword),
+                direction=direction,
+                sense=sense,
             )
         )
         if any(section.name == plain for section in sections[:-1]):
@@ -98,32 +107,15 @@ def _direction(keyword: Keyword) -> tuple[float, ...] | None:
     return tuple(numbers(keyword, 0, fields, "a direction"))
 
 
-def _beam(keyword: Keyword, data: DeckData) -> int:
+def _beam(keyword: Keyword, data: DeckData) -> tuple[int, Vector]:
+    """Return the id of a beam, and the vector from its first node to its last."""
     members = data.element_sets.members(keyword, keyword.required("ELEMENT"))
-    beams = data.elements.of(*TYPES)
-    beam_ids = {i for block in beams for i in block.ids.tolist()}
-    if len(members) != 1 or int(members[0]) not in beam_ids:
+    blocks = data.elements.of(*TYPES)
+    ends = [tuple(ends) for block in blocks for ends in block.nodes[np.isin(block.ids, members)]]
+    if len(members) != 1 or not ends:
         keyword.refuse(f"ELEMENT={keyword.value('ELEMENT')} is not one beam element")
-    return int(members[0])
-
-
-def beam_senses(sections: list[Section], data: DeckData) -> dict[str, float]:
-    """Return the senses of sections of beams: from their first node to their last a force pulls."""
-    senses = {}
-    for section in (candidate for candidate in sections if candidate.element is not None):
-        senses[section.name] = 1.0
-        if section.direction is None:
-            continue
-        coordinates = data.nodes.coordinates
-        for block in data.elements.of(*TYPES):
-            for start, *_, end in block.nodes[block.ids == section.element].tolist():
-                cosine = float(np.dot(section.direction, coordinates[end] - coordinates[start]))
-                if cosine == 0.0:
-                    section.keyword.refuse(
-                        "the direction is zero or lies across the beam; give the beam's", 0
-                    )
-                senses[section.name] = float(np.sign(cosine))
-    return senses
+    start, *_, end = ends[0]
+    return int(members[0]), data.nodes.coordinates[end] - data.nodes.coordinates[start]
 
 
 def bolts(sections: list[Section], springs: list[int]) -> tuple[BoltSpec, ...]:
@@ -142,20 +134,27 @@ def preloads(
     sections: list[Section],
     forces: Sequence[Forces],
     holds: Boundary,
-    senses: Mapping[str, float],
+    data: DeckData,
 ) -> dict[str, float]:
-    """Return the force of each bolt: the *CLOAD on its pretension node, unless that is displaced.
+    """Return the force of each bolt: the *CLOAD on its pretension node.
 
-    Forces are those in force in each step, from 0 to the one that is read. The sense of a section
-    is 1 where a positive force pulls, -1 where it presses.
+    Forces are those in force in each step, from 0 to the one that is read. A node that is displaced
+    has none, which is told.
     """
     bolt_forces = {}
     for section in sections:
-        if not np.isnan(holds.pretension.get(section.node, np.nan)):
+        displacement = holds.pretension.get(section.node, np.nan)
+        if not np.isnan(displacement):
+            if any((section.node, 0) in step for step in forces):
+                data.deck.ignored.append(
+                    f"*CLOAD on the pretension node {data.nodes.ids[section.node]}: *BOUNDARY "
+                    f"without FIXED holds the node at {displacement:g} in the step that is read, "
+                    "whatever force came before it; FIXED would lock the bolt as the force left it"
+                )
             continue
         last = holds.since.get(section.node, len(forces)) - 1
         force = forces[last].get((section.node, 0)) if last >= 0 else None
-        value = None if force is None else force * senses[section.name] + 0.0
+        value = None if force is None else force * section.sense + 0.0
         if value is None or not value >= 0:
             problem = "has no force" if value is None else f"has the compressive force {value:g}"
             when = f"at the end of step {last}" if last > 0 else "in front of the first step"
@@ -215,7 +214,6 @@ def initial_forces(
     sections: list[Section],
     bolts: tuple[BoltSpec, ...],
     displacements: Mapping[int, float],
-    senses: Mapping[str, float],
     assembly: Assembly,
 ) -> dict[str, float]:
     """Return the forces of bolts whose pretension node is displaced, if nothing gave way.
@@ -225,7 +223,7 @@ def initial_forces(
     """
     forces = {}
     for section, bolt in zip(sections, bolts, strict=True):
-        closed = displacements.get(section.node, np.nan) * senses[section.name]
+        closed = displacements.get(section.node, np.nan) * section.sense
         if np.isnan(closed):
             continue
         if closed < 0:
@@ -237,21 +235,3 @@ def initial_forces(
         element = bolt_axis_element(assembly, bolt)
         forces[bolt.name] = axial_stiffness(assembly, element) * closed + 0.0
     return forces
-
-
-def note_displaced(
-    sections: list[Section],
-    forces: Sequence[Forces],
-    displacements: Mapping[int, float],
-    ids: Indices,
-    ignored: list[str],
-) -> None:
-    """Say of displaced pretension nodes that their force does nothing."""
-    ignored.extend(
-        f"*CLOAD on the pretension node {ids[section.node]}: *BOUNDARY without FIXED holds the "
-        f"node at {displacements[section.node]:g} in the step that is read, whatever force came "
-        "before it; FIXED would lock the bolt as the force left it"
-        for section in sections
-        if any((section.node, 0) in step for step in forces)
-        and not np.isnan(displacements.get(section.node, np.nan))
-    )

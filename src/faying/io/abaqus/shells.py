@@ -15,6 +15,7 @@ from faying.io.abaqus.solid_sections import find_isotropic
 from faying.io.element_faces import shell_facets
 from faying.model.assembly import Material
 from faying.model.shells import ShellBlock, ShellSection, plane_stress
+from faying.model.surface import WIDTH, padded
 
 _SHEAR_FACTOR = 5 / 6
 """Shear area over thickness of one layer, for the work of a parabola of shear stress."""
@@ -30,22 +31,19 @@ class Shells:
     sections: Mapping[int, ShellSection] = field(default_factory=dict)
     thicknesses: Mapping[int, float] = field(default_factory=dict)
 
-    def facets(self, ids: Indices, side: float) -> tuple[dict[str, Indices], Vector]:
-        """Return facets (kind to nodes) of a side of shells, and how far it lies off their nodes.
+    def facets(self, ids: Indices, side: float) -> tuple[Indices, Vector]:
+        """Return the facets (n, 8) of a side of shells, and how far it lies off their nodes.
 
         The side is 1 where the normal points, -1 on the other one.
         """
-        facets: dict[str, list[Indices]] = {}
-        heights = [np.empty(0)]
+        tables, heights = [np.empty((0, WIDTH), dtype=np.int64)], [np.empty(0)]
         for block in self.blocks:
             chosen = np.isin(block.ids, ids)
             thick = np.array([self.thicknesses[n] for n in block.properties[chosen].tolist()])
             heights.append(side * block.offsets[chosen] + thick / 2)
-            if chosen.any():
-                turned = np.full(int(chosen.sum()), side < 0)
-                facets.setdefault(block.kind, []).append(shell_facets(block, chosen, turned))
-        joined = {kind: np.concatenate(parts) for kind, parts in facets.items()}
-        return joined, np.concatenate(heights)
+            turned = np.full(int(chosen.sum()), side < 0)
+            tables.append(padded(shell_facets(block, chosen, turned)))
+        return np.concatenate(tables), np.concatenate(heights)
 
 
 def read_shells(data: DeckData, materials: Mapping[str, Material]) -> Shells:

@@ -11,10 +11,10 @@ from faying.io.abaqus.fields import check_count, is_integer, table
 from faying.io.abaqus.keyword import Keyword, add, named
 from faying.io.abaqus.sets import NamedSets
 from faying.io.abaqus.shells import Shells
-from faying.io.element_faces import on_blocks
+from faying.io.element_faces import numbered_faces
 from faying.model.assembly import FaceSet
-from faying.model.elements import SOLIDS
 from faying.model.mesh import Mesh
+from faying.model.surface import nodes_by_kind
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -122,60 +122,44 @@ def _of_elements(
 ) -> DeckSurface:
     ids, faces, rows = _faces(keyword, by_element)
     thin = np.concatenate([np.empty(0, np.int64), *(block.ids for block in shells.blocks)])
-    facets: dict[str, list[Indices]] = {}
-    heights = [np.empty(0)]
+    of_shells = np.isin(ids, thin) & np.isin(faces, (1, 2))
+    tables, heights = [], []
     for side, number in ((-1.0, 1), (1.0, 2)):
-        on_side = np.isin(ids, thin) & (faces == number)
-        parts, off = shells.facets(ids[on_side], side)
+        facets, off = shells.facets(ids[of_shells & (faces == number)], side)
+        tables.append(facets)
         heights.append(off)
-        for kind, part in parts.items():
-            facets.setdefault(kind, []).append(part)
-        ids, faces, rows = ids[~on_side], faces[~on_side], rows[~on_side]
+    ids, faces, rows = ids[~of_shells], faces[~of_shells], rows[~of_shells]
     height = np.unique(np.concatenate([*heights, np.zeros(min(len(ids), 1))]))
     whole = faces == 0
-    owners = []
+    owners = [ids[~whole]]
     if whole.any():
-        exterior = mesh.exterior
-        chosen = exterior.taken(np.isin(exterior.elements, ids[whole]))
-        for kind, exposed in chosen.by_kind().items():
-            facets.setdefault(kind, []).append(exposed)
-        owners.append(chosen.elements)
         _check_all_solid(keyword, mesh, ids[whole], rows[whole])
-    ids, faces, rows = ids[~whole], faces[~whole], rows[~whole]
-    owners.append(ids)
-    for kind, part in facets_of_faces(keyword, mesh, ids, faces, rows).items():
-        facets.setdefault(kind, []).append(part)
-    joined = {kind: np.concatenate(parts) for kind, parts in facets.items()}
-    all_nodes = [np.empty(0, dtype=np.int64), *(part.ravel() for part in joined.values())]
+        exposed = mesh.exterior.taken(np.isin(mesh.exterior.elements, ids[whole]))
+        tables.append(exposed.nodes)
+        owners.append(exposed.elements)
+    tables.append(faces_of_solids(keyword, mesh, ids[~whole], faces[~whole], rows[~whole]))
+    nodes = np.concatenate(tables)
     return DeckSurface(
         name=name,
         keyword=keyword,
-        facets=joined,
-        nodes=np.unique(np.concatenate(all_nodes)),
+        facets=nodes_by_kind(nodes),
+        nodes=np.unique(nodes[nodes >= 0]),
         elements=np.unique(np.concatenate(owners)),
         height=float(height[0]) if len(height) == 1 else np.nan,
     )
 
 
-def facets_of_faces(
+def faces_of_solids(
     keyword: Keyword, mesh: Mesh, ids: Indices, faces: Indices, rows: Indices
-) -> dict[str, Indices]:
-    """Return facet kind to nodes (n_facet, n_node_per_facet) of faces 1 … 6 of solids."""
+) -> Indices:
+    """Return faces 1 … 6 of solids as a table of facets (n, 8)."""
     _check_all_solid(keyword, mesh, ids, rows)
-    facets: dict[str, list[Indices]] = {}
-    for block, members, nodes in on_blocks(mesh.blocks, ids):
-        table_of_faces = SOLIDS[block.kind].faces
-        over = members[(faces[members] > len(table_of_faces)) | (faces[members] < 1)]
-        if over.size:
-            bad = int(over[0])
-            keyword.refuse(
-                f"element {ids[bad]} ({block.kind}) has no face {faces[bad]}", int(rows[bad])
-            )
-        for number, (face, local) in enumerate(table_of_faces, start=1):
-            of_face = faces[members] == number
-            if of_face.any():
-                facets.setdefault(face.name, []).append(nodes[of_face][:, list(local)])
-    return {kind: np.concatenate(parts) for kind, parts in facets.items()}
+    facets = numbered_faces(mesh.blocks, ids, faces)
+    missing = np.flatnonzero(facets[:, 0] < 0)
+    if missing.size:
+        bad = int(missing[0])
+        keyword.refuse(f"element {ids[bad]} has no face {faces[bad]}", int(rows[bad]))
+    return facets
 
 
 def _faces(keyword: Keyword, by_element: NamedSets) -> tuple[Indices, Indices, Indices]:
