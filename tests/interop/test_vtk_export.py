@@ -1,5 +1,6 @@
 """Other programs read what ``faying export --to vtk`` writes, and find the run's numbers in it."""
 
+from itertools import pairwise
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -154,6 +155,6 @@ def enclosed_volume(vtk, reader):
     for number in range(skin.GetOutput().GetNumberOfCells()):
         face = skin.GetOutput().GetCell(number).GetPoints()
         first, *others = (np.array(face.GetPoint(i)) for i in range(face.GetNumberOfPoints()))
-        for a, b in zip(others, others[1:], strict=False):
+        for a, b in pairwise(others):
             volume += np.dot(first, np.cross(a, b)) / 6
     return volume

@@ -217,8 +217,6 @@ _BRICK_OPTIONS: Mapping[tuple[int, int, int], str] = {
 }
 """Routine, key option and its value to what Ansys does with bricks of eight nodes."""
 
-_OPTIONS_TOLD = {185: (2,), 45: (1, 2)}
-
 
 def is_reduced(routine: int, options: Mapping[int, int]) -> bool:
     """Whether bricks of twenty nodes have eight points: SOLID186 has unless KEYOPT(2) = 1."""
@@ -227,9 +225,8 @@ def is_reduced(routine: int, options: Mapping[int, int]) -> bool:
 
 def brick_note(routine: int, options: Mapping[int, int]) -> str:
     """Return what Ansys does otherwise with bricks of eight nodes; nothing where it is as here."""
-    for option in _OPTIONS_TOLD.get(routine, ()):
-        value = options.get(option, 0)
-        if meaning := _BRICK_OPTIONS.get((routine, option, value), ""):
+    for (number, option, value), meaning in _BRICK_OPTIONS.items():
+        if number == routine and options.get(option, 0) == value:
             return (
                 f"SOLID{routine} with KEYOPT({option}) = {value}: {meaning}, where bricks have "
                 'incompatible modes; element = "standard" under [model] leaves these out'

@@ -11,9 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.spatial import cKDTree
 
-from faying._typing import Indices, Matrix, Vector
+from faying._typing import Indices, Vector
 from faying.interface.gap_pairing import declared
 from faying.interface.projection import nearest_places
 from faying.interface.selection import select_facets
@@ -175,12 +174,11 @@ def specs(assembly: Assembly, pairs: list[Pair], ignored: list[str]) -> tuple[In
 
 
 def gap_rules(
-    deck: Deck, assembly: Assembly, pairs: list[Pair], interfaces: tuple[InterfaceSpec, ...]
+    deck: Deck, pairs: list[Pair], interfaces: tuple[InterfaceSpec, ...]
 ) -> tuple[dict[str, float], dict[str, GapRule]]:
     """Read *CLEARANCE and ADJUST: the gaps that interfaces start with, by name.
 
-    Offsets are added to the gap of surfaces that coincide; rules make something of the gap of the
-    mesh elsewhere.
+    Offsets, of shells, are added to the gap of the mesh; rules make something of it.
     """
     rules: dict[str, GapRule] = {}
     offsets: dict[str, float] = {}
@@ -198,38 +196,25 @@ def gap_rules(
                 pair.row,
             )
     for keyword in deck.of("CLEARANCE"):
-        pair, spec, value = _clearance(keyword, pairs, interfaces)
-        offsets.pop(spec.name, None)
-        if spec.meshes == "matching" and _coincide(assembly.mesh.nodes, pair):
-            offsets[spec.name] = value
-        else:
-            rules[spec.name] = GapRule(value=value)
+        name, value = _clearance(keyword, pairs, interfaces)
+        offsets.pop(name, None)
+        rules[name] = GapRule(value=value)
     return offsets, rules
 
 
 def _clearance(
     keyword: Keyword, pairs: list[Pair], interfaces: tuple[InterfaceSpec, ...]
-) -> tuple[Pair, InterfaceSpec, float]:
-    """Return the pair a *CLEARANCE is of, its interface, and the gap it starts with."""
+) -> tuple[str, float]:
+    """Return the interface that a *CLEARANCE is of, and the gap it starts with."""
     if keyword.data:
         keyword.refuse("it must be one VALUE; give other gaps as initial_gap in the study")
     value = parameter(keyword, "VALUE")
     surfaces = [keyword.required(name).upper() for name in ("SLAVE", "MASTER")]
     for pair, spec in zip(pairs, interfaces, strict=True):
         if [pair.slave.name.upper(), pair.master.name.upper()] == surfaces:
-            return pair, spec, value
+            return spec.name, value
     message = "no *CONTACT PAIR has these surfaces as slave and master"
     raise keyword.error(message)
-
-
-def _coincide(nodes: Matrix, pair: Pair) -> bool:
-    """Whether paired nodes lie on one another, to a millionth of the size of the slave."""
-    distance, _ = cKDTree(nodes[pair.master.nodes]).query(nodes[pair.slave.nodes])
-    size = float(np.ptp(nodes[pair.slave.nodes], axis=0).max(initial=0.0))
-    facets = np.concatenate([part[:, :2] for part in pair.master.facets.values()])
-    edge = float(np.linalg.norm(nodes[facets[:, 1]] - nodes[facets[:, 0]], axis=1).min())
-    paired = distance[distance < 0.1 * edge]
-    return bool(paired.max(initial=0.0) <= 1e-6 * size)
 
 
 _SHARES = {"tri6": (1 / 999, 332 / 999), "quad8": (0.01, 0.24)}

@@ -175,7 +175,7 @@ def description(deck: Deck) -> JointDescription:
     unlocked = pretension.unlocked(sections, holds, preloads, loads, deck.n_step, ignored)
     assembly, points = with_lone_nodes(assembly, pairs, ignored)
     specs = contact.specs(assembly, points, ignored)
-    offsets, rules = contact.gap_rules(deck, assembly, points, specs)
+    offsets, rules = contact.gap_rules(deck, points, specs)
     sides = [(item.slave.nodes, item.master.nodes) for item in pairs]
     sides += [(tie.slave.nodes, tie.master.nodes) for tie in ties]
     joined = joined_bodies(assembly, cuts, sides)

@@ -8,7 +8,7 @@ import numpy as np
 from faying._typing import Indices, frozen
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.fields import Table, integers, is_integer, table
-from faying.io.abaqus.keyword import Keyword, scoped_names
+from faying.io.abaqus.keyword import Keyword, named, scoped_names
 from faying.io.abaqus.mesh import ElementBlock, Elements, Nodes, located
 
 
@@ -36,17 +36,9 @@ class NamedSets:
     offsets: Mapping[str, int]
     absent: Indices = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
-    def key(self, keyword: Keyword, label: str) -> str | None:
-        """Return the key of a name as seen from a keyword, None if there is no such set."""
-        return next((key for key in scoped_names(keyword, label) if key in self.ids), None)
-
     def find(self, keyword: Keyword, label: str, row: int | None = None) -> Indices:
         """Return the ids of a set."""
-        key = self.key(keyword, label)
-        if key is None:
-            names = ", ".join(list(self.names.values())[:8]) or "none"
-            keyword.refuse(f"there is no {self.what} '{label}'; known are {names}", row)
-        return self.ids[key]
+        return named(keyword, label, self.ids, self.what, row)
 
     def indices(self, nodes: Nodes) -> dict[str, Indices]:
         """Return node sets as indices, by name as first written."""

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import count
 from os import PathLike
 
 import numpy as np
@@ -218,34 +219,32 @@ def _line_elements(
     assembly: Assembly, nodes: WrittenNodes, beams: Sequence[WrittenBeam]
 ) -> Iterator[str]:
     """Springs, point masses, and the cuts of bolts; with ids above all others."""
-    number = assembly.largest_id
+    numbers = count(assembly.largest_id + 1)
     springs = [spring for beam in beams for spring in beam.springs]
-    springs_to_ground = []
-    for spring in assembly.springs:
-        ends = [nodes.place(6 * node + component) for node, component in spring.ends]
-        if len(ends) == 1:
-            springs_to_ground.append((ends[0], spring.stiffness))
-        else:
-            springs.append((ends[0], ends[1], spring.stiffness))
-    for (first, a), (second, b), stiffness in springs:
-        number += 1
-        yield f"*ELEMENT,TYPE=SPRING2,ELSET=SPRING{number}"
-        yield f"{number},{first},{second}"
-        yield from (f"*SPRING,ELSET=SPRING{number}", f"{a},{b}", _reals([stiffness]))
-    for (node, direction), stiffness in springs_to_ground:
-        number += 1
-        yield f"*ELEMENT,TYPE=SPRING1,ELSET=SPRING{number}"
-        yield f"{number},{node}"
-        yield from (f"*SPRING,ELSET=SPRING{number}", f"{direction}", _reals([stiffness]))
+    springs += [
+        ([nodes.place(6 * node + component) for node, component in spring.ends], spring.stiffness)
+        for spring in assembly.springs
+    ]
+    for ends, stiffness in springs:
+        section = (",".join(str(dof) for _, dof in ends), _reals([stiffness]))
+        ids = [node for node, _ in ends]
+        yield from _element(f"SPRING{len(ends)}", next(numbers), ids, "SPRING", *section)
     for node, mass in _masses(assembly):
-        number += 1
-        yield f"*ELEMENT,TYPE=MASS,ELSET=MASS{number}"
-        yield f"{number},{nodes.ids[node]}"
-        yield from (f"*MASS,ELSET=MASS{number}", _reals([mass]))
+        node_ids = [int(nodes.ids[node])]
+        yield from _element("MASS", next(numbers), node_ids, "MASS", _reals([mass]))
     for beam in beams:
         if beam.cut is not None:
-            number += 1
-            yield from _cut(number, beam, beam.cut)
+            yield from _cut(next(numbers), beam, beam.cut)
+
+
+def _element(
+    kind: str, number: int, nodes: Sequence[int], keyword: str, *data: str
+) -> Iterator[str]:
+    """Write an element, and what it has by a keyword."""
+    yield f"*ELEMENT,TYPE={kind},ELSET={keyword}{number}"
+    yield ",".join(map(str, (number, *nodes)))
+    yield f"*{keyword},ELSET={keyword}{number}"
+    yield from data
 
 
 def _cut(number: int, beam: WrittenBeam, nodes: tuple[int, int]) -> Iterator[str]:

@@ -42,7 +42,7 @@ class WrittenBeam:
     equations
         Terms that sum to zero.
     springs
-        ((node id, dof), (node id, dof), stiffness) each; the first is the axial one.
+        [(node id, dof), (node id, dof)] and stiffness of each; the first is the axial one.
     cut
         The two nodes of the cut, in the direction of the beam; None if it is not tightened.
     control
@@ -54,7 +54,7 @@ class WrittenBeam:
 
     nodes: list[tuple[int, Vector]]
     equations: list[list[Term]]
-    springs: list[tuple[tuple[int, int], tuple[int, int], float]]
+    springs: list[tuple[list[tuple[int, int]], float]]
     cut: tuple[int, int] | None
     control: int
     radius: float
@@ -82,11 +82,9 @@ def written_beam(
     ]
     free = cut if tightened else first_arm
     stiffness = _stiffness(beam, frame, length)
-    springs = [((free, along + 1), (far, along + 1), stiffness[along])]
-    springs += [((first_arm, c + 1), (far, c + 1), stiffness[c]) for c in range(3) if c != along]
-    for c in range(3, 6):
-        first_end, second_end = (nodes.place(6 * node + c) for node in beam.nodes)
-        springs.append((first_end, second_end, stiffness[c]))
+    springs = [([(free, along + 1), (far, along + 1)], stiffness[along])]
+    springs += [([(first_arm, c + 1), (far, c + 1)], stiffness[c]) for c in range(3) if c != along]
+    springs += [([nodes.place(6 * n + c) for n in beam.nodes], stiffness[c]) for c in range(3, 6)]
     if tightened:
         added += [(cut, places[1]), (first + 3, ends[0])]
         # Springs activate all directions of their nodes; the cut opens along the axis only.
@@ -95,7 +93,7 @@ def written_beam(
     return WrittenBeam(
         nodes=added,
         equations=equations,
-        springs=[spring for spring in springs if spring[2] > 0],
+        springs=[spring for spring in springs if spring[1] > 0],
         cut=(first_arm, cut) if tightened else None,
         control=first + 3 if tightened else 0,
         radius=float(np.sqrt(beam.section.area / np.pi)),
