@@ -63,38 +63,24 @@ def write(rom: ReducedModel, path: Path, run: Results | None = None) -> tuple[Pa
         "resources/README.txt": read_me().encode(),
     }
     second = path.with_name(f"{path.stem}_fmi3{path.suffix}")
-    _pack(path, _fmi2(common) | resources)
-    _pack(second, _fmi3(arrays) | resources)
+    _pack(path, _members(common, 2) | resources)
+    _pack(second, _members(arrays, 3) | resources)
     return path, second
 
 
-def _fmi2(description: Description) -> dict[str, bytes]:
-    sources = _sources(2)
-    # A source distribution must name its functions after the model.
-    prefix = f"#define FMI2_FUNCTION_PREFIX {description.identifier}_\n"
-    sources["sources/identifier.h"] = prefix.encode()
-    return {
-        "modelDescription.xml": fmi2_description(description),
-        **sources,
-        **_binary(description, sources, 2),
-    }
-
-
-def _fmi3(description: Description) -> dict[str, bytes]:
-    sources = _sources(3)
-    return {
-        "modelDescription.xml": fmi3_description(description),
-        "sources/buildDescription.xml": build_description(description),
-        **sources,
-        **_binary(description, sources, 3),
-    }
-
-
-def _sources(version: int) -> dict[str, bytes]:
-    """Return the sources but for the interface of the other version of FMI."""
-    other = f"fmi{5 - version}.c"
-    files = sorted(path for path in SOURCES.glob("*.c") if path.name != other)
-    return {f"sources/{path.name}": path.read_bytes() for path in files}
+def _members(description: Description, version: int) -> dict[str, bytes]:
+    """Return description, sources and library, but for the interface of the other version."""
+    files = sorted(path for path in SOURCES.glob("*.c") if path.name != f"fmi{5 - version}.c")
+    sources = {f"sources/{path.name}": path.read_bytes() for path in files}
+    if version == 2:
+        # A source distribution must name its functions after the model.
+        prefix = f"#define FMI2_FUNCTION_PREFIX {description.identifier}_\n"
+        sources["sources/identifier.h"] = prefix.encode()
+        text = fmi2_description(description)
+    else:
+        sources["sources/buildDescription.xml"] = build_description(description)
+        text = fmi3_description(description)
+    return {"modelDescription.xml": text, **sources, **_binary(description, sources, version)}
 
 
 def _binary(

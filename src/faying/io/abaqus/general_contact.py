@@ -1,10 +1,8 @@
 """``*CONTACT``: interfaces between bodies that face each other, or between listed surfaces."""
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
-
-import numpy as np
 
 from faying._typing import Indices
 from faying.exceptions import ModelError
@@ -155,9 +153,8 @@ def joined_bodies(
     """Return the pairs of bodies on both sides of cuts, or of pairs of surfaces by their nodes."""
     labels = assembly.mesh.bodies
     both = [*sides, *((cut.originals, cut.copies) for cut in cuts)]
-    return {pair for minus, plus in both for pair in _pairs(labels[minus], labels[plus])}
-
-
-def _pairs(minus: Indices, plus: Indices) -> Iterator[frozenset[int]]:
-    for a, b in product(np.unique(minus).tolist(), np.unique(plus).tolist()):
-        yield frozenset((a, b))
+    return {
+        frozenset(pair)
+        for minus, plus in both
+        for pair in product(set(labels[minus].tolist()), set(labels[plus].tolist()))
+    }

@@ -269,12 +269,13 @@ def _body_force(
 ) -> Matrix:
     """Return forces M a of an acceleration, consistent with the mass of every element."""
     kind = fields[1].upper()
-    width, expected, acceleration = _BODY_FORCES[kind]
-    check_count(keyword, row, fields, (width,), expected)
+    expected = _BODY_FORCES[kind]
+    check_count(keyword, row, fields, (len(expected.split(", ")),), expected)
     values = np.array(numbers(keyword, row, fields[2:], "a number"))
-    direction, length = values[-3:], float(np.linalg.norm(values[-3:]))
+    length = float(np.linalg.norm(values[-3:]))
     if not length > 0:
         keyword.refuse(f"the direction of {kind} is zero", row)
+    direction = values[-3:] / length
     chosen = assembly
     if fields[0]:
         ids = sets.members(keyword, fields[0], row)
@@ -289,23 +290,13 @@ def _body_force(
             masses=tuple(mass for mass in assembly.masses if mass.id in loaded),
         )
     nodes = assembly.mesh.nodes
-    return body_forces(chosen, acceleration(values[:-3], direction / length, nodes))
+    if kind == "GRAV":
+        return body_forces(chosen, np.tile(values[0] * direction, (len(nodes), 1)))
+    return body_forces(chosen, centrifugal(float(values[0]), values[1:4], direction, nodes))
 
 
-def _gravity(amount: Vector, direction: Vector, nodes: Matrix) -> Matrix:
-    return np.tile(amount[0] * direction, (len(nodes), 1))
-
-
-def _centrifugal(amount: Vector, direction: Vector, nodes: Matrix) -> Matrix:
-    return centrifugal(float(amount[0]), amount[1:], direction, nodes)
-
-
-_BODY_FORCES: Mapping[str, tuple[int, str, Callable[[Vector, Vector, Matrix], Matrix]]] = {
-    "GRAV": (6, "set, GRAV, acceleration, x, y, z", _gravity),
-    "CENTRIF": (
-        9,
-        "set, CENTRIF, square of the angular velocity, point of the axis, its direction",
-        _centrifugal,
-    ),
+_BODY_FORCES = {
+    "GRAV": "set, GRAV, acceleration, x, y, z",
+    "CENTRIF": "set, CENTRIF, square of angular velocity, x, y, z of the axis, x, y, z along it",
 }
-"""Number of fields, what they are, and the acceleration (n_node, 3) they give nodes."""
+"""Forces of a mass, and their fields."""

@@ -99,7 +99,7 @@ def _lines(
     equations = [*equation_terms(rows, nodes, fixed), *(e for b in beams for e in b.equations)]
     yield from _equations([terms for terms in equations if len(terms) > 1])
     # What depends on nothing but what is held is held as well.
-    grounded = [(terms[0][0], [terms[0][1]]) for terms in equations if len(terms) == 1]
+    grounded = [terms[0][:2] for terms in equations if len(terms) == 1]
     yield from _boundary([*held(nodes, fixed), *grounded])
     if modes is not None:
         yield from ("*STEP", "*FREQUENCY", str(modes), "*NODE FILE", "U", "*END STEP")
@@ -283,15 +283,10 @@ def _equations(equations: Sequence[Sequence[Term]]) -> Iterator[str]:
             yield ",".join(f"{node},{dof},{_reals([value])}" for node, dof, value in part)
 
 
-def _boundary(supports: Iterable[tuple[int, list[int]]]) -> Iterator[str]:
-    lines = [
-        f"{node},{direction},{direction}"
-        for node, directions in supports
-        for direction in directions
-    ]
-    if lines:
+def _boundary(supports: Sequence[tuple[int, int]]) -> Iterator[str]:
+    if supports:
         yield "*BOUNDARY"
-        yield from lines
+        yield from (f"{node},{direction},{direction}" for node, direction in supports)
 
 
 def _wrapped(numbers: Sequence[int] | Indices) -> Iterator[str]:

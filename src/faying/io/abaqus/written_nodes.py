@@ -103,15 +103,13 @@ def equation_terms(rows: Rows, nodes: WrittenNodes, fixed: Mask) -> Iterator[lis
         yield terms
 
 
-def held(nodes: WrittenNodes, fixed: Mask) -> list[tuple[int, list[int]]]:
-    """Return the held degrees of freedom of each node of the deck; rotations of solids drop out."""
-    components: dict[int, list[int]] = {}
-    for dof in np.flatnonzero(fixed).tolist():
-        node, component = divmod(dof, 6)
-        if component < 3 or nodes.rotations[node]:
-            number, direction = nodes.place(dof)
-            components.setdefault(number, []).append(direction)
-    return sorted(components.items())
+def held(nodes: WrittenNodes, fixed: Mask) -> list[tuple[int, int]]:
+    """Return node and direction of what is held in the deck; rotations of solids drop out."""
+    return sorted(
+        nodes.place(dof)
+        for dof in np.flatnonzero(fixed).tolist()
+        if dof % 6 < 3 or nodes.rotations[dof // 6]
+    )
 
 
 def rotation_coordinates(assembly: Assembly, nodes: WrittenNodes) -> list[tuple[int, Vector]]:
