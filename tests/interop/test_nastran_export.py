@@ -14,7 +14,7 @@ import faying as fy
 from faying.exceptions import FormatError
 from faying.export.formats import export
 from faying.export.linearized import linearize
-from faying.export.nastran import assembly_cards, punch_cards, superelement_rows
+from faying.export.nastran import Rows, assembly_cards, punch_cards, superelement_rows
 from faying.io.matrix_tables import read_extrn
 from faying.io.op4 import read_op4_matrices
 
@@ -216,12 +216,14 @@ def test_other_suffix_is_refused(given: fy.ReducedModel, tmp_path: Path) -> None
 
 
 def test_several_grids_with_some_components(tmp_path: Path) -> None:
-    grids, places = {7: "123", 12: "123456"}, {7: (1.0, 2.0, 3.0), 12: (4.5, -1e-3, 1e6)}
+    places = {7: (1.0, 2.0, 3.0), 12: (4.5, -1e-3, 1e6)}
+    rows = [(7, 1), (7, 2), (7, 3), *((12, c) for c in range(1, 7))]
     for points in (np.array([], dtype=int), np.array([20]), np.arange(20, 24)):
-        (tmp_path / "joint.asm").write_text(assembly_cards("two", 100, grids, places, points))
-        (tmp_path / "joint.pch").write_text(punch_cards("two", 100, grids, places, points))
+        dofs = np.array([*rows, *((point, 0) for point in points)])
+        superelement = Rows(dofs=dofs, order=np.arange(len(dofs)))
+        (tmp_path / "joint.asm").write_text(assembly_cards("two", superelement, places))
+        (tmp_path / "joint.pch").write_text(punch_cards("two", superelement, places))
         uset = nastran.bulk.asm2uset(str(tmp_path / "joint.asm"))[0]
-        rows = [(7, 1), (7, 2), (7, 3), *((12, c) for c in range(1, 7))]
         assert [tuple(map(int, dof)) for dof in uset.index] == [*rows, *((p, 0) for p in points)]
         assert read_extrn(tmp_path / "joint.pch").tolist() == [
             list(row) for row in (*rows, *((p, 1) for p in points.tolist()))

@@ -160,7 +160,7 @@ def _write_superelement(
     rom: ReducedModel, linear: LinearModel, rows: Rows, path: Path
 ) -> tuple[Path, ...]:
     title = f"{rom.name}, {rom.method}, faying {version('faying')}"
-    grid_rows = _places(rom, rows)
+    places = _places(rom, rows)
     assembly, punch = path.with_suffix(".asm"), path.with_suffix(".pch")
     nothing = np.zeros((1, 1))
     write_op4(
@@ -172,8 +172,8 @@ def _write_superelement(
             **{name + end: nothing for name in _OUTPUTS for end in ("", "O")},
         },
     )
-    assembly.write_text(assembly_cards(title, SUPERELEMENT, rows.grids, grid_rows, rows.points))
-    punch.write_text(punch_cards(title, SUPERELEMENT, rows.grids, grid_rows, rows.points))
+    assembly.write_text(assembly_cards(title, rows, places))
+    punch.write_text(punch_cards(title, rows, places))
     return path, assembly, punch
 
 
@@ -282,38 +282,32 @@ Places = Mapping[int, Sequence[float]]
 """Grid id to its coordinates in the basic system."""
 
 
-def assembly_cards(
-    title: str, superelement: int, grids: Mapping[int, str], places: Places, points: Indices
-) -> str:
-    """Return the cards (.asm) for the main bulk data of the assembly run.
-
-    Grids have components; points (n,) are consecutive ids of the scalar points.
-    """
-    pairs: list[Value] = [grid for repeated in grids for grid in (repeated, repeated)]
+def assembly_cards(title: str, rows: Rows, places: Places) -> str:
+    """Return the cards (.asm) for the main bulk data of the assembly run."""
+    points = rows.points
+    pairs: list[Value] = [grid for repeated in rows.grids for grid in (repeated, repeated)]
     # The pairs of equal ids begin on the second line.
-    connected: list[Value] = [superelement, 0, None, "NO", None, None, None, None, *pairs]
+    head: list[Value] = [SUPERELEMENT, 0, None, "NO", None, None, None, None]
     cards = [
         f"$ {title}",
         "$ Include in the main bulk data of the assembly run.",
-        small("SEBULK", [superelement, "EXTOP4", None, "MANUAL", None, None, superelement]),
-        small("SECONCT", connected),
+        small("SEBULK", [SUPERELEMENT, "EXTOP4", None, "MANUAL", None, None, SUPERELEMENT]),
+        small("SECONCT", [*head, *pairs]),
     ]
     if len(points):
-        same: list[Value] = _run(points) * 2
-        cards.append(small("SECONCT", [superelement, 0, None, "NO", None, None, None, None, *same]))
+        cards.append(small("SECONCT", [*head, *_run(points) * 2]))
     return "\n".join(cards) + "\n" + grid_cards(places) + scalar_points(points)
 
 
-def punch_cards(
-    title: str, superelement: int, grids: Mapping[int, str], places: Places, points: Indices
-) -> str:
+def punch_cards(title: str, rows: Rows, places: Places) -> str:
     """Return the section (.pch) for the end of the deck of the assembly run."""
-    outer = [value for grid, components in grids.items() for value in (grid, components)]
+    points = rows.points
+    outer = [value for grid, components in rows.grids.items() for value in (grid, components)]
     inner = [value for point in points.tolist() for value in (point, 0)]
     cards = [
         f"$ {title}",
         "$ Include at the very end of the assembly run, after all other bulk data.",
-        f"BEGIN SUPER{superelement:9}",
+        f"BEGIN SUPER{SUPERELEMENT:9}",
         small("EXTRN", [*outer, *inner]),
         *(small("ASET", outer[i : i + 8]) for i in range(0, len(outer), 8)),
     ]

@@ -6,7 +6,7 @@ the file is damaged.
 """
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
@@ -88,25 +88,13 @@ INSTANTS_PER_CHUNK = 1024
 """Instants stored together."""
 
 ALWAYS = ("times", "max_pressure")
-FIELDS: Mapping[str, Callable[[Solution], Matrix]] = {
-    "times": lambda piece: np.asarray(piece.times),
-    "max_pressure": lambda piece: piece.max_pressure,
-    "states": lambda piece: piece.states,
-    "velocities": lambda piece: np.asarray(piece.velocities),
-    "accelerations": lambda piece: np.asarray(piece.accelerations),
-    "pressure": lambda piece: piece.pressure,
-    "gap": lambda piece: piece.gap,
-    "iterations": lambda piece: np.asarray(piece.iterations),
-    "traction": lambda piece: piece.traction,
-    "slip": lambda piece: piece.slip,
-    "dissipation": lambda piece: np.broadcast_to(piece.dissipation, len(piece.states)),
-}
+FIELDS = (
+    *(*ALWAYS, "states", "velocities", "accelerations", "pressure", "gap", "iterations"),
+    *("traction", "slip", "dissipation"),
+)
 """What can be kept of every instant; boundaries, bolts and interfaces are kept always."""
 
-DIVIDED: Mapping[str, Callable[[Solution], Matrix]] = {
-    "substeps": lambda piece: np.asarray(piece.substeps),
-    "step_error": lambda piece: np.asarray(piece.step_error),
-}
+DIVIDED = ("substeps", "step_error")
 """Kept too where steps are divided."""
 
 
@@ -186,8 +174,7 @@ def stream_transient(
         raise ModelError(message)
     target = Path(path)
     scheme = ImplicitEuler() if integrator is None else integrator
-    columns = {name: FIELDS[name] for name in (*ALWAYS, *fields)}
-    columns |= {} if tolerance is None else DIVIDED
+    columns = dict.fromkeys((*ALWAYS, *fields, *(() if tolerance is None else DIVIDED)))
     check_times(step, duration)
     solver: Steps
     if tolerance is None:
@@ -226,11 +213,13 @@ def stream_transient(
     return target
 
 
-def _append(
-    file: h5py.File, segment: Solution, columns: Mapping[str, Callable[[Solution], Matrix]]
-) -> None:
+def _append(file: h5py.File, segment: Solution, columns: Iterable[str]) -> None:
     """Add the rows of a piece to every dataset."""
-    rows: dict[str, Matrix] = {name: of(segment) for name, of in columns.items()}
+    rows: dict[str, Matrix] = {}
+    for name in columns:
+        values = np.asarray(getattr(segment, name))
+        # A number stands for all instants.
+        rows[name] = np.broadcast_to(values, (len(segment.states), *values.shape[1:]))
     system = segment.system
     for name in system.boundaries:
         rows[f"displacements/{member_name(name)}"] = segment.displacement(name)
