@@ -2,6 +2,7 @@
 
 import hashlib
 import io
+import uuid
 from pathlib import Path
 
 import numpy as np
@@ -148,9 +149,7 @@ def read_me() -> str:
 
 
 def _token(content: bytes) -> str:
-    digest = hashlib.sha256(content).hexdigest()
-    parts = (digest[:8], digest[8:12], digest[12:16], digest[16:20], digest[20:32])
-    return "{" + "-".join(parts) + "}"
+    return f"{{{uuid.UUID(hashlib.sha256(content).hexdigest()[:32])}}}"
 
 
 def _checksum(payload: bytes) -> int:

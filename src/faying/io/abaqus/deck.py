@@ -7,6 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from faying._typing import Matrix, Vector
 from faying.exceptions import refuse
@@ -316,17 +317,9 @@ def _position(keyword: Keyword) -> tuple[Matrix, Vector]:
         length = float(np.linalg.norm(second - first))
         if not length > 0:
             keyword.refuse("the two points of the axis are the same", 1)
-        rotation = _rotation((second - first) / length, float(angle))
+        rotation = Rotation.from_rotvec((second - first) / length * angle).as_matrix()
         shift = rotation @ (shift - first) + first
     return rotation, shift
-
-
-def _rotation(axis: Vector, angle: float) -> Matrix:
-    """Rodrigues' formula."""
-    x, y, z = axis
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    turned: Matrix = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
-    return turned
 
 
 def with_distinct_ids(keywords: Sequence[Keyword], ignored: list[str]) -> list[Keyword]:
