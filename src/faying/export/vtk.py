@@ -51,18 +51,19 @@ def write_interface_vtu(results: Results, folder: Path) -> tuple[Path, ...]:
     """
     units = results.unit_set
     stems = file_names(results.interfaces)
-    paths = []
-    for name, record in results.interfaces.items():
-        path = folder / f"interface_{stems[name]}.vtu"
-        fields = static_fields(record, results.cases.values(), _every_response, units)
-        write_fields_vtu(record, fields, path)
-        paths.append(path)
-    return tuple(paths)
+    return tuple(
+        write_fields_vtu(
+            record,
+            static_fields(record, results.cases.values(), _every_response, units),
+            folder / f"interface_{stems[name]}.vtu",
+        )
+        for name, record in results.interfaces.items()
+    )
 
 
 def write_fields_vtu(
     record: ContactSurface, fields: Mapping[str, Matrix], path: Path, *, time: float | None = None
-) -> None:
+) -> Path:
     """Write point data (n_pair,) by name on the facets of the minus side of an interface.
 
     Normals, and 1 where pairs stick, are written too. Viewers show the time that the fields belong
@@ -76,7 +77,7 @@ def write_fields_vtu(
     fixed = {"normal": _pair_normals(record), "sticking": record.stuck.astype("u1")}
     point_data = {**fields, **fixed}
     cells = pair_facets(record)
-    write_vtu(path, record.pair_points, cells, point_data=point_data, time=time)
+    return write_vtu(path, record.pair_points, cells, point_data=point_data, time=time)
 
 
 def _pair_normals(record: ContactSurface) -> Matrix:
@@ -168,32 +169,18 @@ def _structure(rom: ReducedModel, run: Results | None, folder: Path) -> Iterator
                 zip(rom.basis.kinds, modes, strict=True), start=1
             )
         }
-    for stem, fields in contents.items():
-        yield _solids(rom, run, fields, folder / f"{stem}.vtu")
-
-
-def _solids(
-    rom: ReducedModel, run: Results | None, fields: Mapping[str, Matrix], path: Path
-) -> Path:
-    blocks = rom.mesh.blocks
+    cells = [(block.kind, block.nodes) for block in rom.mesh.blocks]
     numbers: dict[str, Indices] = {"node id": rom.mesh.node_ids}
     if run is not None:
         numbers["body"] = run.body
-    write_vtu(
-        path,
-        rom.mesh.nodes,
-        [(block.kind, block.nodes) for block in blocks],
-        point_data={**fields, **numbers},
-        cell_data={
-            "element id": _joined([block.ids for block in blocks]),
-            "property": _joined([block.properties for block in blocks]),
-        },
-    )
-    return path
-
-
-def _joined(parts: list[Indices]) -> Indices:
-    return np.concatenate([*parts, np.empty(0, dtype=np.int64)])
+    nothing = np.empty(0, dtype=np.int64)
+    of_cells = {
+        "element id": np.concatenate([nothing, *(block.ids for block in rom.mesh.blocks)]),
+        "property": np.concatenate([nothing, *(block.properties for block in rom.mesh.blocks)]),
+    }
+    for stem, fields in contents.items():
+        file, data = folder / f"{stem}.vtu", {**fields, **numbers}
+        yield write_vtu(file, rom.mesh.nodes, cells, point_data=data, cell_data=of_cells)
 
 
 def _static_shapes(rom: ReducedModel, run: Results | None, units: Units) -> dict[str, Matrix]:
@@ -234,9 +221,7 @@ def _bolts(run: Results | None, folder: Path) -> Iterator[Path]:
         forces[f"{case.name} force [{unit}]"] = np.array(values)
     ends = np.concatenate(list(drawn.values()))
     lines = np.arange(2 * len(drawn)).reshape(-1, 2)
-    path = folder / "bolts.vtu"
-    write_vtu(path, ends, [("line2", lines)], cell_data=forces)
-    yield path
+    yield write_vtu(folder / "bolts.vtu", ends, [("line2", lines)], cell_data=forces)
 
 
 def _interfaces(rom: ReducedModel, run: Results | None, folder: Path) -> Iterator[Path]:
@@ -254,9 +239,7 @@ def _interfaces(rom: ReducedModel, run: Results | None, folder: Path) -> Iterato
         )
         responses = partial(_responses, rom, run)
         fields = static_fields(records, _cases(run, static=True), responses, units)
-        path = folder / f"{stem}.vtu"
-        write_fields_vtu(record, fields, path)
-        yield path
+        yield write_fields_vtu(record, fields, folder / f"{stem}.vtu")
         for case in moving:
             yield from _series(rom, run, record, case, folder / f"{stem}_{labels[case.name]}")
 
@@ -275,8 +258,7 @@ def _series(
     for number, time in enumerate(times[instants].tolist()):
         now = {name: values[number] for name, values in fields.items()}
         file = stem / f"{number:04d}.vtu"
-        write_fields_vtu(record, now, file, time=time)
-        yield file
+        yield write_fields_vtu(record, now, file, time=time)
         entries.append((time, file))
     series = stem.parent / f"{stem.name}.pvd"
     write_pvd(entries, series)

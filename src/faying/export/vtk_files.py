@@ -31,8 +31,8 @@ def write_vtu(
     point_data: Mapping[str, Matrix | Indices] = _NO_DATA,
     cell_data: Mapping[str, Matrix | Indices] = _NO_DATA,
     time: float | None = None,
-) -> None:
-    """Write a grid as ``.vtu``, atomically.
+) -> Path:
+    """Write a grid as ``.vtu``, atomically; return its path.
 
     Parameters
     ----------
@@ -66,6 +66,7 @@ def write_vtu(
         meshio.vtu.write(temporary, mesh, header_type="UInt64")
         if time is not None:
             _add_time(temporary, time)
+    return path
 
 
 def _add_time(path: Path, time: float) -> None:

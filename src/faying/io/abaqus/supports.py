@@ -150,26 +150,22 @@ def _supports(dofs_of_supports: list[Place], data: DeckData) -> Iterator[Support
     by_node: dict[int, list[int]] = {}
     for node, c in dofs_of_supports:
         by_node.setdefault(node, []).append(c)
-    groups: dict[tuple[int, ...], list[int]] = {}
+    along_frame: dict[int, set[int]] = {}
     number = 1
     for node, components in by_node.items():
         # Where all directions are held it does not matter along which.
         whole = set(components) in ({0, 1, 2}, {3, 4, 5}, {0, 1, 2, 3, 4, 5})
         axes = None if whole else data.axes(node)
         if axes is None:
-            for key, owner in _placed(data, node, sorted(components)):
-                groups.setdefault(key, []).append(owner)
+            for owner, c in (data.place(node, component) for component in components):
+                along_frame.setdefault(owner, set()).add(c)
         else:
             yield Support(
                 id=number, nodes=np.array([node]), components=tuple(sorted(components)), axes=axes
             )
             number += 1
-    for key, nodes in groups.items():
-        yield Support(id=number, nodes=np.unique(nodes), components=key)
-        number += 1
-
-
-def _placed(data: DeckData, node: int, components: list[int]) -> list[tuple[tuple[int, ...], int]]:
-    places = [data.place(node, c) for c in components]
-    owners = dict.fromkeys(owner for owner, _ in places)
-    return [(tuple(c for dof_owner, c in places if dof_owner == owner), owner) for owner in owners]
+    groups: dict[tuple[int, ...], list[int]] = {}
+    for owner, held in along_frame.items():
+        groups.setdefault(tuple(sorted(held)), []).append(owner)
+    for support_id, (key, nodes) in enumerate(groups.items(), start=number):
+        yield Support(id=support_id, nodes=np.unique(nodes), components=key)
