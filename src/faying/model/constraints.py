@@ -51,7 +51,7 @@ def constrain(assembly: Assembly, used: Mask, *, keep: Indices | Sequence[int] =
     free_dofs = np.zeros(n_dof, dtype=bool)
     free_dofs[np.asarray(keep, dtype=np.int64)] = True
     fixed = fixed_components(assembly)
-    rows = _equations(assembly, used, fixed, free_dofs)
+    rows = all_rows(assembly, used, fixed, free_dofs)
     turned = free_dofs[rows.dependent] | _in_conflict(rows, fixed)
     T = _substituted(rows.taken(~turned), fixed)
     if turned.any():
@@ -76,8 +76,8 @@ def movable_components(assembly: Assembly, used: Mask) -> Mask:
     return movable
 
 
-def _equations(assembly: Assembly, used: Mask, fixed: Mask, free: Mask) -> Rows:
-    """Collect all equations, each dependent component determined once."""
+def all_rows(assembly: Assembly, used: Mask, fixed: Mask, free: Mask) -> Rows:
+    """Return all couplings, equations and inclined supports, beside what is held and kept free."""
     rigid, equations = rigid_rows(assembly), equation_rows(assembly)
     existing = used.copy()
     for part in (rigid, equations):

@@ -12,11 +12,9 @@ import numpy as np
 from faying._typing import Indices, Mask, Vector
 from faying.exceptions import refuse
 from faying.model.assembly import Assembly
-from faying.model.couplings.average import average_rows
-from faying.model.couplings.equation import equation_rows
-from faying.model.couplings.rigid import rigid_rows
-from faying.model.couplings.rows import Rows, stacked
-from faying.model.couplings.support import fixed_components, inclined_rows
+from faying.model.constraints import all_rows
+from faying.model.couplings.rows import Rows
+from faying.model.couplings.support import fixed_components
 from faying.model.matrices import used_components
 
 Term = tuple[int, int, float]
@@ -62,15 +60,7 @@ def written_equations(assembly: Assembly) -> tuple[Rows, Mask]:
     Rows are as :func:`faying.model.constraints.constrain` eliminates them.
     """
     fixed = fixed_components(assembly)
-    rigid, equations = rigid_rows(assembly), equation_rows(assembly)
-    existing = used_components(assembly).copy()
-    for part in (rigid, equations):
-        existing[part.dependent] = True
-        existing[part.matrix.indices] = True
-    rows = stacked([rigid, average_rows(assembly, existing), equations])
-    blocked = fixed.copy()
-    blocked[rows.dependent] = True
-    return stacked([rows, inclined_rows(assembly, fixed=fixed, blocked=blocked)]), fixed
+    return all_rows(assembly, used_components(assembly), fixed, np.zeros_like(fixed)), fixed
 
 
 def written_nodes(assembly: Assembly, rows: Rows) -> WrittenNodes:
