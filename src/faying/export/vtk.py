@@ -179,7 +179,8 @@ def _structure(rom: ReducedModel, run: Results | None, folder: Path) -> Iterator
         "property": np.concatenate([nothing, *(block.properties for block in rom.mesh.blocks)]),
     }
     for stem, fields in contents.items():
-        file, data = folder / f"{stem}.vtu", {**fields, **numbers}
+        data: dict[str, Matrix | Indices] = {**fields, **numbers}
+        file = folder / f"{stem}.vtu"
         yield write_vtu(file, rom.mesh.nodes, cells, point_data=data, cell_data=of_cells)
 
 
