@@ -50,9 +50,7 @@ def before_steps(lines, text=DECK):
 
 def test_the_last_of_two_sections_counts(read):
     """CalculiX 2.20 takes the last too: two springs of 100 and 400 N/mm on one element gave 400."""
-    twice = edited(
-        ("*STEP\n", "*SPRING, ELSET=STICK\n1, 1\n5.\n*MASS, ELSET=TIP\n3e-6\n*STEP\n")
-    )
+    twice = edited(("*STEP\n", "*SPRING, ELSET=STICK\n1, 1\n5.\n*MASS, ELSET=TIP\n3e-6\n*STEP\n"))
     assembly = read(twice).assembly
     assert [spring.stiffness for spring in assembly.springs] == [5.0]
     assert [mass.mass for mass in assembly.masses] == [3e-6]
