@@ -5,6 +5,7 @@
 
 import ast
 from collections import Counter
+from functools import cache
 from pathlib import Path
 
 import faying
@@ -57,16 +58,24 @@ def dotted(path):
 NAMES = {dotted(path) for path in MODULES}
 
 
+@cache
+def parsed(path):
+    """Syntax tree of a file of faying."""
+    return ast.parse((ROOT / path).read_text(encoding="utf-8"))
+
+
+@cache
 def imports(path):
     """Modules of faying that a file imports, inside functions too."""
+    found = []
     # The names that faying itself imports on first use stand in its stub.
-    file = ROOT / ("__init__.pyi" if path == "__init__.py" else path)
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+    for node in ast.walk(parsed("__init__.pyi" if path == "__init__.py" else path)):
         if isinstance(node, ast.Import):
-            yield from (name.name for name in node.names if name.name.startswith("faying"))
+            found += [name.name for name in node.names if name.name.startswith("faying")]
         elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith("faying"):
             inner = [f"{node.module}.{name.name}" for name in node.names]
-            yield from (name if name in NAMES else node.module for name in inner)
+            found += [name if name in NAMES else node.module for name in inner]
+    return found
 
 
 def package(path):

@@ -8,8 +8,6 @@ import shlex
 import shutil
 import subprocess
 import sys
-import tempfile
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -29,10 +27,12 @@ named = pytest.mark.parametrize(
 )
 
 
-def faying(arguments: list[str], folder: Path) -> None:
-    """Run the command line in a folder and show what it says when it fails."""
+@pytest.fixture(scope="session")
+def quick_demo(tmp_path_factory):
+    """Folder that ``faying demo --quick`` leaves in a process of its own; several pages show it."""
+    folder = tmp_path_factory.mktemp("demo")
     done = subprocess.run(
-        [sys.executable, "-m", "faying", *arguments],
+        [sys.executable, "-m", "faying", "demo", "--quick", "--out", "."],
         cwd=folder,
         env={**os.environ, "OMP_NUM_THREADS": "1"},
         capture_output=True,
@@ -41,13 +41,6 @@ def faying(arguments: list[str], folder: Path) -> None:
         timeout=600,
     )
     assert done.returncode == 0, done.stderr + done.stdout
-
-
-@cache
-def quick_demo() -> tempfile.TemporaryDirectory[str]:
-    """What faying demo --quick leaves; run once, as two pages show it."""
-    folder = tempfile.TemporaryDirectory()
-    faying(["demo", "--quick", "--out", "."], Path(folder.name))
     return folder
 
 
@@ -76,24 +69,27 @@ def missing(block: Block) -> bool:
     return False
 
 
-def run_shell(block: Block, page: Path, folder: Path) -> None:
+def run_shell(block: Block, page: Path, folder: Path, request) -> None:
+    """Run the commands of a block in this process, which has imported what they need."""
     if page.name in SHELL_OF_CHECKOUT:
         return
     for line in block.text.splitlines():
         command, *arguments = shlex.split(line, comments=True)
         assert command == "faying", f"{page.name}: '{command}' is not run by this test"
         if arguments[:3] == ["demo", "--quick", "--out"]:
-            shutil.copytree(quick_demo().name, folder / arguments[3])
+            shutil.copytree(request.getfixturevalue("quick_demo"), folder / arguments[3])
         else:
-            faying(arguments, folder)
+            status, *said = request.getfixturevalue("call")(*arguments)
+            assert status == 0, said
 
 
 @pytest.mark.long
 @named
-def test_code_runs(page, tmp_path, monkeypatch):
+def test_code_runs(page, tmp_path, monkeypatch, request):
     monkeypatch.chdir(tmp_path)
     if page.name in RESULTS_OF_A_RUN:
-        shutil.copytree(quick_demo().name, tmp_path, dirs_exist_ok=True)
+        demo = request.getfixturevalue("quick_demo")
+        shutil.copytree(demo, tmp_path, dirs_exist_ok=True)
     names: dict[str, Any] = {"__name__": "page"}
     for block in blocks(page):
         if missing(block):
@@ -101,7 +97,7 @@ def test_code_runs(page, tmp_path, monkeypatch):
         if block.language == "python":
             run_python(block, page, names)
         elif block.language == "bash":
-            run_shell(block, page, tmp_path)
+            run_shell(block, page, tmp_path, request)
         elif block.words:
             (tmp_path / block.words).write_text(block.text, encoding="utf-8")
 
