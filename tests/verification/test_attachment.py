@@ -19,7 +19,7 @@ from faying.study.judgement.remarks import remarks
 from faying.study.keys.schema import read_study
 from faying.study.results.store import read_results
 from faying.workflow.run import run
-from small_study import TINY_JOINT, reduction, step
+from small_study import NO_REPORT, TINY_JOINT, reduction, step
 from windows_of_one import windows_of_one
 
 LC2 = {"tip.Fz": -500.0, "tip.Mx": 20e3}
@@ -202,6 +202,7 @@ def test_shapes_that_do_not_fit_are_refused(joint, classic, monkeypatch):
 STUDY = (
     TINY_JOINT
     + reduction("compliance", "compliance+inertia")
+    + NO_REPORT
     + step("jump", "Fz", -100.0, "step = 2e-5\nduration = 4e-4\n")
 )
 

@@ -8,6 +8,7 @@ from typer.testing import CliRunner
 
 import faying as fy
 from faying.cli import app
+from small_study import NO_REPORT
 from stacked_cantilevers import Stack
 
 STACK = Stack(counts=((12, 2, 1),) * 3, penalty=1e3, force=2e3)
@@ -52,7 +53,7 @@ def said(tmp_path):
 @pytest.mark.long
 def test_all_is_kept_without_a_search_distance(said, tmp_path):
     assert "Doubtful" not in said("check", "")
-    assert "Doubtful" not in said("run", "")
+    assert "Doubtful" not in said("run", "", STUDY + NO_REPORT)
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     for face in summary["interfaces"].values():
         assert face["declared_area"] == pytest.approx(600.0, rel=1e-4)  # half of the tilt's 5e-5

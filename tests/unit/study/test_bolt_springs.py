@@ -48,6 +48,8 @@ preload = 5e3
 [reduction]
 methods = ["compliance"]
 normal_modes = 2
+[output]
+report = false
 """
 CASE = """
 [[load_case]]

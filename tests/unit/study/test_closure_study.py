@@ -18,7 +18,7 @@ from faying.study.keys.schema import read_study
 from faying.study.results.store import read_results
 from faying.study.stages.recover import reduced_model
 from faying.workflow.run import run
-from small_study import reduction, static, tiny_joint
+from small_study import NO_REPORT, reduction, static, tiny_joint
 
 STUDY = (
     tiny_joint("closure = CLOSURE", preload="1e4")
@@ -113,7 +113,7 @@ GASKET = "closure,pressure,unloading\n0,0,20000\n0.001,3,20000\n0.004,30,40000\n
 @pytest.mark.long
 def test_a_study_follows_a_gasket(tmp_path):
     """Down from where tightening left it: on the line of the largest closure, not on the table."""
-    given = study(tmp_path, "{ gasket = 'layer.csv' }", GASKET)
+    given = study(tmp_path, f"{{ gasket = 'layer.csv' }}\n{NO_REPORT}", GASKET)
     run(given, tmp_path / "out")
     case = read_results(tmp_path / "out/results.h5").cases["bending"]
     curve = build_loaded(load_model(given)).interfaces["joint"].law
