@@ -133,6 +133,7 @@ def assert_same(found, wanted):
         ("hex20", "reduced"),
         ("tet4", "standard"),
         ("tet10", "standard"),
+        ("wedge15", "standard"),
     ],
 )
 def test_matrices_of_solids(kind, formulation, binary, tmp_path):

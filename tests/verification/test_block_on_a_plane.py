@@ -28,17 +28,24 @@ TOGETHER = 1 / (1 / SPRING + 1 / (TANGENTIAL * AREA))
 DIRECTION = np.array([0.6, 0.8])
 
 
-def block_on_a_plane():
-    """Boundaries ``"block"`` and ``"end"``, of the spring; the plane is a block that is held."""
+def block_on_a_plane(holding=(2,), *, hung=True):
+    """Boundaries ``"block"`` and ``"end"``, of the spring it is hung on, or the block alone.
+
+    The plane is a block that is held; springs hold the other along the axes of ``holding``.
+    """
     lines, z, middle = np.linspace(0, SIDE, 3), np.array([0.0, 2.0]), SIDE / 2
-    mesh, lower, upper = two_bodies(lines, lines, z, z, ends=[(middle, middle, 0.0)] * 2)
-    block, end = len(mesh.nodes) - 2, len(mesh.nodes) - 1
-    springs = [((block, 2),), ((end, 0),), ((end, 1),), *(((block, i), (end, i)) for i in (0, 1))]
-    sizes = [HOLDING, GROUND, GROUND, SPRING, SPRING]
+    ends = [(middle, middle, 0.0)] * (1 + hung)
+    mesh, lower, upper = two_bodies(lines, lines, z, z, ends=ends)
+    block = len(mesh.nodes) - len(ends)
+    boundaries, springs = {"block": block}, [(((block, axis),), HOLDING) for axis in holding]
+    if hung:
+        boundaries["end"] = end = block + 1
+        springs += [(((end, axis),), GROUND) for axis in (0, 1)]
+        springs += [(((block, axis), (end, axis)), SPRING) for axis in (0, 1)]
     return rubbing(
         mesh,
         STEEL,
-        boundaries={"block": block, "end": end},
+        boundaries=boundaries,
         penalty=NORMAL,
         friction=FRICTION,
         tangential_penalty=TANGENTIAL,
@@ -49,7 +56,7 @@ def block_on_a_plane():
         rigid_couplings=(RigidCoupling(id=1, reference=block, nodes=upper),),
         springs=tuple(
             Spring(id=number, ends=ends, stiffness=size)
-            for number, (ends, size) in enumerate(zip(springs, sizes, strict=True), start=2)
+            for number, (ends, size) in enumerate(springs, start=2)
         ),
     )
 
@@ -59,8 +66,8 @@ def test_a_block_that_nothing_else_holds_is_refused_or_held_by_friction():
     pressed = fy.Load({"block.Fz": -PRESSED})
     for holding, way in (((2, 0), "0.00, 1.00, 0.00"), ((2, 1), "1.00, 0.00, 0.00")):
         with pytest.raises(ModelError, match=rf"can move freely along \({way}\); support it, tie"):
-            fy.solve_path(loose_block(holding), [pressed])
-    loose = loose_block((2,))
+            fy.solve_path(block_on_a_plane(holding, hung=False), [pressed])
+    loose = block_on_a_plane(hung=False)
     with pytest.raises(ModelError, match=r"rigid, or fixed, at the contact.* give the stiffness"):
         fy.with_weak_springs(loose)
     loads = [pressed, *(fy.Load(pressed.forces | {"block.Fx": pull}) for pull in (150.0, 150.0))]
@@ -71,29 +78,6 @@ def test_a_block_that_nothing_else_holds_is_refused_or_held_by_friction():
     assert moved[1] == pytest.approx(150.0 / (TANGENTIAL * AREA), rel=1e-6)
     np.testing.assert_allclose(path.shear_forces[1:].sum(axis=-1)[:, 0], -150.0, rtol=1e-6)
     assert moved[2] == pytest.approx(moved[1], rel=1e-9)
-
-
-def loose_block(holding):
-    """The block alone, which springs hold along so many axes and couplings from turning."""
-    lines, z, middle = np.linspace(0, SIDE, 3), np.array([0.0, 2.0]), SIDE / 2
-    mesh, lower, upper = two_bodies(lines, lines, z, z, ends=[(middle, middle, 0.0)])
-    block = len(mesh.nodes) - 1
-    return rubbing(
-        mesh,
-        STEEL,
-        boundaries={"block": block},
-        penalty=NORMAL,
-        friction=FRICTION,
-        tangential_penalty=TANGENTIAL,
-        supports=(
-            Support(id=1, nodes=lower, components=(0, 1, 2)),
-            Support(id=2, nodes=np.array([block]), components=(3, 4, 5)),
-        ),
-        rigid_couplings=(RigidCoupling(id=1, reference=block, nodes=upper),),
-        springs=tuple(
-            Spring(id=2 + axis, ends=((block, axis),), stiffness=HOLDING) for axis in holding
-        ),
-    )
 
 
 @dataclass(frozen=True)

@@ -74,19 +74,6 @@ def test_default_gauss_rule_integrates_pressure_times_shape_functions(kind):
     )
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_rules_give_the_consistent_forces_of_constant_pressure(kind):
-    expected = {
-        "tri3": [1 / 3] * 3,
-        "tri6": [0.0] * 3 + [1 / 3] * 3,
-        "quad4": [1 / 4] * 4,
-        "quad8": [-1 / 12] * 4 + [1 / 3] * 4,
-    }[kind]
-    for rule in (gauss_rule(kind), nodal_rule(kind)):
-        forces = rule.weights @ shape_functions(kind, rule.points) / AREA[kind]
-        np.testing.assert_allclose(forces, expected, atol=ROUNDING)
-
-
 @pytest.mark.parametrize("degree", range(1, 13))
 def test_triangle_rules_have_their_degree_and_points_inside(degree):
     rule = gauss_rule("tri3", degree)

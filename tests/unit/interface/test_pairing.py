@@ -7,7 +7,6 @@ import pytest
 
 from faying.exceptions import ModelError
 from faying.interface.pairing import find_interfaces, pair_facets, select_facets
-from faying.joint.lap_joint import lap_joint_assembly
 from faying.model.assembly import Assembly, FaceSet
 from faying.model.cells import CellBlock
 from faying.model.generate import brick_grid
@@ -133,13 +132,6 @@ def test_the_overlap_matches_node_on_node(spec):
     assert faces.minus.max() < 40 <= faces.plus.min()
 
 
-def test_swapped_sides_swap_the_normal():
-    joint = lap()
-    (faces,) = pair_facets(joint, replace(NAMED, minus="upper", plus="lower"))
-    assert faces.minus.min() >= 40
-    assert_aligned(joint, (faces,))
-
-
 def test_auto_takes_the_body_with_the_smallest_node_id_as_minus():
     joint = lap()
     ids = joint.mesh.node_ids[::-1]
@@ -171,17 +163,6 @@ def test_a_side_may_consist_of_several_touching_bodies():
     (faces,) = pair_facets(joint, replace(NAMED, plus=[2, 3]))
     assert len(faces.minus) == 12
     assert_aligned(joint, (faces,))
-
-
-@pytest.mark.parametrize("shape", ["hex8", "hex20", "tet4", "tet10", "wedge6"])
-@pytest.mark.parametrize("curvature", [0.0, 2e-3])
-def test_every_kind_of_facet_matches(shape, curvature):
-    joint = lap_joint_assembly(
-        element_size=5.0, shape=shape, curvature=curvature, hole_radius=None
-    ).assembly
-    faces = pair_facets(joint, AUTO)
-    assert sum(len(entry.minus) for entry in faces) in (32, 64)
-    assert_aligned(joint, faces)
 
 
 def test_a_gap_within_the_tolerance_is_bridged():

@@ -14,7 +14,6 @@ from faying.model.mesh import Mesh
 POINTS = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)] + [(2, 3, 4)], float)
 OUTSIDE = 8
 TRANSLATIONS = np.arange(6 * len(POINTS)) % 6 < 3
-EVERYTHING = np.ones(6 * len(POINTS), dtype=bool)
 
 
 def assembly(**content):
@@ -98,30 +97,6 @@ def test_averaged_rotations_of_solid_nodes_are_left_out():
     np.testing.assert_array_equal(plain.free, careless.free)
     # Same least squares problem; only rounding differs.
     assert abs(plain.transformation - careless.transformation).max() < 1e-13
-
-
-def test_inclined_support_leaves_the_motion_across_it():
-    c, s = np.cos(0.3), np.sin(0.3)
-    axes = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
-    support = Support(id=1, nodes=[0, 3], components=(0, 2), axes=axes)
-    T = constrain(assembly(supports=(support,)), TRANSLATIONS).transformation.toarray()
-    for node in (0, 3):
-        block = T[6 * node : 6 * node + 3]
-        # One division and one product of numbers of order one.
-        assert np.abs(axes[[0, 2]] @ block).max() < 1e-15
-        assert np.linalg.matrix_rank(block) == 1
-
-
-def test_supports_that_repeat_each_other_add_up():
-    axes = np.linalg.qr(np.arange(9.0).reshape(3, 3) + np.eye(3))[0]
-    inclined = Support(id=1, nodes=[0], components=(0,), axes=axes)
-    again = Support(id=2, nodes=[0], components=(0,), axes=axes)
-    second = Support(id=3, nodes=[0], components=(1,), axes=axes)
-    T = constrain(assembly(supports=(inclined, again, second)), TRANSLATIONS).transformation
-    block = T.toarray()[:3]
-    assert np.linalg.matrix_rank(block) == 1
-    # Elimination of two rows of order one.
-    assert np.abs(axes[:2] @ block).max() < 1e-14
 
 
 def test_a_full_inclined_support_is_a_plain_one():

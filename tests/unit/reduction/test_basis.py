@@ -187,19 +187,10 @@ def test_statics_need_neither_modes_nor_mass():
         fixed_interface_normal_modes(none, 2)
 
 
-def test_craig_bampton_has_a_mode_for_everything(joint):
-    basis = fy.craig_bampton(joint, normal_modes=7)
-    assert basis.kinds == (C,) * 6 + (N,) * 7 + (B,)
-
-
-def test_without_normal_modes(joint):
-    basis = fy.craig_bampton(joint, normal_modes=0)
-    assert basis.kinds == (C,) * 6 + (B,)
-
-
-def test_refuses_more_normal_modes_than_there_are(joint):
-    with pytest.raises(ModelError, match="99999 normal modes asked for"):
-        fy.craig_bampton(joint, normal_modes=99999)
+@pytest.mark.parametrize("count", [0, 7])
+def test_craig_bampton_has_a_mode_for_everything(count, joint):
+    basis = fy.craig_bampton(joint, normal_modes=count)
+    assert basis.kinds == (C,) * 6 + (N,) * count + (B,)
 
 
 def test_normal_modes_leave_the_boundary_at_rest(joint):

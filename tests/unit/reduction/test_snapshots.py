@@ -30,14 +30,6 @@ def test_step_loads_are_the_eight_directions():
     assert found == expected
 
 
-def test_the_papers_load_cases_are_not_trained(joint):
-    """§15.4.4.1: LC1 and LC2 are no combination among the snapshots."""
-    cases = [{"tip.Fz": -500.0, "tip.Mx": 0.0}, {"tip.Fz": -500.0, "tip.Mx": 20e3}]
-    trained = [dict(load.forces) for load in (*BOX.static_loads(joint), *BOX.step_loads())]
-    for case in cases:
-        assert case not in trained
-
-
 def test_a_box_of_one_component():
     box = fy.LoadBox(ranges={"tip.Fz": (0.0, 10.0)}, levels=3, preload_factors=(1.0,))
     assert [dict(load.forces) for load in box.step_loads()] == [{"tip.Fz": 0.0}, {"tip.Fz": 10.0}]

@@ -34,6 +34,7 @@ def test_sticking_adds_tangential_springs_only(joint, loose):
     minus_and_plus = np.unique(joint.interfaces["joint"].pairs[joint.stuck["joint"]])
     assert set(np.unique(touched // 6)) <= set(minus_and_plus)
     assert set(np.unique(touched % 6)) == {0, 1}
+    assert np.abs(added.data).max() == pytest.approx(1e6, rel=0.1)  # springs of 1e6 N/mm
 
 
 def test_sticking_springs_are_damped_as_the_rest(joint, loose):

@@ -48,6 +48,17 @@ def modes_of(model):
 
 
 @pytest.fixture(scope="module")
+def shaken():
+    model = fy.lap_joint(
+        element_size=10.0,
+        hole_radius=0.0,
+        washer_radius=11.0,
+        damping=fy.Rayleigh(alpha=0.0, beta=1e-6),
+    )
+    return fy.preload(model, {"bolt": 5e3})
+
+
+@pytest.fixture(scope="module")
 def chosen(tmp_path_factory):
     return computed(STUDY, tmp_path_factory.mktemp("chosen"))
 
@@ -70,7 +81,7 @@ def test_the_fewest_that_are_estimated_to_do_are_taken_by_all_methods(chosen):
     assert summary["load_cases"]["push"]["remedy"] is None
 
 
-def test_python_and_reduce_choose_the_same(chosen, tmp_path):
+def test_python_and_reduce_choose_the_same(chosen, shaken, tmp_path):
     summary, _ = chosen
     (tmp_path / "joint.toml").write_text(STUDY)
     out = tmp_path / "joint.faying"
@@ -79,17 +90,10 @@ def test_python_and_reduce_choose_the_same(chosen, tmp_path):
     told = summary["normal_mode_choice"]["load_cases"]["push"]
     assert told["reason"] in result.output
     assert modes_of(fy.read_reduced_model(out)) == told["count"]
-    model = fy.lap_joint(
-        element_size=10.0,
-        hole_radius=0.0,
-        washer_radius=11.0,
-        damping=fy.Rayleigh(alpha=0.0, beta=1e-6),
-    )
-    joint = fy.preload(model, {"bolt": 5e3})
     part = np.linspace(0.0, 1.0, 201)
     rise = fy.History(4e-4 * part, -100.0 * (0.5 - 0.5 * np.cos(np.pi * part)))
     load = fy.Load({"tip.Fz": rise})
-    again = fy.choose_normal_modes(joint, load, step=2e-5, duration=4e-4, tolerance=0.01)
+    again = fy.choose_normal_modes(shaken, load, step=2e-5, duration=4e-4, tolerance=0.01)
     assert again.counts.tolist() == told["counts"]
     np.testing.assert_allclose(again.estimates, told["estimates"], rtol=1e-6)  # round-off
 
@@ -200,17 +204,6 @@ def test_a_joint_with_friction_is_judged_from_where_it_was_tightened(tmp_path):
     # As wide as it was seen on joints without friction.
     ratio = told["error"] / found["max_relative_error"]
     assert OBSERVED_RATIOS[0] < ratio < OBSERVED_RATIOS[1]
-
-
-@pytest.fixture(scope="module")
-def shaken():
-    model = fy.lap_joint(
-        element_size=10.0,
-        hole_radius=0.0,
-        washer_radius=11.0,
-        damping=fy.Rayleigh(alpha=0.0, beta=1e-6),
-    )
-    return fy.preload(model, {"bolt": 5e3})
 
 
 def tried(joint):
