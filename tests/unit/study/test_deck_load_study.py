@@ -247,11 +247,11 @@ ONE = "{ deck_load = 8, value = 1.0 }"
         (
             '{ deck_load = "8", boundary = "tip", value = 1.0 }',
             ["[[load_case]] number 1, forces number 1 of study.toml (line 39)",
-             "found 'deck_load' and 'boundary'; a load is one or the other"],
+             "found 'deck_load', 'boundary'; a table has one or the other"],
         ),
         ('{ boundary = "tip", value = 1.0 }', ["missing key 'component'", "or 'deck_load'"]),
         ("{ value = 1.0 }", ["missing key 'boundary'; add it, or 'deck_load'"]),
-        ("{ deck_load = 8 }", ["give either 'value' or 'file'"]),
+        ("{ deck_load = 8 }", ["give exactly one of 'value', 'file'"]),
         ('{ deck_load = "" , value = 1.0 }', ["expected a text that is not empty"]),
         ("{ deck_load = true, value = 1.0 }", ["'deck_load'", "found true, expected a text"]),
         ('{ deck_laod = "8", value = 1.0 }', ["did you mean 'deck_load'?"]),

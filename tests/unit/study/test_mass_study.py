@@ -42,7 +42,7 @@ def test_heads_and_nuts_of_generated_bolts(tmp_path):
 @pytest.mark.parametrize(
     ("table", "match"),
     [
-        ("[[mass]]\nmass = 1.0\n", "a mass needs either 'set' or 'node'; give one of them"),
+        ("[[mass]]\nmass = 1.0\n", "give exactly one of 'set', 'node'"),
         ("[[mass]]\nnode = 99999\nmass = 1.0\n", "mass.*99999"),
         ('[[mass]]\nset = "uper"\nmass = 1.0\n', "uper"),
         ("[[mass]]\nnode = 1\nmass = 0.0\n", "mass"),

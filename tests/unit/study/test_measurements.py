@@ -123,7 +123,7 @@ def test_responses_give_a_point_each(study, tmp_path):
     rows = [f"{x},{abs(y)},{np.angle(y)}" for x, y in zip(f, small, strict=True)]
     (tmp_path / "small.csv").write_text("\n".join(["frequency,magnitude,phase", *rows]))
     with_responses(study, tmp_path, "csv")
-    with pytest.raises(StudyError, match="either 'file' or tables"):
+    with pytest.raises(StudyError, match="exactly one of 'file', 'response'"):
         study('file = "hammer.csv"', "")
     (tmp_path / "small.csv").write_text("frequency,real,imag\n1,1,0\n2,1,0\n")
     with pytest.raises(StudyError, match="needs 5 points"):

@@ -129,7 +129,7 @@ BROKEN = [
     ('kind = "static"', 'kind = "static"\nstep = 1.0', ["'step'", "has no time"]),
     ('kind = "step"', 'kind = "history"', ["needs a 'file'"]),
     ("value = -500.0", 'file = "h.csv"', ["'h.csv' does not exist", "forces number 1"]),
-    (", value = -500.0", "", ["either 'value' or 'file'"]),
+    (", value = -500.0", "", ["exactly one of 'value', 'file'"]),
     (
         'component = "Mx", value = 20e3',
         'component = "Fz", value = 20e3',
@@ -137,7 +137,7 @@ BROKEN = [
     ),
     ('component = "Mx", min', 'component = "Fz", min', ["box", "number 2", "tip.Fz"]),
     ("value = -500.0", "value = -500.0, valu = 3", ["unknown key 'valu'", "'value'"]),
-    ("periods = 2.0", "periods = 2.0\nduration = 1.0", ["'duration' and 'periods'"]),
+    ("periods = 2.0", "periods = 2.0\nduration = 1.0", ["'duration', 'periods'"]),
     ("periods = 2.0\nsteps_per_period = 100", "periods = 2.0", ["needs a time step"]),
     ('integrator = "implicit-euler"', "rho_infinity = 0.5", ["generalized-alpha"]),
     ("threshold = 0.5", "threshold = 50", ["found 50", "1 or less"]),

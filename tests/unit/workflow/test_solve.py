@@ -363,7 +363,7 @@ def test_comments_names_with_commas_and_empty_lines_are_read(tmp_path):
         ("[[bolt]]\nname = 'b'", "unknown key 'bolt' at the top of loads.toml"),
         ("title = 'none'", "no .*load_case"),
         (LOADS.replace('"Fz"', '"Fq"'), "(?s)'component' in .*load_case.* number 1.*line 4"),
-        (LOADS + "step = 1e-6", "say the same twice"),
+        (LOADS + "step = 1e-6", "one or the other"),
         (LOADS + "forces = [{ value = 1.0,", "loads.toml is not valid TOML: "),
     ],
 )

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from faying.exceptions import ModelError
 from faying.sources import SOURCES
-from faying.study.keys.errors import Location, Problem, quoted
+from faying.study.keys.errors import Location, Problem
 from faying.study.keys.tables import Study
 from faying.study.keys.threads import final_force, thread_of
 
@@ -14,16 +14,11 @@ def bolt_problems(study: Study) -> Iterator[Problem]:
     for i, bolt in enumerate(study.bolts):
         location: Location = ("bolt", i)
         ways = [key for key in ("elements", "nodes", "axis") if getattr(bolt, key) is not None]
-        if len(ways) > 1 or (not ways and not SOURCES[study.model.source].has_joint):
-            named = quoted(ways) or "none"
-            text = f"found {named}, expected one of 'elements', 'nodes' or 'axis'"
-            yield study.in_table(location, f"{text}; say where bolt '{bolt.name}' is, once")
+        if not ways and not SOURCES[study.model.source].has_joint:
+            text = "found none, expected one of 'elements', 'nodes' or 'axis'"
+            yield study.in_table(location, f"{text}; say where bolt '{bolt.name}' is")
         yield from _matrix_bolt(study, i)
         tightened = [key for key in TIGHTENED if getattr(bolt, key) is not None]
-        if len(tightened) > 1:
-            named = " and ".join(map(repr, tightened))
-            text = f"found {named}; give the final force or the initial one"
-            yield study.problem((*location, tightened[-1]), text)
         yield from _sized_bolt(study, i)
         if not tightened and (ways or not SOURCES[study.model.source].is_deck):
             text = (
@@ -40,13 +35,6 @@ TIGHTENED = ("preload", "torque", "utilisation", "initial_force")
 def _sized_bolt(study: Study, number: int) -> Iterator[Problem]:
     """Check what belongs to the size and the grade of a bolt."""
     bolt, location = study.bolts[number], ("bolt", number)
-    if bolt.size is not None and bolt.thread is not None:
-        text = "'thread' gives the size in numbers, and there is a 'size'; keep one"
-        yield study.problem((*location, "thread"), text)
-        return
-    if bolt.gamma is not None and bolt.tightening_factor is not None:
-        text = "'tightening_factor' says the same; keep one"
-        yield study.problem((*location, "gamma"), text)
     judged = bolt.thread is not None or bolt.grade is not None or bolt.strength is not None
     for key in JUDGED:
         named = bolt.size is not None or bolt.thread is not None

@@ -16,7 +16,6 @@ from faying.study.keys.frequency_rules import frequency_problems
 from faying.study.keys.friction_rules import (
     increment_problems,
     scatter_problems,
-    second_laws,
     spare_tangential_penalties,
 )
 from faying.study.keys.lap_joint import lap_joint_problems
@@ -60,11 +59,7 @@ def _load_targets(study: Study) -> Iterator[Problem]:
     for location, load in loadings(study):
         keys = [key for key in ("boundary", "component") if getattr(load, key) is not None]
         whole = [key for key in ("deck_load", "temperature") if getattr(load, key) is not None]
-        if len(whole) > 1 or (whole and keys):
-            more = quoted([*whole[1:], *keys])
-            text = f"found '{whole[0]}' and {more}; a load is one or the other, remove one"
-            yield study.in_table(location, text)
-        elif not whole and len(keys) < 2:
+        if not whole and len(keys) < 2:
             missing = "component" if keys == ["boundary"] else "boundary"
             text = f"missing key '{missing}'; add it, or 'deck_load' for a load of the deck"
             yield study.in_table(location, text)
@@ -112,13 +107,6 @@ def _model_files(study: Study) -> Iterator[Problem]:
             yield study.problem(("model", key), text)
 
 
-def _sets(study: Study) -> Iterator[Problem]:
-    for name, named in study.model.sets.items():
-        if len(named.model_fields_set) != 1:
-            keys = quoted(type(named).model_fields)
-            yield study.problem(("model", "sets", name), f"give exactly one of {keys}")
-
-
 def _interfaces(study: Study) -> Iterator[Problem]:
     for i, interface in enumerate(study.interfaces):
         if (interface.minus == "auto") != (interface.plus == "auto"):
@@ -133,11 +121,10 @@ def _interfaces(study: Study) -> Iterator[Problem]:
 
 def _boundaries(study: Study) -> Iterator[Problem]:
     for i, boundary in enumerate(study.boundaries):
-        both = boundary.set is not None and boundary.node is not None
         neither = boundary.set is None and boundary.node is None
-        if both or (neither and not _source(study).has_boundaries):
-            text = f"boundary '{boundary.name}' needs either 'set' or 'node'"
-            yield study.in_table(("boundary", i), f"{text}; {'remove' if both else 'add'} one")
+        if neither and not _source(study).has_boundaries:
+            text = f"boundary '{boundary.name}' needs either 'set' or 'node'; add one"
+            yield study.in_table(("boundary", i), text)
     if study.boundaries and not _source(study).has_boundaries:
         yield from boundary_problems(study, [boundary.name for boundary in study.boundaries])
 
@@ -150,17 +137,6 @@ def _coupled(study: Study) -> Iterator[Problem]:
         if boundary.at is not None and boundary.coupling is None:
             text = '\'at\' places the node of a coupling; add coupling = "rbe2" or "rbe3"'
             yield study.in_table(("boundary", i), text)
-
-
-def _supports(study: Study) -> Iterator[Problem]:
-    supports = [
-        ("support", i, section.set, section.node) for i, section in enumerate(study.supports)
-    ]
-    masses = [("mass", i, section.set, section.node) for i, section in enumerate(study.masses)]
-    for table, i, named, node in (*supports, *masses):
-        if (named is None) == (node is None):
-            text = f"a {table} needs either 'set' or 'node'; give one of them"
-            yield study.in_table((table, i), text)
 
 
 def _mesh_materials(study: Study) -> Iterator[Problem]:
@@ -215,7 +191,7 @@ def _reduction(study: Study) -> Iterator[Problem]:
             location = ("reduction", "training", "box", i, "min")
             text = f"min {side.min:g} is not below max {side.max:g}; exchange or change them"
             yield study.problem(location, text)
-    yield from _not_both(study, ("reduction", "training"), training)
+    yield from _number_of_steps(study, ("reduction", "training"), training)
 
 
 def _number_of_loads(study: Study) -> Iterator[Problem]:
@@ -231,11 +207,7 @@ def _number_of_loads(study: Study) -> Iterator[Problem]:
             yield study.problem(("reduction", "training", what), text)
 
 
-def _not_both(study: Study, location: Location, timed: Timed) -> Iterator[Problem]:
-    for first, second in (("step", "steps_per_period"), ("duration", "periods")):
-        if getattr(timed, first) is not None and getattr(timed, second) is not None:
-            text = f"'{first}' and '{second}' say the same twice; remove one"
-            yield study.in_table(location, text)
+def _number_of_steps(study: Study, location: Location, timed: Timed) -> Iterator[Problem]:
     pairs = ((timed.duration, 1 / (timed.step or 1e30)), (timed.periods, timed.steps_per_period))
     for length, rate in pairs:
         count = (length or 0.0) * (rate or 0)
@@ -247,7 +219,7 @@ def _not_both(study: Study, location: Location, timed: Timed) -> Iterator[Proble
 def _load_cases(study: Study) -> Iterator[Problem]:
     for i, case in enumerate(study.load_cases):
         location: Location = ("load_case", i)
-        yield from _not_both(study, location, case)
+        yield from _number_of_steps(study, location, case)
         yield from _timing(study, location, case)
         yield from _forces(study, location, case)
         yield from increment_problems(study, location, case)
@@ -285,8 +257,6 @@ def _forces(study: Study, location: Location, case: LoadCaseSection) -> Iterator
     yield from repeated_loads(study, (*location, "forces"), case.forces)
     for j, force in enumerate(case.forces):
         entry: Location = (*location, "forces", j)
-        if (force.value is None) == (force.file is None):
-            yield study.in_table(entry, "give either 'value' or 'file'")
         if force.file is None:
             continue
         if case.kind != "history":
@@ -314,18 +284,15 @@ def _material(study: Study) -> Iterator[Problem]:
 RULES: tuple[Callable[[Study], Iterable[Problem]], ...] = (
     _unique_names,
     _model_files,
-    _sets,
     lap_joint_problems,
     _material,
     _interfaces,
-    second_laws,
     spare_tangential_penalties,
     scatter_problems,
     bolt_problems,
     margin_problems,
     _boundaries,
     _coupled,
-    _supports,
     measurement_problems,
     parameter_problems,
     _mesh_materials,

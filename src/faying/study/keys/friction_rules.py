@@ -137,14 +137,6 @@ def spare_tangential_penalties(study: Study) -> Iterator[Problem]:
             yield study.problem(("interface", i, "tangential_penalty"), text)
 
 
-def second_laws(study: Study) -> Iterator[Problem]:
-    """Find interfaces with a penalty and a curve."""
-    for i, interface in enumerate(study.interfaces):
-        if interface.closure is not None and "penalty" in interface.model_fields_set:
-            text = "there is a penalty, too, and an interface has one law; remove one of them"
-            yield study.problem(("interface", i, "closure"), text)
-
-
 def scatter_problems(study: Study) -> Iterator[Problem]:
     """Find scatter that makes no sense, or is of what the bolts do not tell."""
     section = study.preload_scatter

@@ -20,6 +20,10 @@ LoadName = Annotated[Name, BeforeValidator(_load_name, json_schema_input_type=Na
 class Loading(Section):
     """A component of a boundary's load, a whole load of the deck, or a temperature."""
 
+    alternatives = (
+        ("deck_load", "temperature", "boundary"),
+        ("deck_load", "temperature", "component"),
+    )
     boundary: Name | None = None
     component: ForceComponent | None = None
     deck_load: LoadName | None = None

@@ -175,9 +175,7 @@ def _incomplete(section: MeasurementSection) -> Iterator[str]:
     key = "amplitude" if section.frequency is None else "level"
     if any(getattr(response, key) is None for response in section.response):
         yield f"each [[measurement.response]] needs '{key}'; add it"
-    if (section.file is None) == (not section.response):
-        yield "it needs either 'file' or tables [[measurement.response]]; give one of them"
-    elif section.frequency is not None and section.file is not None:
+    if section.frequency is not None and section.file is not None:
         yield "curves over frequency are given as tables [[measurement.response]]"
 
 

@@ -21,6 +21,7 @@ from faying.study.keys.section import (
     ExistingFile,
     Id,
     IdOrName,
+    Ids,
     InitialGap,
     Name,
     NotNegative,
@@ -129,21 +130,19 @@ def _named_set(value: Any) -> Any:
     raise refusal(message)
 
 
-IdList = Annotated[tuple[Id, ...], Field(min_length=1)]
-
-
 class NamedSet(Section):
     """[model.sets] NAME = { one of the keys below }."""
 
+    one_of = ("deck", "properties", "ids", "nodes", "elements")
     deck: Name | None = None
-    properties: IdList | None = None
-    ids: IdList | None = None
-    nodes: IdList | None = None
-    elements: IdList | None = None
+    properties: Ids | None = None
+    ids: Ids | None = None
+    nodes: Ids | None = None
+    elements: Ids | None = None
 
 
 AnySet = Annotated[
-    NamedSet, BeforeValidator(_named_set, json_schema_input_type=NamedSet | str | int | IdList)
+    NamedSet, BeforeValidator(_named_set, json_schema_input_type=NamedSet | str | int | Ids)
 ]
 
 
@@ -188,6 +187,7 @@ class TemperatureSection(Section):
 class InterfaceSection(Section):
     """[[interface]]: see :class:`faying.model.specs.InterfaceSpec`."""
 
+    alternatives = (("penalty", "closure"),)
     name: Name
     minus: Selection = "auto"
     plus: Selection = "auto"
@@ -245,10 +245,16 @@ class ThreadSection(Section):
 class BoltSection(Section):
     """[[bolt]]: see :class:`faying.model.specs.BoltSpec`."""
 
+    alternatives = (
+        ("elements", "nodes", "axis"),
+        ("preload", "torque", "utilisation", "initial_force"),
+        ("size", "thread"),
+        ("gamma", "tightening_factor"),
+    )
     name: Name
     preload: NotNegative | None = None
     initial_force: NotNegative | None = None
-    elements: Annotated[tuple[Id, ...], Field(min_length=1)] | None = None
+    elements: Ids | None = None
     nodes: Annotated[tuple[Id, ...], Field(min_length=2)] | None = None
     stiffness: Positive | None = None
     direction: Point | None = None
@@ -281,6 +287,7 @@ class BoltSection(Section):
 class SupportSection(Section):
     """[[support]]: nodes held at zero, beside what the source holds itself."""
 
+    one_of = ("set", "node")
     set: Name | None = None
     node: Id | None = None
     components: Annotated[tuple[DisplacementComponent, ...], Field(min_length=1)] = (
@@ -293,6 +300,7 @@ class SupportSection(Section):
 class MassSection(Section):
     """[[mass]]: a mass that moves with a node, or with the nodes of a set."""
 
+    one_of = ("set", "node")
     name: Name | None = None
     set: Name | None = None
     node: Id | None = None
@@ -302,6 +310,7 @@ class MassSection(Section):
 class BoundarySection(Section):
     """[[boundary]]: where loads enter, see :class:`faying.model.specs.BoundarySpec`."""
 
+    alternatives = (("set", "node"),)
     name: Name
     set: Name | None = None
     node: Id | None = None

@@ -1,11 +1,10 @@
 """What all tables of a study file have in common: the ranges and the types of their values."""
 
-import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import (
     AfterValidator,
@@ -16,12 +15,24 @@ from pydantic import (
     Field,
     Strict,
     StringConstraints,
+    ValidationError,
     ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
     model_validator,
 )
-from pydantic_core import PydanticCustomError
+from pydantic_core import PydanticCustomError, PydanticUndefined
 
-from faying.study.keys.errors import UNKNOWN_KEY, guess, nearest, one_of, refusal, shown
+from faying.study.keys.errors import (
+    OWN_TYPE,
+    UNKNOWN_KEY,
+    guess,
+    nearest,
+    one_of,
+    quoted,
+    refusal,
+    shown,
+)
 
 SMALLEST, LARGEST = 1e-30, 1e30
 """Magnitudes of measures: products of several, as a stiffness times an area times a length, must
@@ -133,6 +144,10 @@ class Section(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
     gone: ClassVar[Mapping[str, str]] = {}
+    one_of: ClassVar[Sequence[str]] = ()
+    """Keys of which a table has one."""
+    alternatives: ClassVar[Sequence[Sequence[str]]] = ()
+    """Keys of which a table has one at most."""
 
     @model_validator(mode="before")
     @classmethod
@@ -141,6 +156,18 @@ class Section(BaseModel):
             fields = cls.model_fields.items()
             check_names(data, [field.alias or name for name, field in fields], cls.gone)
         return data
+
+    @model_validator(mode="after")
+    def _exclusive(self) -> Self:
+        if self.one_of and len(self.model_fields_set.intersection(self.one_of)) != 1:
+            message = f"give exactly one of {quoted(self.one_of)}"
+            raise refusal(message)
+        for keys in self.alternatives:
+            stated = [key for key in keys if key in self.model_fields_set]
+            if len(stated) > 1:
+                message = f"found {quoted(stated)}; a table has one or the other, keep one"
+                raise refusal(message)
+        return self
 
 
 def name_in(choices: Iterable[str]) -> BeforeValidator:
@@ -173,28 +200,22 @@ def existing_file(path: Path, info: ValidationInfo) -> Path:
     return resolved
 
 
-def number_or(words: Sequence[str], expected: str) -> BeforeValidator:
-    """Return the check that a value is a positive number, or one of some words."""
+def in_words(expected: str, words: Sequence[str] = (), schema: Any = PydanticUndefined) -> Any:
+    """Return the check that a value is of a type, said in words where it is of another.
 
-    def checked(value: Any) -> float | str:
-        if value in words:
-            return str(value)
-        number = isinstance(value, (int, float)) and not isinstance(value, bool)
-        if number and 0 < value < float("inf"):
-            return float(in_range(value))
-        meant = guess(value, words) if isinstance(value, str) else ""
-        message = f"found {shown(value)}, expected {expected}" + f"; {meant}" * bool(meant)
-        raise refusal(message)
+    The words are those that may stand in place of a number.
+    """
 
-    return BeforeValidator(checked, json_schema_input_type=Positive | Literal[tuple(words)])
+    def checked(value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+        try:
+            return handler(value)
+        except ValidationError as error:
+            said = [entry["msg"] for entry in error.errors() if entry["type"] == OWN_TYPE]
+            meant = guess(value, words) if isinstance(value, str) else ""
+            message = f"found {shown(value)}, expected {expected}" + f"; {meant}" * bool(meant)
+            raise refusal(said[0] if said else message) from None
 
-
-def _step(value: Any) -> float:
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if number and 0 < value < float("inf"):
-        return float(in_range(value))
-    message = f"found {shown(value)}, expected a positive number, or 'auto' for a motion in time"
-    raise refusal(message)
+    return WrapValidator(checked, json_schema_input_type=schema)
 
 
 def _or_auto(value: Any) -> Any:
@@ -204,36 +225,6 @@ def _or_auto(value: Any) -> Any:
         message = f"found {shown(value)}, expected a whole number or 'auto'"
         raise refusal(message)
     return value
-
-
-def _initial_gap(value: Any, info: ValidationInfo) -> float | Path:
-    if isinstance(value, (str, Path)):
-        return existing_file(Path(value), info)
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if number and abs(value) < math.inf:
-        return float(in_range(value))
-    message = f"found {shown(value)}, expected a finite number or the name of a csv file"
-    raise refusal(message)
-
-
-def _is_id(value: Any) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool) and abs(value) <= LARGEST_ID
-
-
-def _id_or_name(value: Any) -> str | int:
-    if _is_id(value) or (isinstance(value, str) and value):
-        return value  # type: ignore[no-any-return]
-    message = f"found {shown(value)}, expected a name or an id"
-    raise refusal(message)
-
-
-def _selection(value: Any) -> str | int | tuple[int, ...]:
-    if isinstance(value, (list, tuple)) and value and all(map(_is_id, value)):
-        return tuple(value)
-    if _is_id(value) or (isinstance(value, str) and value):
-        return value  # type: ignore[no-any-return]
-    message = f"found {shown(value)}, expected a set name, an id, or a list of ids"
-    raise refusal(message)
 
 
 Number = Annotated[float, Strict(), AllowInfNan(False), AfterValidator(in_range)]
@@ -247,22 +238,26 @@ Id = Annotated[int, Strict(), AfterValidator(identifying)]
 Switch = Annotated[bool, Strict()]
 Name = Annotated[str, Strict(), StringConstraints(min_length=1), AfterValidator(nameable)]
 ExistingFile = Annotated[Path, AfterValidator(existing_file)]
-Penalty = Annotated[float | str, number_or(["auto", "hard"], "a positive number, 'auto' or 'hard'")]
-TangentialPenalty = Annotated[float | str, number_or(["auto"], "a positive number or 'auto'")]
+Text = Annotated[str, Strict(), StringConstraints(min_length=1)]
+Ids = Annotated[tuple[Id, ...], Field(min_length=1)]
+Penalty = Annotated[
+    Positive | Literal["auto", "hard"],
+    in_words("a positive number, 'auto' or 'hard'", ["auto", "hard"]),
+]
+TangentialPenalty = Annotated[
+    Positive | Literal["auto"], in_words("a positive number or 'auto'", ["auto"])
+]
 StepOrAuto = Annotated[
-    float,
-    BeforeValidator(_step, json_schema_input_type=Positive | Literal["auto"]),
+    Positive,
+    in_words(
+        "a positive number, or 'auto' for a motion in time", schema=Positive | Literal["auto"]
+    ),
 ]
 CountOrAuto = Annotated[
     CountOrNone | None,
     BeforeValidator(_or_auto, json_schema_input_type=CountOrNone | Literal["auto"]),
 ]
-InitialGap = Annotated[
-    float | Path, BeforeValidator(_initial_gap, json_schema_input_type=Number | str)
-]
-Selection = Annotated[
-    str | int | tuple[int, ...],
-    BeforeValidator(_selection, json_schema_input_type=str | int | tuple[int, ...]),
-]
-IdOrName = Annotated[str | int, BeforeValidator(_id_or_name, json_schema_input_type=str | int)]
+InitialGap = Annotated[Number | ExistingFile, in_words("a finite number or the name of a csv file")]
+Selection = Annotated[Text | Id | Ids, in_words("a set name, an id, or a list of ids")]
+IdOrName = Annotated[Text | Id, in_words("a name or an id")]
 Point = tuple[Number, Number, Number]

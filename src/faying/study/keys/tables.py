@@ -63,6 +63,7 @@ class ResponseSection(Section):
 class MeasurementSection(Section):
     """[[measurement]]: see :class:`faying.assessment.measured_curve.MeasuredCurve`."""
 
+    one_of = ("file", "response")
     name: Name
     load_case: Name | None = None
     mode: Count | None = None
@@ -118,6 +119,7 @@ COMPARED = tuple(name for name, method in METHODS.items() if method.compared)
 class Timed(Section):
     """How a transient run advances."""
 
+    alternatives = (("step", "steps_per_period"), ("duration", "periods"))
     step: Positive | None = None
     duration: Positive | None = None
     periods: Positive | None = None
@@ -199,6 +201,7 @@ class ReductionSection(Section):
 class ForceSection(Loading):
     """A load, or a factor on one of the deck or a temperature: ``value``, or a history ``file``."""
 
+    one_of = ("value", "file")
     value: Number | None = None
     file: ExistingFile | None = None
 
