@@ -1,30 +1,43 @@
 """How far the response of a reduced model is from that of the full one."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from faying._typing import Matrix
 from faying.assessment.accuracy import Accuracy, measure, traction_error
 from faying.assessment.joint_record import CaseState
-from faying.joint.model import Model
+from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.study.results.path_record import PathRecord, SlipRecord
 from faying.study.results.values import CaseResult, Response
 
 
-def accuracy(model: Model, response: Response, reference: Response) -> Accuracy:
-    """Measure the errors of pressures and boundary displacements, of paths in every increment."""
+def accuracy(
+    components: Mapping[str, Sequence[str]], response: Response, reference: Response
+) -> Accuracy:
+    """Measure the errors of pressures, tractions and displacements, of paths in every increment.
+
+    The components of each boundary that moves are named.
+    """
     mine, exact = increments(response), increments(reference)
+    pressures = [response.pressure, reference.pressure]
     if mine:
         pressures = [np.concatenate([record.pressure for record in path]) for path in (mine, exact)]
-    else:
-        pressures = [response.pressure, reference.pressure]
-    displacements = [
-        (_displacements(response, name), _displacements(reference, name), boundary.components)
-        for name, boundary in model.boundaries.items()
-    ]
-    return measure(pressures[0], pressures[1], displacements)
+    errors = measure(
+        pressures[0],
+        pressures[1],
+        [
+            (
+                _displacements(response, name),
+                _displacements(reference, name),
+                np.array([DISPLACEMENT_NAMES.index(component) for component in names]),
+            )
+            for name, names in components.items()
+        ],
+    )
+    tractions = [[record.traction for record in rubbed(one)] for one in (response, reference)]
+    return replace(errors, max_traction_error=traction_error(*tractions))
 
 
 def increments(response: Response) -> list[PathRecord]:
@@ -70,35 +83,13 @@ def _displacements(response: Response, boundary: str) -> Matrix:
     return np.concatenate([record.displacements[boundary] for record in records])
 
 
-@dataclass(frozen=True, kw_only=True)
-class SlipErrors:
-    """Errors that only friction has, as fractions; None where nothing rubs or slips.
-
-    Attributes
-    ----------
-    traction
-        Largest difference of tractions over points and increments or instants, over the largest.
-    dissipation
-        Difference of the energies that friction took, over that of the full model.
-    """
-
-    traction: float | None
-    dissipation: float | None
-
-
-def slip_errors(response: Response, reference: Response) -> SlipErrors:
-    """Compare tractions and energies of two responses to the same path or load over time."""
-    mine, exact = rubbed(response), rubbed(reference)
-    energy = _energy(exact)
-    tractions = [[record.traction for record in path] for path in (mine, exact)]
-    return SlipErrors(
-        traction=traction_error(*tractions),
-        dissipation=abs(_energy(mine) - energy) / energy if energy > 0 else None,
+def dissipation_error(response: Response, reference: Response) -> float | None:
+    """Return the difference of the energies that friction took, over that of the reference."""
+    mine, exact = (
+        float(sum(record.dissipation.sum() for record in rubbed(one)))
+        for one in (response, reference)
     )
-
-
-def _energy(path: Sequence[SlipRecord]) -> float:
-    return float(sum(record.dissipation.sum() for record in path))
+    return abs(mine - exact) / exact if exact > 0 else None
 
 
 def recovered_error(response: Response, reference: Response) -> float | None:

@@ -1,14 +1,11 @@
 """Whether time steps resolve the pressures of a load case: at half of them, or as chosen."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from faying._typing import Indices, Matrix
-from faying.assessment.accuracy import Accuracy, measure
-from faying.model.boundary import DISPLACEMENT_NAMES
-from faying.study.judgement.comparison import SlipErrors, slip_errors
+from faying.assessment.accuracy import Accuracy
+from faying.study.judgement.comparison import accuracy, dissipation_error
 from faying.study.results.values import CaseResult, Response
 
 
@@ -23,15 +20,15 @@ class StepCheck:
     peak, half_peak : [force/length²]
         Largest pressure over points and instants with the study's step and with half of it.
     change
-        Of pressures and boundary translations, over the largest of the study's step.
-    slip
-        Of tractions and of the energy that friction took, over the same.
+        Of pressures, tractions and boundary translations, over the largest of the study's step.
+    dissipation
+        Of the energy that friction took, over the same.
     """
 
     peak: float
     half_peak: float
     change: Accuracy
-    slip: SlipErrors
+    dissipation: float | None
 
     @property
     def peak_change(self) -> float:
@@ -49,45 +46,31 @@ def step_check(case: CaseResult) -> StepCheck | None:
     half, times = case.half_step, case.times
     if half is None or times is None or len(times) < 2:
         return None
-    refined = half.pressure[::2]
-    count = min(len(times), len(refined))  # half a step more or less at the end
-    reference = case.reference.pressure[:count]
-    if not reference.max(initial=0.0) > 0:
+    count = min(len(times), len(half.pressure[::2]))  # half a step more or less at the end
+    fine, coarse = _at(half, 2, count), _at(case.reference, 1, count)
+    if not coarse.pressure.max(initial=0.0) > 0:
         return None
     return StepCheck(
         peak=float(case.reference.pressure.max()),
         half_peak=float(half.pressure.max()),
-        change=measure(refined[:count], reference, _displacements(case, half.displacements, count)),
-        slip=_slip_changes(half, case.reference, count),
+        change=accuracy(case.components, fine, coarse),
+        dissipation=dissipation_error(fine, coarse),
     )
 
 
-def _slip_changes(half: Response, reference: Response, count: int) -> SlipErrors:
-    """Compare tractions and energies of both runs up to their last common instant."""
-    fine, coarse = half.friction, reference.friction
-    fine = replace(
-        fine,
-        traction=fine.traction[::2][:count],
-        dissipation=fine.dissipation[: 2 * count - 1],
+def _at(response: Response, every: int, count: int) -> Response:
+    """Return a transient at some of its instants."""
+    chosen, slip = slice(0, every * count, every), response.friction
+    return replace(
+        response,
+        pressure=response.pressure[chosen],
+        displacements={name: moved[chosen] for name, moved in response.displacements.items()},
+        friction=replace(
+            slip,
+            traction=slip.traction[chosen],
+            dissipation=slip.dissipation[: every * (count - 1) + 1],
+        ),
     )
-    coarse = replace(
-        coarse, traction=coarse.traction[:count], dissipation=coarse.dissipation[:count]
-    )
-    return slip_errors(replace(half, friction=fine), replace(reference, friction=coarse))
-
-
-def _displacements(
-    case: CaseResult, refined: Mapping[str, Matrix], count: int
-) -> list[tuple[Matrix, Matrix, Indices]]:
-    """Return the boundary displacements of both runs at their common instants."""
-    return [
-        (
-            refined[name][::2][:count],
-            case.reference.displacements[name][:count],
-            np.array([DISPLACEMENT_NAMES.index(component) for component in components]),
-        )
-        for name, components in case.components.items()
-    ]
 
 
 @dataclass(frozen=True, kw_only=True)

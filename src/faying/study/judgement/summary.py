@@ -219,8 +219,8 @@ def _case(results: Results, case: CaseResult) -> dict[str, Any]:
             "rms_relative_change": check.change.rms_relative_error,
             "p999_relative_change": check.change.p999_relative_error,
             "displacement_change": check.change.displacement_error,
-            "max_traction_change": check.slip.traction,
-            "dissipation_change": check.slip.dissipation,
+            "max_traction_change": check.change.max_traction_error,
+            "dissipation_change": check.dissipation,
         }
     return summary
 
