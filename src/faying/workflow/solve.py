@@ -184,10 +184,10 @@ def _described(every: Sequence[SolvedCases], units: Units) -> dict[str, Any]:
 
 def _worst(solved: SolvedCases, count: int) -> dict[str, Any]:
     """Return how many there are, and the worst of each metric."""
-    worst: dict[str, list[dict[str, Any]]] = {}
-    for worst_value in solved.worst(count):
-        entry = {"case": solved.label(worst_value.row), "value": plain(worst_value.value)}
-        worst.setdefault(worst_value.metric, []).append(entry)
+    worst = {
+        metric: [{"case": solved.label(row), "value": plain(value)} for row, value in entries]
+        for metric, entries in solved.worst(count).items()
+    }
     return {"count": sum(len(part["metrics"]) for part in solved), "worst": worst}
 
 
@@ -211,8 +211,9 @@ def _fields(solved: SolvedCases, count: int, named: Sequence[int]) -> SolvedFiel
         return None
     how = {entry.name: entry.worst for entry in solved.metrics}
     reasons: dict[int, list[str]] = {}
-    for entry in solved.worst(count):
-        reasons.setdefault(entry.row, []).append(f"{how[entry.metric]} {entry.metric}")
+    for metric, entries in solved.worst(count).items():
+        for row, _ in entries:
+            reasons.setdefault(row, []).append(f"{how[metric]} {metric}")
     for row in named:
         reasons.setdefault(row, []).append("named")
     rows, pressure, gap = solved.fields(sorted(reasons))

@@ -163,23 +163,6 @@ SMALLEST = "smallest"
 _EXTREMES = tuple(field.name for field in fields(Envelope))
 
 
-@dataclass(frozen=True, kw_only=True)
-class Worst:
-    """The worst value of a metric.
-
-    Attributes
-    ----------
-    metric
-    row
-        Number of the case or instant.
-    value
-    """
-
-    metric: str
-    row: int
-    value: float
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SolvedCases:
     """The pieces of one set of static cases, or of one transient.
@@ -230,28 +213,26 @@ class SolvedCases:
         (table,) = self.of_all("metrics")
         yield [self.label(row) for row in range(len(table))], table
 
-    def worst(self, count: int) -> list[Worst]:
-        """Return the worst cases of each metric that has a worst value, the worst first."""
-        worst: dict[str, list[Worst]] = {entry.name: [] for entry in self.metrics if entry.worst}
+    def worst(self, count: int) -> dict[str, list[tuple[int, float]]]:
+        """Return row and value of the worst cases of each metric that has some, the worst first."""
+        worst: dict[str, list[tuple[int, float]]] = {}
         for arrays in self:
             table, rows = arrays["metrics"], arrays["rows"]
             for column, metric in enumerate(self.metrics):
                 if metric.worst is None:
                     continue
-                values = table[:, column]
-                best = worst[metric.name] + [
-                    Worst(metric=metric.name, row=int(rows[row]), value=float(values[row]))
+                values, sign = table[:, column], _sign(metric)
+                best = worst.get(metric.name, []) + [
+                    (int(rows[row]), float(values[row]))
                     for row in worst_rows(metric, values, count).tolist()
                 ]
-                sign = _sign(metric)
-                worst[metric.name] = sorted(
-                    best, key=lambda entry: (sign * entry.value, entry.row)
-                )[:count]
-        return [entry for entries in worst.values() for entry in entries]
+                best.sort(key=lambda entry: (sign * entry[1], entry[0]))
+                worst[metric.name] = best[:count]
+        return {name: entries for name, entries in worst.items() if entries}
 
     def deciding(self, count: int) -> list[int]:
         """Return the worst rows of metrics, and where what is judged at its least is smallest."""
-        worst = {entry.row for entry in self.worst(count)}
+        worst = {row for entries in self.worst(count).values() for row, _ in entries}
         return sorted(worst | smallest_rows(*self.of_all(SMALLEST)))
 
     def states(self, rows: Collection[int]) -> dict[int, CaseState]:

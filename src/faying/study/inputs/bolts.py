@@ -13,16 +13,9 @@ from faying.model.specs import BoltSpec
 from faying.simulation.preload_loss import PreloadLoss
 from faying.study.keys.loadings import loadings
 from faying.study.keys.model_tables import BoltSection
+from faying.study.keys.section import stated
 from faying.study.keys.tables import Study
 from faying.study.keys.threads import StudyBolts, thread_of
-
-FORCES = (
-    "preload", "initial_force", "torque", "utilisation", "size", "head", "grade", "strength",
-    "thread_friction", "head_friction", "tightening_factor", "gamma", "hole",
-    "head_pressure_limit", "engagement", "thread",
-    "embedding", "relaxation",
-)  # fmt: skip
-"""Keys of a bolt that say how it is tightened and judged, not where it is."""
 
 
 def bolt_entries(study: Study, assembly: Assembly) -> list[dict[str, Any]]:
@@ -35,7 +28,7 @@ def bolt_entries(study: Study, assembly: Assembly) -> list[dict[str, Any]]:
     """
     entries = []
     for number, bolt in enumerate(study.bolts):
-        entry = {key: getattr(bolt, key) for key in bolt.model_fields_set if key not in FORCES}
+        entry = stated(bolt, BoltSpec)
         if bolt.nodes is not None and assembly.matrices is None:
             del entry["nodes"]
             entry["elements"] = _elements_between(study, number, bolt, assembly)

@@ -1,6 +1,6 @@
 """From a study to what :func:`faying.joint.build.build_model` takes, and to the model."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -36,7 +36,7 @@ from faying.study.keys.consistency import boundary_problems, deck_load_problems
 from faying.study.keys.errors import Problem, nearest, reject
 from faying.study.keys.lap_joint import lap_joint_keywords
 from faying.study.keys.loadings import loadings, temperature_name_problems, temperatures_of
-from faying.study.keys.section import Section
+from faying.study.keys.section import stated
 from faying.study.keys.tables import Study
 from faying.study.keys.topographies import (
     with_crowns,
@@ -104,8 +104,11 @@ def load_model(study: Study, source: JointDescription | None = None) -> LoadedMo
     assembly = with_study_masses(assembly, study)
     bolts = _merged(study, "bolt", described.bolts, bolt_entries(study, assembly))
     check_distinct_bolts(study, bolts)
-    boundaries = _merged(study, "boundary", described.boundaries, _entries(study.boundaries))
-    interfaces = _merged(study, "interface", described.interfaces, _interface_entries(study))
+    entries = [stated(boundary, BoundarySpec) for boundary in study.boundaries]
+    boundaries = _merged(study, "boundary", described.boundaries, entries)
+    # Gaps are added where points exist.
+    entries = [stated(interface, InterfaceSpec) for interface in study.interfaces]
+    interfaces = _merged(study, "interface", described.interfaces, entries)
     names = [spec.name for spec in boundaries]
     problems = [*boundary_problems(study, names), *deck_load_problems(study, assembly)]
     reject(study.source, [*problems, *temperature_name_problems(study, assembly)])
@@ -275,22 +278,6 @@ def _with_materials(assembly: Assembly, study: Study) -> Assembly:
         replace(beam, material=chosen(beam.material, beam.property)) for beam in assembly.beams
     )
     return replace(assembly, materials=materials, beams=beams)
-
-
-def _entries(sections: Iterable[Section]) -> list[dict[str, Any]]:
-    """Return the keys each entry of a study gives."""
-    return [
-        {key: getattr(section, key) for key in section.model_fields_set} for section in sections
-    ]
-
-
-def _interface_entries(study: Study) -> list[dict[str, Any]]:
-    """Return the keys of each interface but its gap, which its points must exist for."""
-    entries = _entries(study.interfaces)
-    for entry in entries:
-        for key in ("initial_gap", "topography", "crown"):
-            entry.pop(key, None)
-    return entries
 
 
 def _merged(

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields
 from pathlib import Path
 from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Literal, Self
@@ -153,8 +154,8 @@ class Section(BaseModel):
     @classmethod
     def _known_keys_only(cls, data: Any) -> Any:
         if isinstance(data, dict):
-            fields = cls.model_fields.items()
-            check_names(data, [field.alias or name for name, field in fields], cls.gone)
+            keys = cls.model_fields.items()
+            check_names(data, [field.alias or name for name, field in keys], cls.gone)
         return data
 
     @model_validator(mode="after")
@@ -168,6 +169,12 @@ class Section(BaseModel):
                 message = f"found {quoted(stated)}; a table has one or the other, keep one"
                 raise refusal(message)
         return self
+
+
+def stated(section: Section, kind: type) -> dict[str, Any]:
+    """Return the keys that a table states, of those that are fields of a dataclass."""
+    names = section.model_fields_set.intersection(field.name for field in fields(kind))
+    return {name: getattr(section, name) for name in names}
 
 
 def name_in(choices: Iterable[str]) -> BeforeValidator:
