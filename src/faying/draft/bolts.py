@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Mask, Vector
 from faying.assessment.strength.sizes import size_named, size_through
-from faying.draft.cylinders import Cylinders
+from faying.draft.cylinders import ROUND, Cylinders
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Spring
 from faying.model.clamping import check_clamping, element_seats
@@ -27,11 +27,8 @@ ASIDE = 0.25
 SIMILAR = 1.5
 """Ratio of the radii of holes of one bolt: a thread's is smaller than the one it comes through."""
 
-SAME_SIZE = 0.02
-"""Relative difference of radii that are one."""
-
-ACROSS = 0.7
-"""Cosine between a spring and the normal of a face above which it may hold that closed."""
+ACROSS = np.sqrt(0.5)
+"""Cosine between a spring and the normal of a face above which it is across rather than along."""
 
 DIAMETER = 0.9
 """Diameter of a bolt over that of its hole, of holes that no size is listed for."""
@@ -138,7 +135,7 @@ def _lone_springs(assembly: Assembly, normals: Sequence[Vector]) -> list[int]:
 def _across(spring: Spring, normals: Sequence[Vector]) -> bool:
     components = {component for _, component in spring.ends}
     along = [abs(normal[c]) for normal in normals for c in components if c < 3]
-    return max(along, default=0.0) > ACROSS
+    return bool(max(along, default=0.0) > ACROSS)
 
 
 def holes_in_line(cylinders: Cylinders) -> list[Hole]:
@@ -187,7 +184,7 @@ def _hole(cylinders: Cylinders, members: Indices) -> Hole:
     high = float((along + cylinders.spans[members, 1]).max())
     inside = np.flatnonzero(~cylinders.holes)
     shank = _in_line(cylinders, members, inside).any(axis=0)
-    shank &= cylinders.radii[inside] <= cylinders.radii[members].min() * (1 + SAME_SIZE)
+    shank &= cylinders.radii[inside] <= cylinders.radii[members].min() * (1 + ROUND)
     ends = [tuple((origin + position * axis).tolist()) for position in (low, high)]
     return Hole(
         bodies=tuple(np.unique(cylinders.bodies[members]).tolist()),
@@ -218,7 +215,7 @@ def pattern(holes: list[Hole]) -> list[Hole]:
     """
     groups: list[list[Hole]] = []
     for hole in holes:
-        if groups and hole.radius <= groups[-1][0].radius * (1 + SAME_SIZE):
+        if groups and hole.radius <= groups[-1][0].radius * (1 + ROUND):
             groups[-1].append(hole)
         else:
             groups.append([hole])

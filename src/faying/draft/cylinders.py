@@ -20,7 +20,7 @@ STEPS = 8
 """Of Gauss and Newton from an axis estimated by normals to that of the nodes."""
 
 ROUND = 0.02
-"""Largest distance of a node from the circle, over its radius."""
+"""Largest distance of a node from the circle, and difference of radii that are one, over them."""
 
 FULL_CIRCLE_SUM = 0.05
 """Largest sum of the normals over their number in a full circle; half a one has 0.6."""

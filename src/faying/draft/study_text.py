@@ -31,8 +31,6 @@ WASHER = 1.5
 GRADE = "8.8"
 """Of a bolt until it is decided."""
 
-WIDTH = 96
-
 
 @dataclass(frozen=True, kw_only=True)
 class BoltEntry:
@@ -123,7 +121,7 @@ def study_text(
 
 
 def _comment(text: str) -> list[str]:
-    return [f"# {line}" for line in textwrap.wrap(text, WIDTH, break_long_words=False)]
+    return [f"# {line}" for line in textwrap.wrap(text, 96, break_long_words=False)]
 
 
 def _head(findings: Findings, target: Path) -> Iterator[str]:

@@ -154,19 +154,19 @@ def _of_cases(cases: Sequence[LoadCaseSection], rom: ReducedModel) -> LoadSet:
             "'step' and no 'tolerance'"
         )
         raise StudyError(message)
-    finer = [case.name for case in cases if case.kind == "static" and case.increments is not None]
+    static = [case for case in cases if case.kind == "static"]
+    finer = [case.name for case in static if "increments" in case.model_fields_set]
     if finer:
         message = (
             f"load case '{finer[0]}' says its increments, which only a run of a study follows; "
             f"leave 'increments' out, and static cases take {DEFAULT_INCREMENTS} here"
         )
         raise StudyError(message)
-    static = [case_load(case) for case in cases if case.kind == "static"]
     start = np.zeros(1)
-    rows = [load.inputs(rom, start) for load in static]
+    rows = [case_load(case).inputs(rom, start) for case in static]
     width = len(rom.port_compliance.input_rows)
     return LoadSet(
-        names=tuple(load.name for load in static),
+        names=tuple(case.name for case in static),
         inputs=np.concatenate(rows) if rows else np.zeros((0, width)),
         repetitions={case.name: case.repetitions for case in cases if case.repetitions},
         transients=_checked(

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, Literal
 
 from pydantic_core import PydanticCustomError
 
@@ -17,17 +17,22 @@ from faying.exceptions import StudyError
 Location = tuple[str | int, ...]
 """Keys and zero-based array indices from the top of a file, e.g. ``("bolt", 0, "preload")``."""
 
-OWN_TYPE = "faying"
+OWN_TYPE: Final = "faying"
 """Type of the validation errors whose text is already meant for people."""
+
+OF_TABLE: Final = "faying_table"
+"""The same of errors that are those of a whole table."""
 
 UNKNOWN_KEY = "unknown_key"
 """Type of the validation error for a key that a table does not have."""
 
 
-def refusal(message: str) -> PydanticCustomError:
+def refusal(
+    message: str, kind: Literal["faying", "faying_table"] = OWN_TYPE
+) -> PydanticCustomError:
     """Return a validation error whose text is shown as it stands."""
     # pydantic formats the template with its context; braces of the text itself must survive
-    return PydanticCustomError(OWN_TYPE, "{message}", {"message": message})
+    return PydanticCustomError(kind, "{message}", {"message": message})
 
 
 EXPECTED = {
@@ -200,8 +205,8 @@ def translated(error: Mapping[str, Any]) -> Problem:
     if kind == "missing":
         missing = f"missing key '{location[-1]}' in "
         return Problem(location[:-1], "; add it", missing, of_table=True)
-    if kind == OWN_TYPE:
-        return Problem(location, f": {error['msg']}")
+    if kind in (OWN_TYPE, OF_TABLE):
+        return Problem(location, f": {error['msg']}", of_table=kind == OF_TABLE)
     if kind == "literal_error":
         choices = context["expected"].replace(" or ", ", ").split(", ")
         names = [name.strip("'") for name in choices]

@@ -12,12 +12,9 @@ from faying.sources import SOURCES
 from faying.study.keys.errors import Location, Problem, nearest, quoted, reject
 from faying.study.keys.frequency_rules import frequencies_of
 from faying.study.keys.load_files import ALL, read_load_factors
-from faying.study.keys.section import MOST_PRELOAD_FACTOR
+from faying.study.keys.section import MOST_PRELOAD_FACTOR, MOST_SOLVED
 from faying.study.keys.tables import LoadCaseSection, Study
 from faying.study.keys.threads import thread_of
-
-MOST_AMPLITUDES = 1000
-"""Amplitudes of a range; more is taken for a slip of the pen."""
 
 MOST_MAPS = 6
 """Maps that stand side by side."""
@@ -51,10 +48,10 @@ def backbone_problems(study: Study, location: Location, case: LoadCaseSection) -
         yield study.problem((*location, "maps"), text)
     if case.amplitude_range is not None:
         low, high, count = case.amplitude_range
-        if not low < high or not 2 <= count <= MOST_AMPLITUDES:
+        if not low < high or not 2 <= count <= MOST_SOLVED:
             text = (
                 f"found {low:g} to {high:g} in {count}; give the smaller amplitude first, and 2 "
-                f"to {MOST_AMPLITUDES} of them"
+                f"to {MOST_SOLVED} of them"
             )
             yield study.problem((*location, "amplitude_range"), text)
 

@@ -25,6 +25,7 @@ from pydantic import (
 from pydantic_core import PydanticCustomError, PydanticUndefined
 
 from faying.study.keys.errors import (
+    OF_TABLE,
     OWN_TYPE,
     UNKNOWN_KEY,
     guess,
@@ -162,12 +163,12 @@ class Section(BaseModel):
     def _exclusive(self) -> Self:
         if self.one_of and len(self.model_fields_set.intersection(self.one_of)) != 1:
             message = f"give exactly one of {quoted(self.one_of)}"
-            raise refusal(message)
+            raise refusal(message, OF_TABLE)
         for keys in self.alternatives:
             stated = [key for key in keys if key in self.model_fields_set]
             if len(stated) > 1:
                 message = f"found {quoted(stated)}; a table has one or the other, keep one"
-                raise refusal(message)
+                raise refusal(message, OF_TABLE)
         return self
 
 

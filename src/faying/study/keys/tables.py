@@ -10,6 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, model_validator
 
+from faying.assessment.growth import DEFAULT_INCREMENTS
 from faying.assessment.transient_error import LARGE_ERROR
 from faying.reduction.methods import METHODS
 from faying.simulation.integrators import INTEGRATORS
@@ -228,8 +229,8 @@ class LoadCaseSection(Timed):
     masing: bool = False
     modes: tuple[Count, ...] = ()
     at: Name | None = None
-    increments: Annotated[Count, Field(le=MOST_SOLVED)] | None = None
-    slip_share: Annotated[Positive, Field(le=1)] | None = None
+    increments: Annotated[Count, Field(le=MOST_SOLVED)] = DEFAULT_INCREMENTS
+    slip_share: Annotated[Positive, Field(le=1)] = 0.5
     integrator: Annotated[str, name_in(INTEGRATORS)] | None = None
     rho_infinity: Annotated[Number, Field(ge=0, le=1)] | None = None
     rise_time: Positive | None = None

@@ -13,7 +13,6 @@ import numpy as np
 
 from faying._typing import Matrix
 from faying.assessment.backbone import Backbone
-from faying.assessment.growth import DEFAULT_INCREMENTS
 from faying.assessment.modal_analysis import modal_analysis
 from faying.assessment.modal_cycles import ModalCycle, StillModeError
 from faying.assessment.slip_reserve import SlipReserve, slip_reserve
@@ -148,7 +147,7 @@ def _cycle_response(run: IncrementalCase, like: Response | None) -> Response:
             load,
             amplitude,
             run.preloaded,
-            increments=case.increments or DEFAULT_INCREMENTS,
+            increments=case.increments,
             count=None if like is None else len(like.cycles[str(amplitude)].energies),
         )
 
@@ -209,22 +208,17 @@ def reserve_of(
         model,
         case_load(case),
         preloaded,
-        share=case.slip_share or DEFAULT_SHARE,
-        increments=case.increments or DEFAULT_INCREMENTS,
+        share=case.slip_share,
+        increments=case.increments,
         open_below=open_below,
         along=along,
     )
 
 
-DEFAULT_SHARE = 0.5
-"""Share of the area in contact whose slip the slip reserve tells unless a study names another."""
-
-
 def _factors(case: LoadCaseSection) -> tuple[tuple[str, ...], Matrix]:
     """Return names and values (n_increment, n_column) of the load factors of a case."""
     if case.factors is None:
-        count = case.increments or DEFAULT_INCREMENTS
-        return (ALL,), np.arange(1, count + 1)[:, None] / count
+        return (ALL,), np.arange(1, case.increments + 1)[:, None] / case.increments
     table = read_load_factors(case.factors, [force.target for force in case.forces])
     return table.names, table.values
 
@@ -310,7 +304,7 @@ def _curve(run: IncrementalCase, mode: int) -> TimedBackbone:
 
 def cycle_increments(case: LoadCaseSection) -> int:
     """Return the increments of a full cycle."""
-    return 4 * (case.increments or DEFAULT_INCREMENTS)
+    return 4 * case.increments
 
 
 INCREMENTS_AT_ONCE = 50
