@@ -114,10 +114,15 @@ class CaseSolver:
         """Increments of a static case from the preload: those of a study, or one is as good."""
         return self.rom.contact.increments(DEFAULT_INCREMENTS)
 
+    @property
+    def memoryless(self) -> bool:
+        """Whether static cases can be solved whatever came before them."""
+        return self.increments == 1
+
     @cached_property
     def judge(self) -> Certifier | None:
         """What certifies static cases; None where it is not asked for, or they are paths."""
-        if not self.options.certificates or self.increments > 1:
+        if not (self.options.certificates and self.memoryless):
             return None
         with self.books.timed("certificates"), self.books.attempt("certified bounds"):
             return certifier(self.rom.joint)
@@ -243,7 +248,7 @@ class CaseSolver:
         """
         shares = np.arange(1, self.increments + 1) / self.increments
         states: dict[int, CaseState] = {}
-        for row in rows if self.increments > 1 else ():
+        for row in () if self.memoryless else rows:
             load = InputRow(name=self.loads.names[row], row=self.loads.inputs[row])
             path = solve_path(self.rom, [load.scaled(share) for share in shares], self.rest)
             states[row] = state_of(path, slice(None), bent_bolts(self.rom.bolts))

@@ -118,7 +118,8 @@ def solved_checks(
         slides, opens = static.of_all(SLIDES, OPENS)
         with solver.books.attempt("load factors of opening and sliding"):
             reserves = followed.reserves(solver.rest, slides, opens)
-            openings = followed_openings(reserves) if reserves else followed.openings(opens)
+            alone = solver.memoryless
+            openings = followed.openings(opens) if alone else followed_openings(reserves)
     summed = _loads(loads, rows)
     judge = JointJudge(
         system=rom,
