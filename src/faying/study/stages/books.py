@@ -1,8 +1,8 @@
 """The books of a run: its times and progress, what failed, and what is finished."""
 
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+from contextlib import ExitStack, contextmanager
+from functools import partial
 from time import perf_counter as clock
 from types import TracebackType
 from typing import Any, Protocol, TypeVar
@@ -34,38 +34,6 @@ class ProgressBar(Protocol):
     def remove_task(self, task: Any) -> None:
         """Take a finished bar away."""
         ...
-
-
-@dataclass(frozen=True)
-class Attempt:
-    """Try what a run can do without; what it raises is noted under its name and goes no further.
-
-    That it meets what nobody foresaw must not cost what was computed before it, so errors of
-    every kind stop here. Interrupts do not.
-    """
-
-    name: str
-    failed: list[str]
-
-    def __enter__(self) -> None:
-        """Begin."""
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> bool:
-        """Note an error; say whether it ends here."""
-        if not isinstance(error, Exception):
-            return False
-        reason = (
-            str(error) if isinstance(error, FayingError) else f"{type(error).__name__}: {error}"
-        )
-        said = f"{self.name}: {reason}"
-        if said not in self.failed:
-            self.failed.append(said)
-        return True
 
 
 class Books:
@@ -141,9 +109,31 @@ class Books:
         whole = clock() - self._since
         return {**self.seconds, "other": whole - sum(self.seconds.values())}
 
-    def attempt(self, name: str) -> Attempt:
-        """Return a context that what can be done without is tried in, under a name."""
-        return Attempt(name, self.failed)
+    def attempt(self, name: str) -> "ExitStack[bool]":
+        """Return a context that tries what a run can do without; what it raises is noted by name.
+
+        That it meets what nobody foresaw must not cost what was computed before it, so errors of
+        every kind stop here. Interrupts do not.
+        """
+        tried: ExitStack[bool] = ExitStack()
+        tried.push(partial(self._noted, name))
+        return tried
+
+    def _noted(
+        self,
+        name: str,
+        _kind: type[BaseException] | None,
+        error: BaseException | None,
+        _trace: TracebackType | None,
+    ) -> bool:
+        """Note an error; say whether it ends here."""
+        if not isinstance(error, Exception):
+            return False
+        known = isinstance(error, FayingError)
+        said = f"{name}: {error if known else f'{type(error).__name__}: {error}'}"
+        if said not in self.failed:
+            self.failed.append(said)
+        return True
 
     def value(self, kind: type[T], key: str, compute: Callable[[], T]) -> T:
         """Return a value as it is kept under a key, or compute and keep it.
