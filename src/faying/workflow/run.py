@@ -23,8 +23,14 @@ from faying.study.stages.cases import CaseRunner
 from faying.study.stages.frequency_cases import frequency_records
 from faying.study.stages.full_transients import case_groups
 from faying.study.stages.normal_modes import normal_modes_of
-from faying.study.stages.offline import build_bases, choose_counts, prepare_joint, reduced_models
-from faying.study.stages.record import Kept, Models, kept_models, record, with_kept
+from faying.study.stages.offline import (
+    Models,
+    build_bases,
+    choose_counts,
+    prepare_joint,
+    reduced_models,
+)
+from faying.study.stages.record import Kept, kept_models, record
 from faying.study.stages.reference import reference_of
 from faying.study.stages.run_assessment import assess_run
 from faying.study.stages.validation import validate
@@ -90,7 +96,7 @@ def _computed(study: Study, books: Books, executor: Executor | None) -> Results:
     title = study.title or study.path.stem
     with books.stage("recovery matrices"), books.attempt("matrices for recovery and export"):
         recoverable = kept_models(joint.model, bare, trained.bases[CLASSIC], title)
-    models = with_kept(bare, recoverable)
+    models = {name: {**sizes, **recoverable.get(name, {})} for name, sizes in bare.items()}
     reference = reference_of(joint, len(chosen.modes.frequencies))
     full = reference.kind == "full"
     runner = CaseRunner(

@@ -39,7 +39,7 @@ from faying.study.stages.full_transients import (
     full_transients,
     response_key,
 )
-from faying.study.stages.offline import PreparedJoint
+from faying.study.stages.offline import Models, PreparedJoint
 from faying.study.stages.path_cases import (
     IncrementalCase,
     advances,
@@ -50,8 +50,6 @@ from faying.study.stages.path_cases import (
     rest_state,
 )
 from faying.study.stages.reference import REDUCED, Reference, Solved
-
-Models = Mapping[str, Mapping[int, System]]
 
 
 @dataclass(eq=False, kw_only=True)

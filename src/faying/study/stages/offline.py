@@ -37,6 +37,9 @@ from faying.study.stages.kept_joint import check_same_joint, keep_compliance, ke
 from faying.study.stages.path_cases import rest_state
 from faying.study.stages.training import StepTraining, step_groups, step_loads
 
+Models = Mapping[str, Mapping[int, System]]
+"""Reduced models by method and number of joint modes."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PreparedJoint:

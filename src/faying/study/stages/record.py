@@ -10,7 +10,6 @@ import scipy
 
 from faying import __version__
 from faying.joint.model import Model
-from faying.joint.system import System
 from faying.model.deck_bolt import bolt_ends
 from faying.model.matrices import mass_properties
 from faying.model.solid_cells import tangled
@@ -28,10 +27,9 @@ from faying.study.judgement.model_warnings import (
 from faying.study.keys.measurements import measured_curves
 from faying.study.results.validation_record import ValidationRecord
 from faying.study.results.values import BoltRecord, CaseResult, Results, interface_record
-from faying.study.stages.offline import PreparedJoint, TrainedBases
+from faying.study.stages.offline import Models, PreparedJoint, TrainedBases
 from faying.study.stages.reference import Reference
 
-Models = Mapping[str, Mapping[int, System]]
 Kept = Mapping[str, Mapping[int, ReducedModel]]
 
 ALWAYS = (False, True)
@@ -57,16 +55,6 @@ def kept_models(model: Model, models: Models, classic: Basis, title: str) -> Kep
     for (name, count), rom in zip(chosen, completed(model, list(chosen.values())), strict=True):
         models_by_method.setdefault(name, {})[count] = replace(rom, name=title)
     return models_by_method
-
-
-def with_kept(models: Models, recoverable: Kept) -> dict[str, dict[int, System]]:
-    """Return the models of a run with those that are kept in place of what they came from."""
-    return {
-        name: {
-            count: recoverable.get(name, {}).get(count, system) for count, system in sizes.items()
-        }
-        for name, sizes in models.items()
-    }
 
 
 def record(

@@ -6,7 +6,6 @@ import numpy as np
 
 from faying.assessment.choose_joint_modes import JointModeChoice
 from faying.joint.model import Model
-from faying.joint.system import System
 from faying.reduction.snapshots import LoadBox
 from faying.simulation.static import solve_static_cases
 from faying.study.inputs.loads import training_box
@@ -16,9 +15,7 @@ from faying.study.results.validation_record import (
     ValidationRecord,
 )
 from faying.study.stages.books import Books
-from faying.study.stages.offline import PreparedJoint
-
-Models = Mapping[str, Mapping[int, System]]
+from faying.study.stages.offline import Models, PreparedJoint
 
 
 def validate(
