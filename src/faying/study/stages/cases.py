@@ -34,11 +34,7 @@ from faying.study.results.second_solution import PROJECTION, SHAPES, Remedy
 from faying.study.results.values import FULL_MODEL, CaseResult, MethodResult, Response
 from faying.study.stages.books import Books
 from faying.study.stages.case_solution import judged, remedy_of, solve_case
-from faying.study.stages.full_transients import (
-    FullTransient,
-    full_transients,
-    response_key,
-)
+from faying.study.stages.full_transients import FullTransient, full_transients, response_key
 from faying.study.stages.offline import Models, PreparedJoint
 from faying.study.stages.path_cases import (
     IncrementalCase,
