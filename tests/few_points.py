@@ -5,8 +5,9 @@ import pytest
 import scipy.sparse as sp
 
 from faying.contact.contact import Contact
-from faying.contact.frictional import SOLVED, FrictionalContact
+from faying.contact.frictional import FrictionalContact
 from faying.contact.laws import Coulomb, Hard, Penalty
+from faying.digits import SOLVED
 
 N, PAIRS = 6, 4
 FRICTION = np.array([0.4, 0.4, 0.4, 0.0, 0.2, 0.2])

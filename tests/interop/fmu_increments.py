@@ -5,8 +5,8 @@ import ctypes
 import numpy as np
 import scipy.sparse as sp
 
-from faying.contact.frictional import SOLVED
 from faying.contact.increment import Increment, displaced
+from faying.digits import SOLVED
 from faying.exceptions import ConvergenceError
 
 

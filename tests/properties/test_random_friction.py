@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from faying.contact import frictional
-from faying.contact.frictional import SOLVED
+from faying.digits import SOLVED
 from random_friction import Joints, outcomes
 
 

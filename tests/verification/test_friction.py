@@ -11,9 +11,11 @@ from test_reference_cantilever import AXIAL, generated, node_map, reference_pres
 import faying as fy
 from faying.assessment.stuck_modes import stuck_mode
 from faying.contact import newton_descent
+from faying.contact.active_set import ROUND_OFF
 from faying.contact.between_pairs import ByCompliance
-from faying.contact.frictional import ROUND_OFF, SOLVED, FrictionalContact
+from faying.contact.frictional import FrictionalContact
 from faying.contact.yielding import YieldingContact
+from faying.digits import SOLVED
 from faying.exceptions import ConvergenceError, ModelError, StudyError
 from faying.export.formats import export
 from faying.export.linearized import linearize

@@ -105,7 +105,7 @@ def test_a_pivot_off_the_diagonal_is_refused():
 def test_factors_that_do_not_stand_for_the_matrix_are_refused(backend, monkeypatch):
     A = sp.diags_array(np.arange(40) - 13.5).tocsr()
     assert count_negative(A, backend=backend) == 14
-    monkeypatch.setattr("faying.linalg.singular.BACKWARD_ERROR", -1.0)
+    monkeypatch.setattr("faying.linalg.singular.ROUND_OFF", -1.0)
     with pytest.raises(InertiaError, match="the factors are off by"):
         count_negative(A, backend=backend)
 

@@ -24,6 +24,7 @@ from scipy.linalg import LinAlgError
 
 from faying._typing import Matrix
 from faying.contact.forced_laws import Admitting
+from faying.contact.newton_descent import FLAT
 from faying.contact.newton_steps import NewtonSteps, at_least
 
 LEAST_YIELD = 1e-6
@@ -38,9 +39,6 @@ MOST_STEPS = 60
 
 MOST_TRIALS = 40
 """Lengths of a step that are tried."""
-
-FLAT = 0.1
-"""Slope of the energy at the end of a step, over that at its beginning, that is taken for none."""
 
 SOLVED_RESIDUAL = 1e-6
 """Residual over the largest force at which it is solved; the step to it leaves far less."""

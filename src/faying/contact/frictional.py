@@ -21,23 +21,16 @@ import scipy.linalg as la
 import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix, Vector, read_only
+from faying.contact.active_set import ROUND_OFF
 from faying.contact.contact import Contact
-from faying.contact.fixed_bounds import FixedBounds
+from faying.contact.fixed_bounds import MOST_STEPS, FixedBounds
 from faying.contact.forced_laws import Admitting, ForcedLaws
 from faying.contact.forced_springs import ForcedSprings
 from faying.contact.increment import Increment, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_steps import NewtonSteps
+from faying.digits import SOLVED
 from faying.exceptions import ConvergenceError
-
-ROUND_OFF = 1e-13
-"""Natural residual over the largest force at which an increment is solved."""
-
-SOLVED = 1e-9
-"""Natural residual over the largest force that is accepted where round-off allows no less."""
-
-MOST_STEPS = 60
-"""Newton steps of an increment; 5 to 20 are usual from the increment before."""
 
 MOST_HALVINGS = 12
 """Halvings of a Newton step."""

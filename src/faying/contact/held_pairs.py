@@ -21,13 +21,11 @@ from scipy.linalg import (
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.contact.point_springs import PointSprings
+from faying.digits import ROUND_OFF
 from faying.linalg.cholesky import inverse
 
 MOST_ROUNDS = 3
 """Times that points which the bolts pull apart are opened; the rest is left to Newton's method."""
-
-UNCHANGED = 1e-12
-"""Change of K at a point, over the largest K, that is round-off."""
 
 FREE, MOST_ANCHORS = 100.0, 100
 """Motion of a pair beside that of its springs, from which a point there is kept closed.
@@ -118,7 +116,7 @@ def change_from(springs: Matrix, K: Matrix) -> Matrix:
     """Return K − K₀ (n_point, components, components), round-off taken for nothing."""
     change, diagonal = K.copy(), np.arange(K.shape[1])
     change[:, diagonal, diagonal] -= springs.T
-    change[np.abs(change) <= UNCHANGED * np.abs(K).max(initial=0.0)] = 0.0
+    change[np.abs(change) <= ROUND_OFF * np.abs(K).max(initial=0.0)] = 0.0
     return change
 
 

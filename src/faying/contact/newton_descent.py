@@ -25,13 +25,11 @@ from faying.contact.held_pairs import NormalPairs
 from faying.contact.increment import Increment
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.point_springs import PointSprings
+from faying.digits import SOLVED
 from faying.exceptions import ConvergenceError
 
 ROUND_OFF = 2e-15
 """Residual over the largest force at which a problem is solved."""
-
-SOLVED = 1e-9
-"""Residual over the largest force that is accepted where round-off allows no less."""
 
 QUADRATIC = 0.05
 """Residual of a step's system, over the residual that it begins with, per what this is itself."""

@@ -22,10 +22,10 @@ from faying.contact.newton_descent import (
     MOST_STEPS,
     MOST_TRIALS,
     SMALLEST_FORCE_SHARE,
-    SOLVED,
     steps_ended,
 )
 from faying.contact.yielding import YieldingContact
+from faying.digits import SOLVED
 
 
 def side_by_side(solver: IncrementSolver, count: int) -> TypeGuard[YieldingContact]:

@@ -10,10 +10,7 @@ from scipy.linalg import lapack
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.linalg.singular import MECHANISM, SingularMatrixError
-from faying.linalg.substitution import dense
-
-ROWS = 256
-"""Rows that are mirrored at once."""
+from faying.linalg.substitution import ROWS, dense
 
 
 @final

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from faying._typing import Matrix, SparseMatrix, Vector
+from faying.digits import ROUND_OFF
 from faying.exceptions import ModelError
 from faying.linalg.interface import Factorization
 
@@ -14,10 +15,6 @@ MECHANISM = 1e-13
 A held structure stays far above (about (h/L)⁴, 1e-8 for a hundred elements along a beam), a
 mechanism comes out at the round-off of the product, 1e-16.
 """
-
-
-BACKWARD_ERROR = 1e-12
-"""Error of the matrix that the factors stand for, over its entries; 1e-16 is usual."""
 
 
 class NotDefiniteError(ModelError):
@@ -56,7 +53,7 @@ def check_signs(A: SparseMatrix, solve: Callable[[Vector], Vector]) -> None:
     with np.errstate(all="ignore"):
         x = solve(b)
         error = np.abs(b - A @ x).max() / (np.abs(A) @ np.abs(x) + np.abs(b)).max()
-    if not error <= BACKWARD_ERROR:
+    if not error <= ROUND_OFF:
         reason = f"the factors are off by {error:.0e}"
         raise InertiaError(reason)
 

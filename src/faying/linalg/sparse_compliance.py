@@ -13,11 +13,9 @@ import scipy.linalg as la
 from scipy.linalg import lapack
 
 from faying._typing import Matrix
+from faying.digits import ROUND_OFF
 from faying.linalg.sparse_stiffness import SparseStiffness, refuse_dense
 from faying.linalg.substitution import symmetrized
-
-LEAST_SHARE = 1e-12
-"""Change of S along a shape, over S there, that is round-off."""
 
 
 @final
@@ -83,7 +81,7 @@ class SparseCompliance:
         rows = np.zeros((rank, len(size)))
         rows[:, order] = triangle
         changes, turns = la.eigh(rows @ (size[:, None] * self.core * size) @ rows.T)
-        kept = np.abs(changes) > LEAST_SHARE
+        kept = np.abs(changes) > ROUND_OFF
         apart = resisted[:, order[:rank]] / size[order[:rank]]
         z = la.solve_triangular(triangle[:, :rank], apart.T, trans="T")
         return turns[:, kept].T @ z, np.diag((1.0 + changes[kept]) / changes[kept])

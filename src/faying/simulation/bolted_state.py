@@ -7,15 +7,13 @@ import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.contact.increment import Increment
+from faying.digits import SOLVED
 from faying.exceptions import ConvergenceError
 from faying.joint.system import Joint
 from faying.simulation.bolts_by_force import BoltsByForce, forces_of_bolts
 
 MOST_TRIALS = 30
 """Sets of loose bolts that are tried for a turn; usually one or two."""
-
-ROUND_OFF = 1e-9
-"""Of the largest bolt force: a bolt that pushes with less is neither loose nor tight."""
 
 
 @final
@@ -76,7 +74,7 @@ class BoltedState:
             )
             nuts = np.where(np.isin(np.arange(len(nuts)), bolts), initial, nuts)
             reached = forces_of_bolts(self.joint, initial, contact)
-            pushing = ~loose & (reached < -ROUND_OFF * np.abs(reached).max())
+            pushing = ~loose & (reached < -SOLVED * np.abs(reached).max())
             pulling = loose & (nuts > initial)
             if not (pushing | pulling).any():
                 return BoltedState(

@@ -10,6 +10,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
 from faying.contact.increment import Increment
+from faying.digits import DECK_DIGITS, SOLVED
 from faying.exceptions import ModelError
 from faying.joint.system import Joint, System, initial_bolt_forces
 from faying.simulation.bolted_state import BoltedState
@@ -22,12 +23,6 @@ from faying.simulation.solution import Solution
 _log = logging.getLogger("faying")
 
 NOTHING_LOST: Mapping[str, PreloadLoss] = MappingProxyType({})
-
-CLAMPS_NOTHING = 1e-9
-"""Gap closed per elongation of the bolt under its own force, at or below which it is round-off."""
-
-SURPLUS = 1e-6
-"""Relative excess of a bolt's stiffness over all that resists it; more than rounding is wrong."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -269,7 +264,7 @@ def _check_stiffness(system: Joint) -> None:
     for number, bolt in enumerate(system.bolts.values()):
         row = ports.n_boundary + number
         flexibility = float(ports.input_rows[row, row])
-        if bolt.stiffness * flexibility > 1 + SURPLUS:
+        if bolt.stiffness * flexibility > 1 + DECK_DIGITS:
             message = (
                 f"bolt '{bolt.name}': its stiffness {bolt.stiffness:g} is not contained in K, "
                 f"which resists its elongation with {1 / flexibility:.6g} in all; give EA/L of "
@@ -284,7 +279,7 @@ def _check_clamping(system: Joint, forces: Mapping[str, float]) -> None:
     for name in forces:
         row = ports.n_boundary + list(system.bolts).index(name)
         closing = system.contact.interpolation @ ports.contact_columns[row]
-        if closing.max(initial=0.0) <= CLAMPS_NOTHING * ports.input_rows[row, row]:
+        if closing.max(initial=0.0) <= SOLVED * ports.input_rows[row, row]:
             message = (
                 f"bolt '{name}' clamps nothing: its tension closes no interface; check that head "
                 "and nut are on the far sides of one, and that its direction is not reversed"

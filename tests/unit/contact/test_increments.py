@@ -8,12 +8,12 @@ import pytest
 
 from faying.contact import newton_descent
 from faying.contact.between_pairs import ByCompliance
-from faying.contact.frictional import SOLVED
 from faying.contact.glued_pairs import GluedPairs
 from faying.contact.increment import Increment, displaced
 from faying.contact.laws import Coulomb, Penalty
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.yielding import YieldingContact
+from faying.digits import SOLVED
 from faying.exceptions import ConvergenceError
 from faying.simulation.path import MOST_DIVISIONS, PathStep, follow
 from few_points import (
