@@ -51,49 +51,36 @@ def read_pairs(
     data: DeckData, interactions: Mapping[str, Interaction], surfaces: Surfaces
 ) -> list[Pair]:
     """Read all *CONTACT PAIR."""
-    return [
-        pair
-        for keyword in data.deck.of("CONTACT PAIR")
-        for pair in _pairs(
-            keyword, surfaces, _adjust(keyword, data.node_sets), interactions, data.deck.ignored
-        )
-    ]
-
-
-def _pairs(
-    keyword: Keyword,
-    surfaces: Surfaces,
-    adjusted: GapRule | None,
-    interactions: Mapping[str, Interaction],
-    ignored: list[str],
-) -> list[Pair]:
-    name = keyword.required("INTERACTION")
-    interaction = named(keyword, name, interactions, "*SURFACE INTERACTION")
-    note = f"formulation of *CONTACT PAIR: small sliding, {keyword.choice('TYPE', 'default')}"
-    if note not in ignored:
-        ignored.append(note)
-    pairs = []
-    for row, fields in enumerate(keyword.rows()):
-        if removed := removed_sides(surfaces, keyword, row, fields):
-            ignored.append(
-                f"contact pair {', '.join(fields)}: *MODEL CHANGE removes all elements of {removed}"
+    pairs, ignored = [], data.deck.ignored
+    for keyword in data.deck.of("CONTACT PAIR"):
+        name = keyword.required("INTERACTION")
+        interaction = named(keyword, name, interactions, "*SURFACE INTERACTION")
+        adjusted = _adjust(keyword, data.node_sets)
+        note = f"formulation of *CONTACT PAIR: small sliding, {keyword.choice('TYPE', 'default')}"
+        if note not in ignored:
+            ignored.append(note)
+        for row, fields in enumerate(keyword.rows()):
+            if removed := removed_sides(surfaces, keyword, row, fields):
+                ignored.append(
+                    f"contact pair {', '.join(fields)}: *MODEL CHANGE removes all elements of "
+                    f"{removed}"
+                )
+                continue
+            slave, master = slave_and_master(surfaces, keyword, row, fields)
+            if not slave.facets:
+                ignored.append(
+                    f"slave surface {slave.name} of nodes: taken as the facets between these nodes"
+                )
+            pairs.append(
+                Pair(
+                    keyword=keyword,
+                    row=row,
+                    slave=slave,
+                    master=master,
+                    interaction=interaction,
+                    adjusted=adjusted,
+                )
             )
-            continue
-        slave, master = slave_and_master(surfaces, keyword, row, fields)
-        if not slave.facets:
-            ignored.append(
-                f"slave surface {slave.name} of nodes: taken as the facets between these nodes"
-            )
-        pairs.append(
-            Pair(
-                keyword=keyword,
-                row=row,
-                slave=slave,
-                master=master,
-                interaction=interaction,
-                adjusted=adjusted,
-            )
-        )
     return pairs
 
 

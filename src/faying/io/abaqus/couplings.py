@@ -1,7 +1,7 @@
 """``*COUPLING`` and ``*DISTRIBUTING COUPLING``: nodes tied rigidly or on average."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,18 +21,28 @@ MEMBERS = ("KINEMATIC", "DISTRIBUTING")
 _ALL = tuple(range(6))
 
 
-def read_couplings(
-    data: DeckData, surfaces: Surfaces
-) -> tuple[list[RigidCoupling], list[AverageCoupling], list[Equation]]:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Couplings:
+    """What *COUPLING ties: rigidly, on average, and by equations along axes of the nodes."""
+
+    rigid: list[RigidCoupling]
+    average: list[AverageCoupling]
+    turned: list[Equation]
+
+
+def read_couplings(data: DeckData, surfaces: Surfaces) -> tuple[Couplings, dict[int, Matrix]]:
     """Read all *COUPLING with their *KINEMATIC or *DISTRIBUTING.
 
     Distributing couplings weight nodes by their share of the surface's area, ∫N dA. Kinematic ones
     of some translations with ORIENTATION are equations a · u = a · (u_ref + θ_ref × r) along the
-    axes a of each node.
+    axes a of each node. Also returned are the axes of reference nodes of *DISTRIBUTING with
+    ORIENTATION: CalculiX (User's Manual, *COUPLING) takes forces and moments on them along these;
+    in Abaqus, which gets none, they say which rotations are tied.
     """
     rigid: list[RigidCoupling] = []
     average: list[AverageCoupling] = []
     turned: list[Equation] = []
+    of_references: dict[int, Matrix] = {}
     deck = data.deck
     for head, members in deck.groups("COUPLING", *MEMBERS):
         if len(members) != 1:
@@ -58,6 +68,9 @@ def read_couplings(
             continue
         if head.has("ORIENTATION"):
             components = _ALL
+            if not is_of_abaqus(deck):
+                points = data.nodes.coordinates[[reference]]
+                of_references[reference] = orientation_at(deck, head, points)[0]
             deck.ignored.append(
                 "ORIENTATION of *DISTRIBUTING: forces on its node are along these axes, as in "
                 "CalculiX, but in decks that only Abaqus reads; all rotations are tied"
@@ -73,24 +86,7 @@ def read_couplings(
                 reference_components=tuple(sorted({0, 1, 2, *components})),
             )
         )
-    return rigid, average, turned
-
-
-def reference_axes(data: DeckData) -> dict[int, Matrix]:
-    """Return the axes of reference nodes of *DISTRIBUTING with ORIENTATION; none of Abaqus.
-
-    CalculiX (User's Manual, *COUPLING) takes forces and moments on them along these axes; in Abaqus
-    they say which rotations are tied.
-    """
-    axes, deck = {}, data.deck
-    for head, members in deck.groups("COUPLING", *MEMBERS):
-        of_forces = any(member.name == "DISTRIBUTING" for member in members)
-        if not head.has("ORIENTATION") or not of_forces or is_of_abaqus(deck):
-            continue
-        reference = data.one(head, None, head.required("REF NODE"), "the reference node")
-        points = data.nodes.coordinates[[reference]]
-        axes[reference] = orientation_at(deck, head, points)[0]
-    return axes
+    return Couplings(rigid=rigid, average=average, turned=turned), of_references
 
 
 def _along(points: Matrix, reference: int, nodes: Indices, axes: Matrix) -> list[Equation]:

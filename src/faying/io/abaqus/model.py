@@ -1,6 +1,6 @@
 """All families of keywords together: a deck as an assembly, and what belongs to it."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import count
 
@@ -17,9 +17,9 @@ from faying.io.abaqus.constraints import (
 )
 from faying.io.abaqus.contact import with_lone_nodes
 from faying.io.abaqus.couplings import (
+    Couplings,
     read_couplings,
     read_distributing,
-    reference_axes,
     with_real_rotations,
 )
 from faying.io.abaqus.deck import Deck, check_parameters, with_distinct_ids
@@ -64,7 +64,7 @@ from faying.io.abaqus.pretension import step_name
 from faying.io.abaqus.shells import Shells, read_shells
 from faying.io.abaqus.solid_sections import formulation, note_controls, read_solid_sections
 from faying.io.abaqus.supports import read_supports
-from faying.io.abaqus.surfaces import DeckSurface, face_sets, find_surface, read_surfaces
+from faying.io.abaqus.surfaces import face_sets, find_surface, read_surfaces
 from faying.io.abaqus.ties import read_ties, with_ties
 from faying.io.left_out import Occurrence
 from faying.io.moved_supports import moved_note, with_moved_supports
@@ -85,7 +85,7 @@ def description(deck: Deck) -> JointDescription:
     data = without_removed(read_data(deck))
     nodes, elements = data.nodes, data.elements
     rotations = rotation_nodes(data)
-    data = replace(with_transforms(data), rotations=rotations, turned=reference_axes(data))
+    data = replace(with_transforms(data), rotations=rotations)
     amplitudes = read_amplitudes(deck)
     temperatures = read_temperatures(data, amplitudes)
     used = np.concatenate([np.empty(0, np.int64), *(b.nodes.ravel() for b in elements.blocks)])
@@ -106,6 +106,8 @@ def description(deck: Deck) -> JointDescription:
     shells = read_shells(data, named)
     mesh, cuts = _cut(data, mesh, sections, shells)
     surfaces = read_surfaces(data, mesh, shells)
+    couplings, axes = read_couplings(data, surfaces)
+    data = replace(data, turned=axes)
     forces = list(read_concentrated(data, amplitudes))
     general = forces[: len(forces) - (deck.n_step in deck.perturbations)]
     holds = read_supports(data, frozenset(section.node for section in sections), amplitudes)
@@ -145,7 +147,7 @@ def description(deck: Deck) -> JointDescription:
     heated = with_unlocked_bolts(assembly, pretension.bolts(free, []))
     locked = [item.element for item in sections if item.node in holds.since]
     thermal = thermal_forces(heated, temperatures, expansions, origins(mesh, cuts), locked, ignored)
-    assembly = _tied(data, assembly, surfaces)
+    assembly = _tied(data, assembly, couplings)
     assembly = with_ties(assembly, ties, ignored)
     assembly = close_cuts(assembly, cuts)
     closing = assembly.springs[len(assembly.springs) - len(cuts) :]
@@ -221,15 +223,15 @@ def _cut(
     return mesh, cuts
 
 
-def _tied(data: DeckData, assembly: Assembly, surfaces: Mapping[str, DeckSurface]) -> Assembly:
+def _tied(data: DeckData, assembly: Assembly, couplings: Couplings) -> Assembly:
     """Add couplings and equations."""
     more, links = read_mpcs(data)
-    kinematic, average, turned = read_couplings(data, surfaces)
+    average, turned = couplings.average, couplings.turned
     equations = [
         *(*read_equations(data), *shared_rotations(data)),
         *(*more, *turned, *read_distributing(data)),
     ]
-    rigid = [*links, *read_rigid_bodies(data), *kinematic]
+    rigid = [*links, *read_rigid_bodies(data), *couplings.rigid]
     rotating = np.zeros(len(assembly.mesh.nodes), dtype=bool)
     rotating[[coupling.reference for coupling in rigid]] = True
     rotating[[coupling.reference for coupling in average]] = True

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from faying._typing import Indices, Matrix, Vector
 from faying.digits import SOLVED
@@ -121,11 +122,7 @@ def _turned(keyword: Keyword, row: list[str], axes: Matrix) -> Matrix:
     if len(row) != 2 or about not in (0, 1, 2):
         keyword.refuse("expected an axis, 1, 2 or 3, and an angle in degrees", 1)
     angle = np.radians(real(keyword, 1, row[1], "an angle"))
-    j, k = (about + 1) % 3, (about + 2) % 3
-    result = axes.copy()
-    result[j] = np.cos(angle) * axes[j] + np.sin(angle) * axes[k]
-    result[k] = np.cos(angle) * axes[k] - np.sin(angle) * axes[j]
-    return result
+    return np.asarray(Rotation.from_rotvec(angle * axes[about]).apply(axes))
 
 
 def find_isotropic(materials: Mapping[str, Material], keyword: Keyword) -> Material:

@@ -19,7 +19,13 @@ from faying.io.abaqus.written_nodes import (
     written_equations,
     written_nodes,
 )
-from faying.io.abaqus.written_steps import WrittenBeam, contact_lines, step_lines, written_beam
+from faying.io.abaqus.written_steps import (
+    CUT_OVER_BOLT,
+    WrittenBeam,
+    contact_lines,
+    step_lines,
+    written_beam,
+)
 from faying.io.left_out import refuse_unwritten, write_whole
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.cells import CellBlock
@@ -252,9 +258,11 @@ def _cut(number: int, beam: WrittenBeam, nodes: tuple[int, int]) -> Iterator[str
     yield f"*ELEMENT,TYPE=B31,ELSET=CUT{number}"
     yield f"{number},{nodes[0]},{nodes[1]}"
     yield f"*MATERIAL,NAME=CUT{number}"
-    yield from ("*ELASTIC", _reals([beam.youngs_modulus, beam.poissons_ratio]))
+    material = beam.beam.material
+    yield "*ELASTIC"
+    yield _reals([CUT_OVER_BOLT * material.youngs_modulus, material.poissons_ratio])
     yield f"*BEAM SECTION,ELSET=CUT{number},MATERIAL=CUT{number},SECTION=CIRC"
-    yield from (_reals([beam.radius]), _reals(beam.across))
+    yield from (_reals([np.sqrt(beam.beam.section.area / np.pi)]), _reals(beam.across))
     yield f"*PRE-TENSION SECTION,ELEMENT={number},NODE={beam.control}"
     # Only its axial stiffness counts.
     yield from ("*BOUNDARY", f"{nodes[0]},4,6")

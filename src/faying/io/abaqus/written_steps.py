@@ -27,8 +27,11 @@ from faying.model.surface import triangular
 
 # Where along the beam its nodes are drawn: both sides of the cut, and the far side of the spring.
 _DRAWN = (0.3, 0.4, 0.5)
-# Axial stiffness of the beam element in a cut over that of the bolt: adds 1e-4 to its compliance.
-_STIFF = 1e4
+CUT_OVER_BOLT = 1e4 * (_DRAWN[1] - _DRAWN[0])
+"""Young's modulus of the beam element in a cut over that of its bolt: adds 1e-4 to the compliance.
+
+CalculiX takes the element out; Abaqus and faying keep it.
+"""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -47,9 +50,8 @@ class WrittenBeam:
         The two nodes of the cut, in the direction of the beam; None if it is not tightened.
     control
         The pretension node; 0 if it is not tightened.
-    radius, across, youngs_modulus, poissons_ratio
-        Of the beam element in the cut (``across`` is its first local axis). CalculiX takes it out;
-        Abaqus and faying keep it, as stiff as makes no difference.
+    beam, across
+        The beam, and its first local axis: those of the beam element in the cut.
     """
 
     nodes: list[tuple[int, Vector]]
@@ -57,10 +59,8 @@ class WrittenBeam:
     springs: list[tuple[list[tuple[int, int]], float]]
     cut: tuple[int, int] | None
     control: int
-    radius: float
+    beam: Beam
     across: list[float]
-    youngs_modulus: float
-    poissons_ratio: float
 
 
 def written_beam(
@@ -96,10 +96,8 @@ def written_beam(
         springs=[spring for spring in springs if spring[1] > 0],
         cut=(first_arm, cut) if tightened else None,
         control=first + 3 if tightened else 0,
-        radius=float(np.sqrt(beam.section.area / np.pi)),
-        across=[float(value) for value in frame[1]],
-        youngs_modulus=_STIFF * (_DRAWN[1] - _DRAWN[0]) * beam.material.youngs_modulus,
-        poissons_ratio=beam.material.poissons_ratio,
+        beam=beam,
+        across=frame[1].tolist(),
     )
 
 
