@@ -98,7 +98,7 @@ def _adjust(keyword: Keyword, sets: NamedSets) -> GapRule | None:
 
 def interface_names(pairs: list[Pair]) -> list[str]:
     """Names of interfaces: that of the interaction, with both surfaces where it is used twice."""
-    names = [pair.interaction.name for pair in pairs]
+    names = [pair.interaction.spec.name for pair in pairs]
     return [
         name if names.count(name) == 1 else f"{name} {pair.slave.name} {pair.master.name}"
         for name, pair in zip(names, pairs, strict=True)
@@ -133,7 +133,10 @@ def specs(assembly: Assembly, pairs: list[Pair], ignored: list[str]) -> tuple[In
     interfaces = []
     for name, pair in zip(interface_names(pairs), pairs, strict=True):
         spec = replace(
-            pair.interaction.spec(name, pair.slave.name, pair.master.name),
+            pair.interaction.spec,
+            name=name,
+            minus=pair.slave.name,
+            plus=pair.master.name,
             search_distance=np.inf,
             quadrature="gauss" if pair.lone else None,
             order=1 if pair.lone else None,
@@ -268,7 +271,8 @@ def _points(assembly: Assembly, pair: Pair) -> tuple[Assembly, list[Pair]]:
         sides = _sides(pair, number, minus, plus)
         named = {side.name: FaceSet(kind="tri3", nodes=side.facets["tri3"]) for side in sides}
         assembly = replace(assembly, face_sets={**assembly.face_sets, **named})
-        interaction = replace(pair.interaction, name=f"{pair.interaction.name} node {number}")
+        spec = pair.interaction.spec
+        interaction = Interaction(replace(spec, name=f"{spec.name} node {number}"))
         points.append(
             replace(pair, slave=sides[0], master=sides[1], interaction=interaction, lone=True)
         )

@@ -58,11 +58,10 @@ def read_general_contact(
     names = body_names(assembly.mesh)
     specs = (
         replace(
-            interaction.spec(
-                f"{interaction.name} {names[pair.minus]} {names[pair.plus]}",
-                f"body {pair.minus}",
-                f"body {pair.plus}",
-            ),
+            interaction.spec,
+            name=f"{interaction.spec.name} {names[pair.minus]} {names[pair.plus]}",
+            minus=f"body {pair.minus}",
+            plus=f"body {pair.plus}",
             meshes="matching" if pair.matching else "non-matching",
             search_distance=None if pair.touching else SEEN_ACROSS * pair.gap[1],
         )

@@ -1,6 +1,6 @@
 """What a ``*SURFACE INTERACTION`` says: pressure over closure, and friction."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -169,46 +169,30 @@ def _curve(keyword: Keyword, kind: str, abaqus: bool) -> Curve:
 MEMBERS = ("SURFACE BEHAVIOR", "FRICTION", "CONTACT DAMPING", "GAP CONDUCTANCE")
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, eq=False)
 class Interaction:
-    """A ``*SURFACE INTERACTION``; what is ``tied`` neither opens nor slides."""
+    """A ``*SURFACE INTERACTION``, as an interface of any sides; what is tied does not move."""
 
-    name: str
-    penalty: Normal = "hard"
-    friction: float = 0.0
-    tangential_penalty: Stick = "auto"
+    spec: InterfaceSpec
     tied: bool = False
-
-    def spec(self, name: str, minus: str, plus: str) -> InterfaceSpec:
-        """Return an interface of two sides that has this interaction."""
-        return InterfaceSpec(
-            name=name,
-            minus=minus,
-            plus=plus,
-            penalty="auto" if isinstance(self.penalty, Curve) else self.penalty,
-            closure=self.penalty if isinstance(self.penalty, Curve) else None,
-            friction=self.friction,
-            tangential_penalty=self.tangential_penalty,
-        )
 
 
 def read_interactions(deck: Deck) -> dict[str, Interaction]:
     """Read all *SURFACE INTERACTION, by upper-case name."""
     interactions = {}
     along: Stick
+    penalty: Normal
     for head, members in deck.groups("SURFACE INTERACTION", *MEMBERS):
         name = head.required("NAME")
         if tied := [member for member in members if _is_tied(member)]:
             stick = [member for member in members if member.name == "FRICTION"]
             slope, along = tied_slopes(deck, name, tied[0], stick)
-            interactions[name.upper()] = Interaction(
-                name=name, tied=True, penalty=slope, tangential_penalty=along
-            )
+            spec = InterfaceSpec(name=name, penalty=slope, tangential_penalty=along)
+            interactions[name.upper()] = Interaction(spec, tied=True)
             continue
         if "friction" in deck.ignore:
             members = _frictionless(members, deck.ignored)
-        penalty: Normal = "hard"
-        friction, along = 0.0, "auto"
+        penalty, friction, along = "hard", 0.0, "auto"
         for member in members:
             if member.name == "SURFACE BEHAVIOR":
                 penalty = _surface_behavior(member, is_of_abaqus(deck), deck.ignored)
@@ -216,8 +200,11 @@ def read_interactions(deck: Deck) -> dict[str, Interaction]:
                 friction, along = read_friction(member, deck.ignored)
             elif member.name == "GAP CONDUCTANCE":
                 deck.ignored.append(f"*{member.name} of {head.value('NAME')}")
+        spec = InterfaceSpec(name=name, friction=friction, tangential_penalty=along)
         interactions[name.upper()] = Interaction(
-            name=name, penalty=penalty, friction=friction, tangential_penalty=along
+            replace(spec, closure=penalty)
+            if isinstance(penalty, Curve)
+            else replace(spec, penalty=penalty)
         )
     return interactions
 

@@ -1,6 +1,6 @@
 """``*NODE`` and ``*ELEMENT``: coordinates, and tables of elements by type."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -57,15 +57,11 @@ def read_nodes(deck: Deck) -> Nodes:
     if not ids or not sum(map(len, ids)):
         refuse(f"{deck.path}: the deck has no nodes; it needs *NODE with data lines")
     all_ids, points = np.concatenate(ids), np.concatenate(coordinates)
-    order = np.argsort(all_ids, kind="stable")
-    again = np.flatnonzero(np.diff(all_ids[order]) == 0)
-    if again.size:
-        position = int(order[again[0] + 1])
-        block, row = located(ids, position)
+    for block, row in _repeated(ids):
         owners[block].refuse(
-            f"node {all_ids[position]} is defined twice; remove one definition",
-            int(rows[block][row]),
+            f"node {ids[block][row]} is defined twice; remove one definition", int(rows[block][row])
         )
+    order = np.argsort(all_ids, kind="stable")
     return Nodes(ids=all_ids[order], coordinates=points[order])
 
 
@@ -244,8 +240,13 @@ def read_elements(deck: Deck, nodes: Nodes) -> Elements:
         else:
             others[block.type] = (*others.get(block.type, ()), block)
     result = Elements(solids=tuple(solids), others=others)
-    _check_distinct(result.blocks)
-    if not result.blocks:
+    blocks = result.blocks
+    for number, row in _repeated([block.ids for block in blocks]):
+        blocks[number].keyword.refuse(
+            f"element {blocks[number].ids[row]} is defined twice; give it another id",
+            int(blocks[number].rows[row]),
+        )
+    if not blocks:
         refuse(f"{deck.path}: the deck has no elements; it needs *ELEMENT with data lines")
     return result
 
@@ -304,13 +305,9 @@ def _check_own_nodes(block: ElementBlock) -> None:
         )
 
 
-def _check_distinct(blocks: list[ElementBlock]) -> None:
-    ids = np.concatenate([np.empty(0, dtype=np.int64), *(block.ids for block in blocks)])
+def _repeated(parts: Sequence[Indices]) -> Iterator[tuple[int, int]]:
+    """Yield part and place of each id that is there already."""
+    ids = np.concatenate([np.empty(0, dtype=np.int64), *parts])
     order = np.argsort(ids, kind="stable")
     again = np.flatnonzero(np.diff(ids[order]) == 0)
-    if again.size:
-        number, row = located([block.ids for block in blocks], int(order[again[0] + 1]))
-        block = blocks[number]
-        block.keyword.refuse(
-            f"element {block.ids[row]} is defined twice; give it another id", int(block.rows[row])
-        )
+    return (located(parts, int(position)) for position in order[again + 1])

@@ -38,7 +38,7 @@ def read_ties(deck: Deck, surfaces: Surfaces, pairs: Sequence[Pair]) -> list[Tie
     ties = [
         Tie(
             keyword=pair.keyword,
-            name=pair.interaction.name,
+            name=pair.interaction.spec.name,
             slave=pair.slave,
             master=pair.master,
             tolerance=None,
@@ -136,8 +136,7 @@ def _adjusted(nodes: Matrix, ties: Sequence[Tie], equations: Sequence[Equation])
 
 
 def _stiffness(pair: Pair) -> tuple[float, float] | None:
-    normal = pair.interaction.penalty
-    along = pair.interaction.tangential_penalty
+    normal, along = pair.interaction.spec.penalty, pair.interaction.spec.tangential_penalty
     return (normal, along) if isinstance(normal, float) and isinstance(along, float) else None
 
 
