@@ -18,7 +18,7 @@ from faying.export.fmu.description import (
 from faying.export.fmu.library import compile_library, platform_folder, suffix
 from faying.export.fmu.resources import joint_file, read_me, recovery_file
 from faying.export.fmu.variable import fmu_units, seconds
-from faying.export.fmu.variables import Defaults, variables
+from faying.export.fmu.variables import variables
 from faying.export.linearized import linearize
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.keys.tables import DEFAULT_INSTANTS
@@ -45,18 +45,18 @@ def write(rom: ReducedModel, path: Path, run: Results | None = None) -> tuple[Pa
     -----
     Sources always; a binary for this system if it has a C compiler, which takes some seconds.
     """
-    defaults = Defaults(step_size=_step_size(rom, run))
-    joint, token = joint_file(rom, defaults)
+    step_size = _step_size(rom, run)
+    joint, token = joint_file(rom, step_size)
     common = Description(
         title=rom.name,
         text=f"bolted joint with contact, reduced by {rom.method}",
         identifier=_identifier(path.stem),
         token=token,
-        variables=variables(rom, defaults, arrays=False),
+        variables=variables(rom, step_size, arrays=False),
         units=fmu_units(rom.units),
-        step_size=defaults.step_size,
+        step_size=step_size,
     )
-    arrays = replace(common, variables=variables(rom, defaults, arrays=True))
+    arrays = replace(common, variables=variables(rom, step_size, arrays=True))
     resources = {
         "resources/joint.bin": joint,
         "resources/recovery.npz": recovery_file(rom),

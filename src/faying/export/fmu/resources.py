@@ -12,8 +12,8 @@ from faying._typing import Vector
 from faying.contact.laws import Law
 from faying.exceptions import StudyError
 from faying.export.arrays import refuse_expanding_bolts, sparse_variables
-from faying.export.fmu.variable import seconds
-from faying.export.fmu.variables import Defaults
+from faying.export.fmu.variable import Kind, seconds
+from faying.export.fmu.variables import FAMILIES
 from faying.joint.load_pattern import pattern_forces
 from faying.joint.system import boundary_dofs, elongations
 from faying.reduction.reduced_model import ReducedModel
@@ -25,8 +25,11 @@ N_HEADER = 16
 MOST_HARD_POINTS = 8192
 """Points of hard contact, which is solved between points: two dense matrices, 1 GB."""
 
+_STARTS = (Kind.RHO, Kind.INTEGRATOR, Kind.START_LOADED)
+"""Parameters whose start values stand behind the step size."""
 
-def joint_file(rom: ReducedModel, defaults: Defaults) -> tuple[bytes, str]:
+
+def joint_file(rom: ReducedModel, step_size: float) -> tuple[bytes, str]:
     """Return ``joint.bin`` and the instantiation token that it holds.
 
     Notes
@@ -69,14 +72,7 @@ def joint_file(rom: ReducedModel, defaults: Defaults) -> tuple[bytes, str]:
         np.array([law.penalty for law in laws]),
         np.array([law.friction for law in laws]),
         np.array([_tangential_penalty(law) for law in laws]),
-        np.array(
-            [
-                defaults.step_size,
-                defaults.rho_infinity,
-                defaults.integrator,
-                float(defaults.start_loaded),
-            ]
-        ),
+        np.array([step_size, *(float(FAMILIES[kind].start or 0.0) for kind in _STARTS)]),
         rows.data,
         shear.data,
         np.empty(0) if residual is None else np.asarray(residual),

@@ -1,7 +1,6 @@
 """The variables of an FMU: names, value references and what they mean."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import chain, product
 
 import numpy as np
@@ -30,23 +29,10 @@ from faying.reduction.reduced_model import ReducedModel
 VELOCITY_NAMES = ("vx", "vy", "vz", "wx", "wy", "wz")
 
 
-@dataclass(frozen=True, kw_only=True)
-class Defaults:
-    """Start values of the parameters that are not the joint's.
+def variables(rom: ReducedModel, step_size: float, *, arrays: bool) -> tuple[Variable, ...]:
+    """Return all variables, with the time step [s] at the start.
 
-    Attributes
-    ----------
-    step_size : [s]
-    """
-
-    step_size: float
-    rho_infinity: float = 0.8
-    integrator: int = 0
-    start_loaded: bool = True
-
-
-def variables(rom: ReducedModel, defaults: Defaults, *, arrays: bool) -> tuple[Variable, ...]:
-    """Return all variables; FMI 2.0 has no arrays, as which pressures and tractions come.
+    Arrays, which FMI 2.0 has not, are pressures, tractions and motion.
 
     Raises
     ------
@@ -54,7 +40,7 @@ def variables(rom: ReducedModel, defaults: Defaults, *, arrays: bool) -> tuple[V
         If two of them have the same name.
     """
     fields = _fields(rom) if arrays else ()
-    all_variables = (*_ports(rom, defaults), *fields, *_motion(rom, arrays=arrays))
+    all_variables = (*_ports(rom, step_size), *fields, *_motion(rom, arrays=arrays))
     names = set()
     for variable in all_variables:
         if variable.name in names:
@@ -85,6 +71,7 @@ _COMMON = (
         "0 implicit Euler, 1 generalized-alpha, 2 energy-decaying",
         limits=(0, 2),
         type="integer",
+        start=0,
     ),
     Variable(
         Kind.RHO,
@@ -92,6 +79,7 @@ _COMMON = (
         "parameter",
         "spectral radius at infinite frequency of schemes of second order",
         limits=(0.0, 1.0),
+        start=0.8,
     ),
     Variable(
         Kind.START_LOADED,
@@ -100,6 +88,7 @@ _COMMON = (
         "start in equilibrium with the boundary forces at initialization (true), or under the "
         "bolts alone, with those forces applied at once (false)",
         type="boolean",
+        start=True,
     ),
     Variable(
         Kind.PENALTY,
@@ -212,16 +201,10 @@ RUBBED = (Kind.MAX_TRACTION, Kind.STICK_FRACTION, Kind.SLIP_FRACTION, Kind.DISSI
 """Outputs of every interface, and of those with friction."""
 
 
-def _ports(rom: ReducedModel, defaults: Defaults) -> Iterator[Variable]:
+def _ports(rom: ReducedModel, step_size: float) -> Iterator[Variable]:
     """Yield parameters, forces, motion of the boundaries, and what interfaces answer."""
-    starts = {
-        Kind.STEP_SIZE: defaults.step_size,
-        Kind.INTEGRATOR: defaults.integrator,
-        Kind.RHO: defaults.rho_infinity,
-        Kind.START_LOADED: float(defaults.start_loaded),
-    }
-    for kind, start in starts.items():
-        yield FAMILIES[kind].of("", 0, start)
+    yield FAMILIES[Kind.STEP_SIZE].of("", 0, step_size)
+    yield from (FAMILIES[kind] for kind in (Kind.INTEGRATOR, Kind.RHO, Kind.START_LOADED))
     numbers = {name: index for index, name in enumerate(rom.contact.slices)}
     for name, index in numbers.items():
         for kind, value in _of_law(rom.contact.laws[name]):
