@@ -241,7 +241,7 @@ includes them."""
 
 
 _ASSEMBLY = "the assembly's own nodes and elements"
-_CLOSING = {"PART": "END PART", "INSTANCE": "END INSTANCE", "ASSEMBLY": "END ASSEMBLY"}
+_PARTS_OF_DECKS = ("PART", "INSTANCE", "ASSEMBLY")
 
 
 def instantiated(keywords: Sequence[Keyword]) -> list[Keyword]:
@@ -249,56 +249,45 @@ def instantiated(keywords: Sequence[Keyword]) -> list[Keyword]:
 
     A deck without parts comes back as it is.
     """
-    if not any(keyword.name in _CLOSING for keyword in keywords):
-        return list(keywords)
     parts: dict[str, list[Keyword]] = {}
     result: list[Keyword] = []
-    i = 0
-    names: list[str] = []
-    while i < len(keywords):
-        keyword = keywords[i]
-        if keyword.name == "PART":
+    names: set[str] = set()
+    opened: list[Keyword] = []
+    members, scope = result, Scope()
+    for keyword in keywords:
+        kind = keyword.name.removeprefix("END ")
+        if kind not in _PARTS_OF_DECKS:
+            members.append(replace(keyword, scope=scope) if scope.name else keyword)
+            continue
+        if keyword.name != kind:
+            if not opened or opened[-1].name != kind:
+                keyword.refuse(f"there is no *{kind} that it ends")
+            opened.pop()
+            members, scope = result, Scope()
+            continue
+        if kind == "PART" or any(other.name in (kind, "PART") for other in opened):
+            _check_closed(opened)
+        opened.append(keyword)
+        if kind == "PART":
             keyword.check()
-            end = _end(keywords, i)
-            members = list(keywords[i + 1 : end])
+            members = []
             add(parts, keyword, keyword.required("NAME"), members, "parts")
-            i = end
-        elif keyword.name == "INSTANCE":
-            end = _end(keywords, i)
-            inside, scope = _instance(keyword, keywords[i + 1 : end], parts)
-            if scope.name.upper() in map(str.upper, names):
+        elif kind == "INSTANCE":
+            keyword.check()
+            rotation, translation = _position(keyword)
+            scope = Scope(name=keyword.required("NAME"), rotation=rotation, translation=translation)
+            if scope.name.upper() in names:
                 keyword.refuse(f"there are two instances '{scope.name}'; rename one of them")
-            names.append(scope.name)
-            result += [replace(member, scope=scope) for member in inside]
-            i = end
-        elif keyword.name == "ASSEMBLY":
-            _end(keywords, i)
-        elif keyword.name != "END ASSEMBLY":
-            result.append(keyword)
-        i += 1
+            names.add(scope.name.upper())
+            part = named(keyword, keyword.required("PART"), parts, "part")
+            result += [replace(member, scope=scope) for member in part]
+    _check_closed(opened)
     return result
 
 
-def _end(keywords: Sequence[Keyword], start: int) -> int:
-    closing = _CLOSING[keywords[start].name]
-    for i in range(start + 1, len(keywords)):
-        if keywords[i].name == closing:
-            return i
-        if keywords[i].name in ("PART", keywords[start].name):
-            break
-    message = f"it does not end; add *{closing}"
-    raise keywords[start].error(message)
-
-
-def _instance(
-    keyword: Keyword, keywords: Sequence[Keyword], parts: dict[str, list[Keyword]]
-) -> tuple[list[Keyword], Scope]:
-    keyword.check()
-    name, part = keyword.required("NAME"), keyword.required("PART")
-    members = named(keyword, part, parts, "part")
-    rotation, translation = _position(keyword)
-    scope = Scope(name=name, rotation=rotation, translation=translation)
-    return [*members, *keywords], scope
+def _check_closed(opened: Sequence[Keyword]) -> None:
+    if opened:
+        opened[-1].refuse(f"it does not end; add *END {opened[-1].name}")
 
 
 def _position(keyword: Keyword) -> tuple[Matrix, Vector]:
