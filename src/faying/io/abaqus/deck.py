@@ -196,24 +196,13 @@ def read_keyword_deck(path: Path, ignore: frozenset[str] = frozenset()) -> Deck:
             if inside:
                 keyword.refuse("a step before this one does not end; add *END STEP")
             step, inside = step + 1, True
-        numbered.append(replace(keyword, step=step if inside else 0))
-        if keyword.name == "END STEP":
-            if not inside:
-                keyword.refuse("there is no *STEP that it ends")
-            inside = False
-    _check_order(numbered)
-    return Deck(keywords=numbered, n_step=step, path=path, ignore=ignore)
-
-
-def _check_order(keywords: Sequence[Keyword]) -> None:
-    """Refuse model data after a step; both programs do."""
-    steps = np.array([keyword.step for keyword in keywords])
-    inside = np.flatnonzero(steps)
-    if not inside.size:
-        return
-    for keyword in keywords[int(inside[0]) :]:
-        if keyword.step == 0:
+        elif keyword.name == "END STEP" and not inside:
+            keyword.refuse("there is no *STEP that it ends")
+        elif step and not inside:  # both programs refuse it
             keyword.refuse("it stands between or behind steps; move it before the first *STEP")
+        numbered.append(replace(keyword, step=step if inside else 0))
+        inside = inside and keyword.name != "END STEP"
+    return Deck(keywords=numbered, n_step=step, path=path, ignore=ignore)
 
 
 _INCLUDE = re.compile(rb"^\s*\*\s*INCLUDE\s*,", re.IGNORECASE)
