@@ -10,11 +10,11 @@ from test_backbone import DAMPER, LIMIT, MASS, SLIDER, SPRING, mass_on_a_slider
 import faying as fy
 from faying.assessment.forced_joint import ForcedJoint, Released
 from faying.assessment.resonance import steady_state
+from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
 from faying.contact.laws import Coulomb, Penalty
 from faying.exceptions import ModelError
 from faying.model.boundary import Boundary
-from faying.simulation import local_path
 from faying.simulation.periodic import PeriodicProblem
 from small_system import SmallSystem
 
@@ -183,7 +183,7 @@ def test_what_is_refused(slider, change, text):
 
 
 @pytest.mark.long
-def test_points_off_their_springs_go_the_way_of_all_paths(lap, monkeypatch):
+def test_points_off_their_springs_go_the_way_of_all_paths(lap):
     """Slip, opening and both periods, beside increments between the pairs by their own solver."""
     rest = fy.solve_path(lap, [fy.Load()])
     forced = ForcedJoint.of(lap, {"tip.Fz": 1.0}, rest, np.array([600.0]))
@@ -195,21 +195,27 @@ def test_points_off_their_springs_go_the_way_of_all_paths(lap, monkeypatch):
         n_harmonic=1,
         samples=12,
     )
-    x = np.full(problem.size, 2e-6)
-    alone = problem.follow(x, 2 * np.pi * 600.0)
-    assert alone.path.dissipation.sum() > 0
-    assert (alone.path.forces[:, 0] == 0).any()
-    monkeypatch.setattr(local_path, "_increment", lambda *_: None)
-    others = problem.follow(x, 2 * np.pi * 600.0)
-    # Both solve increments to 1e-9 of the largest force and better.
-    size = alone.path.forces.max()
-    np.testing.assert_allclose(others.path.forces, alone.path.forces, atol=1e-8 * size)
-    np.testing.assert_allclose(
-        others.outputs, alone.outputs, atol=1e-8 * np.abs(alone.outputs).max()
-    )
-    np.testing.assert_allclose(
-        others.path.dissipation, alone.path.dissipation, rtol=1e-6, atol=1e-9
-    )
+    x, circular = np.full(problem.size, 2e-6), 2 * np.pi * 600.0
+    path = problem.follow(x, circular).path
+    assert path.dissipation.sum() > 0
+    assert (path.forces[:, 0] == 0).any()
+    local, T = problem.local, problem.stuck.between(problem.local.pairs, problem.local.pairs)
+    springs = local.rows.T @ sp.diags_array(local.springs.ravel()) @ local.rows
+    free = np.linalg.solve(np.eye(len(T)) - T @ springs, T)
+    solver = CondensedContact(contact=local.contact, compliance=(free + free.T) / 2).increments
+    columns = np.tile(problem._columns(problem.unpacked(x), circular), (2, 1))
+    moved = columns @ problem.loads.restrained[local.pairs, : columns.shape[1]].T
+    slip = local.slip
+    for number, stuck in enumerate(moved):
+        pressed = springs @ stuck - local.rows.T @ local.forces.ravel()
+        relative = problem.stuck.moved[local.pairs] + stuck + free @ pressed
+        found = solver.solve(relative, local.contact.offset(slip))
+        # Both solve increments to 1e-9 of the largest force and better.
+        size = path.forces.max()
+        np.testing.assert_allclose(path.forces[number], found.forces, atol=1e-8 * size)
+        expected = pytest.approx(found.dissipation, rel=1e-6, abs=1e-9)
+        assert path.dissipation[number] == expected
+        slip = slip + found.slack[1:]
 
 
 def test_frequencies_that_an_arc_passes_are_landed_on(slider):

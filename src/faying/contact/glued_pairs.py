@@ -32,8 +32,8 @@ from faying.contact.pair_factors import IN_CACHE, LU, Factors, PairSystem, Room,
 from faying.contact.point_springs import PointSprings
 from faying.linalg.gmres import corrected
 
-ACCURATE, LOOSE = 1e-5, 1e-3
-"""Relative residuals of (F7): single precision leaves 1e-6, Newton's method corrects the rest."""
+ACCURATE = 1e-5
+"""Relative residual of (F7): single precision leaves 1e-6, Newton's method corrects the rest."""
 
 DIRECT = 500
 """Pairs up to which Σ + Gᵀ K G itself is factorized: its products cost more than (F7) saves."""
@@ -196,8 +196,8 @@ class GluedPairs:
 
     def step(
         self, K: Matrix, right: Vector, enough: float, factors: Factors | WholeFactors | None = None
-    ) -> tuple[Vector, Factors | WholeFactors | None]:
-        """Return d and the factors used, if they may serve again.
+    ) -> tuple[Vector, Vector, Factors | WholeFactors | None]:
+        """Return d, Σ d, and the factors used, if they may serve again.
 
         Springs K are (n_point, components, components) [force/length]; enough is the residual over
         b that serves Newton's method. Factors are those of the step before.
@@ -206,6 +206,12 @@ class GluedPairs:
         -----
         Two products with U or S, and factors of as many rows as are changed.
         """
+        moved, factors = self._solved(K, right, enough, factors)
+        return moved, self.resisted(moved), factors
+
+    def _solved(
+        self, K: Matrix, right: Vector, enough: float, factors: Factors | WholeFactors | None
+    ) -> tuple[Vector, Factors | WholeFactors | None]:
         if self.whole:
             if not (isinstance(factors, WholeFactors) and np.array_equal(K, factors.K)):
                 both = self.structure.copy()
@@ -215,7 +221,7 @@ class GluedPairs:
         changed = self._changed(K, right)
         if not len(changed.rows):
             return changed.moved, factors
-        enough = float(np.clip(enough, ACCURATE, LOOSE)) * float(np.linalg.norm(right))
+        enough = max(enough, ACCURATE) * float(np.linalg.norm(right))
         # What overflows single precision is solved in double.
         with np.errstate(over="ignore", invalid="ignore"):
             if isinstance(factors, Factors) and factors.reference is changed.reference:

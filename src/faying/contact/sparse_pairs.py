@@ -26,8 +26,8 @@ from faying.linalg.singular import NotDefiniteError
 from faying.linalg.sparse_compliance import SparseCompliance
 from faying.linalg.sparse_stiffness import SparseStiffness, refuse_dense
 
-ACCURATE, LOOSE = 1e-8, 1e-2
-"""Relative residuals of a step's system."""
+ACCURATE = 1e-8
+"""Least relative residual of a step's system."""
 
 MOST_CORRECTIONS = 20
 """Products of GMRES; 70 take as long as a factorization, by which later steps gain as well.
@@ -148,24 +148,22 @@ class SparsePairs:
 
     def step(
         self, K: Matrix, right: Vector, enough: float, factors: Matrix | None = None
-    ) -> tuple[Vector, Matrix]:
-        """Return d and the springs of the factors used, which the next step may begin with.
+    ) -> tuple[Vector, Vector, Matrix]:
+        """Return d, Σ d, and the springs of the factors used, which may begin the next step.
 
         Nobody else holds factors, for there is room for few. Arguments are as of
         :meth:`.GluedPairs.step`. Where GMRES fails with factors of these springs, d is that of the
         symmetric ones, with which friction bounds stay as they are.
         """
-        enough = float(np.clip(enough, ACCURATE, LOOSE)) * float(np.linalg.norm(right))
+        enough = max(enough, ACCURATE) * float(np.linalg.norm(right))
         with self._latest.turn:
-            if factors is not None:
+            moved = None if factors is None else self._corrected(factors, K, right, enough)
+            if factors is None or moved is None:
+                factors = _symmetric(K)
                 moved = self._corrected(factors, K, right, enough)
-                if moved is not None:
-                    return moved, factors
-            symmetric = _symmetric(K)
-            moved = self._corrected(symmetric, K, right, enough)
             if moved is None:
-                moved = self._moved_by(self._factors(symmetric), right)
-            return moved, symmetric
+                moved = self._moved_by(self._factors(factors), right)
+        return moved, self.resisted(moved), factors
 
     def _corrected(
         self, factorized: Matrix, K: Matrix, right: Vector, enough: float

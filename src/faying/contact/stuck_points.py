@@ -19,7 +19,6 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
-from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
 from faying.contact.glued_pairs import GluedPairs
 from faying.contact.increment import IncrementSolver
@@ -246,11 +245,6 @@ class LocalContact:
         return np.asarray(self.rows @ (self.rows @ self._between).T)
 
     @cached_property
-    def give(self) -> Vector:
-        """What a force moves its own coordinate by (n_coordinate,) [length/force]."""
-        return self.compliance.diagonal().copy()
-
-    @cached_property
     def for_steps(self) -> npt.NDArray[Any]:
         """T for Newton's steps: in single precision where springs leave digits of it."""
         G = self.shares.G
@@ -268,15 +262,3 @@ class LocalContact:
     def laws(self) -> LawsAtPoints:
         """What the points answer."""
         return LawsAtPoints(contact=self.contact)
-
-    @cached_property
-    def released(self) -> CondensedContact:
-        """The contact problem between the pairs without the springs of these points."""
-        block, T = self.block, self._between
-        free = np.linalg.solve(np.eye(len(self.pairs)) - T @ block, T)
-        return CondensedContact(contact=self.contact, compliance=(free + free.T) / 2)
-
-    @cached_property
-    def block(self) -> SparseMatrix:
-        """Springs of the points between the pairs (n_touched, n_touched) [force/length]."""
-        return (self.rows.T @ sp.diags_array(self.springs.ravel()) @ self.rows).tocsr()

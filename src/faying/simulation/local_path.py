@@ -6,16 +6,17 @@ that points exert beside their springs B (F10), an increment is
 
     w = w₀ + G T₀ g,   g = Gᵀ (λ(z₀ + w − s) − λ₀ + B w),                                   (F12)
 
-with the slip s since the joint was at rest. Newton's method for g has I + A T₀ to solve with,
-A = Gᵀ Δ G, Δ = K − B, in which only the rows a of A take part that do not vanish, about points that
-slip or are open, and the columns c. Of what is left of g, ρ, these make
+with the slip s since the joint was at rest: (F8) of a structure with the stiffness T₀⁻¹ and points
+that answer beside their springs. The steps dg of :mod:`~faying.contact.newton_descent` have
+I + A T₀ to solve with, A = Gᵀ Δ G, Δ = K − B, in which only the rows a of A take part that do not
+vanish, about points that slip or are open, and the columns c. Of what is left of g, ρ, these make
 
     x_a = (I + A_ac T_ca)⁻¹ (ρ_a − A_ac T_co ρ_o),  x_o = ρ_o.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, final
+from typing import Any, final
 
 import numpy as np
 import numpy.typing as npt
@@ -23,25 +24,19 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
 from faying.contact.held_pairs import change_from, symmetric_product
+from faying.contact.newton_descent import State, descend
 from faying.contact.pair_factors import LU
+from faying.contact.point_springs import PointSprings
 from faying.contact.stuck_points import LocalContact
 
 SOLVED = 1e-13
-"""Residual over the largest displacement at which an increment is solved."""
-
-MOST_STEPS = 20
-"""Newton steps of (F12); 1 to 5 are usual. What takes more goes the way of other paths."""
-
-MOST_PARTS, LEFT_ALONG = 8, 0.3
-"""Parts of a step that are tried, until what is left works with it less than a part of before: a
-path of a lap joint took a quarter of the time of steps that are halved by the residual, and none of
-its increments went astray, where 64 of 128 did."""
+"""Residual over the largest force at rest at which an increment is solved."""
 
 NEGLIGIBLE = 1e-4
 """Forces that are left, over the largest, whose motion elsewhere a step may forget."""
 
 FAST_CONVERGENCE = 0.2
-"""What a step may leave of the residual, over itself, for its factors to serve once more."""
+"""What a step's system may leave, over what it begins with, for earlier factors to serve it."""
 
 
 @final
@@ -81,15 +76,13 @@ class LocalPath:
 def follow_local(
     local: LocalContact,
     linear: Matrix,
-    restrained: Matrix,
     period: int,
     guesses: Sequence[Matrix] = (),
     kept: "Sequence[OffSprings | None]" = (),
 ) -> LocalPath:
     """Follow the points along a path of loads.
 
-    Linear displacements w₀ are (n_increment, components n_point) [length]; with all points stuck
-    the loads move the pairs by ``restrained`` (n_increment, n_touched) [length]. Guesses are μ
+    Linear displacements w₀ are (n_increment, components n_point) [length]. Guesses are μ
     (n_increment, components n_point) to begin the first ``period`` increments with; those after
     them begin with what came a period before. Factors kept from another path serve as long as they
     make steps converge.
@@ -103,10 +96,10 @@ def follow_local(
     moved, forces = np.zeros((n, k * m)), np.zeros((n, k, m))
     slipped, slack = np.zeros((n, 2, m)), np.zeros((n, 2, m))
     dissipation, factors = np.zeros(n), list[OffSprings | None]()
-    felt, springs = local.shares.transposed, local.springs.ravel()
-    excess, slip = np.zeros(len(local.give)), np.zeros((2, m))
+    felt, pairs = local.shares.transposed, _Coordinates(local)
+    excess, slip = np.zeros(felt.shape[0]), np.zeros((2, m))
     begun = [guess @ felt.T for guess in guesses]
-    solved = np.zeros((n, len(local.give)))
+    solved = np.zeros((n, felt.shape[0]))
     off: OffSprings | None = None
     for number in range(n):
         before = number - period
@@ -117,17 +110,20 @@ def follow_local(
         else:
             starts = [guess[number] for guess in begun] + [excess]
             off = (kept[number] if kept else None) or off
-        solution = _increment(local, linear[number], slip, starts, off)
-        if solution is None:
-            solution = *_otherwise(local, restrained[number], slip), off
-        w, forces[number], slack[number], off = solution
+        anchor = local.at_rest.copy()
+        anchor[1:] -= slip[: k - 1]
+        laws = _BesideSprings(local, anchor)
+        begins = (pairs.state(laws, linear[number], start) for start in starts)
+        state = min(begins, key=lambda state: state.left)
+        state, _, off = descend(laws, pairs, state, factors=off, solved=SOLVED)
         factors.append(off)
-        excess = felt @ ((forces[number] - local.forces).ravel() + springs * w)
-        solved[number] = excess
+        moved[number], excess = (state.z - anchor).ravel(), state.p
+        forces[number], solved[number] = local.laws.respond(state.z)[0], excess
         if k > 1:
+            slack[number] = (state.z + local.laws.yielded(forces[number]))[1:]
             dissipation[number] = -(forces[number][1:] * slack[number]).sum()
         slip = slip + slack[number]
-        moved[number], slipped[number] = w, slip
+        slipped[number] = slip
     return LocalPath(
         moved=moved,
         forces=forces,
@@ -138,82 +134,55 @@ def follow_local(
     )
 
 
-def _increment(
-    local: LocalContact,
-    linear: Vector,
-    slip: Matrix,
-    starts: Sequence[Vector],
-    off: "OffSprings | None",
-) -> tuple[Vector, Matrix, Matrix, "OffSprings | None"] | None:
-    """Return w, λ, slip and factors of an increment by Newton's steps; None where they go astray.
+@final
+@dataclass(frozen=True, eq=False)
+class _BesideSprings:
+    """What points exert beside their springs, moved from an anchor (components, n_point)."""
 
-    It begins with the start g that leaves the smallest residual, and with given factors: of this
-    increment in another path or period, or of the increment before.
-    """
-    springs, (k, m) = local.springs.ravel(), local.springs.shape
-    anchor = local.at_rest.copy()
-    anchor[1:] -= slip[: k - 1]
-    shares, T = local.shares, local.compliance
+    local: LocalContact
+    anchor: Matrix
 
-    def at(excess: Vector, given: Vector) -> _Reached:
-        w = linear + shares.G @ given
-        z = anchor + w.reshape(k, m)
-        forces, K = local.laws.respond(z)
-        left = shares.transposed @ ((forces - local.forces).ravel() + springs * w) - excess
-        size = float(np.abs(left * local.give).max(initial=0.0))
-        return _Reached(excess, given, w, z, forces, K, left, size)
-
-    states = (at(start, symmetric_product(T, start)) for start in starts)
-    state = min(states, key=lambda state: state.size)
-    size = max(float(np.abs(linear).max(initial=0.0)), float(np.abs(state.w).max(initial=0.0)))
-    last = np.inf
-    for _ in range(MOST_STEPS):
-        if not np.isfinite(state.size):
-            return None
-        if state.size <= SOLVED * size or last / 2 <= state.size <= 1e2 * SOLVED * size:
-            slack = (state.z + local.laws.yielded(state.forces))[1:]
-            return state.w, state.forces, slack if k > 1 else np.zeros((2, m)), off
-        if off is None or state.size > FAST_CONVERGENCE * last:
-            off = OffSprings.of(local, change_from(local.springs, state.K), local.for_steps)
-        last, step = state.size, off.step(local, state.left)
-        state = _along(at, state, step, symmetric_product(T, step))
-        size = max(size, float(np.abs(state.w).max(initial=0.0)))
-    return None
+    def respond(self, moved: Matrix) -> tuple[Matrix, Matrix]:
+        """Return λ − λ₀ + B w, and K."""
+        forces, K = self.local.laws.respond(moved)
+        return forces - self.local.forces + self.local.springs * (moved - self.anchor), K
 
 
-def _along(
-    at: "Callable[[Vector, Vector], _Reached]", state: "_Reached", step: Vector, way: Vector
-) -> "_Reached":
-    """Return the end of a step, or where along it what is left works no more with its way T₀ dg.
+@final
+@dataclass(frozen=True, eq=False)
+class _Coordinates:
+    """The structure between the coordinates, with the springs of the points."""
 
-    Where normal forces stay that is the least energy along it: a step into what sticks goes far
-    past that, since all that begins to slip on the way is left out of it.
-    """
-    begin, part = float(state.left @ way), 1.0
-    low, high = (0.0, begin), (1.0, 0.0)
-    for _ in range(MOST_PARTS):
-        trial = at(state.excess + part * step, state.given + part * way)
-        works = float(trial.left @ way)
-        passed, short = works < -LEFT_ALONG * begin, part < 1 and works > LEFT_ALONG * begin
-        if begin <= 0 or trial.size < state.size / 2 or not (passed or short):
-            break
-        low, high = (low, (part, works)) if passed else ((part, works), high)
-        share = np.clip(low[1] / (low[1] - high[1]), 0.1, 0.9)
-        part = low[0] + float(share) * (high[0] - low[0])
-    return trial
+    local: LocalContact
 
+    @property
+    def points(self) -> PointSprings:
+        """G."""
+        return self.local.shares
 
-class _Reached(NamedTuple):
-    """Where steps are: g, T₀ g, w, displacements from the slip, λ, K, what is left, its size."""
+    def state(self, laws: _BesideSprings, linear: Vector, excess: Vector) -> State:
+        """Return the state of some g (n_coordinate,)."""
+        y = symmetric_product(self.local.compliance, excess)
+        z = laws.anchor + (linear + self.points.G @ y).reshape(laws.anchor.shape)
+        least = float(np.abs(self.local.forces).max(initial=np.finfo(float).tiny))
+        return State(y, excess, z, *laws.respond(z), self.points.transposed, least)
 
-    excess: Vector
-    given: Vector
-    w: Vector
-    z: Matrix
-    forces: Matrix
-    K: Matrix
-    left: Vector
-    size: float
+    def step(
+        self, K: Matrix, right: Vector, _: float, factors: "OffSprings | None" = None
+    ) -> tuple[Vector, Vector, "OffSprings"]:
+        """Return T₀ dg, dg, and the factors; earlier ones where these leave little."""
+        springs = self.local.springs
+        if factors is not None:
+            dg = factors.step(self.local, right)
+            d = symmetric_product(self.local.compliance, dg)
+            along = (self.points.G @ d).reshape(springs.shape)
+            answered = (K @ along.T[:, :, None])[:, :, 0].T - springs * along
+            left = right - dg - self.points.transposed @ answered.ravel()
+            if np.linalg.norm(left) <= FAST_CONVERGENCE * np.linalg.norm(right):
+                return d, dg, factors
+        factors = OffSprings.of(self.local, change_from(springs, K), self.local.for_steps)
+        dg = factors.step(self.local, right)
+        return symmetric_product(self.local.compliance, dg), dg, factors
 
 
 @final
@@ -273,18 +242,6 @@ def by_component(blocks: Matrix, chosen: Mask | slice = slice(None)) -> SparseMa
     return sp.csr_array((values.ravel(), columns.ravel(), starts), shape=(len(values), k * n))
 
 
-def _otherwise(
-    local: LocalContact, restrained: Vector, slip: Matrix
-) -> tuple[Vector, Matrix, Matrix]:
-    """Return w, λ and the slip of an increment by the solver of all paths, between the pairs."""
-    at_rest, released = local.whole.moved[local.pairs], local.released
-    pressed = local.block @ restrained - local.rows.T @ local.forces.ravel()
-    free = at_rest + restrained + np.asarray(released.compliance) @ pressed
-    solved = released.increments.solve(free, local.contact.offset(local.slip + slip))
-    w = np.asarray(local.rows @ (solved.moved - at_rest))
-    return w, solved.forces[: local.components], solved.slack[1:]
-
-
 Excess = Sequence[tuple[Indices, Matrix]]
 """Of each increment, rows of μ (n_active,) that change with unknowns, and how (n_active, x)."""
 
@@ -322,7 +279,7 @@ def local_derivatives(
         along += G[every] @ _moved(T, felt[:, every] @ pulled)
         changed = by_component(change[chosen])
         if off.lu is not None:
-            resisted = np.zeros((len(local.give), count))
+            resisted = np.zeros((felt.shape[0], count))
             resisted[off.acting] = off.lu.solve((felt[:, every] @ (changed @ along))[off.acting])
             along -= G[every] @ _moved(T, resisted)
         excess.append((every, pulled - changed @ along))

@@ -309,7 +309,6 @@ class PeriodicProblem:
         path = follow_local(
             local,
             columns @ self._at_points[:, :n].T,
-            columns @ self.loads.restrained[local.pairs, :n].T,
             period=self.samples,
             guesses=guesses,
             kept=kept,

@@ -59,7 +59,7 @@ def test_a_step_that_single_precision_does_not_solve_is_solved_in_double(failing
 
     monkeypatch.setattr(PairSystem, "factorized", spoilt)
     monkeypatch.setattr(glued_pairs, "MOST_CORRECTIONS", 2)
-    d, factors = pairs.step(K, right, 0.0)
+    d, _, factors = pairs.step(K, right, 0.0)
     assert precisions == [np.float32, np.float64]
     assert factors is None
     rows = plain.contact.rows.toarray()

@@ -10,13 +10,14 @@ import faying as fy
 from faying.contact.contact import Contact
 from faying.contact.frictional import FrictionalContact
 from faying.contact.laws import Coulomb, Penalty
+from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.yielding import YieldingContact
 from faying.exceptions import ConvergenceError, ModelError
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 from faying.simulation.bolts_by_force import BoltsByForce
 from faying.simulation.cycles import load_work, loop_area
-from faying.simulation.path import follow, moved_alone, path_inputs, path_start
+from faying.simulation.path import _ahead, follow, moved_alone, path_inputs, path_start
 from faying.simulation.start import released_state
 from faying.simulation.tightening import tightened_joint
 from small_system import SmallSystem
@@ -155,6 +156,21 @@ def test_a_path_goes_on_from_a_joint_without_friction():
     path = fy.solve_path(smooth, [pulled(3.0), pulled()])
     np.testing.assert_allclose(path.contact_forces[0], before.contact_forces, rtol=1e-12)
     np.testing.assert_array_equal(path.dissipation, [0.0, 0.0])
+
+
+@pytest.mark.parametrize(("way", "slides"), [(1.0, True), (-0.5, False), (-3.0, False)])
+def test_an_increment_begins_where_what_slipped_slips_on_or_sticks(way, slides):
+    """As the load goes on or turns."""
+    system = sliders(sideways=100.0)
+    relative = moved_alone(system, path_inputs(system, [pulled(), pulled(20.0), pulled(25.0)]))
+    *_, step = follow(system.static_contact.increments, relative, path_start(system, None))
+    assert np.abs(step.increment.slack[1:]).max() > 0
+    start = _ahead(step, relative[-1] + way * (relative[-1] - relative[-2]))
+    contact = system.contact
+    z = contact.moved(start.moved) + contact.offset(step.slip)
+    stiffness = LawsAtPoints(contact=contact).respond(z)[1]
+    # What slips is pressed by more, and shears more.
+    assert stiffness[:, 1:, 0].any() == slides
 
 
 @dataclass
