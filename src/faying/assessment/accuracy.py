@@ -6,7 +6,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from faying._typing import Indices, Matrix, Vector
+from faying._typing import Indices, Matrix
 from faying.assessment.recovery import Recovered
 from faying.digits import SOLVED
 from faying.display.facts import Shown
@@ -142,10 +142,7 @@ def compare(solution: Compared, reference: Compared) -> Accuracy:
 
 def traction_error(tractions: Sequence[Matrix], references: Sequence[Matrix]) -> float | None:
     """Return the largest difference of tractions (..., 3) over the largest; None if all are 0."""
-    apart = _Farthest()
-    for computed, reference in zip(tractions, references, strict=True):
-        apart = apart.beside(computed, reference)
-    return apart.distance / apart.length if apart.length > 0 else None
+    return _error(list(zip(tractions, references, strict=True)), 0.0)
 
 
 def measure(
@@ -178,34 +175,26 @@ def _displacement_error(displacements: list[tuple[Matrix, Matrix, Indices]]) -> 
     largest = max(
         (float(np.abs(expected).max(initial=0.0)) for _, expected, _ in displacements), default=0.0
     )
-    moved, turned = _Farthest(), _Farthest()
+    moved, turned = list[tuple[Matrix, Matrix]](), list[tuple[Matrix, Matrix]]()
     for motion, reference, components in displacements:
         shift, turn = components < 3, components >= 3
-        moved = moved.beside(motion[..., shift], reference[..., shift])
+        moved.append((motion[..., shift], reference[..., shift]))
         size = float(np.abs(reference).max(initial=0.0))
-        if _lengths(reference[..., shift]).max(initial=0.0) <= SOLVED * size:
-            turned = turned.beside(motion[..., turn], reference[..., turn])
-    return max(moved.error(SOLVED * largest), turned.error(SOLVED * largest))
+        if _longest(reference[..., shift]) <= SOLVED * size:
+            turned.append((motion[..., turn], reference[..., turn]))
+    return max(_error(pairs, SOLVED * largest) or 0.0 for pairs in (moved, turned))
 
 
-@dataclass(frozen=True)
-class _Farthest:
-    """How far vectors are from others at most, and the largest of these."""
+def _error(pairs: Sequence[tuple[Matrix, Matrix]], floor: float) -> float | None:
+    """Return how far vectors (..., n) are from others at most, over the longest of these.
 
-    distance: float = 0.0
-    length: float = 0.0
-
-    def beside(self, computed: Matrix, reference: Matrix) -> "_Farthest":
-        """Return the same with more vectors (..., n)."""
-        apart = float(_lengths(computed - reference).max(initial=0.0))
-        length = float(_lengths(reference).max(initial=0.0))
-        return _Farthest(max(self.distance, apart), max(self.length, length))
-
-    def error(self, floor: float) -> float:
-        """Return one over the other; zero of vectors no longer than what is least."""
-        return self.distance / self.length if self.length > floor else 0.0
+    None where the others are no longer than a floor.
+    """
+    length = max((_longest(reference) for _, reference in pairs), default=0.0)
+    if length <= floor:
+        return None
+    return max(_longest(computed - reference) for computed, reference in pairs) / length
 
 
-def _lengths(vectors: Matrix) -> Vector:
-    lengths: Vector = np.linalg.norm(vectors, axis=-1)
-    return lengths
+def _longest(vectors: Matrix) -> float:
+    return float(np.linalg.norm(vectors, axis=-1).max(initial=0.0))

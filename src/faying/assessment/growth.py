@@ -6,6 +6,7 @@ from functools import cache
 from typing import Generic, TypeVar
 
 import numpy as np
+from scipy.optimize import brentq
 
 from faying.digits import SOLVED
 from faying.exceptions import ConvergenceError
@@ -23,7 +24,7 @@ PRECISION, SMALLEST_WIDTH = 1e-3, 1e-6
 """Width of the interval in which a factor is found, over the factor: of what only happens or not,
 and of what a number says."""
 
-MOST_HALVINGS, MOST_CHORDS = 12, 40
+MOST_HALVINGS = 12
 """Cuts of an increment: what happens below a four-thousandth of it happens at once."""
 
 DEFAULT_INCREMENTS = 10
@@ -68,7 +69,7 @@ def first_events(
 
     It grows in equal increments to its nominal value, from there on by the same share of itself.
     The increment in which something first happens is cut where a chord says that it does
-    (regula falsi of Anderson and Björck), or halved where no number says when, and what is left of
+    (Brent's method), or halved where no number says when, and what is left of
     it again, so that the path goes there in smaller and smaller increments; each of them is taken
     once, whatever happens in it.
 
@@ -112,37 +113,22 @@ def _cut_by_chords(
     States that are reached are added to those of the increment: where something else happens in it
     is between them.
     """
-    values = {factor: left(state, state) for factor, state in sorted(reached.items())}
-    nothing = SOLVED * values[min(values)]
-    high = next(factor for factor, value in values.items() if value <= nothing)
-    low = max(factor for factor in values if factor < high)
-    above, below = values[low], values[high]
-    passed: bool | None = None
-    for _ in range(MOST_CHORDS):
-        if high - low <= SMALLEST_WIDTH * high or abs(values[high]) <= nothing:
-            break
-        middle = _chord(low, high, above, below)
-        trial = reach(middle, reached[low])
-        value = left(trial, trial)
-        reached[middle], values[middle] = trial, value
-        happened = value <= nothing
-        if happened == passed:
-            # The other end stays again: it counts less, so that the next chord goes beyond.
-            less = 1 - value / (below if happened else above)
-            less = less if less > 0 else 0.5
-            above, below = (above * less, below) if happened else (above, below * less)
-        passed = happened
-        if happened:
-            high, below = middle, value
-        else:
-            low, above = middle, value
-    factor = _chord(low, high, values[low], min(values[high], 0.0))
-    return factor, (reached[high], reached[low])
+    start = reached[min(reached)]
+    nothing = SOLVED * left(start, start)
+
+    def value(factor: float) -> float:
+        if factor not in reached:
+            reached[factor] = reach(factor, reached[_before(reached, factor)])
+        return left(reached[factor], reached[factor]) - nothing
+
+    high = next(factor for factor in sorted(reached) if value(factor) <= 0)
+    factor = float(brentq(value, _before(reached, high), high, rtol=SMALLEST_WIDTH))
+    high = next(factor for factor in sorted(reached) if value(factor) <= 0)
+    return factor, (reached[high], reached[_before(reached, high)])
 
 
-def _chord(low: float, high: float, above: float, below: float) -> float:
-    """Return where a straight line between values at two factors is zero."""
-    return low + above / (above - below) * (high - low)
+def _before(reached: Reached[State], factor: float) -> float:
+    return max(earlier for earlier in reached if earlier < factor)
 
 
 def _cut_by_halves(

@@ -7,6 +7,7 @@ import numpy as np
 
 from faying._typing import Mask
 from faying.assessment.check import Check
+from faying.assessment.extremes import least, most
 from faying.assessment.joint_checks import joint_checks
 from faying.assessment.joint_record import (
     Assessment,
@@ -130,18 +131,12 @@ def _interface(
     surface: ContactSurface, cases: Mapping[str, CaseState], clamp: ClampRange
 ) -> InterfaceAssessment:
     points, weights = slice(*surface.slice), surface.weights
-    areas = {
-        case: ((state.pressure[:, points] > 0) @ weights).min() for case, state in cases.items()
-    }
-    peaks = {case: state.pressure[:, points].max() for case, state in cases.items()}
-    means = {
-        case: float(surface.nodal_average(state.pressure[:, points].T).max(initial=0.0))
-        for case, state in cases.items()
-    }
-    crushed = max(means, key=means.__getitem__)
-    highest = max(peaks, key=peaks.__getitem__)
-    smallest = min(areas, key=areas.__getitem__)
-    peak = cases[highest].pressure[:, points].max(axis=0).argmax()
+    pressures = {case: state.pressure[:, points] for case, state in cases.items()}
+    smallest, closed = least({n: float(((p > 0) @ weights).min()) for n, p in pressures.items()})
+    highest, peak = most({n: float(p.max()) for n, p in pressures.items()})
+    crushed, mean = most(
+        {n: float(surface.nodal_average(p.T).max(initial=0.0)) for n, p in pressures.items()}
+    )
     return InterfaceAssessment(
         preload=clamp.preload,
         least_clamp=clamp.least,
@@ -151,12 +146,12 @@ def _interface(
         most_clamp_case=clamp.most_case,
         certified_most=clamp.certified_most,
         certified_width=clamp.certified_width,
-        max_pressure=float(peaks[highest]),
+        max_pressure=peak,
         max_pressure_case=highest,
-        max_pressure_point=surface.points[peak],
-        max_nodal_pressure=means[crushed],
+        max_pressure_point=surface.points[pressures[highest].max(axis=0).argmax()],
+        max_nodal_pressure=mean,
         max_nodal_pressure_case=crushed,
-        closed_area=float(areas[smallest]),
+        closed_area=closed,
         closed_area_case=smallest,
     )
 
@@ -175,9 +170,8 @@ def _bolt(
     clamps: Mapping[str, ClampRange],
 ) -> BoltAssessment:
     preload = float(preloaded.bolt_forces[name][0])
-    lows = {case: float(state.bolt_forces[name].min()) for case, state in cases.items()}
-    highs = {case: float(state.bolt_forces[name].max()) for case, state in cases.items()}
-    lowest, highest = min(lows, key=lows.__getitem__), max(highs, key=highs.__getitem__)
+    lowest, low = least({n: float(state.bolt_forces[name].min()) for n, state in cases.items()})
+    highest, high = most({n: float(state.bolt_forces[name].max()) for n, state in cases.items()})
     axial: dict[str, float] = {}
     factors: dict[str, float] = {}
     for case, state in cases.items():
@@ -191,9 +185,9 @@ def _bolt(
             factors[case] = gain / load
     return BoltAssessment(
         preload=preload,
-        least=lows[lowest],
+        least=low,
         least_case=lowest,
-        most=highs[highest],
+        most=high,
         most_case=highest,
         axial_loads=axial,
         load_factors=factors,

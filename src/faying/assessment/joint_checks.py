@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from faying.assessment.check import Check, Outcome, worst_check
+from faying.assessment.extremes import least
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
 from faying.assessment.requirements import Verdict
 from faying.assessment.slip_reserve import SlipReserve
@@ -119,10 +120,10 @@ def _local_slip(
         whole = found.interfaces[place].slip
         if not whole.safety or not demand.safety:
             continue
-        case, least = min(demand.safety, key=demand.safety.__getitem__), min(whole.safety.values())
-        if demand.safety[case] < limit <= least:
+        (case, around), over_all = least(demand.safety), min(whole.safety.values())
+        if around < limit <= over_all:
             reason = (
-                f"S_G {demand.safety[case]:.2f} around it in {case}, {least:.2f} of the interface: "
+                f"S_G {around:.2f} around it in {case}, {over_all:.2f} of the interface: "
                 "what slips there others carry, which friction of the interface would tell"
             )
             yield Check(part=name, kind="bolt", quantity=f"slip at {place}", reason=reason)
@@ -253,9 +254,8 @@ def _least_factor(
 ) -> Check:
     """Judge the least of the factors that load cases may be multiplied by."""
     limit = max((demand.limit for demand in demands), default=1.0)
-    case = min(factors, key=factors.__getitem__)
-    judged = replace(check, unit=unit, case=case, required=bool(demands))
-    return judged.at_least(factors[case], limit)
+    case, factor = least(factors)
+    return replace(check, unit=unit, case=case, required=bool(demands)).at_least(factor, limit)
 
 
 def _judged(check: Check, verdict: Verdict) -> Check:

@@ -8,6 +8,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.assessment.check import Check
+from faying.assessment.extremes import least, most
 from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import OPEN_BELOW, Verdict
 from faying.assessment.slip_demand import NO_DEMAND, SlipDemand
@@ -58,15 +59,14 @@ def clamp_range(
     infinite intervals of parts of hard contact are not.
     """
     certified = {case: ends for case, ends in certified.items() if np.isfinite(ends).all()}
-    lows = {case: float(force.min()) for case, force in forces.items()}
-    highs = {case: float(force.max()) for case, force in forces.items()}
-    lowest, highest = min(lows, key=lows.__getitem__), max(highs, key=highs.__getitem__)
+    lowest, low = least({case: float(force.min()) for case, force in forces.items()})
+    highest, high = most({case: float(force.max()) for case, force in forces.items()})
     return ClampRange(
         preload=preload,
-        least=lows[lowest],
+        least=low,
         least_case=lowest,
         certified_least=certified.get(lowest),
-        most=highs[highest],
+        most=high,
         most_case=highest,
         certified_most=certified.get(highest),
         certified_width=max(
@@ -103,12 +103,9 @@ def bending_of(preload: Matrix, cases: Mapping[str, Matrix]) -> BoltBending:
 
     Those at rest are (2, 2), those of a load case (n_instant, 2, 2).
     """
-    peaks = {case: _largest(moments) for case, moments in cases.items()}
-    added = {case: _largest(moments - preload) for case, moments in cases.items()}
-    worst, farthest = max(peaks, key=peaks.__getitem__), max(added, key=added.__getitem__)
-    return BoltBending(
-        most=peaks[worst], most_case=worst, added=added[farthest], added_case=farthest
-    )
+    worst, peak = most({case: _largest(moments) for case, moments in cases.items()})
+    farthest, added = most({case: _largest(moments - preload) for case, moments in cases.items()})
+    return BoltBending(most=peak, most_case=worst, added=added, added_case=farthest)
 
 
 def _largest(moments: Matrix) -> float:
@@ -301,6 +298,4 @@ class Assessment:
         areas += [
             factors for bolt in self.bolts.values() for factors in bolt.opening_around.values()
         ]
-        return list(
-            dict.fromkeys(min(factors, key=factors.__getitem__) for factors in areas if factors)
-        )
+        return list(dict.fromkeys(least(factors)[0] for factors in areas if factors))

@@ -13,7 +13,9 @@ from faying.assessment.slip_metrics import scattered_metrics, slip_metrics
 from faying.assessment.strength.thread import Thread
 from faying.exceptions import ModelError, naming
 from faying.interface.surface import ContactSurface
+from faying.joint.model import Model
 from faying.joint.system import System
+from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import NamedLoad
 
 QUANTILES = (0.0, 0.05, 0.5, 0.95, 1.0)
@@ -114,7 +116,7 @@ class Spread:
 
 
 def preload_spreads(
-    system: System,
+    system: Model | ReducedModel,
     interfaces: Mapping[str, ContactSurface],
     load: NamedLoad,
     scatter: PreloadScatter,

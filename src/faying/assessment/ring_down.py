@@ -234,10 +234,15 @@ def ring_down(
     circular, last = 2 * np.pi * stuck.frequency, path[-1]
     load = circular**2 * amplitude / measure.unit
     shares = np.arange(1, increments + 1) / increments
-    rise = [replace(last, forces={**last.forces, name: load * share}) for share in shares.tolist()]
-    displaced = solve_path(pushed, [*path, *rise])
-    to_and_fro = np.concatenate([1 - shares, -shares, shares - 1, shares]) * load
-    cycle = [replace(last, forces={**last.forces, name: force}) for force in to_and_fro.tolist()]
+
+    def pushing(factors: Vector) -> list[Load]:
+        return [
+            replace(last, forces={**last.forces, name: load * factor})
+            for factor in factors.tolist()
+        ]
+
+    displaced = solve_path(pushed, [*path, *pushing(shares)])
+    cycle = pushing(np.concatenate([1 - shares, -shares, shares - 1, shares]))
     energies = list[float]()
     while len(energies) < (MOST_CYCLES if cycles is None else cycles):
         displaced = solve_path(pushed, cycle, initial=displaced)

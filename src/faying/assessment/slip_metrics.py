@@ -11,9 +11,9 @@ from faying.assessment.growth import DEFAULT_INCREMENTS
 from faying.assessment.slip import ON_THE_BOUND, SLIP, slip_states
 from faying.interface.surface import ContactSurface
 from faying.joint.model import Model
-from faying.joint.system import System
 from faying.reduction.reduced_model import ReducedModel
-from faying.simulation.path import assembled, follow, moved_alone, path_start
+from faying.simulation.load import InputRow
+from faying.simulation.path import solve_path
 from faying.simulation.solution import Solution
 from faying.simulation.static import solve_static_inputs
 
@@ -67,7 +67,7 @@ def slip_metrics(interfaces: Iterable[str]) -> list[Metric]:
 
 
 def scattered_metrics(
-    system: System,
+    system: Model | ReducedModel,
     interfaces: Mapping[str, ContactSurface],
     inputs: Matrix,
     coefficients: Sequence[Mapping[str, float]],
@@ -99,15 +99,13 @@ def scattered_metrics(
 
 
 def _case(
-    system: System, interfaces: Mapping[str, ContactSurface], inputs: Vector, name: str
+    system: Model | ReducedModel,
+    interfaces: Mapping[str, ContactSurface],
+    inputs: Vector,
+    name: str,
 ) -> Vector:
-    tightened, bolts = np.zeros_like(inputs), system.port_compliance.bolts
-    tightened[bolts] = inputs[bolts]
-    shares = np.arange(DEFAULT_INCREMENTS + 1)[:, None] / DEFAULT_INCREMENTS
-    rows = tightened + shares * (inputs - tightened)
-    moved = moved_alone(system, rows)
-    steps = list(follow(system.static_contact.increments, moved, path_start(system, None)))
-    path = assembled(system, rows, steps, name)
+    load, count = InputRow(name=name, row=inputs), DEFAULT_INCREMENTS
+    path = solve_path(system, [load.scaled(step / count) for step in range(count + 1)], name=name)
     return np.concatenate([case_metrics(path, interfaces)[-1], _slip(path, interfaces)])
 
 
@@ -121,23 +119,22 @@ def _slip(path: Solution, interfaces: Mapping[str, ContactSurface]) -> Vector:
     return np.ravel(metrics)
 
 
-def _with_coefficients(system: System, coefficients: Mapping[str, float]) -> System:
+def _with_coefficients(
+    system: Model | ReducedModel, coefficients: Mapping[str, float]
+) -> Model | ReducedModel:
     """Return a full or reduced model with other coefficients of friction."""
     laws = {
-        name: law.with_coefficient(coefficients[name])
-        for name, law in system.contact.laws.items()
-        if name in coefficients
+        name: system.contact.laws[name].with_coefficient(friction)
+        for name, friction in coefficients.items()
     }
     if all(laws[name] == system.contact.laws[name] for name in laws):
         return system
-    if isinstance(system, Model):
-        return system.with_interfaces(
-            {
-                name: interface.with_law(laws.get(name, interface.law))
-                for name, interface in system.interfaces.items()
-            }
-        )
     if isinstance(system, ReducedModel):
         contact = replace(system.contact, laws={**system.contact.laws, **laws})
         return replace(system, contact=contact)
-    return system
+    return system.with_interfaces(
+        {
+            name: interface.with_law(laws.get(name, interface.law))
+            for name, interface in system.interfaces.items()
+        }
+    )

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
+from faying.assessment.extremes import least, most
 from faying.assessment.joint_record import CaseState, InterfaceAssessment
 from faying.assessment.opening import Openings
 from faying.assessment.requirements import ClosedRing, Requirements, Verdict
@@ -30,10 +31,10 @@ def verdicts(
     friction.
     """
     yield from _clamp_verdict(requirements.min_clamp_force, interfaces)
-    peaks = {name: (item.max_pressure_case, item.max_pressure) for name, item in interfaces.items()}
+    peaks = {(name, item.max_pressure_case): item.max_pressure for name, item in interfaces.items()}
     yield from _pressure_verdict("max_pressure", requirements.max_pressure, peaks)
     means = {
-        name: (item.max_nodal_pressure_case, item.max_nodal_pressure)
+        (name, item.max_nodal_pressure_case): item.max_nodal_pressure
         for name, item in interfaces.items()
     }
     yield from _pressure_verdict("max_nodal_pressure", requirements.max_nodal_pressure, means)
@@ -70,13 +71,12 @@ def wanted_clamps(
 
 
 def _pressure_verdict(
-    requirement: str, limit: float | None, peaks: Mapping[str, tuple[str, float]]
+    requirement: str, limit: float | None, peaks: Mapping[tuple[str, str], float]
 ) -> Iterator[Verdict]:
     """Judge the largest pressures of the interfaces, each with its case."""
     if limit is None:
         return
-    name = max(peaks, key=lambda name_of: peaks[name_of][1])
-    case, value = peaks[name]
+    (name, case), value = most(peaks)
     yield Verdict(
         requirement=requirement,
         met=value <= limit,
@@ -99,19 +99,16 @@ def _opening_verdict(
         return
     for bolt_name, bolt in bolts.items():
         masked = pressed_near(surfaces, bolt, radius, preloaded.pressure[0])
-        lows = [
-            (case, float(state.pressure[:, masked].min()))
-            for case, state in cases.items()
-            if masked.any()
-        ]
-        if not lows:
+        if not masked.any():
             reason = (
                 f"the preload presses no contact point within {radius:g} of bolt '{bolt_name}', so "
                 "nothing can open there; give a larger radius for no_opening_within"
             )
             yield Verdict.unknown("no_opening_within", radius, reason, bolt_name)
             continue
-        case, value = min(lows, key=lambda item: item[1])
+        case, value = least(
+            {case: float(state.pressure[:, masked].min()) for case, state in cases.items()}
+        )
         yield Verdict(
             requirement="no_opening_within",
             met=value > 0,
@@ -146,9 +143,10 @@ def _least_factor(
     none: str,
 ) -> Verdict:
     """Judge the least factor of places and load cases, beyond which some were not followed."""
-    place, case = min(factors, key=factors.__getitem__, default=("", ""))
-    if factors and (factors[place, case] < limit or not short):
-        return Verdict.at_least(requirement, place, case, factors[place, case], limit)
+    if factors:
+        (place, case), factor = least(factors)
+        if factor < limit or not short:
+            return Verdict.at_least(requirement, place, case, factor, limit)
     return Verdict.unknown(requirement, limit, short[0] if short else none)
 
 
@@ -170,8 +168,8 @@ def _slip_verdict(
             yield Verdict.unknown("min_slip_safety", limit, f"{reason}; {NO_SUMS}", name)
         safeties |= {(name, case): safety for case, safety in slip.safety.items()}
     if safeties:
-        area_name, case = min(safeties, key=safeties.__getitem__)
-        yield Verdict.at_least("min_slip_safety", area_name, case, safeties[area_name, case], limit)
+        (name, case), safety = least(safeties)
+        yield Verdict.at_least("min_slip_safety", name, case, safety, limit)
     elif not asked:
         yield Verdict.unknown("min_slip_safety", limit, NO_SLIP)
     elif all(not slip.unknown for slip in asked.values()):
@@ -222,13 +220,14 @@ def _ring_verdict(
 ) -> Verdict:
     name = ring_surface(ring_limit, surfaces)
     ring = ring_around(surfaces[name], ring_limit.around)
-    lows = {case: float(ring_pressure(ring, state.pressure).min()) for case, state in cases.items()}
-    lowest = min(lows, key=lows.__getitem__)
+    lowest, pressure = least(
+        {case: float(ring_pressure(ring, state.pressure).min()) for case, state in cases.items()}
+    )
     return Verdict(
         requirement="closed_ring",
-        met=0 < lows[lowest] >= ring_limit.pressure,
+        met=0 < pressure >= ring_limit.pressure,
         place=name,
         case=lowest,
-        value=lows[lowest],
+        value=pressure,
         limit=ring_limit.pressure,
     )

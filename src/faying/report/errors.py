@@ -9,7 +9,7 @@ from faying.assessment.transient_error import OBSERVED_ON, OBSERVED_RATIOS, TRAC
 from faying.display.quantities import number, percent
 from faying.display.table import Cell, Column, Table, described, graded
 from faying.report.methods import GOOD_ERROR, grade
-from faying.report.style import SMALLEST_DRAWN, label
+from faying.report.style import label
 from faying.study.judgement.comparison import backbone_errors
 from faying.study.judgement.remarks import hint
 from faying.study.judgement.summary import timings
@@ -157,14 +157,12 @@ def stage_table(results: Results) -> Table:
 
 def estimate_note(results: Results) -> str:
     """Say what the estimated errors of transients are; empty where there are none."""
-    estimates = [
-        (case.is_full, name, result.response.estimate, result.accuracy)
+    if not any(
+        result.response.estimate is not None
         for case in results.cases.values()
-        for name, sizes in case.methods.items()
+        for sizes in case.methods.values()
         for result in sizes.values()
-        if result.response.estimate is not None
-    ]
-    if not estimates:
+    ):
         return ""
     low, high = (number(factor, 2) for factor in OBSERVED_RATIOS)
     said = (
@@ -174,16 +172,7 @@ def estimate_note(results: Results) -> str:
         f"solutions of {OBSERVED_ON} it was {low} to {high} times the true max error"
     )
     said += f", {TRACTIONS_OBSERVED}, over the largest traction."
-    said = f"{said} {hint(results)}".rstrip()
-    ratios = [
-        estimate.max_relative_error / true.max_relative_error
-        for full, _, estimate, true in estimates
-        if full and true.max_relative_error > SMALLEST_DRAWN
-    ]
-    if not ratios:
-        return said
-    smallest, largest = (number(float(extreme(ratios)), 2) for extreme in (np.min, np.max))
-    return f"{said} In this run it is {smallest} to {largest} times the true one."
+    return f"{said} {hint(results)}".rstrip()
 
 
 def doubtful_references(results: Results) -> list[str]:

@@ -241,11 +241,6 @@ def coarse_steps(results: Results) -> list[str]:
 def reservations(results: Results) -> list[str]:
     """Return what the errors do not say, the pressing ones first."""
     said = [*filter(None, [reference_note(results)])]
-    if results.omissions:
-        said.append(
-            f"{len(results.omissions)} part(s) of the validation could not be computed; see the "
-            "warnings."
-        )
     said.extend(jumps(results))
     said.extend(_undetermined(results))
     said.extend(_unseen(results))
@@ -254,21 +249,9 @@ def reservations(results: Results) -> list[str]:
         f"Errors compare each reduced model with {against(results.cases.values())} on the same "
         "mesh, contact law, "
         "quadrature and time step, for these load cases only. They say nothing of other loads, "
-        f"nor of the full model's own discretization error{_mesh_error(results)}."
+        "nor of the full model's own discretization error."
     )
     return said
-
-
-def _mesh_error(results: Results) -> str:
-    """Return what the mesh does to pressures at worst, estimated, to end a sentence with."""
-    errors = [error for case in results.cases.values() for error in case.mesh_errors.values()]
-    if not errors:
-        return ""
-    largest = max(estimate.field for estimate in errors)
-    return (
-        f", which the mesh alone is estimated to make {percent(largest)} "
-        "of the peak in the root mean square"
-    )
 
 
 def _undetermined(results: Results) -> list[str]:
