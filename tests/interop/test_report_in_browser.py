@@ -15,11 +15,11 @@ from matplotlib.image import imread
 from programs import MissingProgramError, or_skip
 
 from fake_results import fake_results
+from faying.interface.surface import nodal_average
 from faying.report.errors import error_table
 from faying.report.figures.album import Album, FigureEntry
 from faying.report.figures.model import model_figure
 from faying.report.html import render, render_methods, write_report
-from faying.study.results.interface_surface import nodal_average
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 

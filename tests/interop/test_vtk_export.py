@@ -9,7 +9,7 @@ import pytest
 import faying as fy
 from faying.export.formats import export
 from faying.export.vtk_files import write_vtu
-from faying.study.results.interface_surface import nodal_average
+from faying.interface.surface import nodal_average
 from faying.study.stages.recover import results_of
 
 

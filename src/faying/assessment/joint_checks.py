@@ -6,6 +6,7 @@ loads themselves: where the study demands no more, the limit is one times the lo
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -73,13 +74,14 @@ def _bolt_checks(
     demands: Mapping[str, Sequence[Verdict]],
     units: Units,
 ) -> Iterator[Check]:
+    blank = partial(Check, part=name, kind="bolt")
     checks = [check for check in found.checks if (check.kind, check.part) == ("bolt", name)]
     clamps = [check for check in checks if check.quantity.startswith("clamp loss")]
     strength = [check for check in checks if check not in clamps]
     loosened = [check for check in found.loosened if (check.kind, check.part) == ("bolt", name)]
     yield from strength
     if not strength:
-        yield Check(part=name, kind="bolt", quantity="yield", reason=NO_THREAD)
+        yield blank(quantity="yield", reason=NO_THREAD)
     shared = [
         place
         for place in bolt.clamp_around
@@ -89,7 +91,7 @@ def _bolt_checks(
         check
         for place in shared
         for check in clamp_loss(
-            Check(part=name, kind="bolt", quantity=f"clamp loss at {place}"),
+            blank(quantity=f"clamp loss at {place}"),
             bolt.clamp_around[place].preload,
             bolt.clamp_around[place].least,
             bolt.clamp_around[place].least_case,
@@ -98,9 +100,7 @@ def _bolt_checks(
     yield from _most_used([*clamps, *losses])
     demand = demands.get("min_opening_factor", ())
     openings = [
-        _least_factor(
-            Check(part=name, kind="bolt", quantity=f"opening at {place}"), factors, demand
-        )
+        _least_factor(blank(quantity=f"opening at {place}"), factors, demand)
         for place, factors in bolt.opening_around.items()
         if factors and bolt.clamp_around[place].preload > 0
     ]
@@ -108,7 +108,7 @@ def _bolt_checks(
     for verdict in demands.get("no_opening_within", ()):
         if verdict.place == name:
             quantity = f"pressed within {verdict.limit:g} {units.length}"
-            yield _judged(Check(part=name, kind="bolt", quantity=quantity), verdict)
+            yield _judged(blank(quantity=quantity), verdict)
 
 
 def _local_slip(
@@ -136,20 +136,15 @@ def _interface_checks(
     reserves: Mapping[str, SlipReserve],
     units: Units,
 ) -> Iterator[Check]:
+    blank = partial(Check, part=name, kind="interface")
+    demanded = partial(blank, unit=units.pressure, required=True)
     clamps = [demand for demand in demands.get("min_clamp_force", ()) if demand.place == name]
     for clamp in clamps:
-        check = Check(
-            part=name,
-            kind="interface",
-            quantity="clamp force",
-            unit=units.force,
-            case=clamp.case,
-            required=True,
-        )
+        check = demanded(quantity="clamp force", unit=units.force, case=clamp.case)
         yield check.at_least(clamp.value, clamp.limit)
     if not clamps:
         yield from clamp_loss(
-            Check(part=name, kind="interface", quantity="clamp loss"),
+            blank(quantity="clamp loss"),
             interface.preload,
             interface.least_clamp,
             interface.least_clamp_case,
@@ -164,32 +159,20 @@ def _interface_checks(
     }
     for requirement, (quantity, value, case) in pressures.items():
         for demand in demands.get(requirement, ()):
-            check = Check(
-                part=name,
-                kind="interface",
-                quantity=quantity,
-                unit=units.pressure,
-                case=case,
-                required=True,
-            )
-            yield check.at_most(value, demand.limit)
+            yield demanded(quantity=quantity, case=case).at_most(value, demand.limit)
     for ring in demands.get("closed_ring", ()):
         if ring.place == name:
-            yield Check(
-                part=name,
-                kind="interface",
+            yield demanded(
                 quantity="pressure on the ring",
                 outcome="met" if ring.met else "not met",
                 utilisation=ring.limit / ring.value if ring.value > 0 and ring.limit > 0 else None,
                 value=ring.value,
                 limit=ring.limit,
-                unit=units.pressure,
                 case=ring.case,
-                required=True,
             )
     factors = demands.get("min_opening_factor", ())
     unknown = [demand.reason for demand in factors if demand.met is None]
-    opening = Check(part=name, kind="interface", quantity="opening")
+    opening = blank(quantity="opening")
     if unknown:
         yield replace(opening, reason=unknown[0], required=True)
     elif interface.preload > 0 and interface.opening:

@@ -13,8 +13,8 @@ from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import ModelError
-from faying.interface.surface import ContactSurface
-from faying.model.elements import FACES
+from faying.interface.surface import ContactSurface, pair_facets
+from faying.model.outline import bounding_edges
 
 MOST_NUMBERS = 2_000_000
 """Numbers of all links and cases in memory at a time."""
@@ -45,19 +45,13 @@ class Ring:
 
 def ring_around(surface: ContactSurface, around: Sequence[float]) -> Ring:
     """Return the nodes around the hole of an interface whose edge is nearest to a point."""
-    rows = _pair_rows(surface)
-    edges, links = [], [np.repeat(np.arange(len(surface.pairs))[:, None], 2, axis=1)]
-    for pairs in surface.faces:
-        nodes, corners = rows[pairs.minus], FACES[pairs.kind].n_corners
+    facets, every = pair_facets(surface), np.arange(len(surface.pairs))
+    links = [np.repeat(every[:, None], 2, axis=1)]
+    for _, nodes in facets:
         width = nodes.shape[1]
         first, second = np.divmod(np.arange(width**2), width)
         links.append(np.stack([nodes[:, first], nodes[:, second]], axis=2).reshape(-1, 2))
-        starts, following = nodes[:, :corners], np.roll(nodes[:, :corners], -1, axis=1)
-        # Mid-side nodes belong to the edge of the corners before and behind them.
-        middle = nodes[:, corners : 2 * corners] if width > corners else starts
-        edges.append(np.stack([starts, following, middle], axis=2).reshape(-1, 3))
-    rim = _rim(np.concatenate(edges))
-    loop = _loops(rim, len(surface.pairs))
+    loop = _loops(bounding_edges(facets), len(every))
     distance = np.linalg.norm(surface.pair_points - np.asarray(around, dtype=float), axis=1)
     on_rim = np.flatnonzero(loop >= 0)
     nearest = loop[on_rim[distance[on_rim].argmin()]]
@@ -107,26 +101,9 @@ def _least_barrier(ring: Ring, nodal: Matrix) -> Vector:
         barrier = better
 
 
-def _pair_rows(surface: ContactSurface) -> Indices:
-    """Return the row among the pairs of each minus node; -1 of all others."""
-    rows = np.full(int(surface.pairs[:, 0].max()) + 1, -1, dtype=np.int64)
-    rows[surface.pairs[:, 0]] = np.arange(len(surface.pairs))
-    return rows
-
-
-def _rim(edges: Indices) -> Indices:
-    """Return the edges (n, 3) that belong to one facet only."""
-    ends = np.sort(edges[:, :2], axis=1)
-    _, first, count = np.unique(ends, axis=0, return_index=True, return_counts=True)
-    single = edges[first[count == 1]]
-    rim: Indices = single[single[:, 0] != single[:, 1]]
-    return rim
-
-
 def _loops(rim: Indices, n_node: int) -> Indices:
     """Return the number of the closed edge that nodes (n_node,) lie on; -1 where on none."""
-    rows = np.concatenate([rim[:, [0, 1]], rim[:, [0, 2]]])
-    graph = sp.coo_array((np.ones(len(rows)), (rows[:, 0], rows[:, 1])), shape=(n_node, n_node))
+    graph = sp.coo_array((np.ones(len(rim)), tuple(rim.T)), shape=(n_node, n_node))
     _, label = connected_components(graph.tocsr(), directed=False)
     on = np.zeros(n_node, dtype=bool)
     on[rim.ravel()] = True

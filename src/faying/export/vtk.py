@@ -25,9 +25,8 @@ from faying.assessment.recovery import solve_at_ports
 from faying.export.linearized import linearize
 from faying.export.vtk_files import write_pvd, write_vtu
 from faying.files.names import file_names
-from faying.interface.surface import ContactSurface
+from faying.interface.surface import ContactSurface, nodal_average, pair_facets
 from faying.reduction.reduced_model import ReducedModel
-from faying.study.results.interface_surface import nodal_average, pair_facets
 from faying.study.results.values import (
     CaseResult,
     InterfaceRecord,

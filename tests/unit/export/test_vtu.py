@@ -12,7 +12,7 @@ from fake_results import NX, NY, fake_results
 from faying.exceptions import FormatError
 from faying.export.vtk import write_interface_vtu
 from faying.interface.interface import FacePairs
-from faying.study.results.interface_surface import pair_facets
+from faying.interface.surface import pair_facets
 
 RESULTS = fake_results()
 TYPES = {"Float64": "<f8", "Int64": "<i8", "UInt8": "u1"}

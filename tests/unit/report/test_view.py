@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from fake_results import fake_results
+from faying.interface.surface import nodal_average
 from faying.model.cells import CellBlock
 from faying.model.mesh import Mesh
 from faying.report.view.outer_surface import explosion, outer_surface
 from faying.report.view.packing import STEPS, packed_integers, packed_numbers
 from faying.report.view.scene import own, scene, three
-from faying.study.results.interface_surface import nodal_average
 from faying.study.results.path_record import SlipRecord
 
 RESULTS = fake_results()

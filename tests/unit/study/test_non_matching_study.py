@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from faying.exceptions import FayingError
+from faying.interface.surface import pair_facets
 from faying.report.figures.surface_map import best_plane, covered
 from faying.study.inputs.load_model import build
 from faying.study.keys.schema import read_study
-from faying.study.results.interface_surface import pair_facets
 from faying.study.results.store import read_results
 from faying.workflow.run import run
 

@@ -31,24 +31,17 @@ def clamp_checks(
         if smallest is None or (bolt and len(bolts) == 1):
             continue
         force, end, case, tightened = smallest
-        if bolt:
-            quantity = f"clamp loss at {interface}"
-            loss = Check(part=bolt, kind="bolt", quantity=quantity, scatter=end)
-            yield from clamp_loss(loss, tightened, force, case)
-        elif interface not in limits:
-            loss = Check(part=interface, kind="interface", quantity="clamp loss", scatter=end)
-            yield from clamp_loss(loss, tightened, force, case)
-        else:
-            check = Check(
-                part=interface,
-                kind="interface",
-                quantity="clamp force",
-                unit=units_of(units).force,
-                case=case,
-                scatter=end,
-                required=True,
-            )
-            yield check.at_least(force, limits[interface])
+        check = Check(
+            part=bolt or interface,
+            kind="bolt" if bolt else "interface",
+            quantity=f"clamp loss at {interface}" if bolt else "clamp loss",
+            scatter=end,
+        )
+        if bolt or interface not in limits:
+            yield from clamp_loss(check, tightened, force, case)
+            continue
+        demanded = replace(check, quantity="clamp force", unit=units_of(units).force, case=case)
+        yield replace(demanded, required=True).at_least(force, limits[interface])
 
 
 def _smallest(ends: Sequence[PreloadEnd], weights: Vector) -> tuple[float, str, str, float] | None:

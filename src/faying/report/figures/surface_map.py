@@ -19,10 +19,10 @@ from faying.display.plane import Plane as Plane
 from faying.display.plane import Unrolled as Unrolled
 from faying.display.plane import plane_of, unrolled
 from faying.display.style import heading, plain
+from faying.interface.surface import pair_facets
 from faying.model.elements import FACES
 from faying.model.outline import outline_of
 from faying.report.style import OPEN_COLOUR, new_figure
-from faying.study.results.interface_surface import pair_facets
 from faying.study.results.values import InterfaceRecord
 from faying.units import Units
 

@@ -7,9 +7,9 @@ from functools import partial
 import numpy as np
 
 from faying._typing import Indices, Matrix
+from faying.interface.surface import nodal_average
 from faying.report.style import label
 from faying.study.judgement.comparison import increments, rubbed
-from faying.study.results.interface_surface import nodal_average
 from faying.study.results.nodal_motion import shown_states
 from faying.study.results.values import CaseResult, Response, Results
 from faying.units import Units

@@ -15,6 +15,7 @@ from faying._typing import Indices
 from faying.assessment.joint_verdict import JointVerdict
 from faying.display.quantities import percent
 from faying.display.style import BODY_COLOURS, BOLT_COLOUR, PRESSURE_MAP
+from faying.interface.surface import pair_facets
 from faying.model.mesh import Mesh
 from faying.report.figures.surface_map import Unrolled, best_plane, looks_both_ways
 from faying.report.style import ERROR_MAP, GAP_MAP, OPEN_COLOUR, SLIP_MAP
@@ -23,7 +24,6 @@ from faying.report.view.outer_surface import OuterSurface, explosion, outer_surf
 from faying.report.view.packing import packed_integers, packed_numbers
 from faying.study.judgement.comparison import increments
 from faying.study.judgement.verdict import run_verdict
-from faying.study.results.interface_surface import pair_facets
 from faying.study.results.values import CaseResult, InterfaceRecord, Response, Results
 
 ROOM = 4_000_000

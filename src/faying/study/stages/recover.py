@@ -16,12 +16,12 @@ from faying.assessment.imported_recovery import (
 from faying.assessment.recovery import Recovered
 from faying.display.table import PRESSURE, Column, Table, described
 from faying.exceptions import StudyError
+from faying.interface.surface import nodal_average
 from faying.reduction.model_writer import MOST_PORTS
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.integrators import Integrator
 from faying.simulation.load import History, Load
 from faying.study.keys.errors import nearest, quoted
-from faying.study.results.interface_surface import nodal_average
 from faying.study.results.solved_fields import RecoveredRecord
 from faying.study.results.store import read_results
 from faying.study.results.values import Results
