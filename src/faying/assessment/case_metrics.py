@@ -10,6 +10,7 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.assessment.certificate import Certificate
 from faying.assessment.sealing import Ring, ring_pressure
+from faying.assessment.slip import ON_THE_BOUND
 from faying.assessment.slip_demand import area_sums
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import contact_areas, surroundings
@@ -177,6 +178,8 @@ def _groups(
                 else [cases.certificate.energy_error, cases.certificate.max_relative_error]
             ),
         )
+    for name in system.contact.rubbing_interfaces:
+        yield _of_friction(name, interfaces[name])
 
 
 def _of_interface(name: str, surface: ContactSurface, *, certified: bool) -> Group:
@@ -207,6 +210,33 @@ def _of_interface(name: str, surface: ContactSurface, *, certified: bool) -> Gro
             *([] if bounds is None else bounds.contact_force[name].T),
             (pressure <= 0) @ surface.weights,
             gap.max(axis=1),
+        ]
+
+    return metrics, columns
+
+
+def _of_friction(name: str, surface: ContactSurface) -> Group:
+    traction = "largest tangential traction of a contact point"
+    at_bound = "area in contact whose traction is at its friction bound"
+    distance = "largest distance slipped, tightening included"
+    metrics = [
+        Metric(f"max_traction.{name}", traction, PRESSURE, "largest"),
+        Metric(f"area_at_bound.{name}", at_bound, "length²", "largest"),
+        Metric(f"max_slip.{name}", distance, "length", "largest"),
+    ]
+
+    def columns(cases: _Cases) -> list[Vector]:
+        solution, points = cases.solution, slice(*surface.slice)
+        normal, contact = solution.contact_forces[:, points], solution.system.contact
+        force, far = (
+            np.linalg.norm(parts[..., points], axis=-2)
+            for parts in (solution.shear_forces, solution.shear_slip)
+        )
+        bound = (1 - ON_THE_BOUND) * contact.coefficients[points] * normal
+        return [
+            (force / surface.weights).max(axis=1),
+            ((normal > 0) & (force >= bound)) @ surface.weights,
+            far.max(axis=1),
         ]
 
     return metrics, columns

@@ -1,22 +1,25 @@
 """What scatter of the preloads does: the metrics of a load case over many tightenings."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import final
 
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.assessment.case_metrics import metrics_of
-from faying.assessment.slip_metrics import scattered_metrics, slip_metrics
+from faying.assessment.case_metrics import Metric, case_metrics, metrics_of
+from faying.assessment.growth import DEFAULT_INCREMENTS
+from faying.assessment.slip import SLIP, slip_states
 from faying.assessment.strength.thread import Thread
 from faying.exceptions import ModelError, naming
 from faying.interface.surface import ContactSurface
 from faying.joint.model import Model
 from faying.joint.system import System
 from faying.reduction.reduced_model import ReducedModel
-from faying.simulation.load import NamedLoad
+from faying.simulation.load import InputRow, NamedLoad
+from faying.simulation.path import solve_path
+from faying.simulation.static import solve_static_inputs
 
 QUANTILES = (0.0, 0.05, 0.5, 0.95, 1.0)
 """Of the tightenings, below which the values that are told lie."""
@@ -150,9 +153,17 @@ def preload_spreads(
     meant = load.inputs(system, np.zeros(1))
     inputs = np.vstack([meant, _tightened(system, meant, scatter, threads, rng)])
     metrics = metrics_of(system, interfaces, certified=False)
-    metrics += slip_metrics(system.contact.rubbing_interfaces)
-    coefficients = _coefficients(system, scatter, rng)
-    table = scattered_metrics(system, interfaces, inputs, coefficients, load.name)
+    slipping = "area that slips at the end of the load"
+    metrics += [
+        Metric(f"slip_area.{name}", slipping, "length²", "largest")
+        for name in system.contact.rubbing_interfaces
+    ]
+    if system.contact.forgets:
+        table = case_metrics(solve_static_inputs(system, inputs, load.name), interfaces)
+    else:
+        rubbing = (_with_coefficients(system, row) for row in _coefficients(system, scatter, rng))
+        paths = zip(rubbing, inputs, strict=True)
+        table = np.array([_at_the_end(*path, interfaces, load.name) for path in paths])
     spreads = []
     for column, metric in enumerate(metrics):
         if metric.worst is None:
@@ -168,6 +179,42 @@ def preload_spreads(
             )
         )
     return tuple(spreads)
+
+
+def _at_the_end(
+    system: Model | ReducedModel,
+    inputs: Vector,
+    interfaces: Mapping[str, ContactSurface],
+    name: str,
+) -> Vector:
+    """Return the metrics (n_metric,) where a path from no load ends, the bolts tightened first."""
+    load, count = InputRow(name=name, row=inputs), DEFAULT_INCREMENTS
+    path = solve_path(system, [load.scaled(step / count) for step in range(count + 1)], name=name)
+    slips = slip_states(path).status[-1] == SLIP
+    rubbing = [interfaces[name] for name in system.contact.rubbing_interfaces]
+    areas = [slips[slice(*surface.slice)] @ surface.weights for surface in rubbing]
+    return np.concatenate([case_metrics(path, interfaces)[-1], areas])
+
+
+def _with_coefficients(
+    system: Model | ReducedModel, coefficients: Mapping[str, float]
+) -> Model | ReducedModel:
+    """Return a full or reduced model with other coefficients of friction."""
+    laws = {
+        name: system.contact.laws[name].with_coefficient(friction)
+        for name, friction in coefficients.items()
+    }
+    if all(laws[name] == system.contact.laws[name] for name in laws):
+        return system
+    if isinstance(system, ReducedModel):
+        contact = replace(system.contact, laws={**system.contact.laws, **laws})
+        return replace(system, contact=contact)
+    return system.with_interfaces(
+        {
+            name: interface.with_law(laws.get(name, interface.law))
+            for name, interface in system.interfaces.items()
+        }
+    )
 
 
 def _tightened(

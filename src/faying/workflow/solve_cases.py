@@ -12,7 +12,6 @@ from faying.assessment.certificate import Certifier, certifier
 from faying.assessment.growth import DEFAULT_INCREMENTS
 from faying.assessment.joint_record import CaseState
 from faying.assessment.requirements import Requirements
-from faying.assessment.slip_metrics import friction_metrics
 from faying.assessment.strength.preload_ends import BoltStrengths, state_of
 from faying.exceptions import ConvergenceError, StudyError
 from faying.execution.campaign import run_campaign
@@ -195,14 +194,13 @@ class CaseSolver:
 
     def _metrics(self, *, static: bool) -> list[Metric]:
         interfaces = self.rom.interfaces
-        metrics = metrics_of(
+        return metrics_of(
             self.rom,
             interfaces,
             certified=static and self.judge is not None,
             rings=self.demanded.rings,
             areas=self.demanded.areas if static else (),
         )
-        return metrics + friction_metrics(self.rom.contact.rubbing_interfaces)
 
     @property
     def _length(self) -> int:

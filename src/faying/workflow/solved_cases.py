@@ -14,7 +14,6 @@ from faying.assessment.joint_record import CaseState
 from faying.assessment.opening import estimated_openings
 from faying.assessment.requirements import OPEN_BELOW
 from faying.assessment.sealing import Ring
-from faying.assessment.slip_metrics import friction_figures
 from faying.assessment.slip_reserve import friction_used
 from faying.digits import ROUND_OFF
 from faying.execution.checkpoint import Arrays, Bundles
@@ -66,11 +65,9 @@ def arrays_of(
     of the worst cases of each metric and of the chosen rows.
     """
     pressed = demanded.pressed.values()
-    rubbing = {name: rom.interfaces[name] for name in rom.contact.rubbing_interfaces}
 
     def figures(solution: Solution, certificate: Certificate | None) -> Matrix:
-        table = case_metrics(solution, rom.interfaces, certificate, demanded.rings, demanded.areas)
-        return np.hstack([table, friction_figures(solution, rubbing)])
+        return case_metrics(solution, rom.interfaces, certificate, demanded.rings, demanded.areas)
 
     def smallest(solution: Solution, _: object) -> Matrix:
         forces = [np.asarray(solution.bolt_force(name)) for name in rom.bolts]
