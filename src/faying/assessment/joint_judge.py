@@ -179,30 +179,19 @@ class JointJudge:
         loosened = loosest_checks(loose, units_of(units))
         return replace(assessment, checks=clamps, loosened=loosened)
 
-    def strengthened(
-        self,
-        assessment: Assessment,
-        histories: Mapping[str, CaseState],
-        ends: Sequence[PreloadEnd],
-        repetitions: Mapping[str, float],
-    ) -> Assessment:
-        """Return an assessment with the strength of the bolts whose threads are known.
-
-        The histories of load cases are given anew at the ends of the preloads. Repetitions say how
-        often a load case comes in the life of the joint, where that is known.
-        """
-        threads, units = self.strengths.threads, self.system.units
-        return with_threads(assessment, histories, threads, units, ends, repetitions)
-
     def with_strength(
         self,
         assessment: Assessment,
         histories: Mapping[str, CaseState],
         repetitions: Mapping[str, float],
     ) -> Assessment:
-        """Return an assessment with the ends of the preloads, and the strength of bolts there."""
-        ends = self.ends(histories)
-        return self.strengthened(self.at_ends(assessment, ends), histories, ends, repetitions)
+        """Return an assessment with the ends of the preloads, and the strength of bolts there.
+
+        Repetitions say how often a load case comes in the life of the joint, where that is known.
+        """
+        ends, threads, units = self.ends(histories), self.strengths.threads, self.system.units
+        judged_ends = self.at_ends(assessment, ends)
+        return with_threads(judged_ends, histories, threads, units, ends, repetitions)
 
     def _judged(
         self, paths: Mapping[str, Openings], demands: Mapping[tuple[str, str], SlipDemand]

@@ -15,6 +15,7 @@ from faying.assessment.requirements import ClosedRing, Verdict
 from faying.assessment.sealing import Ring, ring_around
 from faying.assessment.slip_demand import slip_coefficients
 from faying.assessment.slip_reserve import SlipReserve, followed_openings
+from faying.assessment.strength.checks import with_threads
 from faying.assessment.strength.preload_ends import BoltStrengths, PreloadEnd
 from faying.assessment.strength.thread import fibre_stresses
 from faying.assessment.verdicts import ring_surface
@@ -134,7 +135,7 @@ def solved_checks(
         reserves=reserves,
         openings=openings,
     ).certified(lambda: solver.judge)
-    assessment = judge.assessment()
+    assessment, threads = judge.assessment(), options.strengths.threads
     histories = {name: _history(cases, rom) for name, cases in sets.items()} if rom.bolts else {}
     histories = {name: state for name, state in histories.items() if len(state.pressure)}
     while True:
@@ -142,7 +143,7 @@ def solved_checks(
             histories |= {loads.names[row]: state for row, state in paths.items()}
         ends = judge.ends(histories)
         apart = [_told_apart(end, loads) for end in ends]
-        stressed = judge.strengthened(assessment, histories, apart, loads.repetitions)
+        stressed = with_threads(assessment, histories, threads, rom.units, apart, loads.repetitions)
         solved = {*histories, *(name for end in ends for name in end.solved)}
         worst = _worst_rows(loads, options.strengths, apart, stressed.checks)
         more = [row for row in sorted(worst) if loads.names[row] not in solved]
@@ -151,7 +152,7 @@ def solved_checks(
         judge = replace(judge, loads=[*judge.loads, *_loads(loads, more)])
         paths = solver.followed(more)
     assessment = judge.at_ends(assessment, ends)
-    assessment = judge.strengthened(assessment, histories, apart, loads.repetitions)
+    assessment = with_threads(assessment, histories, threads, rom.units, apart, loads.repetitions)
     checks = tuple(_labelled(check, sets) for check in assessment.checks)
     assessment = with_margins(replace(assessment, checks=checks), judge, options.margins, summed)
     return assessment.verdicts, joint_checks(assessment, rom.unit_set, reserves)
