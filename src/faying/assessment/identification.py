@@ -27,10 +27,6 @@ SMALLEST_CHANGE = 1e-3
 """Change of the sum of squares, over it, and of shares of ranges, at which a search ends: less than
 the noise of cycles tells apart."""
 
-MOST_STEPS = 30
-
-CONFIDENCE = 0.95
-
 Compute = Callable[[Sequence[Mapping[str, float]]], Sequence[Mapping[str, Backbone]]]
 """From values of the parameters, one mapping a trial, to backbones by the name of the curve."""
 
@@ -167,9 +163,8 @@ def identify(
         bounds=(0.0, 1.0),
         ftol=SMALLEST_CHANGE,
         xtol=SMALLEST_CHANGE,
-        max_nfev=MOST_STEPS,
     )
-    return _judged(comparison, ended.x, ended.fun, ended.jac, free, ended.success)
+    return _judged(comparison, ended.x, ended.fun, ended.jac, free)
 
 
 @dataclass(eq=False)
@@ -258,7 +253,6 @@ def _judged(
     residuals: Vector,
     slopes: Matrix,
     free: int,
-    ended: bool,
 ) -> Identification:
     parameters = comparison.parameters
     names = [parameter.name for parameter in parameters]
@@ -270,16 +264,16 @@ def _judged(
     finite = np.minimum(spreads, 1.0 / np.finfo(float).eps)
     covariance = (directions.T * finite**2) @ directions
     errors = np.sqrt(np.diag(covariance))
-    half = float(student.ppf((1 + CONFIDENCE) / 2, free)) * errors
+    half = float(student.ppf(0.975, free))  # of an interval of 95 %, errors on either side
     intervals = {
         p.name: (p.value(max(share - wide, 0.0)), p.value(min(share + wide, 1.0)))
-        for p, share, wide in zip(parameters, shares, half, strict=True)
+        for p, share, wide in zip(parameters, shares, half * errors, strict=True)
     }
     remarks = [
         f"the data do not tell {_combination(names, row)}: along it values are uncertain by more "
         "than half of their ranges"
         for row, spread in zip(directions, spreads, strict=True)
-        if not student.ppf((1 + CONFIDENCE) / 2, free) * spread < 0.5
+        if not half * spread < 0.5
     ]
     for name, share in zip(names, shares, strict=True):
         if min(share, 1.0 - share) < SMALLEST_CHANGE:
@@ -307,8 +301,6 @@ def _judged(
                 f"{out} of {len(test.amplitude)} amplitudes of '{test.name}' are not used, for "
                 "backbones do not reach them at the start"
             )
-    if not ended:
-        remarks.append(f"the search was stopped after {MOST_STEPS} steps and still went on")
     return Identification(
         parameters=parameters,
         values=values_at(parameters, shares),

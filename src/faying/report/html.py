@@ -57,8 +57,6 @@ LONGEST_UNBROKEN = 22
 """Characters of a cell that may be broken into lines; a number stays with its unit."""
 NARROW_COLUMNS = 3
 """Most columns that a phone shows side by side; wider tables become a card per row there."""
-SMALLEST_AREA_SHARE = 0.5
-"""Share of a declared contact area below which most of it is missing, which decides."""
 GRADES = {"met": "good", "not met": "poor", "unknown": "fair"}
 
 
@@ -220,7 +218,7 @@ def _missing(results: Results, name: str) -> tuple[str, bool]:
     record = results.interfaces[name]
     area = float(record.weights.sum())
     share = kept_share(area, record.declared_area)
-    decides = share is not None and share < SMALLEST_AREA_SHARE
+    decides = share is not None and share < 0.5
     return missing_contact(name, area, record.declared_area), decides
 
 

@@ -7,9 +7,6 @@ from typing import final
 from faying.exceptions import ModelError
 from faying.units import pascals
 
-KSI = 6.894757293168e6
-"""In pascals."""
-
 PROOF = {
     "4.6": 225.0, "4.8": 310.0, "5.6": 280.0, "5.8": 380.0, "6.8": 440.0,
     "8.8": 580.0, "9.8": 650.0, "10.9": 830.0, "12.9": 970.0,
@@ -79,7 +76,7 @@ def strength_of(grade: str, units: str) -> BoltStrength:
         yields, ultimate = STAINLESS[grade[-2:]]
         values, unit = (yields, yields, ultimate), 1e6
     elif grade.startswith("SAE"):
-        values, unit = SAE[grade[-1]], KSI
+        values, unit = SAE[grade[-1]], 1e3 * (pascals("in-slinch-s") or 0.0)
     else:
         strength, share = grade.split(".")
         ultimate = 100.0 * int(strength)
