@@ -123,7 +123,9 @@ def _groups(
     moment = "larger of the bending moments where the beams of the bolt begin and end"
     yield (
         [Metric(f"bolt_bending.{name}", moment, "force·length", "largest") for name in bent],
-        lambda cases: [_largest_moment(cases.solution, name) for name in bent],
+        lambda cases: [
+            np.linalg.norm(cases.solution.bolt_bending(name), axis=-1).max(axis=-1) for name in bent
+        ],
     )
     moved = "displacement or rotation, average over the nodes of the boundary"
     components = [
@@ -240,11 +242,6 @@ def _of_friction(name: str, surface: ContactSurface) -> Group:
         ]
 
     return metrics, columns
-
-
-def _largest_moment(solution: Solution, bolt: str) -> Vector:
-    moments: Vector = np.linalg.norm(solution.bolt_bending(bolt), axis=-1).max(axis=-1)
-    return moments
 
 
 def _needed_friction(

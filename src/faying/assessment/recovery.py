@@ -41,7 +41,7 @@ from faying.simulation.load import Load
 from faying.simulation.path import contact_along, path_at, state_of
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import some_states
-from faying.simulation.static import AT_REST, ContactStates, relative_forces
+from faying.simulation.static import ContactStates, relative_forces
 
 
 @final
@@ -186,15 +186,8 @@ def recover_pressure(
     return path if taken is None else _taken(path, taken)
 
 
-def solve_at_ports(joint: Joint, load: Load = AT_REST) -> Recovered:
-    """Return the static solution of a full model known at its ports; exact, as its own."""
-    inputs = load.inputs(joint, np.zeros(1))[0]
-    free = static_displacements(joint.port_compliance, inputs)
-    return solve_instants(joint, load.name, inputs, free, None)
-
-
 def solve_cases_at_ports(joint: Joint, loads: Sequence[Load]) -> Recovered:
-    """Return the static solutions of many loads, as :func:`solve_at_ports`."""
+    """Return the static solutions of a full model known at its ports; exact, as its own."""
     inputs = np.concatenate([load.inputs(joint, np.zeros(1)) for load in loads])
     free = static_displacements(joint.port_compliance, inputs)
     return solve_instants(joint, "cases", inputs, free, None)

@@ -21,12 +21,13 @@ from pathlib import Path
 import numpy as np
 
 from faying._typing import Indices, Matrix
-from faying.assessment.recovery import solve_at_ports
+from faying.assessment.recovery import solve_cases_at_ports
 from faying.export.linearized import linearize
 from faying.export.vtk_files import write_pvd, write_vtu
 from faying.files.names import file_names
 from faying.interface.surface import ContactSurface, nodal_average, pair_facets
 from faying.reduction.reduced_model import ReducedModel
+from faying.simulation.static import AT_REST
 from faying.study.results.values import (
     CaseResult,
     InterfaceRecord,
@@ -227,7 +228,7 @@ def _bolts(run: Results | None, folder: Path) -> Iterator[Path]:
 def _interfaces(rom: ReducedModel, run: Results | None, folder: Path) -> Iterator[Path]:
     units = rom.unit_set
     stems = file_names(rom.interfaces)
-    preloaded = solve_at_ports(rom.joint).pressure
+    preloaded = solve_cases_at_ports(rom.joint, [AT_REST]).pressure[0]
     moving = [case for case in _cases(run, static=False) if case.times is not None]
     labels = file_names([case.name for case in moving])
     for name, record in rom.interfaces.items():

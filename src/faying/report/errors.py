@@ -128,7 +128,9 @@ def timing_table(results: Results) -> Table:
 
     def over(key: str) -> Any:
         return lambda times: (
-            full[key] / times[key] if times is not full and _both(full, times, key) else None
+            full[key] / times[key]
+            if times is not full and full.get(key) and times.get(key)
+            else None
         )
 
     columns = (
@@ -139,10 +141,6 @@ def timing_table(results: Results) -> Table:
         Column("full model's time per step over it", over("per_step"), "", 2),
     )
     return described("model", {"full model": full, **cost["methods"]}.items(), columns, NO_UNITS)
-
-
-def _both(full: Mapping[str, float], method: Mapping[str, float], key: str) -> bool:
-    return key in full and bool(method.get(key))
 
 
 def stage_table(results: Results) -> Table:

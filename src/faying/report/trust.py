@@ -36,7 +36,11 @@ def _resolution(results: Results, units: Units) -> Iterator[str]:
 def _mesh(results: Results) -> Iterator[str]:
     """Say what the mesh does to the pressures of each interface, in its worst load case."""
     for name, record in results.interfaces.items():
-        estimates = [(case.mesh_errors[name], case) for case in _with_estimate(results, name)]
+        estimates = [
+            (case.mesh_errors[name], case)
+            for case in results.cases.values()
+            if name in case.mesh_errors
+        ]
         if not estimates:
             yield f"{name}: what the mesh does to its pressures could not be estimated."
             continue
@@ -52,10 +56,6 @@ def _mesh(results: Results) -> Iterator[str]:
         "This is an estimate, no bound, and none of the peak: refine the interface and compare. "
         "A peak at a sharp edge grows with every refinement."
     )
-
-
-def _with_estimate(results: Results, interface: str) -> list[CaseResult]:
-    return [case for case in results.cases.values() if interface in case.mesh_errors]
 
 
 def _step(name: str, case: CaseResult, units: Units) -> str:
