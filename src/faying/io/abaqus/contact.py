@@ -46,6 +46,10 @@ class Pair:
     adjusted: GapRule | None
     lone: bool = False
 
+    def is_of(self, names: list[str]) -> bool:
+        """Whether these are the names of its slave and its master."""
+        return [self.slave.name.upper(), self.master.name.upper()] == [n.upper() for n in names]
+
 
 def read_pairs(
     data: DeckData, interactions: Mapping[str, Interaction], surfaces: Surfaces
@@ -199,9 +203,9 @@ def _clearance(
     if keyword.data:
         keyword.refuse("it must be one VALUE; give other gaps as initial_gap in the study")
     value = parameter(keyword, "VALUE")
-    surfaces = [keyword.required(name).upper() for name in ("SLAVE", "MASTER")]
+    surfaces = [keyword.required(name) for name in ("SLAVE", "MASTER")]
     for pair, spec in zip(pairs, interfaces, strict=True):
-        if [pair.slave.name.upper(), pair.master.name.upper()] == surfaces:
+        if pair.is_of(surfaces):
             return spec.name, value
     message = "no *CONTACT PAIR has these surfaces as slave and master"
     raise keyword.error(message)

@@ -132,6 +132,12 @@ class Deck:
         return replace(self, keywords=[k for k in self.keywords if k.name not in names])
 
     @property
+    def offsets(self) -> dict[str, int]:
+        """Upper-case name of each instance to what its ids are raised by."""
+        scopes = (keyword.scope for keyword in self.keywords)
+        return {scope.name.upper(): scope.offset for scope in scopes if scope.name}
+
+    @property
     def perturbations(self) -> frozenset[int]:
         """The steps that are linear perturbations: loads of other steps do not act in them."""
         return frozenset(k.step for k in self.of("STEP") if k.has("PERTURBATION"))

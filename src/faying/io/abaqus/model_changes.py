@@ -55,7 +55,7 @@ def without_removed_pairs(deck: Deck, pairs: Sequence[Pair]) -> tuple[Deck, list
         change for change in deck.of("MODEL CHANGE") if change.choice("TYPE") != "ELEMENT"
     ):
         for row, fields in enumerate(keyword.rows()):
-            named = [pair for pair in pairs if _sides(pair) == [text.upper() for text in fields]]
+            named = [pair for pair in pairs if pair.is_of(fields)]
             if not named:
                 keyword.refuse("no *CONTACT PAIR has these surfaces as slave and master", row)
             if keyword.has("REMOVE"):
@@ -64,15 +64,11 @@ def without_removed_pairs(deck: Deck, pairs: Sequence[Pair]) -> tuple[Deck, list
                     f"*MODEL CHANGE in step 1: the contact pair {', '.join(fields)} is not there, "
                     "in no step"
                 )
-    gone = [_sides(pair) for pair in pairs if pair not in remaining]
+    gone = [pair for pair in pairs if pair not in remaining]
     left = [
         change
         for change in deck.keywords
         if change.name != "CLEARANCE"
-        or [change.value(side).upper() for side in ("SLAVE", "MASTER")] not in gone
+        or not any(pair.is_of([change.value("SLAVE"), change.value("MASTER")]) for pair in gone)
     ]
     return replace(deck, keywords=left), remaining
-
-
-def _sides(pair: Pair) -> list[str]:
-    return [pair.slave.name.upper(), pair.master.name.upper()]

@@ -73,8 +73,7 @@ class _Builder:
         done: dict[str, Indices] = {}
         for key in self.parts:
             self._resolve(key, done, ())
-        offsets = {k.scope.name.upper(): k.scope.offset for k in deck.keywords if k.scope.name}
-        return NamedSets(what=self.what, ids=done, names=self.names, offsets=offsets)
+        return NamedSets(what=self.what, ids=done, names=self.names, offsets=deck.offsets)
 
     def _resolve(self, key: str, done: dict[str, Indices], path: tuple[str, ...]) -> Indices:
         if key in done:
@@ -143,7 +142,8 @@ def _explicit(
     known_ids: Indices,
 ) -> tuple[Indices, Indices]:
     """Ids written out or generated, with the data line of each; names go to the parts."""
-    offset = _offset(keyword, deck)
+    name = keyword.required("INSTANCE") if keyword.has("INSTANCE") else ""
+    offset = named(keyword, name, deck.offsets, "instance") if name else keyword.scope.offset
     fields = table(keyword)
     if keyword.has("GENERATE"):
         return _generated(keyword, fields, known_ids, offset)
@@ -153,29 +153,14 @@ def _explicit(
         label, row = fields.texts[position].decode("latin-1"), int(fields.row[position])
         head, dot, tail = label.rpartition(".")
         if dot and is_integer(tail):
-            scope = _scope_offset(keyword, deck, head, row)
-            parts.append(np.array([int(tail) + scope]))
+            raised = named(keyword, head, deck.offsets, "instance", row)
+            parts.append(np.array([int(tail) + raised]))
         elif not label or label[0] in "+-.0123456789":
             keyword.refuse(f"found '{label}', expected ids or names of sets", row)
         else:
-            inside = f"{keyword.value('INSTANCE')}.{label}" if keyword.has("INSTANCE") else label
+            inside = f"{name}.{label}" if name else label
             parts.append((keyword, row, inside))
     return integers(texts, keyword, rows, "an id") + offset, rows
-
-
-def _offset(keyword: Keyword, deck: Deck) -> int:
-    if not keyword.has("INSTANCE"):
-        return keyword.scope.offset
-    return _scope_offset(keyword, deck, keyword.required("INSTANCE"), None)
-
-
-def _scope_offset(keyword: Keyword, deck: Deck, name: str, row: int | None) -> int:
-    scope = name.strip("\"' ").upper()
-    for entry in deck.keywords:
-        if entry.scope.name.upper() == scope:
-            return entry.scope.offset
-    message = f"there is no instance '{name}'"
-    raise keyword.error(message, row)
 
 
 def _generated(
