@@ -242,7 +242,7 @@ def _forces(bulk: BulkData, names: dict[int, str]) -> dict[int, float]:
 def _combination(card: Card, sets: dict[int, dict[int, float]]) -> dict[int, float]:
     """Add sets of BOLTFOR with factors."""
     total = dict[int, float]()
-    for factor, member, field in card.combination():
-        for bolt, force in card.find(sets, field + 1, "set", "BOLTFOR", member).items():
+    for factor, member, fields in card.combination():
+        for bolt, force in fields.find(sets, 1, "set", "BOLTFOR", member).items():
             total[bolt] = total.get(bolt, 0.0) + factor * force
     return total

@@ -3,8 +3,8 @@
 Field j of a card is where the reference guide puts it: row j // 8, field j % 8 + 2 of the row.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import zip_longest
 from typing import NoReturn, TypeVar
 
@@ -55,18 +55,30 @@ class Bulk:
         order = np.argsort(which, kind="stable")
         groups = np.split(order, np.cumsum(np.bincount(which, minlength=len(names)))[:-1])
         return {
-            (name := raw.decode("latin-1")): Cards(bulk=self, name=name, index=index)
+            (name := raw.decode("latin-1")): Cards(
+                bulk=self, name=name, index=index, first=np.zeros_like(index)
+            )
             for raw, index in zip(names, groups, strict=True)
         }
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Cards:
-    """Cards of one name; ``index`` (n,) points into ``Bulk``."""
+    """Cards of one name, or groups of fields that repeat in them.
+
+    Attributes
+    ----------
+    index, first : (n,)
+        Place of each card in ``bulk``, and the field of the card that is field 0 here.
+    size
+        Fields of a group; None goes on to the end of the card.
+    """
 
     bulk: Bulk
     name: str
     index: Indices
+    first: Indices
+    size: int | None = None
 
     def __len__(self) -> int:
         return len(self.index)
@@ -74,16 +86,31 @@ class Cards:
     @property
     def start(self) -> Indices:
         """First field (n,) of each card."""
-        return self.bulk.start[self.index]
+        return np.asarray(self.bulk.start[self.index] + self.first)
 
     @property
     def count(self) -> Indices:
         """Number of fields (n,) of each card."""
-        return np.asarray(self.bulk.start[self.index + 1] - self.start)
+        count = np.asarray(self.bulk.start[self.index + 1] - self.start)
+        return count if self.size is None else np.minimum(count, self.size)
 
     def take(self, which: Indices | Mask) -> "Cards":
         """Return some of the cards."""
-        return Cards(bulk=self.bulk, name=self.name, index=self.index[which])
+        return replace(self, index=self.index[which], first=self.first[which])
+
+    def groups(self, first: int, size: int) -> "Cards":
+        """Return the groups of fields that repeat from one on; those of blanks are left out."""
+        number = np.maximum(-(-(self.count - first) // size), 0)
+        card = np.repeat(np.arange(len(self)), number)
+        behind = np.arange(len(card)) - np.repeat(np.cumsum(number) - number, number)
+        places = self.first[card] + first + size * behind
+        groups = replace(self, index=self.index[card], first=places, size=size)
+        return groups.take(np.logical_or.reduce([groups.given(j) for j in range(size)]))
+
+    @property
+    def whole(self) -> "Cards":
+        """The card of each group."""
+        return replace(self, first=np.zeros_like(self.first), size=None)
 
     def place(self, card: int, field: int = 0) -> str:
         """Return file:line of a card."""
@@ -100,6 +127,12 @@ class Cards:
     def refuse(self, card: int, text: str, field: int = 0) -> NoReturn:
         """Raise the error that names file, line and card."""
         raise self.error(card, text, field)
+
+    def refuse_where(self, wrong: Mask, text: Callable[[int], str], field: int = 0) -> None:
+        """Raise the error of the first card that is wrong (n,), if one is."""
+        if wrong.any():
+            card = int(wrong.argmax())
+            self.refuse(card, text(card), field)
 
     def column(self, field: int) -> Fields:
         """Field j (n,) of every card as text; empty beyond the end of a card."""
@@ -132,12 +165,14 @@ class Cards:
         self._check(raw, bad, field, "a real number", default is None)
         return np.where(bad, default or 0.0, values)
 
-    def check_finite(self, vectors: Matrix, rows: Indices | None = None) -> None:
-        """Refuse loads (n, ...) that are too large; ``rows`` (n,) are the cards they are of."""
-        wrong = np.flatnonzero(~np.isfinite(vectors).reshape(len(vectors), -1).all(axis=1))
-        if wrong.size:
-            card = wrong[0] if rows is None else rows[wrong[0]]
-            self.refuse(int(card), "the load is too large for a number")
+    def vectors(self, fields: Iterable[int]) -> Matrix:
+        """Several fields (n, n_field) as reals, zero where they are blank."""
+        return np.stack([self.reals(field, 0.0) for field in fields], axis=1)
+
+    def check_finite(self, vectors: Matrix) -> None:
+        """Refuse loads (n, ...) that are too large."""
+        wrong = np.asarray(~np.isfinite(vectors).reshape(len(vectors), -1).all(axis=1))
+        self.refuse_where(wrong, lambda _: "the load is too large for a number")
 
     def _check(self, raw: Fields, bad: Mask, field: int, kind: str, required: bool) -> None:
         if not bad.any():
@@ -151,12 +186,8 @@ class Cards:
         """Return the error for a field that is not what it should be."""
         shown = text.strip("\0 ")
         content = f"'{shown}'" if shown else "nothing"
-        return self.error(card, f"{self.named(field)} holds {content}, expected {kind}", field)
-
-    def named(self, field: int) -> str:
-        """Return what messages call a field: its number in the row, and its name."""
-        name = field_of(self.name, field).name
-        return f"field {field % 8 + 2}" + (f" ({name})" if name else "")
+        name = named(self.name, int(self.first[card]) + field)
+        return self.error(card, f"{name} holds {content}, expected {kind}", field)
 
     def __iter__(self) -> Iterator["Card"]:
         start, count = self.start.tolist(), self.count.tolist()
@@ -167,13 +198,23 @@ class Cards:
             )
 
 
+def named(card: str, field: int) -> str:
+    """Return what messages call a field: its number in the row, and its name."""
+    name = field_of(card, field).name
+    return f"field {field % 8 + 2}" + (f" ({name})" if name else "")
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Card:
-    """One card, for kinds that come in small numbers or irregular shapes."""
+    """One card, or a group of its fields, for kinds of small numbers or irregular shapes.
+
+    ``first`` is the field of the card that is field 0 here.
+    """
 
     cards: Cards
     number: int
     texts: list[str]
+    first: int = 0
 
     def __len__(self) -> int:
         return len(self.texts)
@@ -187,7 +228,7 @@ class Card:
         text = self.text(field)
         value = default if not text else numbers.integer(text)
         if value is None:
-            raise self.cards.malformed(self.number, field, text, "an integer")
+            raise self.cards.malformed(self.number, self.first + field, text, "an integer")
         return value
 
     def real(self, field: int, default: float | None = None) -> float:
@@ -195,22 +236,44 @@ class Card:
         text = self.text(field)
         value = default if not text else numbers.real(text)
         if value is None:
-            raise self.cards.malformed(self.number, field, text, "a real number")
-        if fault := field_of(self.cards.name, field).fault(value):
-            self.refuse(f"{self.cards.named(field)} is {value:g}; it {fault}", field)
+            raise self.cards.malformed(self.number, self.first + field, text, "a real number")
+        if fault := field_of(self.cards.name, self.first + field).fault(value):
+            self.refuse(f"{self.named(field)} is {value:g}; it {fault}", field)
         return value
 
     def error(self, text: str, field: int = 0) -> FormatError:
         """Return the error that names file, line and card."""
-        return self.cards.error(self.number, text, field)
+        return self.cards.error(self.number, text, self.first + field)
 
     def refuse(self, text: str, field: int = 0) -> NoReturn:
         """Raise the error that names file, line and card."""
         raise self.error(text, field)
 
+    def named(self, field: int) -> str:
+        """Return what messages call a field: its number in the row, and its name."""
+        return named(self.cards.name, self.first + field)
+
+    def groups(self, first: int, size: int) -> list["Card"]:
+        """Return the groups of fields that repeat from one on; those of blanks are left out."""
+        return [
+            replace(self, texts=texts, first=self.first + start)
+            for start in range(first, len(self), size)
+            if any(texts := self.texts[start : start + size])
+        ]
+
     def where(self) -> str:
         """Return file:line and the name."""
         return self.cards.where(self.number)
+
+    def choice(self, field: int, allowed: Collection[str], remedy: str = "") -> str:
+        """Return the text of field j, which is one of those allowed."""
+        text = self.text(field)
+        if text not in allowed:
+            name = field_of(self.cards.name, self.first + field).name or self.named(field)
+            known = f"; it is {', '.join(filter(None, allowed))}"
+            wrong = f" is not supported; {remedy}" if remedy else known
+            self.refuse(f"{name} = '{text}'{wrong}", field)
+        return text
 
     def find(
         self,
@@ -233,21 +296,17 @@ class Card:
         """Return several fields (n,) as reals."""
         return np.array([self.real(field, default) for field in fields])
 
-    def combination(self) -> list[tuple[float, int, int]]:
-        """Return factors, sets and their fields of S, S1, L1, S2, L2, ...; S = 1 unless given."""
+    def combination(self) -> list[tuple[float, int, "Card"]]:
+        """Return factors and sets of S, S1, L1, S2, L2, ..., and their fields; S = 1 if blank."""
         overall = self.real(1, 1.0)
-        return [
-            (overall * self.real(field), self.integer(field + 1), field)
-            for field in range(2, len(self), 2)
-            if self.text(field) or self.text(field + 1)
-        ]
+        return [(overall * part.real(0), part.integer(1), part) for part in self.groups(2, 2)]
 
     def refuse_given(self, fields: Sequence[int]) -> None:
         """Raise if one of the fields, which must be blank, is not."""
         for field in fields:
             if self.text(field):
                 self.refuse(
-                    f"{self.cards.named(field)} holds '{self.text(field)}' but must be blank; are "
+                    f"{self.named(field)} holds '{self.text(field)}' but must be blank; are "
                     "fields shifted?",
                     field,
                 )
@@ -257,9 +316,8 @@ class Card:
         for field in fields:
             text = self.text(field)
             if text and numbers.real(text) != 0.0:
-                self.refuse(
-                    f"{what} '{text}' (field {field % 8 + 2}) is not supported; {remedy}", field
-                )
+                place = f"field {(self.first + field) % 8 + 2}"
+                self.refuse(f"{what} '{text}' ({place}) is not supported; {remedy}", field)
 
 
 def by_id(cards: Mapping[str, Cards], *names: str, what: str = "") -> dict[int, Card]:

@@ -146,20 +146,19 @@ def _definitions(
     definitions: dict[int, _Definition] = {}
     for card in (card for kind in "RCS" for card in cards.get(f"CORD2{kind}", ())):
         points = card.reals(range(2, 11), 0.0).reshape(3, 3)
-        _add(definitions, card, 0, [card.integer(1, 0)] * 3, points)
+        _add(definitions, card, [card.integer(1, 0)] * 3, points)
     for card in (card for kind in "RCS" for card in cards.get(f"CORD1{kind}", ())):
-        for first in (0, 4):
-            if card.text(first):
-                places = [locate(card.integer(first + j), card) for j in (1, 2, 3)]
-                systems, coordinates = zip(*places, strict=True)
-                _add(definitions, card, first, [*systems], np.array(coordinates))
+        for fields in card.groups(0, 4):
+            places = [locate(fields.integer(j), fields) for j in (1, 2, 3)]
+            systems, coordinates = zip(*places, strict=True)
+            _add(definitions, fields, [*systems], np.array(coordinates))
     return definitions
 
 
 def _add(
-    definitions: dict[int, _Definition], card: Card, field: int, systems: list[int], points: Matrix
+    definitions: dict[int, _Definition], card: Card, systems: list[int], points: Matrix
 ) -> None:
-    number = card.integer(field)
+    number = card.integer(0)
     if number in definitions:
         where = definitions[number].card.where()
         card.refuse(f"coordinate system {number} is already defined at {where}; give it another id")

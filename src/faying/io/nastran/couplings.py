@@ -5,7 +5,7 @@ import numpy as np
 from faying._typing import Indices
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, id_list
-from faying.io.nastran.fields import components, frame_independent
+from faying.io.nastran.fields import ROW, components, frame_independent
 from faying.io.nastran.grids import BulkData, Grids, selected_sets
 from faying.model.assembly import AverageCoupling, Equation
 
@@ -100,11 +100,11 @@ def read_equations(bulk: BulkData) -> list[Equation]:
 
 
 def _equation(card: Card, grids: Grids, dependent: set[tuple[int, int]]) -> Equation:
-    # Each row of eight fields holds two terms G, C, A behind its first field.
-    rows = range(0, len(card), 8)
-    card.refuse_given([*(row for row in rows if row), *(row + 7 for row in rows)])
-    places = [row + j for row in rows for j in (1, 4)]
-    groups = [_term(card, grids, field) for field in places if any(card.texts[field : field + 3])]
+    # Each row holds two terms G, C, A behind its first field.
+    rows = card.groups(0, ROW)
+    for row in rows:
+        row.refuse_given([0, 7] if row.first else [7])
+    groups = [_term(term, grids) for row in rows for term in row.groups(1, 3)]
     if not groups:
         card.refuse("it has no terms")
     total: dict[tuple[int, int], float] = {}
@@ -126,11 +126,11 @@ def _equation(card: Card, grids: Grids, dependent: set[tuple[int, int]]) -> Equa
     )
 
 
-def _term(card: Card, grids: Grids, field: int) -> dict[tuple[int, int], float]:
-    node = grids.one(card, field)
-    chosen = grids.components(np.array([node]), card.text(field + 1), card.error)
+def _term(fields: Card, grids: Grids) -> dict[tuple[int, int], float]:
+    node = grids.one(fields, 0)
+    chosen = grids.components(np.array([node]), fields.text(1), fields.error)
     if len(chosen) != 1:
-        card.refuse(f"a term has one component; found '{card.text(field + 1)}'", field + 1)
-    coefficient = card.real(field + 2, 0.0)
+        fields.refuse(f"a term has one component; found '{fields.text(1)}'", 1)
+    coefficient = fields.real(2, 0.0)
     parts = grids.systems.basic_parts(node, chosen[0])
     return {(node, c): coefficient * factor for c, factor in parts}

@@ -137,16 +137,12 @@ def _deformed(deck: Deck, tightened: Collection[int]) -> Matrix:
         if card.integer(0) != control.deform:
             continue
         chosen = True
-        for field in (1, 3, 5):
-            if not card.text(field):
-                continue
-            if card.integer(field) not in index_of:
-                card.refuse(
-                    f"element {card.integer(field)} is no CBAR, CBEAM, CROD, CONROD or CTUBE", field
-                )
-            i = index_of[card.integer(field)]
+        for pair in card.groups(1, 2):
+            if pair.integer(0) not in index_of:
+                pair.refuse(f"element {pair.text(0)} is no CBAR, CBEAM, CROD, CONROD or CTUBE")
+            i = index_of[pair.integer(0)]
             first, second = assembly.beams[i].nodes
-            strains[i] += card.real(field + 1) / np.linalg.norm(nodes[second] - nodes[first])
+            strains[i] += pair.real(1) / np.linalg.norm(nodes[second] - nodes[first])
     if not chosen:
         unread(f"DEFORM = {control.deform}, a set the deck does not have,")
     return _stretched(assembly, strains, tightened)
@@ -211,15 +207,13 @@ def _field(bulk: BulkData, number: int, parents: Indices) -> _Field:
                 raise UnreadError(card.where())
     temperatures = np.full(len(bulk.grids.ids), np.nan)
     listed = False
-    for card in bulk.cards.get("TEMPD", ()):
-        for field in (0, 2, 4, 6):
-            if card.text(field) and card.integer(field) == number:
-                temperatures[:], listed = card.real(field + 1), True
+    for pair in (pair for card in bulk.cards.get("TEMPD", ()) for pair in card.groups(0, 2)):
+        if pair.integer(0) == number:
+            temperatures[:], listed = pair.real(1), True
     if "TEMP" in bulk.cards:
         of_set = bulk.cards["TEMP"].take(bulk.cards["TEMP"].integers(0) == number)
-        for field in (1, 3, 5):
-            these = of_set.take(of_set.given(field))
-            temperatures[bulk.grids.of_column(these, field)] = these.reals(field + 1)
+        pairs = of_set.groups(1, 2)
+        temperatures[bulk.grids.of_column(pairs, 0)] = pairs.reals(1)
         listed |= bool(len(of_set))
     elements: dict[int, float] = {}
     for name in ("TEMPP1", "TEMPRB"):

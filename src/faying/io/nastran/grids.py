@@ -53,13 +53,12 @@ class Grids:
         indices = self.order[np.minimum(position, len(self.order) - 1)]
         return np.where(self.ids[indices] == ids, indices, -1)
 
-    def of_column(self, cards: Cards, field: int) -> Indices:
-        """Node indices (n,) of field j of every card."""
-        ids = cards.integers(field)
+    def of_column(self, cards: Cards, field: int, *, blank: bool = False) -> Indices:
+        """Node indices (n,) of field j of every card; -1 where it may be blank and is."""
+        ids = cards.integers(field, -1 if blank else None)
         index = self.index(ids)
-        missing = np.flatnonzero(index < 0)
-        if missing.size:
-            cards.refuse(int(missing[0]), _missing(int(ids[missing[0]])), field)
+        missing = (index < 0) & (cards.given(field) if blank else True)
+        cards.refuse_where(missing, lambda i: _missing(int(ids[i])), field)
         return index
 
     def one(self, card: Card, field: int) -> int:
@@ -92,7 +91,7 @@ def read_grids(cards: Mapping[str, Cards]) -> Grids:
     ids = grid.integers(0)
     order = np.argsort(ids, kind="stable")
     _check_ids(grid, ids, order)
-    coordinates = np.stack([grid.reals(j, 0.0) for j in (2, 3, 4)], axis=1)
+    coordinates = grid.vectors((2, 3, 4))
     system_in = grid.integers(1, position)
     system_out = grid.integers(5, displacement)
 
@@ -104,9 +103,9 @@ def read_grids(cards: Mapping[str, Cards]) -> Grids:
 
     frames = read_frames(cards, locate)
     for field, systems in ((1, system_in), (5, system_out)):
-        unknown = np.flatnonzero(~np.isin(systems, list(frames)))
-        if unknown.size:
-            card = int(unknown[0])
+        unknown = ~np.isin(systems, list(frames))
+        if unknown.any():
+            card = int(unknown.argmax())
             grid.refuse(card, missing_system(int(systems[card])), field)
     nodes = coordinates.copy()
     for number in np.unique(system_in[system_in != 0]).tolist():

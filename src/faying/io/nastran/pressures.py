@@ -28,8 +28,9 @@ Part = tuple[Indices, Indices, Matrix]
 
 def part_of_faces(cards: Cards, rows: Indices, table: Indices, forces: Matrix) -> Part:
     """Return the forces on faces (n, n_node) of cards (n,) as loads of nodes."""
-    cards.check_finite(forces, rows)
-    sets = np.repeat(cards.integers(0)[rows], table.shape[1])
+    cards = cards.take(rows)
+    cards.check_finite(forces)
+    sets = np.repeat(cards.integers(0), table.shape[1])
     return sets, table.ravel(), np.hstack([forces.reshape(-1, 3), np.zeros((table.size, 3))])
 
 
@@ -66,10 +67,11 @@ def _on_shells(cards: Cards, grids: Grids, structure: Assembly) -> Iterator[Part
     last[through] = cards.take(through).integers(7)
     low = np.searchsorted(ids, first)
     count = np.maximum(np.searchsorted(ids, last, "right") - low, 0)
-    if not count.all():
-        card = int(count.argmin())
-        message = f"no shell that takes a pressure is among elements {first[card]} to {last[card]}"
-        cards.refuse(card, message, 1)
+    cards.refuse_where(
+        count == 0,
+        lambda i: f"no shell that takes a pressure is among elements {first[i]} to {last[i]}",
+        1,
+    )
     card_of = np.repeat(np.arange(len(cards)), count)
     within = np.arange(len(card_of)) - np.repeat(np.cumsum(count) - count, count)
     pressures = _pressures(cards)
@@ -83,10 +85,7 @@ def _on_shells(cards: Cards, grids: Grids, structure: Assembly) -> Iterator[Part
 def _faces(cards: Cards, grids: Grids, blocks: Sequence[CellBlock]) -> tuple[Indices, Indices]:
     """Return the loaded faces (n, 8) and which of their corners is G1."""
     elements = cards.integers(1)
-    first_grid = grids.of_column(cards, 6)
-    second_grid = np.full(len(cards), -1, dtype=np.int64)
-    with_second = np.flatnonzero(cards.given(7))
-    second_grid[with_second] = grids.of_column(cards.take(with_second), 7)
+    first_grid, second_grid = grids.of_column(cards, 6), grids.of_column(cards, 7, blank=True)
     first_corner = np.zeros(len(cards), dtype=np.int64)
 
     def fits(rows: Indices, element: str, _: str, corners: Indices) -> Mask:
@@ -106,21 +105,20 @@ def _faces(cards: Cards, grids: Grids, blocks: Sequence[CellBlock]) -> tuple[Ind
         return np.asarray(chosen)
 
     faces, fitting = find_faces(blocks, elements, fits)
-    if not fitting.all():
-        card = int(np.flatnonzero(~fitting)[0])
-        cards.refuse(
-            card, f"element {elements[card]} is no solid or shell of the deck; correct the id", 1
-        )
-    missing = np.flatnonzero(faces[:, 0] < 0)
-    if missing.size:
-        card = int(missing[0])
-        cards.refuse(
-            card,
-            f"G1 and G3 (or G4) name no face of element {elements[card]}; give two opposite "
-            "corners of a quadrilateral, one corner of a CPENTA's triangle, or a corner of the "
-            "CTETRA's face and the grid off the face",
-            6,
-        )
+    cards.refuse_where(
+        ~fitting,
+        lambda i: f"element {elements[i]} is no solid or shell of the deck; correct the id",
+        1,
+    )
+    cards.refuse_where(
+        faces[:, 0] < 0,
+        lambda i: (
+            f"G1 and G3 (or G4) name no face of element {elements[i]}; give two opposite corners "
+            "of a quadrilateral, one corner of a CPENTA's triangle, or a corner of the CTETRA's "
+            "face and the grid off the face"
+        ),
+        6,
+    )
     return faces, first_corner
 
 
@@ -141,16 +139,14 @@ def _turned(kind: str, pressures: Matrix, first_corner: Indices) -> Matrix:
 
 def _directions(cards: Cards) -> Matrix:
     """Vectors (n, 3) in their coordinate systems; zero where the load is a normal pressure."""
-    vectors = np.stack([cards.reals(j, 0.0) for j in (9, 10, 11)], axis=1)
+    vectors = cards.vectors((9, 10, 11))
     directed = cards.given(8) | cards.given(9) | cards.given(10) | cards.given(11)
     length = np.linalg.norm(vectors, axis=1)
-    wrong = np.flatnonzero(directed & ~((length > 0) & np.isfinite(length)))
-    if wrong.size:
-        cards.refuse(
-            int(wrong[0]),
-            "the direction N1, N2, N3 has no length; give a vector, or leave CID and N blank",
-            9,
-        )
+    cards.refuse_where(
+        directed & ~((length > 0) & np.isfinite(length)),
+        lambda _: "the direction N1, N2, N3 has no length; give a vector, or leave CID and N blank",
+        9,
+    )
     unit: Matrix = vectors / np.where(length > 0, length, 1.0)[:, None]
     return unit
 
@@ -206,7 +202,7 @@ _VECTORS = ((0, "FORCE"), (3, "MOMENT"))
 def _along_system(cards: Cards, grids: Grids) -> Matrix:
     """Vectors (n, 3): a size times a vector along a coordinate system at the grid."""
     nodes, rows = grids.of_column(cards, 1), np.arange(len(cards))
-    vectors = np.stack([cards.reals(j, 0.0) for j in (4, 5, 6)], axis=1)
+    vectors = cards.vectors((4, 5, 6))
     axes = grids.systems.directions_at(cards, 2, rows, grids.nodes[nodes])
     return np.asarray(np.einsum("ni,nij->nj", vectors * cards.reals(3)[:, None], axes))
 
@@ -219,28 +215,22 @@ def _along_grids(cards: Cards, grids: Grids) -> Matrix:
         points = [grids.nodes[grids.of_column(cards, field)] for field in (5, 6)]
         vectors = np.cross(vectors, points[1] - points[0])
     length = np.linalg.norm(vectors, axis=1)
-    wrong = np.flatnonzero(~(length > 0))
-    if wrong.size:
-        cards.refuse(
-            int(wrong[0]),
-            "its grids give no direction: they coincide, or their lines are parallel",
-            3,
-        )
+    cards.refuse_where(
+        ~(length > 0),
+        lambda _: "its grids give no direction: they coincide, or their lines are parallel",
+        3,
+    )
     directed: Matrix = cards.reals(2)[:, None] * vectors / length[:, None]
     return directed
 
 
 def _on_grids(cards: Cards, grids: Grids) -> Iterator[Part]:
-    square = cards.given(5)
-    for kind, chosen in (("tri3", np.flatnonzero(~square)), ("quad4", np.flatnonzero(square))):
-        these = cards.take(chosen)
-        if len(these):
-            count = FACES[kind].n_nodes
-            table = np.stack([grids.of_column(these, 2 + j) for j in range(count)], axis=1)
-            pressures = these.reals(1)[:, None]
-            area = face_areas(kind, grids.nodes[table])
-            forces = nodal_forces(kind, area * pressures[:, :, None])
-            yield part_of_faces(these, np.arange(len(these)), table, forces)
+    corners = np.stack([grids.of_column(cards, 2 + j, blank=j == 3) for j in range(4)], axis=1)
+    square = corners[:, 3] >= 0
+    for kind, rows in (("tri3", np.flatnonzero(~square)), ("quad4", np.flatnonzero(square))):
+        if len(rows):
+            table = corners[rows, : FACES[kind].n_nodes]
+            yield _normal_to(kind, cards, rows, table, grids.nodes)
 
 
 def _along_shells(cards: Cards, structure: Assembly) -> Iterator[Part]:
@@ -254,14 +244,15 @@ def _along_shells(cards: Cards, structure: Assembly) -> Iterator[Part]:
             card.refuse(f"element {shown} is no shell of the deck", 2)
         pairs += [(card.number, number) for number in listed]
     which, ids = np.array(pairs, dtype=np.int64).T
-    pressures = cards.reals(1)[which]
     for block, members, table in on_blocks(structure.shells, ids):
+        rows, first = which[members], ids[members[0]]
         if block.kind not in FACES:
-            cards.refuse(
-                int(which[members[0]]),
-                f"element {ids[members[0]]} takes no pressure; correct the id",
-                2,
-            )
-        area = face_areas(block.kind, structure.mesh.nodes[table])
-        forces = nodal_forces(block.kind, area * pressures[members, None, None])
-        yield part_of_faces(cards, which[members], table, forces)
+            cards.refuse(int(rows[0]), f"element {first} takes no pressure; correct the id", 2)
+        yield _normal_to(block.kind, cards, rows, table, structure.mesh.nodes)
+
+
+def _normal_to(kind: str, cards: Cards, rows: Indices, table: Indices, nodes: Matrix) -> Part:
+    """Return what the pressures of cards (n,) exert along the normals of faces (n, n_node)."""
+    area = face_areas(kind, nodes[table])
+    forces = nodal_forces(kind, area * cards.reals(1)[rows, None, None])
+    return part_of_faces(cards, rows, table, forces)

@@ -20,7 +20,7 @@ import scipy.linalg
 from faying._typing import Indices, Matrix, Vector
 from faying.digits import ROUND_OFF, SOLVED
 from faying.io.nastran.cards import Card, id_list
-from faying.io.nastran.fields import components, frame_independent
+from faying.io.nastran.fields import ROW, components, frame_independent
 from faying.io.nastran.grids import BulkData, Grids
 from faying.model.assembly import Equation, RigidCoupling
 from faying.model.cells import CellBlock
@@ -106,15 +106,12 @@ def _rbe1(card: Card, grids: Grids) -> tuple[list[Place], list[Place]]:
     """Pairs of grid and components, dependent ones from UM on; a real at the end is ALPHA."""
     sides: tuple[list[Place], list[Place]] = ([], [])
     side = 0
-    for row in range(0, len(card), 8):
-        side = 1 if card.text(row) == "UM" else side
-        for field in (row + 1, row + 3, row + 5):
-            text = card.text(field)
-            if not text or "." in text:
-                continue
-            node = grids.one(card, field)
-            chosen = components(card.text(field + 1), card.error)
-            sides[side].extend((node, component) for component in chosen)
+    for row in card.groups(0, ROW):
+        side = 1 if row.text(0) == "UM" else side
+        for pair in row.groups(1, 2):
+            if "." not in pair.text(0):
+                chosen = components(pair.text(1), pair.error)
+                sides[side].extend((grids.one(pair, 0), component) for component in chosen)
     return sides
 
 

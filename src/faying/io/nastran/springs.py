@@ -197,15 +197,13 @@ def _valued(
 
 def _properties(cards: Mapping[str, Cards], name: str) -> dict[int, float]:
     # PELAS holds two properties of four fields, PMASS four of two.
-    starts = (0, 4) if name == "PELAS" else (0, 2, 4, 6)
+    size = 4 if name == "PELAS" else 2
     stiffnesses: dict[int, float] = {}
-    for card in cards.get(name, ()):
-        for first in starts:
-            if card.text(first):
-                number = card.integer(first)
-                if number in stiffnesses:
-                    card.refuse(f"property {number} is defined twice; renumber one", first)
-                stiffnesses[number] = card.real(first + 1)
+    for fields in (group for card in cards.get(name, ()) for group in card.groups(0, size)):
+        number = fields.integer(0)
+        if number in stiffnesses:
+            fields.refuse(f"property {number} is defined twice; renumber one")
+        stiffnesses[number] = fields.real(1)
     return stiffnesses
 
 

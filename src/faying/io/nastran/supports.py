@@ -6,10 +6,12 @@ load set, in place of what SPC says and where a selected SPC or SPC1 holds the c
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
+from faying.digits import ROUND_OFF
 from faying.exceptions import FormatError, refuse
 from faying.io.moved_supports import Place, moved_note, with_moved_supports
 from faying.io.nastran.cards import Cards, id_list
@@ -66,31 +68,27 @@ class Moved:
 
 def _displacements(bulk: BulkData, cards: Cards) -> Iterator[tuple[int, Place, float, str]]:
     """Yield set, component, value and place of displacements: of SPC those other than zero."""
-    for first in (1, 4):
-        these = cards.take(cards.given(first))
-        values = these.reals(first + 2, 0.0)
-        if cards.name == "SPC":
-            these, values = these.take(values != 0), values[values != 0]
-        if len(these) and bulk.control.heat:
-            these.refuse(
-                0,
-                "a temperature, for the analysis is one of heat transfer; no temperatures are "
-                "computed here",
-                first + 2,
-            )
-        nodes, sets, digits = (
-            bulk.grids.of_column(these, first),
-            these.integers(0),
-            these.words(first + 1),
+    these = cards.groups(1, 3)
+    if cards.name == "SPC":
+        these = these.take(these.reals(2, 0.0) != 0)
+    if len(these) and bulk.control.heat:
+        these.refuse(
+            0,
+            "a temperature, for the analysis is one of heat transfer; no temperatures are computed "
+            "here",
+            2,
         )
-        for i, node in enumerate(nodes.tolist()):
-            chosen = bulk.grids.components(
-                nodes[i : i + 1],
-                digits[i],
-                lambda text, i=i: these.error(i, text, first + 1),  # type: ignore[misc]  # noqa: B023
-            )
-            for c in chosen:
-                yield int(sets[i]), (node, c), float(values[i]), these.where(i)
+    for i, (nodes, number, digits, value) in enumerate(
+        zip(
+            bulk.grids.of_column(these, 0)[:, None],
+            these.whole.integers(0).tolist(),
+            these.words(1),
+            these.reals(2, 0.0).tolist(),
+            strict=True,
+        )
+    ):
+        for c in bulk.grids.components(nodes, digits, partial(these.error, i)):
+            yield number, (int(nodes[0]), c), value, these.where(i)
 
 
 def _moved(bulk: BulkData, single: Cards | None, fixed: Mask) -> Moved:
@@ -152,10 +150,6 @@ def with_moving(
     return assembly, dict(zip(sets, forces, strict=True))
 
 
-_Constrained = dict[tuple[int, tuple[int, ...]], list[Indices]]
-"""Set id and components to node indices."""
-
-
 def read_supports(bulk: BulkData) -> tuple[list[Support], Moved]:
     """Read the SPC sets that case control selects; without case control all of them.
 
@@ -164,79 +158,59 @@ def read_supports(bulk: BulkData) -> tuple[list[Support], Moved]:
     Permanent supports of GRID have the id 0. Returned is what stands still, and what SPC and SPCD
     displace.
     """
-    constrained: _Constrained = {}
-    members: set[int] = set()
-    for name in ("SPC", "SPC1"):
-        if name in bulk.cards:
-            members |= set(bulk.cards[name].integers(0).tolist())
-    sets = selected_sets(bulk, "SPC", members)
+    spc, lists = bulk.cards.get("SPC"), bulk.cards.get("SPC1")
+    present = [cards for cards in (spc, lists) if cards is not None]
+    sets = selected_sets(bulk, "SPC", {n for cards in present for n in cards.integers(0).tolist()})
+    spc, lists = (
+        None if cards is None else cards.take(np.isin(cards.integers(0), list(sets)))
+        for cards in (spc, lists)
+    )
+    constrained: dict[tuple[int, tuple[int, ...]], list[Indices]] = {}
     for digits, nodes in bulk.grids.permanent.items():
         constrained.setdefault((0, components(digits, _permanent_error)), []).append(nodes)
-    single = bulk.cards.get("SPC")
-    if single is not None:
-        single = single.take(np.isin(single.integers(0), list(sets)))
-        for first in (1, 4):
-            these = single.take(single.given(first))
-            _collect(these, bulk.grids.of_column(these, first), first + 1, constrained, bulk.grids)
-    if "SPC1" in bulk.cards:
-        _lists(bulk.cards["SPC1"], bulk.grids, sets, constrained)
+    for number, chosen, nodes in (*_singles(spc, bulk.grids), *_lists(lists, bulk.grids)):
+        constrained.setdefault((number, chosen), []).append(nodes)
     joined = {key: np.unique(np.concatenate(parts)) for key, parts in constrained.items()}
     fixed = np.zeros((len(bulk.grids.ids), 6), dtype=bool)
     for (_, numbers), nodes in joined.items():
         fixed[nodes[:, None], list(numbers)] = True
-    moved = _moved(bulk, single, fixed)
+    moved = _moved(bulk, spc, fixed)
     moving = np.zeros_like(fixed)
     for dof in moved.places:
         moving[dof] = True
-    supports: list[Support] = []
-    for (number, numbers), nodes in joined.items():
-        for standing, remaining in _standing(nodes, numbers, moving):
-            supports += _supports(number, remaining, standing, bulk.grids)
-    return supports, moved
-
-
-def _standing(
-    nodes: Indices, numbers: tuple[int, ...], moving: Mask
-) -> list[tuple[Indices, tuple[int, ...]]]:
-    """Part nodes by which of the components do not move."""
-    still = ~moving[nodes[:, None], list(numbers)]
-    patterns, which = np.unique(still, axis=0, return_inverse=True)
-    which = which.ravel()
-    return [
-        (nodes[which == i], tuple(np.array(numbers)[pattern].tolist()))
-        for i, pattern in enumerate(patterns)
-        if pattern.any()
+    supports = [
+        support
+        for (number, numbers), nodes in joined.items()
+        for support in _standing(number, numbers, nodes, moving, bulk.grids)
     ]
+    return supports, moved
 
 
 def _permanent_error(text: str) -> FormatError:
     return FormatError(f"GRID or GRDSET: permanent support (PS): {text}")
 
 
-def _collect(cards: Cards, nodes: Indices, field: int, fixed: _Constrained, grids: Grids) -> None:
-    """Add one node per card, grouped by set and components."""
-    if not len(cards):
+_Fixed = Iterator[tuple[int, tuple[int, ...], Indices]]
+"""Set, components 0..5 and nodes (n,)."""
+
+
+def _singles(cards: Cards | None, grids: Grids) -> _Fixed:
+    """Yield what SPC fixes, nodes of one set with the same components together."""
+    if cards is None:
         return
-    keys = np.array(
-        [
-            f"{number} {digits}"
-            for number, digits in zip(cards.integers(0).tolist(), cards.words(field), strict=True)
-        ]
-    )
-    names, first, which = np.unique(keys, return_index=True, return_inverse=True)
-    for i, name in enumerate(names.tolist()):
-        card = int(first[i])
-        number, _, digits = name.partition(" ")
-        chosen = grids.components(
-            nodes[which == i],
-            digits,
-            lambda text, card=card: cards.error(card, text, field),  # type: ignore[misc]
-        )
-        fixed.setdefault((int(number), chosen), []).append(nodes[which == i])
+    groups = cards.groups(1, 3)
+    nodes = grids.of_column(groups, 0)
+    rows: dict[tuple[int, str], list[int]] = {}
+    for row, key in enumerate(zip(groups.whole.integers(0).tolist(), groups.words(1), strict=True)):
+        rows.setdefault(key, []).append(row)
+    for (number, digits), these in rows.items():
+        error = partial(groups.error, these[0])
+        yield number, grids.components(nodes[these], digits, error), nodes[these]
 
 
-def _lists(cards: Cards, grids: Grids, sets: set[int], fixed: _Constrained) -> None:
-    for card in cards.take(np.isin(cards.integers(0), list(sets))):
+def _lists(cards: Cards | None, grids: Grids) -> _Fixed:
+    """Yield what SPC1 fixes."""
+    for card in () if cards is None else cards:
         texts = card.texts[2:]
         ids = id_list(card, texts, grids.ids)
         if "THRU" in texts:
@@ -247,23 +221,25 @@ def _lists(cards: Cards, grids: Grids, sets: set[int], fixed: _Constrained) -> N
             nodes = grids.several(card, ids)
         if not len(nodes):
             card.refuse("none of its GRIDs is in the deck; define them or remove the card")
-        chosen = grids.components(nodes, card.text(1), card.error)
-        fixed.setdefault((card.integer(0), chosen), []).append(nodes)
+        yield card.integer(0), grids.components(nodes, card.text(1), card.error), nodes
 
 
-def _supports(number: int, numbers: tuple[int, ...], nodes: Indices, grids: Grids) -> list[Support]:
+def _standing(
+    number: int, numbers: tuple[int, ...], nodes: Indices, moving: Mask, grids: Grids
+) -> Iterator[Support]:
+    """Yield supports of what does not move, one for nodes of equal components and directions."""
+    still = ~moving[nodes[:, None], list(numbers)]
     axes = grids.systems.axes_of(nodes)
-    basic = np.isclose(axes, np.eye(3), rtol=0, atol=1e-14).all(axis=(1, 2))
-    result = []
-    if basic.any():
-        result.append(Support(id=number, nodes=nodes[basic], components=numbers))
-    turned, axes = nodes[~basic], axes[~basic]
     # Rounding at 1e-12 joins nodes whose directions differ by arithmetic only.
-    keys = np.round(axes.reshape(-1, 9), 12)
+    keys = np.hstack([still, np.round(axes.reshape(-1, 9), 12)])
     _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    which = which.ravel()
     for i, row in enumerate(first.tolist()):
-        result.append(
-            Support(id=number, nodes=turned[which == i], components=numbers, axes=axes[row])
-        )
-    return result
+        standing = tuple(np.array(numbers)[still[row]].tolist())
+        turned = not np.allclose(axes[row], np.eye(3), rtol=0, atol=ROUND_OFF)
+        if standing:
+            yield Support(
+                id=number,
+                nodes=nodes[which.ravel() == i],
+                components=standing,
+                axes=axes[row] if turned else None,
+            )
