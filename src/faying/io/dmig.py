@@ -96,21 +96,21 @@ def _matrix(cards: Cards, name: str, headers: Mapping[str, int]) -> LabelledMatr
     value, imaginary = entries.reals(2), entries.reals(3, 0.0)
     entries.refuse_where(
         imaginary != 0,
-        lambda i: f"an imaginary part {imaginary[i]:g}; expected none (it is real)",
+        lambda i: f"an imaginary part {imaginary[i]:g}; expected nothing (it is real)",
         3,
     )
     labels, places = np.unique(np.stack([row, column]), return_inverse=True)
     places = places.reshape(2, -1)
-    first, second = np.sort(places, axis=0) if form == SYMMETRIC else places
-    _, earliest, which = np.unique(
-        len(labels) * first + second, return_index=True, return_inverse=True
-    )
+    below, across = np.sort(places, axis=0)[::-1] if form == SYMMETRIC else places
+    keys = len(labels) * below + across
+    _, earliest, which = np.unique(keys, return_index=True, return_inverse=True)
+    shown = [f"{label // 10}-{label % 10}" for label in labels.tolist()]
     both = " (or its mirror image)" if form == SYMMETRIC else ""
     entries.refuse_where(
         earliest[which] != np.arange(len(row)),
         lambda i: (
-            f"matrix {name}: row {row[i] // 10}-{row[i] % 10} of column {column[i] // 10}-"
-            f"{column[i] % 10}{both} is given twice"
+            f"matrix {name}: row {shown[below[i]]} of column {shown[across[i]]}{both} is given "
+            "twice"
         ),
     )
     matrix = sp.csr_array((value, tuple(places)), shape=(len(labels), len(labels)))

@@ -255,11 +255,12 @@ class Card:
 
     def groups(self, first: int, size: int) -> list["Card"]:
         """Return the groups of fields that repeat from one on; those of blanks are left out."""
-        return [
-            replace(self, texts=texts, first=self.first + start)
-            for start in range(first, len(self), size)
-            if any(texts := self.texts[start : start + size])
-        ]
+        groups = (self.part(start, size) for start in range(first, len(self), size))
+        return [group for group in groups if any(group.texts)]
+
+    def part(self, first: int, size: int) -> "Card":
+        """Return the fields from one on."""
+        return replace(self, texts=self.texts[first : first + size], first=self.first + first)
 
     def where(self) -> str:
         """Return file:line and the name."""

@@ -5,41 +5,42 @@ MASTERS in earlier versions.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
 from faying._typing import Indices
 from faying.exceptions import refuse
 from faying.io.nastran.cards import Card, Cards, by_id, id_list
-from faying.io.nastran.case_control import CaseControl
-from faying.io.nastran.contact_pairs import Pair, region_of, rows
+from faying.io.nastran.contact_pairs import Pair, region_of
 from faying.io.nastran.contact_parameters import (
-    ICOORD,
+    NO_PARAMETERS,
     Parameters,
     friction_coefficient,
-    is_glued,
     note_friction,
     read_parameters,
-    refuse_letting_go,
+    with_parameter,
 )
+from faying.io.nastran.fields import ROW
 from faying.io.nastran.grids import BulkData, chosen_sets
 from faying.io.nastran.regions import Region
 
-_SECONDARY = frozenset(("SECNDRY", "SLAVE", "SLAVES"))
-_PRIMARY = frozenset(("PRIMARY", "MASTERS", "MASTER"))
-_SECTIONS = frozenset(("FBSH", "BKGL", "SEGS", "SEGTOSEG", "HHHB"))
+_SIDES = {
+    **dict.fromkeys(("SECNDRY", "SLAVE", "SLAVES"), "secondary"),
+    **dict.fromkeys(("PRIMARY", "MASTERS", "MASTER"), "primary"),
+}
+_HARMLESS_ROWS = frozenset(("FBSH", "BKGL", "SEGS", "SEGTOSEG", "HHHB"))
 
 
-@dataclass(kw_only=True)
-class _Group:
+class _Group(NamedTuple):
     """Touching bodies, the bodies they touch, and their parameters."""
 
     card: Card
-    secondary: list[int] = field(default_factory=list)
-    primary: list[int] = field(default_factory=list)
-    parameters: Parameters = field(default_factory=Parameters)
+    secondary: list[int]
+    primary: list[int]
+    parameters: Parameters
 
 
 def read_msc_pairs(
@@ -49,14 +50,9 @@ def read_msc_pairs(
 
     The same two bodies in opposite order are one contact.
     """
-    groups = _selected_groups(bulk.cards, bulk.control, ignored)
+    groups = _selected_groups(bulk, ignored)
     if not groups:
         return []
-    error, slides = 0.0, False
-    for card in bulk.cards.get("BCPARA", ()):
-        card.integer(0, 0)
-        common = read_parameters(card, 1, ignored)
-        error, slides = common.error or error, slides or common.slides
     body = _body_reader(bulk, regions, ignored)
     pairs: dict[tuple[int, int], Pair] = {}
     for group in groups:
@@ -76,19 +72,28 @@ def read_msc_pairs(
                     f"bodies {minus} and {plus} have coefficients of friction {first:g} and "
                     f"{second:g}; give the pair its own (FRIC of BCONPRP or BCTABLE)"
                 )
+            if group.parameters.slides and friction > 0:
+                ignored[_SLIDING] = None
+                friction = 0.0
             pairs[minus, plus] = Pair(
                 name=f"{'glue' if group.parameters.glued else 'contact'}-{minus}-{plus}",
                 minus=side,
                 plus=opposite,
                 where=group.card.where(),
-                parameters=replace(group.parameters, error=group.parameters.error or error),
-                friction=friction,
-                glued=group.parameters.glued,
+                parameters=replace(group.parameters, friction=friction),
             )
-    if slides and any(pair.friction > 0 for pair in pairs.values()):
-        ignored["coefficients of friction (FTYPE = 0 on BCPARA switches friction off)"] = None
-        return [replace(pair, friction=0.0) for pair in pairs.values()]
     return list(pairs.values())
+
+
+_SLIDING = "coefficients of friction (FTYPE = 0 on BCPARA switches friction off)"
+
+
+def _common(bulk: BulkData, ignored: dict[str, None]) -> Parameters:
+    """Return the parameters of all pairs."""
+    parameters = NO_PARAMETERS
+    for card in bulk.cards.get("BCPARA", ()):
+        parameters = read_parameters(card, ignored, parameters)
+    return parameters
 
 
 def friction_of_all_bodies(
@@ -100,10 +105,7 @@ def friction_of_all_bodies(
     """
     if bulk.control.bcontact != "ALLBODY":
         return None
-    slides = False
-    for card in bulk.cards.get("BCPARA", ()):
-        card.integer(0, 0)
-        slides = read_parameters(card, 1, ignored).slides or slides
+    slides = _common(bulk, ignored).slides
     body = _body_reader(bulk, regions, ignored)
     bodies = [
         body(card, number) for number, card in by_id(bulk.cards, *_BODIES, what="body").items()
@@ -127,9 +129,8 @@ def friction_of_all_bodies(
     return coefficient
 
 
-def _selected_groups(
-    cards: Mapping[str, Cards], control: CaseControl, ignored: dict[str, None]
-) -> list[_Group]:
+def _selected_groups(bulk: BulkData, ignored: dict[str, None]) -> list[_Group]:
+    cards, control = bulk.cards, bulk.control
     tables, lists, pairs = (by_id(cards, name) for name in ("BCTABLE", "BCTABL1", "BCONECT"))
     for name, by_number in (("BCTABLE", tables), ("BCTABL1", lists)):
         if by_number.pop(0, None) is not None:
@@ -150,60 +151,50 @@ def _selected_groups(
     if note:
         ignored[note] = None
     groups: list[_Group] = []
+    common = _common(bulk, ignored) if selected else NO_PARAMETERS
     for number in selected:
         if number in tables:
-            groups += _table_groups(tables[number], ignored)
+            groups += _table_groups(tables[number], common, ignored)
         if number in lists:
             card = lists[number]
             for member in id_list(card, card.texts[1:]):
                 connection = card.find(pairs, 0, "BCONECT", "contact pair", member)
-                groups.append(_connection(cards, connection, ignored))
+                groups.append(_connection(cards, connection, common, ignored))
         elif not lists and number in pairs:
-            groups.append(_connection(cards, pairs[number], ignored))
+            groups.append(_connection(cards, pairs[number], common, ignored))
     return groups
 
 
-def _table_groups(card: Card, ignored: dict[str, None]) -> list[_Group]:
+def _sections(card: Card) -> list[tuple[str, list[Card]]]:
+    """Return the rows behind the first of a card: those of either side, in their order."""
+    sections: list[tuple[str, list[Card]]] = []
+    for row in card.groups(ROW, ROW):
+        word = row.text(0)
+        if word not in _SIDES and (word or not sections):
+            row.refuse(f"'{word}' stands where SECNDRY or PRIMARY is expected")
+        if word:
+            sections.append((_SIDES[word], []))
+        sections[-1][1].append(row)
+    return sections
+
+
+def _bodies(rows: list[Card]) -> list[int]:
+    return [number for row in rows for number in id_list(row, row.texts[1:])]
+
+
+def _table_groups(card: Card, common: Parameters, ignored: dict[str, None]) -> list[_Group]:
     """Read the groups of a BCTABLE, or its short form with one pair."""
     if card.text(1):
-        return [_Group(card=card, secondary=[card.integer(1)], primary=[card.integer(2)])]
+        return [_Group(card, [card.integer(1)], [card.integer(2)], common)]
     groups: list[_Group] = []
-    section = ""
-    for first, texts in list(rows(card))[1:]:
-        word = texts[0]
-        if word in _SECONDARY:
-            section = "secondary"
-            if card.real(first + 5, 0.0):
-                card.refuse(
-                    "CINTERF (interference) is not supported; give 'initial_gap' in the study",
-                    first + 5,
-                )
-            has_friction = bool(card.text(first + 4))
-            parameters = Parameters(
-                error=card.real(first + 2, 0.0),
-                friction=friction_coefficient(card, first + 4) if has_friction else None,
-                glued=is_glued(card, first + 6),
-            )
-            secondary = [card.integer(first + 1)]
-            groups.append(_Group(card=card, secondary=secondary, parameters=parameters))
-        elif groups and (word in _PRIMARY or (not word and section == "primary")):
-            section = "primary"
-            groups[-1].primary += id_list(card, texts[1:])
-        elif not word and section and texts[1] in _SECTIONS:
-            section = "parameters"
-            ignored[f"BCTABLE {texts[1]}"] = None
-        elif not word and section == "secondary":
-            card.integer(first + 1, 0)  # ISEARCH: which body is searched first
-            refuse_letting_go(card, first + 3)
-            chosen = card.integer(first + 2, 0)
-            closes = ICOORD.get(str(chosen))
-            if closes is None:
-                card.refuse(f"ICOORD = {chosen} is not supported; give 0, 1, 2 or 3", first + 2)
-            groups[-1].parameters = replace(groups[-1].parameters, within_error=closes)
-        elif not word and section == "parameters" and not texts[1]:
-            pass
-        elif any(texts):
-            card.refuse(f"'{word}' stands where SECNDRY or PRIMARY is expected", first)
+    for side, rows in _sections(card):
+        if side == "secondary":
+            parameters = _of_table(rows, common, ignored)
+            groups.append(_Group(card, [rows[0].integer(1)], [], parameters))
+        elif not groups:
+            rows[0].refuse(f"'{rows[0].text(0)}' stands where SECNDRY is expected")
+        else:
+            groups[-1].primary.extend(_bodies(rows))
     count = card.integer(3, 0)
     if (count and count != len(groups)) or any(not group.primary for group in groups):
         card.refuse(
@@ -212,38 +203,43 @@ def _table_groups(card: Card, ignored: dict[str, None]) -> list[_Group]:
     return groups
 
 
-def _connection(cards: Mapping[str, Cards], card: Card, ignored: dict[str, None]) -> _Group:
+def _of_table(rows: list[Card], parameters: Parameters, ignored: dict[str, None]) -> Parameters:
+    """Return the parameters of a touching body in a BCTABLE: of its row, and of those behind."""
+    for name, field in (("ERROR", 2), ("FRIC", 4), ("CINTERF", 5), ("IGLUE", 6)):
+        parameters = with_parameter(parameters, name, rows[0], field)
+    harmless = False
+    for row in rows[1:]:
+        if row.text(1) in _HARMLESS_ROWS:
+            harmless, ignored[f"BCTABLE {row.text(1)}"] = True, None
+        elif harmless and row.text(1):
+            row.refuse("'' stands where SECNDRY or PRIMARY is expected")
+        elif not harmless:
+            row.integer(1, 0)  # ISEARCH: which body is searched first
+            parameters = with_parameter(parameters, "ICOORD", row, 2)
+            parameters = with_parameter(parameters, "JGLUE", row, 3)
+    return parameters
+
+
+def _connection(
+    cards: Mapping[str, Cards], card: Card, parameters: Parameters, ignored: dict[str, None]
+) -> _Group:
     """Bodies and parameters of a BCONECT."""
-    group = _Group(card=card)
-    for name, parameter_field in (("BCONPRG", 1), ("BCONPRP", 2)):
-        number = card.integer(parameter_field, 0)
-        if not number:
-            continue
-        parameters = card.find(by_id(cards, name), parameter_field, name, "parameters")
-        read = read_parameters(parameters, 1, ignored)
-        group.parameters = Parameters(
-            within_error=read.within_error or group.parameters.within_error,
-            error=read.error or group.parameters.error,
-            friction=group.parameters.friction if read.friction is None else read.friction,
-            glued=read.glued or group.parameters.glued,
-        )
-    members = {"secondary": group.secondary, "primary": group.primary}
-    for name, parameter_field in (("secondary", 3), ("primary", 4)):
-        if card.text(parameter_field):
-            members[name].append(card.integer(parameter_field))
-    listed = {name: bool(ids) for name, ids in members.items()}
-    current = ""
-    for first, texts in list(rows(card))[1:]:
-        word = texts[0]
-        if word and word not in _SECONDARY | _PRIMARY:
-            card.refuse(f"'{word}' stands where SECNDRY or PRIMARY is expected", first)
-        current = {True: "secondary", False: "primary"}[word in _SECONDARY] if word else current
-        ids = texts[1:]
-        if current and not listed[current]:
-            members[current] += id_list(card, ids)
-    if not group.secondary or not group.primary:
+    for name, field in (("BCONPRG", 1), ("BCONPRP", 2)):
+        if card.integer(field, 0):
+            named = card.find(by_id(cards, name), field, name, "parameters")
+            parameters = read_parameters(named, ignored, parameters)
+    sides = ("secondary", "primary")
+    given = {
+        side: [card.integer(field)] if card.text(field) else []
+        for side, field in zip(sides, (3, 4), strict=True)
+    }
+    listed: dict[str, list[int]] = {side: [] for side in sides}
+    for side, rows in _sections(card):
+        listed[side] += [] if given[side] else _bodies(rows)
+    secondary, primary = (given[side] or listed[side] for side in sides)
+    if not secondary or not primary:
         card.refuse("it names no touching (SECNDRY) or no touched (PRIMARY) body")
-    return group
+    return _Group(card, secondary, primary, parameters)
 
 
 _BODIES = ("BCBODY", "BCBODY1", "BCSURF")
@@ -261,24 +257,20 @@ def _body_reader(
         if card.cards.name == "BCSURF":
             return regions[-number], 0.0
         of_properties = card.cards.name == "BCBODY1"
-        dimension, behaviour, region = (2, 3, 4) if of_properties else (1, 2, 3)
-        if card.text(dimension) not in ("", "3D"):
-            card.refuse(
-                f"DIM = {card.text(dimension)} is not supported; contact bodies must be 3D",
-                dimension,
-            )
-        if card.text(behaviour) not in ("", "DEFORM"):
-            card.refuse(
-                f"BEHAV = {card.text(behaviour)} is not supported; contact bodies must be "
-                "deformable (DEFORM): mesh the rigid one with solids",
-                behaviour,
-            )
+        dimension = 2 if of_properties else 1
+        card.choice(dimension, ("", "3D"), "contact bodies must be 3D")
+        card.choice(
+            dimension + 1,
+            ("", "DEFORM"),
+            "contact bodies must be deformable (DEFORM): mesh the rigid one with solids",
+        )
+        region = region_of(regions, card, dimension + 2)
         if not of_properties:
-            return region_of(regions, card, region), friction_coefficient(card, 5)
-        friction = None
+            return region, friction_coefficient(card, 5)
+        parameters = NO_PARAMETERS
         if card.integer(1, 0):
-            parameters = card.find(properties, 1, "BCBDPRP", "parameters")
-            friction = read_parameters(parameters, 1, ignored).friction
-        return region_of(regions, card, region), friction or 0.0
+            named = card.find(properties, 1, "BCBDPRP", "parameters")
+            parameters = read_parameters(named, ignored)
+        return region, parameters.friction or 0.0
 
     return body

@@ -1,7 +1,7 @@
 """Contact pairs of a deck, in whichever dialect they are written."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -33,28 +33,23 @@ class Pair:
         Place of the card that makes the pair.
     parameters
         Those of its contact set, table or pair.
-    search_distance : [length]
-        Largest gap across which its faces are paired.
-    friction
-        Coefficient of friction.
-    glued
-        Whether the two neither open nor slide.
     """
 
     name: str
     minus: Region
     plus: Region
     where: str
-    parameters: Parameters = field(default_factory=Parameters)
-    search_distance: float = np.inf
-    friction: float = 0.0
-    glued: bool = False
+    parameters: Parameters
 
+    @property
+    def friction(self) -> float:
+        """Coefficient of friction."""
+        return self.parameters.friction or 0.0
 
-def rows(card: Card) -> Iterator[tuple[int, list[str]]]:
-    """Yield the first field and the eight texts of each row of a card."""
-    for first in range(0, max(len(card), 1), 8):
-        yield first, [card.text(first + j) for j in range(8)]
+    @property
+    def glued(self) -> bool:
+        """Whether the two neither open nor slide."""
+        return self.parameters.glued
 
 
 def region_of(regions: dict[int, Region], card: Card, field: int) -> Region:
@@ -86,7 +81,7 @@ def spec_of(pair: Pair, assembly: Assembly, ignored: dict[str, None]) -> Interfa
     Bodies declare no faces, only that they may touch. Those of their faces that lie farther apart
     than the size of a face cannot meet at small displacements and are left out.
     """
-    distance = pair.search_distance
+    distance = pair.parameters.search_distance
     if pair.minus.facets is None and pair.plus.facets is None:
         distance = min(distance, float(_edges(pair.minus, assembly.mesh).mean()))
         ignored[
@@ -118,9 +113,10 @@ def gap_rule(pair: Pair, mesh: Mesh) -> GapRule | None:
 
 def glue_distance(pair: Pair, mesh: Mesh) -> float:
     """Return how far apart surfaces are glued: SDIST of Simcenter, ERROR of MSC."""
-    if np.isfinite(pair.search_distance):
-        return pair.search_distance
-    return float(pair.parameters.error or DEFAULT_ERROR * _edges(pair.minus, mesh).min())
+    parameters = pair.parameters
+    if np.isfinite(parameters.search_distance):
+        return parameters.search_distance
+    return float(parameters.error or DEFAULT_ERROR * _edges(pair.minus, mesh).min())
 
 
 def _edges(region: Region, mesh: Mesh) -> Vector:

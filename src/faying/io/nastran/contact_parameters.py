@@ -1,8 +1,8 @@
 """Named contact parameters: pairs of a name and a value on BCTPARM, BCPARA, BCONPRG, ..."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -14,8 +14,6 @@ FRICTION_REMEDY = (
     "only Coulomb's friction with one coefficient for a pair is read; remove it, or set friction = "
     "0 in the study"
 )
-COULOMB = ("2", "6")
-"""MSC's FTYPE of friction by Coulomb's law, smoothed or bilinear."""
 HARMLESS = frozenset(
     (
         # Simcenter, BCTPARM and BCTPARA: penalty factors, iterations, tolerances, shells, output
@@ -36,25 +34,37 @@ HARMLESS = frozenset(
 )
 """Parameters that leave contact without glue as it is (the study's penalties count)."""
 
-INIPENE = {"": None, "0": None, "1": None, "2": 0.0, "3": np.inf}
-"""Largest gap that Simcenter's INIPENE resets to zero; None leaves gaps and penetrations."""
+_CHOICES: Mapping[str, tuple[str, Mapping[str, Any]]] = {
+    # Largest gap that Simcenter resets to zero; None leaves gaps and penetrations.
+    "INIPENE": ("closed_up_to", {"0": None, "1": None, "2": 0.0, "3": np.inf}),
+    # Whether MSC moves nodes onto the other body, as far as they are within ERROR of it.
+    "ICOORD": ("within_error", {"0": False, "1": True, "2": False, "3": True}),
+    # MSC's friction: none, or by Coulomb's law, smoothed or bilinear.
+    "FTYPE": ("slides", {"0": True, "2": False, "6": False}),
+    # Kinds of glue differ by moments of shells and by gaps that are closed beforehand.
+    **dict.fromkeys(("IGLUE", "TIED"), ("glued", {"0": False, **dict.fromkeys("1234", True)})),
+}
+"""Parameters to what of :class:`Parameters` they give, and what their values stand for."""
 
-ICOORD = {"": False, "0": False, "1": True, "2": False, "3": True}
-"""Whether MSC's ICOORD moves nodes onto the other body, as far as they are within ERROR of it."""
+_NO_OFFSET = " is not supported; give 'initial_gap' in the study"
+_REFUSALS = {
+    **dict.fromkeys(("FTYPE", "MU", "FRICMOD"), f": {FRICTION_REMEDY}"),
+    **dict.fromkeys(("CINTERF", "OFFSET", "PDEPTH"), _NO_OFFSET),
+    "JGLUE": ": glue that lets go at a force is not supported; leave it blank",
+}
+"""What is said of values that are not read, which are those other than zero without a choice."""
 
 _WORDS = frozenset(("METHOD",))
-_OTHER_FRICTION = frozenset(("MU", "FRICMOD"))
-_OFFSETS = frozenset(("CINTERF", "OFFSET", "PDEPTH"))
-_KINDS_OF_GLUE = 4
-"""MSC's kinds of IGLUE differ by moments of shells and by gaps that are closed beforehand."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Parameters:
-    """What the parameters of a card amount to.
+    """What the parameters of a pair amount to.
 
     Attributes
     ----------
+    search_distance : [length]
+        Largest gap across which faces are paired.
     closed_up_to : [length]
         Largest gap that is closed before the analysis (INIPENE); None closes none.
     within_error
@@ -69,12 +79,16 @@ class Parameters:
         Whether the sides neither open nor slide (IGLUE, TIED).
     """
 
+    search_distance: float = np.inf
     closed_up_to: float | None = None
     within_error: bool = False
     error: float = 0.0
     friction: float | None = None
     slides: bool = False
     glued: bool = False
+
+
+NO_PARAMETERS = Parameters()
 
 
 def friction_coefficient(card: Card, field: int, name: str = "FRIC") -> float:
@@ -98,99 +112,54 @@ def note_friction(ignored: dict[str, None]) -> None:
     ] = None
 
 
-def read_parameters(card: Card, first: int, ignored: dict[str, None]) -> Parameters:
-    """Check the pairs of names and values from field ``first`` on.
+def read_parameters(
+    card: Card, ignored: dict[str, None], parameters: Parameters = NO_PARAMETERS
+) -> Parameters:
+    """Return parameters with those of a card: pairs of names and values behind its id.
 
     Harmless names are added to ``ignored``.
     """
-    parameters = Parameters()
-    for name, value, field in _pairs(card, first):
-        zero = numbers.real(value) == 0.0 if value else True
-        if name in _OTHER_FRICTION and not zero:
-            card.refuse(f"{name} = {value}: {FRICTION_REMEDY}", field)
-        if name in _READ:
-            attribute, read = _READ[name]
-            parameters = replace(parameters, **{attribute: read(card, field)})
-        elif name == "JGLUE":
-            refuse_letting_go(card, field + 1)
-        elif name in _OTHER_FRICTION:
-            pass
-        elif name in _OFFSETS:
-            if not zero:
-                card.refuse(
-                    f"{name} = {value} is not supported; give 'initial_gap' in the study", field
-                )
-        elif name not in HARMLESS:
-            card.refuse(
-                f"{name} = {value} may change the contact and is not supported; remove it", field
-            )
-        else:
+    card.integer(0, 0)
+    for pair in _pairs(card):
+        name = pair.text(0)
+        if name in HARMLESS:
             ignored[f"{card.cards.name} {name}"] = None
+        else:
+            parameters = with_parameter(parameters, name, pair, 1)
     return parameters
 
 
-def is_glued(card: Card, field: int) -> bool:
-    """Return whether a field asks for glue, of whichever of the four kinds."""
-    value = card.integer(field, 0)
-    if not 0 <= value <= _KINDS_OF_GLUE:
-        card.refuse(f"glue of kind {value} is not known; give one of 0 to {_KINDS_OF_GLUE}", field)
-    return value > 0
+def with_parameter(parameters: Parameters, name: str, card: Card, field: int) -> Parameters:
+    """Return parameters with that of a name, as a field says; a blank changes nothing."""
+    text = card.text(field)
+    attribute, choices = _CHOICES.get(name, ("", {}))
+    if name == "ERROR":
+        return replace(parameters, error=card.real(field, parameters.error))
+    if name == "FRIC":
+        friction = friction_coefficient(card, field) if text else parameters.friction
+        return replace(parameters, friction=friction)
+    is_nothing = not text or numbers.real(text) == 0.0
+    if text not in choices and not (is_nothing and (choices or name in _REFUSALS)):
+        refusal = " may change the contact and is not supported; remove it"
+        if choices:
+            refusal = f" is not supported; give one of {', '.join(choices)}"
+        card.refuse(f"{name} = {text}{_REFUSALS.get(name, refusal)}", field)
+    return replace(parameters, **{attribute: choices[text]}) if text in choices else parameters
 
 
-def refuse_letting_go(card: Card, field: int) -> None:
-    """Raise if glue lets go at a force."""
-    if card.integer(field, 0):
-        card.refuse("JGLUE: glue that lets go at a force is not supported; leave it blank", field)
-
-
-def _slides(card: Card, field: int) -> bool:
-    """Return whether FTYPE switches friction off."""
-    value = card.text(field + 1)
-    if value not in ("", "0", *COULOMB):
-        card.refuse(f"FTYPE = {value}: {FRICTION_REMEDY}", field)
-    return value == "0"
-
-
-_Choice = TypeVar("_Choice")
-
-
-def _chosen(card: Card, field: int, choices: Mapping[str, _Choice]) -> _Choice:
-    """Return what the value behind a parameter's name stands for."""
-    value = card.text(field + 1)
-    if value not in choices:
-        names = ", ".join(filter(None, choices))
-        card.refuse(f"{card.text(field)} = {value} is not supported; give one of {names}", field)
-    return choices[value]
-
-
-_READ: Mapping[str, tuple[str, Callable[[Card, int], Any]]] = {
-    "INIPENE": ("closed_up_to", lambda card, field: _chosen(card, field, INIPENE)),
-    "ICOORD": ("within_error", lambda card, field: _chosen(card, field, ICOORD)),
-    "ERROR": ("error", lambda card, field: card.real(field + 1, 0.0)),
-    "FRIC": ("friction", lambda card, field: friction_coefficient(card, field + 1)),
-    "FTYPE": ("slides", _slides),
-    **dict.fromkeys(("IGLUE", "TIED"), ("glued", lambda card, field: is_glued(card, field + 1))),
-}
-"""Names to what of :class:`Parameters` they give, and how it is read at the field of the name."""
-
-
-def _pairs(card: Card, first: int) -> list[tuple[str, str, int]]:
-    """Names, values and fields; blank fields may stand between pairs."""
+def _pairs(card: Card) -> list[Card]:
+    """Names and values; blank fields may stand between pairs."""
     pairs = []
-    field = first
+    field = 1
     while field < len(card):
-        name = card.text(field)
-        if not name:
-            field += 1
-            continue
-        value = card.text(field + 1)
+        pair = card.part(field, 2)
+        name, value = pair.text(0), pair.text(1)
         word = value and numbers.real(value) is None and name not in _WORDS
-        if not name[:1].isalpha() or word:
-            card.refuse(
+        if name and (not name[:1].isalpha() or word):
+            pair.refuse(
                 f"'{name}' with '{value}' is no parameter with its value; expected pairs such as "
-                "'PENN', '10.0'",
-                field,
+                "'PENN', '10.0'"
             )
-        pairs.append((name, value, field))
-        field += 2
+        pairs += [pair] if name else []
+        field += 2 if name else 1
     return pairs

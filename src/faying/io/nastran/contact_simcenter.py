@@ -10,12 +10,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from faying.io.nastran.cards import Card, Cards, by_id, id_list
-from faying.io.nastran.contact_pairs import Pair, region_of, rows
+from faying.io.nastran.contact_pairs import Pair, region_of
 from faying.io.nastran.contact_parameters import (
+    NO_PARAMETERS,
     Parameters,
     friction_coefficient,
     read_parameters,
 )
+from faying.io.nastran.fields import ROW
 from faying.io.nastran.grids import BulkData, chosen_sets
 from faying.io.nastran.regions import Region
 
@@ -42,32 +44,23 @@ def read_simcenter_pairs(
     """Read the pairs that BCSET and BGSET select; without a case control section, all of them."""
     chosen = _chosen(bulk, _CONTACT, ignored)
     parameters = {number: _parameters(bulk.cards, number, ignored) for number in chosen}
+    glue = {number: Parameters(glued=True) for number in _chosen(bulk, _GLUE, ignored)}
+    for card in (card for name in ("BGPARM", "BGPARA") for card in bulk.cards.get(name, ())):
+        read_parameters(card, ignored)
     pairs = [
         pair
-        for number, cards_of_set in chosen.items()
-        for card in cards_of_set
-        for pair in _pairs(card, regions, parameters[number])
+        for kind, of_sets in ((_CONTACT, parameters), (_GLUE, glue))
+        for card in bulk.cards.get(kind.card, ())
+        if card.integer(0) in of_sets
+        for pair in _pairs(card, kind, regions, of_sets[card.integer(0)])
     ]
-    glue = _chosen(bulk, _GLUE, ignored)
-    pairs += [
-        pair
-        for cards_of_set in glue.values()
-        for card in cards_of_set
-        for pair in _glued(card, regions)
-    ]
-    for name in ("BGPARM", "BGPARA"):
-        for card in bulk.cards.get(name, ()):
-            card.integer(0)
-            read_parameters(card, 1, ignored)
     _check_offsets(bulk.cards, pairs)
     return pairs
 
 
-def _chosen(bulk: BulkData, kind: _Kind, ignored: dict[str, None]) -> dict[int, list[Card]]:
-    """Cards of the sets that apply, by id: the selected one, or all without case control."""
-    sets: dict[int, list[Card]] = {}
-    for card in bulk.cards.get(kind.card, ()):
-        sets.setdefault(card.integer(0), []).append(card)
+def _chosen(bulk: BulkData, kind: _Kind, ignored: dict[str, None]) -> list[int]:
+    """Return the sets that apply: the selected one, or all without case control."""
+    sets = dict.fromkeys(card.integer(0) for card in bulk.cards.get(kind.card, ()))
     combined: dict[int, list[int]] = {}
     for number, card in by_id(bulk.cards, kind.sums).items():
         combined[number] = id_list(card, card.texts[1:])
@@ -79,68 +72,54 @@ def _chosen(bulk: BulkData, kind: _Kind, ignored: dict[str, None]) -> dict[int, 
     )
     if note:
         ignored[note] = None
-    return {number: sets[number] for chosen in numbers for number in combined.get(chosen, [chosen])}
+    return [number for chosen in numbers for number in combined.get(chosen, [chosen])]
 
 
 def _parameters(cards: Mapping[str, Cards], number: int, ignored: dict[str, None]) -> Parameters:
     """Read the parameters of a contact set."""
-    parameters = Parameters()
-    for name in ("BCTPARM", "BCTPARA"):
-        for card in cards.get(name, ()):
-            if card.integer(0) == number:
-                parameters = read_parameters(card, 1, ignored)
+    parameters = NO_PARAMETERS
+    for card in (card for name in ("BCTPARM", "BCTPARA") for card in cards.get(name, ())):
+        if card.integer(0) == number:
+            parameters = read_parameters(card, ignored, parameters)
     return parameters
 
 
-def _source_rows(card: Card) -> Iterator[tuple[int, list[str]]]:
-    """Yield the rows of a card that name a source region, with the number of their first field."""
-    for first, texts in rows(card):
-        if not any(texts[1:]):
+def _pairs(
+    card: Card, kind: _Kind, regions: dict[int, Region], parameters: Parameters
+) -> Iterator[Pair]:
+    """Yield the pairs of a card, one a row: source, target, and friction or a distance."""
+    for row in card.groups(0, ROW):
+        if not any(row.texts[1:]):
             continue
-        if first and texts[0]:
-            card.refuse(
-                f"'{texts[0]}' stands in front of a source region; leave that field blank", first
+        if row.first and row.text(0):
+            row.refuse(
+                f"'{row.text(0)}' stands in front of a source region; leave that field blank"
             )
-        yield first, texts
+        if kind is _GLUE:
+            friction, distance = 0.0, row.real(3, 0.0) or _GLUE_DISTANCE
+        else:
+            friction, distance = friction_coefficient(row, 3), row.real(5, 0.0) or np.inf
+            _check_nothing_else(row)
+        yield Pair(
+            name=f"{'glue' if parameters.glued else 'contact'}-{row.text(1)}-{row.text(2)}",
+            minus=region_of(regions, row, 1),
+            plus=region_of(regions, row, 2),
+            where=card.where(),
+            parameters=replace(parameters, friction=friction, search_distance=distance),
+        )
 
 
-def _pairs(card: Card, regions: dict[int, Region], parameters: Parameters) -> Iterator[Pair]:
-    for first, texts in _source_rows(card):
-        friction = friction_coefficient(card, first + 3)
-        if card.real(first + 4, 0.0) > 0:
-            card.refuse(
-                f"MIND = {texts[4]}: contact that spares the closest faces is not supported; "
-                "leave it blank",
-                first + 4,
-            )
-        if any(texts[6:]):
-            card.refuse(
-                f"'{texts[6] or texts[7]}' stands behind MAXD, where nothing is expected", first + 6
-            )
-        distance = card.real(first + 5, 0.0) or np.inf
-        pair = _pair(card, first, regions, distance, glued=parameters.glued)
-        yield replace(pair, parameters=parameters, friction=friction)
-
-
-def _glued(card: Card, regions: dict[int, Region]) -> Iterator[Pair]:
-    for first, _ in _source_rows(card):
-        distance = card.real(first + 3, 0.0) or _GLUE_DISTANCE
-        yield _pair(card, first, regions, distance, glued=True)
-
-
-def _pair(
-    card: Card, first: int, regions: dict[int, Region], distance: float, *, glued: bool
-) -> Pair:
-    """Return the pair of two regions that a row of a card names."""
-    kind = "glue" if glued else "contact"
-    return Pair(
-        name=f"{kind}-{card.text(first + 1)}-{card.text(first + 2)}",
-        minus=region_of(regions, card, first + 1),
-        plus=region_of(regions, card, first + 2),
-        where=card.where(),
-        search_distance=distance,
-        glued=glued,
-    )
+def _check_nothing_else(row: Card) -> None:
+    if row.real(4, 0.0) > 0:
+        row.refuse(
+            f"MIND = {row.text(4)}: contact that spares the closest faces is not supported; leave "
+            "it blank",
+            4,
+        )
+    if any(row.texts[6:]):
+        row.refuse(
+            f"'{row.text(6) or row.text(7)}' stands behind MAXD, where nothing is expected", 6
+        )
 
 
 def _check_offsets(cards: Mapping[str, Cards], pairs: list[Pair]) -> None:
@@ -152,5 +131,4 @@ def _check_offsets(cards: Mapping[str, Cards], pairs: list[Pair]) -> None:
             card.refuse(
                 "OFFSET of a contact region is not supported; give 'initial_gap' in the study", 2
             )
-        if card.text(3) not in ("", "FLEX"):
-            card.refuse(f"TYPE = {card.text(3)} is not supported; contact regions must be FLEX", 3)
+        card.choice(3, ("", "FLEX"), "contact regions must be FLEX")

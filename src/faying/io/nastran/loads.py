@@ -145,7 +145,8 @@ def read_loads(
         _accelerated(bulk, structure, spoiled),
     ):
         for number in np.unique(sets).tolist():
-            parts.setdefault(number, []).append((loaded[sets == number], forces[sets == number]))
+            mine = np.broadcast_to(sets == number, len(loaded))
+            parts.setdefault(number, []).append((loaded[mine], forces[mine]))
     for card in bulk.cards.get("LOAD", ()):
         number = card.integer(0)
         combined: list[tuple[Indices, Matrix]] = []
@@ -178,8 +179,7 @@ def read_loads(
 def _part(number: int, forces: Matrix) -> Part:
     """Return the forces (n_node, 6) of a set as loads of nodes."""
     loaded = np.flatnonzero((forces != 0).any(axis=1))
-    loaded = loaded if len(loaded) else np.arange(1)  # a set of nothing is a set too
-    return np.full(len(loaded), number), loaded, forces[loaded]
+    return np.array([number]), loaded, forces[loaded]
 
 
 def _on_scalar_points(bulk: BulkData, unread: dict[int, str]) -> Iterator[Part]:

@@ -23,7 +23,7 @@ from faying.model.elements import FACES
 from faying.model.surface import rows_by_kind
 
 Part = tuple[Indices, Indices, Matrix]
-"""Load sets (n,), nodes (n,), forces and moments (n, 6)."""
+"""Load sets (n,), or one (1,), nodes (n,), forces and moments (n, 6)."""
 
 
 def part_of_faces(cards: Cards, rows: Indices, table: Indices, forces: Matrix) -> Part:

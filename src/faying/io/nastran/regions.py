@@ -12,7 +12,8 @@ import numpy as np
 from faying._typing import Indices, Mask
 from faying.io.element_faces import find_faces, numbered_faces
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.cards import Card, id_list
+from faying.io.nastran.cards import Card, by_id, id_list
+from faying.io.nastran.fields import ROW
 from faying.io.nastran.grids import BulkData, Grids
 from faying.io.nastran.solids import SOLID_CARDS
 from faying.io.solid_cuts import Cut, on_their_sides
@@ -68,82 +69,77 @@ _SIDES = {f"S{number}": number for number in range(1, 7)}
 
 def read_regions(bulk: BulkData, solids: Sequence[CellBlock], shells: Indices) -> dict[int, Region]:
     """Read contact regions by id, BCSURF, which are contact bodies, by the negative of theirs."""
-    regions: dict[int, Region] = {}
     ids = np.concatenate([np.zeros(0, dtype=np.int64), *(block.ids for block in solids)])
     properties = np.concatenate([ids[:0], *(block.properties for block in solids)])
-    for card in bulk.cards.get("BSURF", ()):
-        both = np.sort(np.concatenate([ids, shells]))
-        listed = np.array(id_list(card, card.texts[1:], both), dtype=np.int64)
-        region = Region(card=card, name=f"bsurf:{card.integer(0)}")
-        solid, thin = (listed[np.isin(listed, ids_of_kind)] for ids_of_kind in (ids, shells))
-        region = replace(region, shells=thin) if len(thin) else replace(region, elements=solid)
-        if len(thin) and len(solid):
-            card.refuse("a contact region of shells and solids; give each its own region")
-        _add(regions, card, region)
-    for name in ("BCPROP", "BCPROPS"):
-        for card in bulk.cards.get(name, ()):
-            listed = np.array(id_list(card, card.texts[1:], np.unique(properties)), dtype=np.int64)
-            chosen = ids[np.isin(properties, listed)]
-            _add(
-                regions, card, Region(card=card, name=f"bcprop:{card.integer(0)}", elements=chosen)
-            )
-    for card in bulk.cards.get("BSURFS", ()):
-        facets = _facets(card, bulk.grids, solids)
-        _add(regions, card, Region(card=card, name=f"bsurfs:{card.integer(0)}", facets=facets))
-    for card in bulk.cards.get("BCSURF", ()):
+    regions = {
+        number: _region(card, bulk.grids, solids, ids, properties, shells)
+        for number, card in by_id(bulk.cards, *_REGIONS, what="contact region").items()
+    }
+    for number, card in by_id(bulk.cards, "BCSURF").items():
         facets = _sides(card, solids)
-        regions[-card.integer(0)] = Region(
-            card=card, name=f"bcsurf:{card.integer(0)}", facets=facets
-        )
+        regions[-number] = Region(card=card, name=f"bcsurf:{number}", facets=facets)
     return regions
+
+
+_REGIONS = ("BSURF", "BCPROP", "BCPROPS", "BSURFS")
+
+
+def _region(
+    card: Card,
+    grids: Grids,
+    solids: Sequence[CellBlock],
+    ids: Indices,
+    properties: Indices,
+    shells: Indices,
+) -> Region:
+    """Return the region of a card; ids and properties (n,) are those of all solids."""
+    kind = card.cards.name
+    region = Region(card=card, name=f"{kind.lower().replace('props', 'prop')}:{card.integer(0)}")
+    if kind == "BSURFS":
+        return replace(region, facets=_facets(card, grids, solids))
+    if kind != "BSURF":
+        chosen = id_list(card, card.texts[1:], np.unique(properties))
+        return replace(region, elements=ids[np.isin(properties, chosen)])
+    listed = np.array(
+        id_list(card, card.texts[1:], np.sort(np.append(ids, shells))), dtype=np.int64
+    )
+    solid, thin = (listed[np.isin(listed, of_kind)] for of_kind in (ids, shells))
+    if len(thin) and len(solid):
+        card.refuse("a contact region of shells and solids; give each its own region")
+    return replace(region, shells=thin) if len(thin) else replace(region, elements=solid)
 
 
 def _sides(card: Card, solids: Sequence[CellBlock]) -> Indices:
     """Faces (n, 8) of rows with an element, the side of it, and ELEM."""
-    rows = [[card.text(j + k) for k in range(8)] for j in range(8, len(card), 8)]
-    named = [row for row in rows if any(row)]
-    bricks = [block for block in solids if block.kind in ("hex8", "hex20")]
-    element_ids = [numbers.integer(row[0]) for row in named]
-    for row, element in zip(named, element_ids, strict=True):
-        odd = element is None or row[1] not in _SIDES or row[2:] != ["ELEM", *[""] * 5]
-        if odd or card.text(4) != "FACE":
-            card.refuse(
-                f"'{', '.join(filter(None, row))}'; supported are rows of a CHEXA, its side S1 to "
-                "S6 and ELEM, behind FACE; name faces by BSURFS",
-                8,
+    rows = card.groups(ROW, ROW)
+    for row in rows:
+        odd = numbers.integer(row.text(0)) is None or row.text(1) not in _SIDES
+        if odd or [text for text in row.texts[2:] if text] != ["ELEM"] or card.text(4) != "FACE":
+            row.refuse(
+                f"'{', '.join(filter(None, row.texts))}'; supported are rows of a CHEXA, its side "
+                "S1 to S6 and ELEM, behind FACE; name faces by BSURFS"
             )
-    elements = np.array(element_ids, dtype=np.int64)
-    numbers_of = np.array([_SIDES[row[1]] for row in named], dtype=np.int64)
+    elements = np.array([row.integer(0) for row in rows], dtype=np.int64)
+    numbers_of = np.array([_SIDES[row.text(1)] for row in rows], dtype=np.int64)
+    bricks = [block for block in solids if block.kind in ("hex8", "hex20")]
     faces = numbered_faces(bricks, elements, numbers_of)
     missing = np.flatnonzero(faces[:, 0] < 0)
     if missing.size:
-        card.refuse(
-            f"element {elements[missing[0]]} is no CHEXA of the deck; name faces by BSURFS", 8
-        )
+        row = rows[missing[0]]
+        row.refuse(f"element {row.text(0)} is no CHEXA of the deck; name faces by BSURFS")
     return np.unique(faces, axis=0)
 
 
-def _add(regions: dict[int, Region], card: Card, region: Region) -> None:
-    number = card.integer(0)
-    if number in regions:
-        card.refuse(
-            f"contact region {number} is already defined at {regions[number].card.where()}; give "
-            "each BSURF, BSURFS and BCPROP its own id"
-        )
-    regions[number] = region
-
-
 def _facets(card: Card, grids: Grids, solids: Sequence[CellBlock]) -> Indices:
-    # Behind three blanks, groups of an element and three grids of its face.
-    texts = [card.text(j) for j in range(4, 4 + 4 * ((len(card) - 1) // 4))]
-    groups = [texts[i : i + 4] for i in range(0, len(texts), 4) if any(texts[i : i + 4])]
-    values = [[numbers.integer(text) for text in group] for group in groups]
-    for i, group in enumerate(values):
-        if None in group:
-            shown = ", ".join(groups[i])
-            card.refuse(f"'{shown}' is no element id with three grid ids of its face")
     if any(card.texts[1:4]):
         card.refuse("fields 3 to 5 must be blank; the first element id belongs in field 6", 1)
+    # Behind three blanks, groups of an element and three grids of its face.
+    groups = card.groups(4, 4)
+    for group in groups:
+        if None in [numbers.integer(text) for text in group.texts]:
+            shown = ", ".join(group.texts)
+            group.refuse(f"'{shown}' is no element id with three grid ids of its face")
+    values = [[group.integer(j) for j in range(4)] for group in groups]
     table = np.array(values, dtype=np.int64).reshape(-1, 4)
     nodes = grids.several(card, table[:, 1:].ravel().tolist()).reshape(-1, 3)
 
