@@ -83,7 +83,9 @@ def with_moved_supports(
         zip(places, stiffness.tolist(), strict=True), start=first
     ):
         if dof[0] in axes:
-            bushes.append(_turned(number, dof, value, axes[dof[0]], assembly))
+            node, component = dof
+            place = assembly.mesh.nodes[node]
+            bushes.append(Bush.of_arrays(number, [node], {component: value}, axes[node], place))
         else:
             springs.append(Spring(id=number, ends=(dof,), stiffness=value))
     assembly = replace(
@@ -100,16 +102,6 @@ def _direction(dof: Place, axes: Mapping[int, Matrix]) -> Matrix:
     first = component - component % 3
     result[first : first + 3] = axes.get(node, np.eye(3))[component % 3]
     return result
-
-
-def _turned(number: int, dof: Place, stiffness: float, axes: Matrix, assembly: Assembly) -> Bush:
-    """Return a spring along or about an axis that is none of the basic ones."""
-    node, component = dof
-    along = [0.0] * 6
-    along[component] = stiffness
-    x, y, z = assembly.mesh.nodes[node].tolist()
-    a, b, c = ((row[0], row[1], row[2]) for row in axes.tolist())
-    return Bush(id=number, nodes=(node,), stiffness=tuple(along), axes=(a, b, c), place=(x, y, z))
 
 
 def moved_note(count: int, cause: str, loads: str) -> str:

@@ -98,15 +98,12 @@ def with_elastic_layer(
         motion.resize(minus.shape)
         across = tangents_of(part.normals)
         axes = np.stack([part.normals, across, np.cross(part.normals, across)], axis=1)
-        stiffness = np.outer(part.areas, [normal, tangential, tangential, 0.0, 0.0, 0.0])
-        table = zip(
-            point_nodes, stiffness.tolist(), axes.tolist(), part.places.tolist(), strict=True
-        )
+        stiffness = np.outer(part.areas, [normal, tangential, tangential, 0.0, 0.0, 0.0]).tolist()
+        table = zip(point_nodes.tolist(), stiffness, axes, part.places, strict=True)
         bushes = [
-            Bush(id=i, nodes=(int(node),), stiffness=tuple(springs), axes=tuple(map(tuple, rows)),
-                 place=(x, y, z))
-            for i, (node, springs, rows, (x, y, z)) in enumerate(table, assembly.largest_id + 1)
-        ]  # fmt: skip
+            Bush.of_arrays(number, [node], springs, rows, place)
+            for number, (node, springs, rows, place) in enumerate(table, assembly.largest_id + 1)
+        ]
         equations = list(equal_motions(point_nodes, motion + minus, first))
         first += len(equations)
         assembly = replace(

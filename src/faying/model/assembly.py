@@ -7,7 +7,7 @@ Each node has six degrees of freedom, translations 0, 1, 2 and rotations 3, 4, 5
 frame; those that nothing touches are dropped when the model is built.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -126,6 +126,30 @@ class Bush:
     axes: tuple[tuple[float, float, float], ...]
     place: tuple[float, float, float]
     mass: float = 0.0
+
+    @classmethod
+    def of_arrays(
+        cls,
+        number: int,
+        nodes: Iterable[int],
+        stiffness: Sequence[float] | Mapping[int, float],
+        axes: Matrix,
+        place: Vector,
+        mass: float = 0.0,
+    ) -> "Bush":
+        """Return a bush of axes (3, 3) and a place (3,); stiffness may be given by component."""
+        if isinstance(stiffness, Mapping):
+            stiffness = [stiffness.get(component, 0.0) for component in range(6)]
+        x, y, z = np.asarray(place).tolist()
+        rows = tuple((a, b, c) for a, b, c in np.asarray(axes).tolist())
+        return cls(
+            id=number,
+            nodes=tuple(nodes),
+            stiffness=tuple(stiffness),
+            axes=rows,
+            place=(x, y, z),
+            mass=mass,
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -249,17 +249,9 @@ def _inclined(block: ElementBlock, i: int, stiffness: float, coordinates: Matrix
     start, end = block.nodes[i].tolist()
     along = coordinates[end] - coordinates[start]
     side = np.cross(along, any_across(along))
-    first, second, third = (
-        (float(row[0]), float(row[1]), float(row[2])) for row in np.asarray(axes_along(along, side))
-    )
-    x, y, z = coordinates[start].tolist()
-    return Bush(
-        id=int(block.ids[i]),
-        nodes=(start, end),
-        stiffness=(stiffness, 0.0, 0.0, 0.0, 0.0, 0.0),
-        axes=(first, second, third),
-        place=(x, y, z),
-    )
+    axes = np.asarray(axes_along(along, side))
+    number = int(block.ids[i])
+    return Bush.of_arrays(number, (start, end), {0: stiffness}, axes, coordinates[start])
 
 
 def read_masses(data: DeckData) -> Iterator[PointMass]:

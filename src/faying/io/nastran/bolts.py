@@ -147,7 +147,7 @@ def cut_bolts(bulk: BulkData, assembly: Assembly, moved: Moved) -> CutBolts:
         controls.append(int(bulk.grids.several(card, [card.integer(1)])[0]))
         axis, amounts, shortens = _tension(card, controls[-1], bulk, loads, moved)
         mesh, cuts[number] = _parted(mesh, number, card, bulk.grids, axis)
-        amount = amounts.get(str(bulk.control.load))
+        amount = amounts.get(str(bulk.control.set_of("LOAD")))
         if amount is None and len({*amounts.values()}) == 1:
             amount = next(iter(amounts.values()))
         if amount is None:
@@ -185,7 +185,7 @@ def read_bolts(
     }
     for name in ("BOLTFRC", "BOLTSEQ"):
         for card in bulk.cards.get(name, ()):
-            if bulk.control.present and card.integer(0) != bulk.control.bolts:
+            if bulk.control.present and card.integer(0) != bulk.control.set_of("BOLTLD"):
                 bulk.ignored.append(f"{name} {card.integer(0)} (case control does not select it)")
                 continue
             card.refuse("it is not supported; give the final force of the bolts by BOLTFOR")
@@ -226,10 +226,8 @@ def _forces(bulk: BulkData, names: dict[int, str]) -> dict[int, float]:
     if both:
         refuse(f"{bulk.cards['BOLTLD'].where(0)}: set {min(both)} is also a BOLTFOR; renumber one")
     available = {**sets, **combined}
-    if bulk.control.bolts is None and not bulk.control.present and len(available) == 1:
-        return next(iter(available.values()))
     what = "sets of bolt forces"
-    chosen, note = chosen_sets(bulk.control, bulk.control.bolts, available, what, "BOLTLD")
+    chosen, note = chosen_sets(bulk.control, "BOLTLD", available, what)
     if len(chosen) == 1:
         return available[chosen[0]]
     if available:

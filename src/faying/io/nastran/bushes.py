@@ -104,15 +104,13 @@ def _bush(bulk: BulkData, card: Card, bush_property: _Property) -> Bush:
     start = bulk.grids.one(card, 2)
     end = bulk.grids.one(card, 3) if card.integer(3, 0) else None
     line = np.zeros(3) if end is None else bulk.grids.nodes[end] - bulk.grids.nodes[start]
-    x, y, z = _axes(card, bush_property, bulk.grids, start, line).tolist()
-    a, b, c = _place(card, bulk.grids, start, line).tolist()
-    return Bush(
-        id=card.integer(0),
-        nodes=(start,) if end is None else (start, end),
-        stiffness=bush_property.stiffness,
-        axes=(tuple(x), tuple(y), tuple(z)),
-        place=(a, b, c),
-        mass=bush_property.mass * bulk.mass_factor,
+    return Bush.of_arrays(
+        card.integer(0),
+        [start] if end is None else [start, end],
+        bush_property.stiffness,
+        _axes(card, bush_property, bulk.grids, start, line),
+        _place(card, bulk.grids, start, line),
+        bush_property.mass * bulk.mass_factor,
     )
 
 
@@ -332,20 +330,9 @@ def _bushes(card: Card, ends: tuple[int, int], arc: _Arc, section: _Section) -> 
     axes = np.array([arc.chord, arc.outward, np.cross(arc.chord, arc.outward)])
     stiff = [1 / flexibility for flexibility in (*plane, *across)]
     return [
-        Bush(
-            id=card.integer(0),
-            nodes=ends,
-            stiffness=stiffness,
-            axes=tuple((x, y, z) for x, y, z in axes.tolist()),
-            place=tuple((arc.centre + shift * arc.outward).tolist()),
-            mass=mass,
-        )
-        for stiffness, shift, mass in (
-            (
-                (stiff[0], stiff[1], 0.0, 0.0, 0.0, stiff[2]),
-                coupled / turn,
-                section.line_mass * whole,
-            ),
-            ((0.0, 0.0, stiff[3], stiff[4], stiff[5], 0.0), -twisted / twist, 0.0),
+        Bush.of_arrays(card.integer(0), ends, springs, axes, arc.centre + shift * arc.outward, mass)
+        for springs, shift, mass in (
+            ({0: stiff[0], 1: stiff[1], 5: stiff[2]}, coupled / turn, section.line_mass * whole),
+            ({2: stiff[3], 3: stiff[4], 4: stiff[5]}, -twisted / twist, 0.0),
         )
     ]

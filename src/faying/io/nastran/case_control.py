@@ -2,8 +2,7 @@
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import dataclass, field
 
 from faying.exceptions import refuse
 from faying.io.deck_lines import Lines, joined
@@ -12,15 +11,12 @@ from faying.io.nastran.cards import Bulk, Card, Cards
 _STATEMENT = re.compile(r"^([A-Z][A-Z0-9]*)\s*(?:\(([^)]*)\))?\s*(?:=\s*(.*)|\s(.*))?$")
 _MATRICES = frozenset(("K2GG", "M2GG", "B2GG", "K42GG", "P2G", "K2PP", "M2PP", "B2PP", "TFL"))
 _HEAT = re.compile(rb"^\s*(SOL\s+(HEAT|53|61|74|89|153|159)\b|APP\s+HEAT)")
-_SETS: Mapping[str, str] = {
-    **{"SPC": "spc", "MPC": "mpc", "LOAD": "load", "BCSET": "contact", "BGSET": "glue"},
-    **{"BOLTLD": "bolts", "DEFORM": "deform", "NSM": "added_mass"},
-}
-"""Commands that select a set, and the selections of :class:`CaseControl`."""
+_SETS = frozenset(("SPC", "MPC", "LOAD", "BCSET", "BGSET", "BOLTLD", "DEFORM", "NSM"))
+"""Commands that select a set."""
 _ABBREVIATED = ("SUBCASE", "TEMPERATURE", "DEFORM", "BCONTACT", "BOLTLD", "ANALYSIS")
 _TEMPERATURES = {
-    **{"": ("load", "material"), "BOTH": ("load", "material"), "LOAD": ("load",)},
-    **{"INIT": ("initial",), "MATE": ("material",)},
+    **dict.fromkeys(("", "BOTH"), ("LOAD", "MATERIAL")),
+    **{"LOAD": ("LOAD",), "INIT": ("INITIAL",), "MATE": ("MATERIAL",)},
 }
 """What a set of temperatures is selected for, by the first letters of the option."""
 _SHORTEST_COMMAND = 4
@@ -35,24 +31,20 @@ _SILENT = frozenset(
 )
 
 
+_Choices = dict[str, int | str]
+"""What commands of the global level or of one subcase select."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class CaseControl:
-    """Selected sets; None where case control selects nothing.
+    """What case control selects.
 
     Attributes
     ----------
-    contact, glue
-        BCSET and BGSET (Simcenter).
-    bcontact
-        BCONTACT (MSC): the id of a table, or ``"ALLBODY"``, ``"AUTO"``, ``"NONE"``.
-    bolts
-        BOLTLD.
-    temperatures
-        Sets of temperatures by what for: ``"load"``, ``"initial"``, ``"material"``.
-    deform
-        Set of DEFORM.
-    added_mass
-        Set of NSM.
+    chosen
+        Commands and the sets they select; of BCONTACT (MSC) the id of a table, or ``"ALLBODY"``,
+        ``"AUTO"``, ``"NONE"``. Temperatures are ``TEMPERATURE(LOAD)``, ``(INITIAL)``,
+        ``(MATERIAL)``.
     present
         Whether the deck has a case control section (CEND, or selections), so that what is not
         selected is not active.
@@ -60,22 +52,14 @@ class CaseControl:
         Whether the analysis is one of heat transfer, whose constraints are temperatures.
     """
 
-    spc: int | None = None
-    mpc: int | None = None
-    load: int | None = None
-    contact: int | None = None
-    bcontact: int | str | None = None
-    bolts: int | None = None
-    glue: int | None = None
-    temperatures: Mapping[str, int] = field(default_factory=dict)
-    deform: int | None = None
-    added_mass: int | None = None
+    chosen: Mapping[str, int | str] = field(default_factory=dict)
     present: bool = False
     heat: bool = False
 
-
-_Choices = dict[str, int | str]
-"""What commands of the global level or of one subcase select."""
+    def set_of(self, command: str) -> int | None:
+        """Return the set that a command selects."""
+        chosen = self.chosen.get(command)
+        return chosen if isinstance(chosen, int) else None
 
 
 def parameter_lines(lines: Lines) -> Lines:
@@ -145,7 +129,7 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
             others.add(name)
         elif name == "TEMPERATURE":
             for use in _TEMPERATURES.get(option[:4], ()):
-                level[f"temperature {use}"] = _number(lines, i, name, value, "a set")
+                level[f"TEMPERATURE({use})"] = _number(lines, i, name, value, "a set")
         elif name in _SETS:
             level[name] = _number(lines, i, name, value, "the number of a set")
         elif name not in _SILENT and start >= 0:
@@ -153,17 +137,7 @@ def read_case_control(lines: Lines, ignored: list[str], subcase: int | None = No
     if others:
         ignored.append(f"case control requests {', '.join(sorted(others))}")
     chosen = {**common, **_subcase(subcases, combinations, subcase, ignored)}
-    return replace(_control(chosen, present=start >= 0 or bool(chosen)), heat=heat)
-
-
-def _control(chosen: _Choices, *, present: bool) -> CaseControl:
-    numbers = {name: value for name, value in chosen.items() if isinstance(value, int)}
-    uses = ("load", "initial", "material")
-    temperatures = {use: numbers[key] for use in uses if (key := f"temperature {use}") in numbers}
-    selected: dict[str, Any] = {_SETS[name]: n for name, n in numbers.items() if name in _SETS}
-    return CaseControl(
-        bcontact=chosen.get("BCONTACT"), temperatures=temperatures, present=present, **selected
-    )
+    return CaseControl(chosen=chosen, present=start >= 0 or bool(chosen), heat=heat)
 
 
 def _statements(lines: Lines, first: int) -> Iterator[tuple[int, str, str, str]]:
@@ -226,44 +200,33 @@ LUMPED = (
 _SCALES = frozenset(("CB1", "CB2", "CK1", "CK2", "CK3", "CM1", "CM2", "CP1", "CP2"))
 
 
-def mass_factor(cards: Mapping[str, Cards], control: Bulk, ignored: list[str]) -> float:
-    """Return PARAM,WTMASS (1 if absent) and note the other parameters.
+def parameters(cards: Mapping[str, Cards], control: Bulk) -> dict[str, Card]:
+    """Return the last PARAM of each name; those of case control come before those of bulk data."""
+    listed = (*control.cards().get("PARAM", ()), *cards.get("PARAM", ()))
+    return {card.text(0): card for card in listed if card.text(0)}
 
-    PARAM lines of case control (``control``) count like those of the bulk data.
-    """
-    factor = 1.0
-    others: set[str] = set()
-    for card in _parameters(cards, control):
-        name = card.text(0)
-        if name == "COUPMASS":
-            continue
-        if name == "WTMASS":
-            factor = card.real(1)
-            if not factor > 0:
-                card.refuse(f"WTMASS = {factor:g} must be positive", 1)
-        elif name in _SCALES:
-            if card.real(1) != 1.0:
-                card.refuse(f"{name} scales input matrices, which is not supported; remove it", 1)
-        elif name:
-            others.add(name)
+
+def mass_factor(parameters: Mapping[str, Card], ignored: list[str]) -> float:
+    """Return PARAM,WTMASS (1 if absent) and note the parameters that are not read."""
+    for name in _SCALES & parameters.keys():
+        if parameters[name].real(1) != 1.0:
+            parameters[name].refuse(
+                f"{name} scales input matrices, which is not supported; remove it", 1
+            )
+    others = parameters.keys() - {"COUPMASS", "WTMASS", *_SCALES}
     if others:
         ignored.append(f"PARAM {', '.join(sorted(others))}")
+    factor = parameters["WTMASS"].real(1) if "WTMASS" in parameters else 1.0
+    if not factor > 0:
+        parameters["WTMASS"].refuse(f"WTMASS = {factor:g} must be positive", 1)
     return factor
 
 
-def lumps_masses(cards: Mapping[str, Cards], control: Bulk) -> bool:
+def lumps_masses(parameters: Mapping[str, Card]) -> bool:
     """Tell whether Nastran lumps masses, as it does unless PARAM,COUPMASS is positive."""
-    chosen = [card for card in _parameters(cards, control) if card.text(0) == "COUPMASS"]
-    return not chosen or chosen[-1].integer(1) <= 0
+    return "COUPMASS" not in parameters or parameters["COUPMASS"].integer(1) <= 0
 
 
-def is_heat(cards: Mapping[str, Cards], control: Bulk) -> bool:
+def is_heat(parameters: Mapping[str, Card]) -> bool:
     """Whether PARAM,HEATSTAT makes statics one of heat, whose constraints are temperatures."""
-    chosen = [card for card in _parameters(cards, control) if card.text(0) == "HEATSTAT"]
-    return any(card.text(1).startswith("Y") for card in chosen)
-
-
-def _parameters(cards: Mapping[str, Cards], control: Bulk) -> Iterator[Card]:
-    """Yield PARAM of case control, then those of the bulk data."""
-    yield from control.cards().get("PARAM", ())
-    yield from cards.get("PARAM", ())
+    return "HEATSTAT" in parameters and parameters["HEATSTAT"].text(1).startswith("Y")

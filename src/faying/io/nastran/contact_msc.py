@@ -103,7 +103,7 @@ def friction_of_all_bodies(
 
     Elements (n,) are ids of all solids, which the contact bodies must comprise.
     """
-    if bulk.control.bcontact != "ALLBODY":
+    if bulk.control.chosen.get("BCONTACT") != "ALLBODY":
         return None
     slides = _common(bulk, ignored).slides
     body = _body_reader(bulk, regions, ignored)
@@ -130,13 +130,12 @@ def friction_of_all_bodies(
 
 
 def _selected_groups(bulk: BulkData, ignored: dict[str, None]) -> list[_Group]:
-    cards, control = bulk.cards, bulk.control
+    cards = bulk.cards
     tables, lists, pairs = (by_id(cards, name) for name in ("BCTABLE", "BCTABL1", "BCONECT"))
     for name, by_number in (("BCTABLE", tables), ("BCTABL1", lists)):
         if by_number.pop(0, None) is not None:
             ignored[f"{name} 0 (initial contact)"] = None
-    chosen = control.bcontact
-    numbers = [*tables, *(lists or pairs)]
+    chosen = bulk.control.chosen.get("BCONTACT")
     if chosen == "AUTO":
         refuse(
             "case control asks for BCONTACT = AUTO; name the pairs by BCTABL1 and BCONECT, or take "
@@ -144,10 +143,9 @@ def _selected_groups(bulk: BulkData, ignored: dict[str, None]) -> list[_Group]:
         )
     if chosen == "ALLBODY":
         return []
-    if chosen in ("NONE", 0):
-        control, chosen = replace(control, present=True), None
-    number = chosen if isinstance(chosen, int) else None
-    selected, note = chosen_sets(control, number, numbers, "contact tables", "BCONTACT")
+    control = replace(bulk.control, chosen={}) if chosen == 0 else bulk.control
+    numbers = [*tables, *(lists or pairs)]
+    selected, note = chosen_sets(control, "BCONTACT", numbers, "contact tables")
     if note:
         ignored[note] = None
     groups: list[_Group] = []

@@ -66,10 +66,8 @@ def _chosen(bulk: BulkData, kind: _Kind, ignored: dict[str, None]) -> list[int]:
         combined[number] = id_list(card, card.texts[1:])
         for part in combined[number]:
             card.find(sets, 0, f"{kind.what} set", kind.card, part)
-    selected = bulk.control.contact if kind is _CONTACT else bulk.control.glue
-    numbers, note = chosen_sets(
-        bulk.control, selected, [*sets, *combined], f"{kind.what} sets", kind.word
-    )
+    available = [*sets, *combined]
+    numbers, note = chosen_sets(bulk.control, kind.word, available, f"{kind.what} sets")
     if note:
         ignored[note] = None
     return [number for chosen in numbers for number in combined.get(chosen, [chosen])]

@@ -18,7 +18,7 @@ _COEFFICIENTS = {
     **{"MAT9": (tuple(range(23, 29)), 29), "MAT11": ((11, 12, 13), 14)},
 }
 """Fields of the coefficients of expansion, and of TREF."""
-_DEPENDING = {"MATT1": "MAT1", "MATT2": "MAT2", "MATT8": "MAT8", "MATT9": "MAT9", "MATT11": "MAT11"}
+_DEPENDING = {f"MATT{kind}": f"MAT{kind}" for kind in (1, 2, 8, 9, 11)}
 
 
 class UnreadError(Exception):
@@ -43,7 +43,7 @@ NOTHING = Expansion(strains=np.zeros(6), zero=0.0)
 
 def check_constant(bulk: BulkData) -> None:
     """Refuse constants that depend on temperature, where case control asks for them."""
-    if "material" not in bulk.control.temperatures:
+    if bulk.control.set_of("TEMPERATURE(MATERIAL)") is None:
         return
     for name, base in _DEPENDING.items():
         dependent = {card.integer(0) for card in bulk.cards.get(base, ())}

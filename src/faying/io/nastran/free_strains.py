@@ -73,18 +73,19 @@ def with_free_strains(deck: Deck, bolts: Sequence[BoltSpec]) -> Assembly:
     if note:
         deck.ignored.append(note)
     tightened = {bolt_axis_element(assembly, bolt).id for bolt in bolts}
-    thermal = None if note else control.temperatures.get("load")
+    thermal = None if note else control.set_of("TEMPERATURE(LOAD)")
     for name, number, read in (
         ("temperature", thermal, _thermal),
-        ("deform", control.deform, _deformed),
+        ("deform", control.set_of("DEFORM"), _deformed),
     ):
         if number is None:
             continue
         loads = dict(assembly.loads)
-        load = next((key for key in (str(control.load), *_WITHOUT_LOAD) if key in loads), name)
+        names = (str(control.set_of("LOAD")), *_WITHOUT_LOAD)
+        load = next((key for key in names if key in loads), name)
         mechanical = loads.pop(load, None)
         try:
-            forces = read(deck, tightened)
+            forces = read(deck, number, tightened)
         except UnreadError as error:
             deck.ignored.append(f"load set {load} ({error} is not supported)")
         else:
@@ -104,7 +105,7 @@ _WITHOUT_LOAD = (ALWAYS, f"{ALWAYS}+temperature", "temperature")
 
 def _not_applied(deck: Deck) -> str:
     """Say why temperatures load nothing; nothing where they do, or there are none."""
-    chosen = deck.control.temperatures.get("load")
+    chosen = deck.control.set_of("TEMPERATURE(LOAD)")
     cards = [deck.cards[n] for n in (*TEMPERATURES, *UNREAD_TEMPERATURES) if n in deck.cards]
     if not cards and chosen is None:
         return ""
@@ -126,15 +127,15 @@ def _sum(mechanical: NodalLoads | None, forces: Matrix) -> NodalLoads:
     return NodalLoads(nodes=loaded, forces=total[loaded])
 
 
-def _deformed(deck: Deck, tightened: Collection[int]) -> Matrix:
+def _deformed(deck: Deck, number: int, tightened: Collection[int]) -> Matrix:
     """Return the forces of DEFORM: pairs of a line element and how much longer it is."""
-    control, assembly = deck.control, deck.assembly
+    assembly = deck.assembly
     index_of = {beam.id: i for i, beam in enumerate(assembly.beams)}
     nodes = assembly.mesh.nodes
     strains = np.zeros(len(index_of))
     chosen = False
     for card in deck.cards.get("DEFORM", ()):
-        if card.integer(0) != control.deform:
+        if card.integer(0) != number:
             continue
         chosen = True
         for pair in card.groups(1, 2):
@@ -144,7 +145,7 @@ def _deformed(deck: Deck, tightened: Collection[int]) -> Matrix:
             first, second = assembly.beams[i].nodes
             strains[i] += pair.real(1) / np.linalg.norm(nodes[second] - nodes[first])
     if not chosen:
-        unread(f"DEFORM = {control.deform}, a set the deck does not have,")
+        unread(f"DEFORM = {number}, a set the deck does not have,")
     return _stretched(assembly, strains, tightened)
 
 
@@ -155,13 +156,13 @@ def _stretched(assembly: Assembly, strains: Vector, tightened: Collection[int]) 
     return stretching_forces(assembly, strains)
 
 
-def _thermal(deck: Deck, tightened: Collection[int]) -> Matrix:
+def _thermal(deck: Deck, number: int, tightened: Collection[int]) -> Matrix:
     """Return the forces (n_node, 6) of the selected temperatures."""
     cards, grids, assembly = deck.cards, deck.grids, deck.assembly
-    control, parents = deck.control, deck.parents
+    parents = deck.parents
     check_constant(deck)
-    final = _field(deck, control.temperatures["load"], parents)
-    start = control.temperatures.get("initial")
+    final = _field(deck, number, parents)
+    start = deck.control.set_of("TEMPERATURE(INITIAL)")
     initial = None if start is None else _field(deck, start, parents)
     expansions = read_expansions(cards)
     _check_others(cards, expansions)

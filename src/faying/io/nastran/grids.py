@@ -240,7 +240,7 @@ def selected_sets(bulk: BulkData, kind: str, members: set[int]) -> set[int]:
                 f"{card.where()}: sets that are not in the deck: {', '.join(unknown)}"
             )
         combined.setdefault(number, []).extend(parts)
-    chosen = bulk.control.spc if kind == "SPC" else bulk.control.mpc
+    chosen = bulk.control.set_of(kind)
     if chosen is None:
         if members:
             shown = ", ".join(map(str, sorted(members)))
@@ -263,13 +263,13 @@ def selected_sets(bulk: BulkData, kind: str, members: set[int]) -> set[int]:
 
 
 def chosen_sets(
-    control: CaseControl, chosen: int | None, sets: Collection[int], what: str, word: str
+    control: CaseControl, word: str, sets: Collection[int], what: str
 ) -> tuple[list[int], str]:
     """Return the sets that case control selects by a word, without a section of it all.
 
     Also returned is what is said of sets that nothing selects.
     """
-    shown = ", ".join(map(str, sets)) or "none"
+    chosen, shown = control.set_of(word), ", ".join(map(str, sets)) or "none"
     if chosen is not None and chosen not in sets:
         refuse(f"case control selects {word} = {chosen}, but the {what} are {shown}")
     if chosen is not None or not control.present:

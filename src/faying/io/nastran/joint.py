@@ -133,7 +133,7 @@ def _described(deck: Deck) -> JointDescription:
 
 def _selected_load(deck: Deck) -> str | None:
     """Return what case control applies, as far as it could be read."""
-    chosen = str(deck.control.load)
+    chosen = str(deck.control.set_of("LOAD"))
     others = (name for name in deck.assembly.loads if not name.isdigit())
     return chosen if chosen in deck.assembly.loads else next(others, None)
 

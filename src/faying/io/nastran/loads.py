@@ -133,7 +133,7 @@ def read_loads(
     all elements, whose mass GRAV and RFORCE act on. Supports are moved by ``pulls`` (n_node, 6), by
     load set and by SPC (None); sets that are ``unread`` move them otherwise.
     """
-    nodes, chosen = structure.mesh.nodes, bulk.control.load
+    nodes, chosen = structure.mesh.nodes, bulk.control.set_of("LOAD")
     spoiled = {**unread, **_unsupported(bulk.cards)}
     parts: dict[int, list[tuple[Indices, Matrix]]] = {}
     for sets, loaded, forces in chain(

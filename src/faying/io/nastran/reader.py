@@ -21,6 +21,7 @@ from faying.io.nastran.case_control import (
     lumps_masses,
     mass_factor,
     parameter_lines,
+    parameters,
     read_case_control,
 )
 from faying.io.nastran.coordinates import ON_AXIS
@@ -113,9 +114,9 @@ def read_parts(
     _check_supported(cards, control, ignored, ignore, path)
     # Overflow is caught by the finiteness checks, where the line can be named.
     with np.errstate(over="ignore", invalid="ignore"):
-        parameters = read_cards(parameter_lines(control_lines))
-        factor = mass_factor(cards, parameters, ignored)
-        control = replace(control, heat=control.heat or is_heat(cards, parameters))
+        given = parameters(cards, read_cards(parameter_lines(control_lines)))
+        factor = mass_factor(given, ignored)
+        control = replace(control, heat=control.heat or is_heat(given))
         grids = read_grids(cards)
         if count := grids.systems.n_on_axis:
             ignored.append(f"{count} {ON_AXIS}")
@@ -129,7 +130,7 @@ def read_parts(
         straight = StraightSides(places=grids.nodes, ids=grids.ids)
         blocks, of_property, element = read_solids(bulk, {**materials, **directed}, straight)
         heavy = any(item.density > 0 for item in {**materials, **directed}.values())
-        if control.present and heavy and lumps_masses(cards, parameters):
+        if control.present and heavy and lumps_masses(given):
             ignored.append(LUMPED)
         check_element_ids([cards[name] for name in ELEMENTS if name in cards])
         check_element_ids([cards[name] for name in RIGID if name in cards])
@@ -228,7 +229,7 @@ def _check_supported(
         if name in USERS and not any(user in cards for user in USERS[name]):
             ignored.append(f"{len(cards_of_name)} {name} that no element names")
             continue
-        if name in ADDED_MASS and control.present and control.added_mass is None:
+        if name in ADDED_MASS and control.present and control.set_of("NSM") is None:
             ignored.append(f"{len(cards_of_name)} {name}: case control selects none by NSM")
             continue
         first = 0

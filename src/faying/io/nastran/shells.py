@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from faying.io.nastran.card_table import place_of
 from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.grids import BulkData, Grids
 from faying.io.nastran.shell_sections import ShellProperty
-from faying.io.nastran.solids import check_distinct, material_of, property_ids, used_properties
+from faying.io.nastran.solids import element_nodes, material_of, property_ids, used_properties
 from faying.io.straight_sides import StraightSides
 from faying.model.assembly import Beam, BeamSection, Material
 from faying.model.axes import any_across
@@ -37,7 +38,6 @@ CURVED = (
 
 
 _N_CORNERS = {**{kind: face.n_corners for kind, face in FACES.items()}, PANEL: 4}
-_N_NODES = {**{kind: face.n_nodes for kind, face in FACES.items()}, PANEL: 4}
 
 
 def read_shells(
@@ -52,12 +52,15 @@ def read_shells(
     blocks: list[ShellBlock] = []
     sections: dict[int, ShellSection] = {}
     by_thickness: dict[tuple[int, float], int] = {}
+    middle = partial(straight.between, turns=True)
     for name, kind in _KINDS.items():
         if name not in bulk.cards:
             continue
         cards_of_name = bulk.cards[name]
-        nodes = _nodes(cards_of_name, kind, bulk.grids, straight)
-        check_distinct(cards_of_name, nodes)
+        n = _N_CORNERS[kind]
+        curved = kind in FACES and FACES[kind].n_nodes > n
+        sides = [(j, (j + 1) % n) for j in range(n)] if curved else []
+        nodes, _ = element_nodes(cards_of_name, n, sides, bulk.grids, middle)
         numbers_of = property_ids(cards_of_name)
         for number in used_properties(cards_of_name, properties, "PSHELL, PCOMP, ..."):
             sections[number] = properties[number].section(properties[number].thickness)
@@ -81,22 +84,6 @@ def read_shells(
     if "CTRIA6" in bulk.cards or "CQUAD8" in bulk.cards:
         bulk.ignored.append(CURVED)
     return tuple(blocks), sections
-
-
-def _nodes(cards: Cards, kind: str, grids: Grids, straight: StraightSides) -> Indices:
-    """Node indices (n, n_node); new ones where a mid-side node is blank."""
-    n_corner = _N_CORNERS[kind]
-    corners = [grids.of_column(cards, 2 + j) for j in range(n_corner)]
-    columns = list(corners)
-    for j in range(n_corner, _N_NODES[kind]):
-        filled = cards.given(2 + j)
-        column = np.zeros(len(cards), dtype=np.int64)
-        column[filled] = grids.of_column(cards.take(filled), 2 + j)
-        ends = corners[j - n_corner], corners[(j - n_corner + 1) % n_corner]
-        if not filled.all():
-            column[~filled] = straight.between(ends[0][~filled], ends[1][~filled], turns=True)
-        columns.append(column)
-    return np.stack(columns, axis=1)
 
 
 def _thick(
@@ -192,20 +179,18 @@ def _sides(
     sides = np.roll(corners, -1, axis=0) - corners
     lengths = np.linalg.norm(sides, axis=1)
     panel = float(np.linalg.norm(np.cross(corners[2] - corners[0], corners[3] - corners[1])) / 2)
-    rods: list[Beam] = []
-    for pair, factor in ((0, factors[0]), (1, factors[1])):
-        if factor == 0:
-            continue
+    areas = []
+    for pair, factor in enumerate(factors):
         width = panel / float(lengths[pair] + lengths[pair + 2])
-        area = factor * thickness * (width if factor <= _FULL else thickness / 2)
-        for side in (pair, pair + 2):
-            rods.append(
-                Beam(
-                    id=first + len(rods),
-                    nodes=(nodes[side], nodes[(side + 1) % 4]),
-                    section=BeamSection(area=area, inertia_y=0.0, inertia_z=0.0, torsion=0.0),
-                    material=replace(material, density=0.0, expansion=None),
-                    orientation=any_across(sides[side]),
-                )
-            )
-    return rods
+        areas.append(factor * thickness * (width if factor <= _FULL else thickness / 2))
+    loaded = [side for side in (0, 2, 1, 3) if factors[side % 2] != 0]
+    return [
+        Beam(
+            id=number,
+            nodes=(nodes[side], nodes[(side + 1) % 4]),
+            section=BeamSection(area=areas[side % 2], inertia_y=0.0, inertia_z=0.0, torsion=0.0),
+            material=replace(material, density=0.0, expansion=None),
+            orientation=any_across(sides[side]),
+        )
+        for number, side in enumerate(loaded, first)
+    ]

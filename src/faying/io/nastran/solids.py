@@ -1,18 +1,18 @@
 """CHEXA, CPENTA, CPYRAM, CTETRA, PSOLID and PCOMPS: solids, their materials and formulation."""
 
-from collections.abc import Container, Mapping
+from collections.abc import Callable, Container, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
 from faying._typing import Indices, Mask
-from faying.exceptions import FormatError
 from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.grids import BulkData, Grids
 from faying.io.nastran.materials import along, layers
 from faying.io.straight_sides import StraightSides
 from faying.model.assembly import Material
 from faying.model.cells import CellBlock
-from faying.model.elements import SOLIDS, SolidElement
+from faying.model.elements import SOLIDS
 from faying.model.elements.orientation import right_side_out
 from faying.model.generate import mid_side_ends
 
@@ -29,6 +29,9 @@ _NO_BUBBLES = (
     "with two, 1 % with four (mystran)"
 )
 
+
+Middle = Callable[[Indices, Indices], Indices]
+"""Nodes (n,) between nodes (n,) and (n,)."""
 
 SOLID_CARDS = tuple(dict.fromkeys(element.elsewhere.nastran for element in SOLIDS.values()))
 
@@ -77,21 +80,23 @@ def _blocks(bulk: BulkData, cards: Cards, name: str, straight: StraightSides) ->
         key=lambda element: element.n_nodes,
     )
     filled = np.stack([cards.given(2 + j) for j in range(quadratic.n_nodes)], axis=1)
-    wrong = np.flatnonzero(~filled[:, : linear.n_nodes].all(axis=1))
-    if wrong.size:
-        card = int(wrong[0])
-        cards.refuse(
-            card,
-            f"{filled[card].sum()} nodes; supported are {linear.n_nodes} or {quadratic.n_nodes}, "
-            f"of which the first {linear.n_nodes} must be given",
-        )
+    cards.refuse_where(
+        np.asarray(~filled[:, : linear.n_nodes].all(axis=1)),
+        lambda i: (
+            f"{filled[i].sum()} nodes; supported are {linear.n_nodes} or {quadratic.n_nodes}, of "
+            f"which the first {linear.n_nodes} must be given"
+        ),
+    )
     curved: Mask = np.asarray(filled[:, linear.n_nodes :].any(axis=1))
     result = []
     for element, chosen in ((linear, ~curved), (quadratic, curved)):
         these = cards.take(chosen)
         if len(these):
-            nodes = _nodes(bulk, these, element, straight)
-            check_distinct(these, nodes)
+            ends = mid_side_ends(element.kind) if element is quadratic else ()
+            middle = partial(straight.between, turns=False)
+            nodes, blank = element_nodes(these, element.n_corners, ends, bulk.grids, middle)
+            if blank:
+                bulk.ignored.append(f"{blank} blank mid-side nodes of {name}: straight sides")
             places = np.vstack([bulk.grids.nodes, straight.nodes])
             nodes, turned = right_side_out(element.kind, nodes, places)
             if turned.any():
@@ -110,34 +115,32 @@ def _blocks(bulk: BulkData, cards: Cards, name: str, straight: StraightSides) ->
     return result
 
 
-def _nodes(bulk: BulkData, cards: Cards, element: SolidElement, straight: StraightSides) -> Indices:
-    """Node indices (n, n_node); new ones where a mid-side node is blank."""
-    nodes = np.zeros((len(cards), element.n_nodes), dtype=np.int64)
-    ends = mid_side_ends(element.kind)
-    blank = 0
-    for j in range(element.n_nodes):
-        filled = cards.given(2 + j)
-        nodes[filled, j] = bulk.grids.of_column(cards.take(filled), 2 + j)
-        if not filled.all():
-            start, end = ends[j - element.n_corners]
-            sides = nodes[~filled, start], nodes[~filled, end]
-            nodes[~filled, j] = straight.between(*sides, turns=False)
-            blank += int((~filled).sum())
-    if blank:
-        bulk.ignored.append(f"{blank} blank mid-side nodes of {cards.name}: straight sides")
-    return nodes
+def element_nodes(
+    cards: Cards, n_corner: int, ends: Sequence[Sequence[int]], grids: Grids, middle: Middle
+) -> tuple[Indices, int]:
+    """Return node indices (n, n_node) behind the property, each once, and how many were blank.
 
-
-def check_distinct(cards: Cards, nodes: Indices) -> None:
-    """Refuse an element with a node that occurs twice."""
-    twice = np.flatnonzero((np.diff(np.sort(nodes, axis=1), axis=1) == 0).any(axis=1))
-    if twice.size:
-        card = int(twice[0])
-        cards.refuse(
-            card,
-            f"element {cards.words(0)[card]} has the same node twice; collapsed elements are not "
-            "supported, use one of fewer nodes (CPENTA, CTETRA, CTRIA3)",
-        )
+    ``ends`` are the corners beside each mid-side node; ``middle`` returns the nodes between nodes
+    where that is blank.
+    """
+    corners = [grids.of_column(cards, 2 + j) for j in range(n_corner)]
+    columns, blank = list(corners), 0
+    for j, (start, end) in enumerate(ends):
+        column = grids.of_column(cards, 2 + n_corner + j, blank=True)
+        missing = column < 0
+        if missing.any():
+            column[missing] = middle(corners[start][missing], corners[end][missing])
+            blank += int(missing.sum())
+        columns.append(column)
+    nodes = np.stack(columns, axis=1)
+    cards.refuse_where(
+        np.asarray((np.diff(np.sort(nodes, axis=1), axis=1) == 0).any(axis=1)),
+        lambda i: (
+            f"element {cards.words(0)[i]} has the same node twice; collapsed elements are not "
+            "supported, use one of fewer nodes (CPENTA, CTETRA, CTRIA3)"
+        ),
+    )
+    return nodes, blank
 
 
 def property_ids(cards: Cards) -> Indices:
@@ -148,10 +151,12 @@ def property_ids(cards: Cards) -> Indices:
 def used_properties(cards: Cards, properties: Container[int], kinds: str) -> list[int]:
     """Return the properties that elements name, each once; ``kinds`` could define them."""
     numbers, first = np.unique(property_ids(cards), return_index=True)
-    for number, row in zip(numbers.tolist(), first.tolist(), strict=True):
-        if number not in properties:
-            cards.refuse(row, f"property {number} is not in the deck; define it ({kinds})", 1)
     used: list[int] = numbers.tolist()
+    cards.take(first).refuse_where(
+        np.array([number not in properties for number in used]),
+        lambda i: f"property {used[i]} is not in the deck; define it ({kinds})",
+        1,
+    )
     return used
 
 
@@ -224,19 +229,19 @@ def check_element_ids(groups: list[Cards]) -> None:
     if not groups:
         return
     ids = np.concatenate([cards.integers(0) for cards in groups])
-    group = np.repeat(np.arange(len(groups)), [len(cards) for cards in groups])
-    within = np.concatenate([np.arange(len(cards)) for cards in groups])
+    ends = np.cumsum([len(cards) for cards in groups])
+
+    def place(element: int) -> tuple[Cards, int]:
+        group = int(np.searchsorted(ends, element, side="right"))
+        return groups[group], element - int(ends[group]) + len(groups[group])
+
     order = np.argsort(ids, kind="stable")
     twice = np.flatnonzero(np.diff(ids[order]) == 0)
     if twice.size:
-        first, second = int(order[twice[0]]), int(order[twice[0] + 1])
-        earlier = groups[group[first]].where(int(within[first]))
-        groups[group[second]].refuse(
-            int(within[second]), f"element {ids[second]} is already used at {earlier}; renumber one"
-        )
+        (earlier, row), (cards, card) = (place(int(order[twice[0] + j])) for j in (0, 1))
+        where, number = earlier.where(row), ids[order[twice[0]]]
+        cards.refuse(card, f"element {number} is already used at {where}; renumber one")
     if (ids <= 0).any():
-        worst = int(np.flatnonzero(ids <= 0)[0])
-        error: FormatError = groups[group[worst]].error(
-            int(within[worst]), f"element id {ids[worst]} must be positive"
-        )
-        raise error
+        first = int((ids <= 0).argmax())
+        cards, card = place(first)
+        cards.refuse(card, f"element id {ids[first]} must be positive")

@@ -161,17 +161,7 @@ def _turned(card: Card, stiffness: float, grids: Grids) -> Bush | None:
             "basic axis; such a spring leads to the ground, or to a grid at the same place with "
             "the same axes; use a CBUSH"
         )
-    along = [0.0] * 6
-    along[components[0]] = stiffness
-    x, y, z = places[0].tolist()
-    a, b, c = ((row[0], row[1], row[2]) for row in axes.tolist())
-    return Bush(
-        id=card.integer(0),
-        nodes=tuple(nodes),
-        stiffness=tuple(along),
-        axes=(a, b, c),
-        place=(x, y, z),
-    )
+    return Bush.of_arrays(card.integer(0), nodes, {components[0]: stiffness}, axes, places[0])
 
 
 def read_scalar_masses(bulk: BulkData) -> list[ScalarMass]:

@@ -2,8 +2,10 @@
 
 import os
 import re
+from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -33,8 +35,8 @@ class Numbering:
         Section and material to property id.
     supports, equations
         Set id of the assembly to that of the deck (only 0 changes).
-    changed
-        (family, id) of elements whose id was taken.
+    elements
+        Family and id of the assembly to the id of the deck.
     spc, mpc
         Sets that case control selects.
     """
@@ -44,36 +46,51 @@ class Numbering:
     supports: Mapping[int, int]
     equations: Mapping[int, int]
     loads: Mapping[str, int]
-    changed: Mapping[tuple[str, int], int]
+    elements: Mapping[tuple[str, int], int]
     spc: int
     mpc: int
-
-    def element(self, family: str, number: int) -> int:
-        """Return the id of an element in the deck."""
-        return self.changed.get((family, number), number)
 
 
 def number_assembly(assembly: Assembly) -> Numbering:
     """Give everything in an assembly an id of its own."""
-    supports = _sets(support.id for support in assembly.supports)
-    equations = _sets(equation.id for equation in assembly.equations)
+    supports, equations = (
+        _numbered({item.id: item.id for item in items}, "constraint set")
+        for items in (assembly.supports, assembly.equations)
+    )
+    materials = [*assembly.materials.values(), *(beam.material for beam in assembly.beams)]
+    named = Counter(material.name for material in dict.fromkeys(materials))
+    sections: dict[SectionKey, int] = {}
+    for beam in assembly.beams:
+        sections.setdefault((beam.section, beam.material), beam.property)
     return Numbering(
-        materials=_materials(assembly),
-        sections=_sections(assembly),
+        # Different materials of one name are numbered anew.
+        materials=_numbered(
+            {m: _said(m.name) if named[m.name] == 1 else 0 for m in materials}, "number"
+        ),
+        sections=_numbered(
+            sections,
+            "property",
+            {int(n) for block in assembly.mesh.blocks for n in np.unique(block.properties)},
+        ),
         supports=supports,
         equations=equations,
-        loads=_named(list(assembly.loads)),
-        changed=_elements(assembly),
+        loads=_numbered({name: _said(name) for name in assembly.loads}, "number"),
+        elements=_elements(assembly),
         spc=_joined(supports),
         mpc=_joined(equations),
     )
 
 
-def _numbers(wanted: Collection[int], what: str, taken: Collection[int] = ()) -> list[int]:
+_Key = TypeVar("_Key")
+
+
+def _numbered(
+    wanted: Mapping[_Key, int], what: str, taken: Collection[int] = ()
+) -> dict[_Key, int]:
     """Return the numbers that are wanted, and free ones for what is not positive or taken."""
-    used, free = set(taken), max([0, *wanted, *taken])
-    numbers = []
-    for preferred in wanted:
+    used, free = set(taken), max([0, *wanted.values(), *taken])
+    numbers = {}
+    for key, preferred in wanted.items():
         number = preferred
         if number <= 0 or number in used:
             number = free = free + 1
@@ -82,13 +99,8 @@ def _numbers(wanted: Collection[int], what: str, taken: Collection[int] = ()) ->
                 f"{what} {number} does not fit a Nastran field; renumber it below {LARGEST_ID + 1}"
             )
         used.add(number)
-        numbers.append(number)
+        numbers[key] = number
     return numbers
-
-
-def _sets(numbers: Iterable[int]) -> dict[int, int]:
-    distinct = list(dict.fromkeys(numbers))
-    return dict(zip(distinct, _numbers(distinct, "constraint set"), strict=True))
 
 
 def _joined(sets: Mapping[int, int]) -> int:
@@ -96,49 +108,26 @@ def _joined(sets: Mapping[int, int]) -> int:
     return next(iter(values)) if len(values) == 1 else max(values, default=0) + 1
 
 
-def _named(names: list[str]) -> dict[str, int]:
-    """Numbers that names say themselves, free ones for the others."""
-    wanted = [int(name) if _NUMBER.fullmatch(name) else 0 for name in names]
-    return dict(zip(names, _numbers(wanted, "number"), strict=True))
-
-
-def _materials(assembly: Assembly) -> dict[Material, int]:
-    materials = list(
-        dict.fromkeys([*assembly.materials.values(), *(beam.material for beam in assembly.beams)])
-    )
-    names = [material.name for material in materials]
-    # Different materials of one name get names that are no numbers.
-    labels = [
-        name if name and names.count(name) == 1 else f"{name}#{i}" for i, name in enumerate(names)
-    ]
-    numbers = _named(labels)
-    return {material: numbers[label] for material, label in zip(materials, labels, strict=True)}
-
-
-def _sections(assembly: Assembly) -> dict[SectionKey, int]:
-    used = {int(n) for block in assembly.mesh.blocks for n in np.unique(block.properties)}
-    preferred: dict[SectionKey, int] = {}
-    for beam in assembly.beams:
-        preferred.setdefault((beam.section, beam.material), beam.property)
-    return dict(zip(preferred, _numbers(preferred.values(), "property", used), strict=True))
+def _said(name: str) -> int:
+    """Return the number that a name is; 0 where it is none."""
+    return int(name) if _NUMBER.fullmatch(name) else 0
 
 
 def _elements(assembly: Assembly) -> dict[tuple[str, int], int]:
-    families: tuple[tuple[str, list[int]], ...] = (
-        ("cell", [n for block in assembly.mesh.blocks for n in block.ids.tolist()]),
-        ("beam", [beam.id for beam in assembly.beams]),
-        ("spring", [spring.id for spring in assembly.springs]),
-        ("mass", [mass.id for mass in assembly.masses]),
-        ("rigid", [coupling.id for coupling in assembly.rigid_couplings]),
-        ("average", [coupling.id for coupling in assembly.average_couplings]),
-    )
-    for family, ids in families:
+    families = {
+        "cell": [n for block in assembly.mesh.blocks for n in block.ids.tolist()],
+        "beam": [beam.id for beam in assembly.beams],
+        "spring": [spring.id for spring in assembly.springs],
+        "mass": [mass.id for mass in assembly.masses],
+        "rigid": [coupling.id for coupling in assembly.rigid_couplings],
+        "average": [coupling.id for coupling in assembly.average_couplings],
+    }
+    for family, ids in families.items():
         if len(set(ids)) < len(ids):
             twice = next(n for n in ids if ids.count(n) > 1)
             refuse(f"{family} id {twice} occurs twice; give each its own id")
-    keys = [(family, number) for family, ids in families for number in ids]
-    numbers = _numbers([number for _, number in keys], "element")
-    return {key: new for key, new in zip(keys, numbers, strict=True) if new != key[1]}
+    wanted = {(family, number): number for family, ids in families.items() for number in ids}
+    return _numbered(wanted, "element")
 
 
 _METHOD = 1
@@ -315,7 +304,7 @@ def _block(block: CellBlock, assembly: Assembly, numbering: Numbering) -> Iterat
             "or not beside others; give the model one formulation, or write a CalculiX deck"
         )
     name = SOLIDS[block.kind].elsewhere.nastran
-    ids = [numbering.element("cell", number) for number in block.ids.tolist()]
+    ids = [numbering.elements["cell", number] for number in block.ids.tolist()]
     nodes = assembly.mesh.node_ids[block.nodes].tolist()
     for number, pid, row in zip(ids, block.properties.tolist(), nodes, strict=True):
         yield small(name, [number, pid, *row])
@@ -328,27 +317,27 @@ def _lines(assembly: Assembly, numbering: Numbering) -> Iterator[str]:
         start, end = beam.nodes
         pid = numbering.sections[beam.section, beam.material]
         flag = "BGG" if start in turned else None
-        fields = [numbering.element("beam", beam.id), pid, int(ids[start]), int(ids[end])]
+        fields = [numbering.elements["beam", beam.id], pid, int(ids[start]), int(ids[end])]
         yield large("CBAR", [*fields, *beam.orientation, flag])
     for spring in assembly.springs:
         ends = [value for node, c in spring.ends for value in (int(ids[node]), c + 1)]
-        yield large("CELAS2", [numbering.element("spring", spring.id), spring.stiffness, *ends])
+        yield large("CELAS2", [numbering.elements["spring", spring.id], spring.stiffness, *ends])
     for mass in assembly.masses:
         i = mass.inertia
         # The off-diagonal fields of CONM2 are ∫ x y dm, the negative of the tensor's entries.
         tensor = [i[0][0], -i[1][0], i[1][1], -i[2][0], -i[2][1], i[2][2]]
-        fields = [numbering.element("mass", mass.id), int(ids[mass.node]), 0]
+        fields = [numbering.elements["mass", mass.id], int(ids[mass.node]), 0]
         yield large("CONM2", [*fields, mass.mass, *mass.offset, None, *tensor])
 
 
 def _couplings(assembly: Assembly, numbering: Numbering) -> Iterator[str]:
     ids = assembly.mesh.node_ids
     for rigid in assembly.rigid_couplings:
-        number = numbering.element("rigid", rigid.id)
+        number = numbering.elements["rigid", rigid.id]
         head: list[Value] = [number, int(ids[rigid.reference]), digits_of(rigid.components)]
         yield small("RBE2", [*head, *ids[rigid.nodes].tolist()])
     for mean in assembly.average_couplings:
-        number = numbering.element("average", mean.id)
+        number = numbering.elements["average", mean.id]
         groups: list[Value] = []
         previous = None
         for weight, node in zip(mean.weights.tolist(), ids[mean.nodes].tolist(), strict=True):
