@@ -1,7 +1,7 @@
 """Lines of a deck as places in its text, and the file and line each comes from."""
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from os import PathLike, fspath
@@ -162,6 +162,23 @@ def joined(parts: Sequence[Sequence[bytes]]) -> LineTexts:
         ends.append(size + end)
         size += int(end[-1]) + 1
     return LineTexts(b"".join(texts), np.concatenate(begins), np.concatenate(ends))
+
+
+def edited(
+    text: LineTexts, edits: Iterable[tuple[int, int, Sequence[bytes]]]
+) -> tuple[LineTexts, Indices]:
+    """Return lines with some of them replaced, and which of them each one stands for.
+
+    An edit is the first line, the one behind the last, and what stands there instead. They ascend.
+    """
+    parts: list[Sequence[bytes]] = []
+    origin: list[Indices] = []
+    done = 0
+    for start, end, lines in edits:
+        parts += [text[done:start], lines]
+        origin += [np.arange(done, start), np.minimum(start + np.arange(len(lines)), end - 1)]
+        done = end
+    return joined([*parts, text[done:]]), np.concatenate([*origin, np.arange(done, len(text))])
 
 
 def _places_of(word: bytes, data: bytes) -> Indices:

@@ -212,9 +212,7 @@ def _between(card: Card, grids: Grids, grid_ends: tuple[int, int], vector: Vecto
 
 def _axes(card: Card, axis: Vector, vector: Vector) -> Matrix:
     """Axes (3, 3) of a beam, which must have a length and a direction across it."""
-    with np.errstate(over="ignore"):
-        length = np.linalg.norm(axis)
-    if not 0 < length < np.inf:
+    if not 0 < np.linalg.norm(axis) < np.inf:
         card.refuse("the beam has no length; its two nodes coincide")
     axes = axes_along(axis, vector)
     if axes is None:
@@ -293,34 +291,38 @@ def read_rods(
     Non-structural mass is added to the density.
     """
     rods: list[Beam] = []
-    for name, family, read in (("CROD", "PROD", _bar), ("CTUBE", "PTUBE", _tube)):
-        members: dict[int, Member] = {}
-        for number, card in by_id(bulk.cards, family, what="property").items():
-            section, heavy = read(card, material_of(card, 1, materials), bulk.mass_factor)
-            members[number] = with_shear(section, factors.get(card.integer(1), 1.0)), heavy
+    for name, family in (("CROD", "PROD"), ("CTUBE", "PTUBE"), ("CONROD", "CONROD")):
+        members = {
+            number: _member(card, materials, factors, bulk.mass_factor)
+            for number, card in by_id(bulk.cards, family, what="property").items()
+        }
         for card in bulk.cards.get(name, ()):
-            member = property_of(card, members, family)
-            rods.append(_rod(card, bulk.grids, (2, 3), member, card.integer(1, card.integer(0))))
-    for card in bulk.cards.get("CONROD", ()):
-        material = material_of(card, 3, materials)
-        section, heavy = _member(card, 4, material, bulk.mass_factor)
-        member = (with_shear(section, factors.get(card.integer(3), 1.0)), heavy)
-        rods.append(_rod(card, bulk.grids, (1, 2), member, 0))
+            number = card.integer(0 if name == family else 1, card.integer(0))
+            member = card.find(members, 1, "property", family, number)
+            rods.append(_rod(card, bulk.grids, member, 0 if name == family else number))
     return rods
 
 
-def _bar(card: Card, material: Material, mass_factor: float) -> Member:
-    return _member(card, 2, material, mass_factor)
+def _member(
+    card: Card,
+    materials: Mapping[int, Material],
+    factors: Mapping[int, float],
+    mass_factor: float,
+) -> Member:
+    """Section and material of PROD, PTUBE or CONROD; C serves stresses only."""
+    material = material_of(card, card.place("MID"), materials)
+    if card.cards.name == "PTUBE":
+        area, torsion = _tube(card)
+    else:
+        area, torsion = card.real(card.place("A")), card.real(card.place("J"), 0.0)
+    section = BeamSection(area=area, inertia_y=0.0, inertia_z=0.0, torsion=torsion)
+    line_mass = card.real(card.place("NSM"), 0.0) * mass_factor
+    heavy = replace(material, density=material.density + line_mass / area)
+    return with_shear(section, factors.get(card.integer(card.place("MID")), 1.0)), heavy
 
 
-def _member(card: Card, first: int, material: Material, mass_factor: float) -> Member:
-    """Section from A, J, C, NSM; C serves stresses only."""
-    line_mass = card.real(first + 3, 0.0) * mass_factor
-    return _heavy(card.real(first), card.real(first + 1, 0.0), line_mass, material)
-
-
-def _tube(card: Card, material: Material, mass_factor: float) -> Member:
-    """Section from outer diameter, wall (none is a solid rod), NSM, diameter at the other end."""
+def _tube(card: Card) -> tuple[float, float]:
+    """Return area and torsion constant of outer diameter, wall (none is a solid rod), end."""
     outer = card.real(2)
     wall = card.real(3, 0.0) or outer / 2
     end = card.real(5, outer)
@@ -332,22 +334,13 @@ def _tube(card: Card, material: Material, mass_factor: float) -> Member:
         )
     inner = outer - 2 * wall
     area = math.pi / 4 * (outer**2 - inner**2)
-    polar = math.pi / 32 * (outer**4 - inner**4)
-    return _heavy(area, polar, card.real(4, 0.0) * mass_factor, material)
+    return area, math.pi / 32 * (outer**4 - inner**4)
 
 
-def _heavy(area: float, torsion: float, line_mass: float, material: Material) -> Member:
-    heavy = replace(material, density=material.density + line_mass / area)
-    section = BeamSection(area=area, inertia_y=0.0, inertia_z=0.0, torsion=torsion)
-    return section, heavy
-
-
-def _rod(card: Card, grids: Grids, ends: tuple[int, int], member: Member, number: int) -> Beam:
-    start, end = (grids.one(card, field) for field in ends)
-    with np.errstate(over="ignore"):
-        axis = np.abs(grids.nodes[end] - grids.nodes[start])
-        length = float(np.linalg.norm(axis))
-    if not 0 < length < math.inf:
+def _rod(card: Card, grids: Grids, member: Member, number: int) -> Beam:
+    start, end = (grids.one(card, card.place(name)) for name in ("G1", "G2"))
+    axis = np.abs(grids.nodes[end] - grids.nodes[start])
+    if not 0 < float(np.linalg.norm(axis)) < math.inf:
         card.refuse("the rod has no length; its two nodes coincide")
     return Beam(
         id=card.integer(0),

@@ -126,9 +126,7 @@ def _axes(card: Card, bush_property: _Property, grids: Grids, start: int, line: 
                 "its nodes lie apart across the axis of CID; use CBUSH, or leave CID blank", field
             )
         return of_frame
-    with np.errstate(over="ignore"):
-        length = float(np.linalg.norm(line))
-    if not 0 < length < np.inf:
+    if not 0 < np.linalg.norm(line) < np.inf:
         card.refuse("its nodes coincide or GB is blank; give the axes of the springs by CID", field)
     vector = orientation(card, grids, start) if field == 7 else None
     if vector is None:
@@ -247,8 +245,7 @@ def _section(
 def _arc(card: Card, section: Card, grids: Grids) -> _Arc:
     start, end = (grids.nodes[grids.one(card, field)] for field in (2, 3))
     line = end - start
-    with np.errstate(over="ignore"):
-        length = float(np.linalg.norm(line))
+    length = float(np.linalg.norm(line))
     vector = orientation(card, grids, grids.one(card, 2))
     size = 0.0 if vector is None else float(np.linalg.norm(vector))
     if vector is None or not (0 < length < np.inf and 0 < size < np.inf):

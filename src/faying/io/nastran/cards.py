@@ -14,7 +14,7 @@ from faying._typing import Indices, Mask, Matrix, Vector
 from faying.exceptions import FormatError
 from faying.io.deck_lines import Lines
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.card_table import field_of
+from faying.io.nastran.card_table import field_of, place_of
 from faying.io.nastran.fields import Fields
 
 Read = TypeVar("Read")
@@ -222,6 +222,10 @@ class Card:
     def text(self, field: int) -> str:
         """Return the stripped text of field j; empty beyond the end."""
         return self.texts[field] if field < len(self.texts) else ""
+
+    def place(self, name: str) -> int:
+        """Return the number of a field by its name; one beyond the end where it has none."""
+        return place_of(self.cards.name, name)
 
     def integer(self, field: int, default: int | None = None) -> int:
         """Field j as an integer; blank is ``default`` or, without one, an error."""

@@ -1,15 +1,12 @@
 """Bulk data written out: folded free-field lines, and cards made of the card above."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 
-import numpy as np
-
-from faying._typing import Indices
 from faying.exceptions import refuse
-from faying.io.deck_lines import Lines, LineTexts, joined
+from faying.io.deck_lines import LineTexts
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.fields import ROW
 
@@ -27,35 +24,29 @@ class _Above:
     steps: dict[int, Decimal]
 
 
-def replicated(text: LineTexts, origin: Indices, lines: Lines) -> tuple[LineTexts, Indices]:
-    """Return lines of bulk data with cards that repeat the one above written out, in free field.
+Edits = Iterator[tuple[int, int, Sequence[bytes]]]
+"""As of :func:`faying.io.deck_lines.edited`."""
+
+
+def replicated(text: LineTexts, where: Callable[[int], str]) -> Edits:
+    """Yield the cards that repeat the one above, written out in free field.
 
     ``=`` repeats a field of the card above, ``==`` this and all behind it, ``*d`` adds d to it; a
     line ``=n`` repeats the last line n times more, adding again. Cards of one line only. The text
-    is without comments; each line is at its origin (n_line,) in ``lines``.
+    is without comments; ``where`` tells file:line.
     """
-    repeats = [i for i in text.holding(b"=").tolist() if text[i][:1] == b"="]
-    if not repeats:
-        return text, origin
-    parts: list[Sequence[bytes]] = []
-    places: list[Indices] = []
     done = 0
     above: _Above | None = None
-    for i in repeats:
-        where = lines.where(int(origin[i]))
+    for i in (i for i in text.holding(b"=").tolist() if text[i][:1] == b"="):
         previous = next((k for k in range(i - 1, done - 1, -1) if text[k].strip()), None)
         if previous is not None:
-            above = _card(text, previous, where)
+            above = _card(text, previous, where(i))
         if above is None:
-            refuse(f"{where}: a line of '=' without a card above it; write the card out")
-        _check_one_line(text, i, where)
-        cards, above = _repeated(_split(text[i]), above, where)
-        parts += [text[done:i], cards]
-        places += [np.asarray(origin[done:i]), np.full(len(cards), origin[i], dtype=np.int64)]
+            refuse(f"{where(i)}: a line of '=' without a card above it; write the card out")
+        _check_one_line(text, i, where(i))
+        cards, above = _repeated(_split(text[i]), above, where(i))
         done = i + 1
-    places.append(np.asarray(origin[done:]))
-    parts.append(text[done:])
-    return joined(parts), np.concatenate(places)
+        yield i, done, cards
 
 
 def _split(line: bytes) -> list[bytes]:
@@ -155,38 +146,28 @@ _LONG = frozenset((b"CORD2R", b"CORD2C", b"CORD2S"))
 """Cards whose eleven fields are written in one line; in others a ninth is likely a slip."""
 
 
-def unfolded(text: LineTexts) -> tuple[LineTexts, Indices]:
-    """Return lines of bulk data with one way of continuing free-field cards, and where they were.
+def unfolded(text: LineTexts) -> Edits:
+    """Yield free-field cards that are continued another way in lines of eight.
 
     A line that ends with a comma goes on in the next one, which then begins with data and not with
-    a blank field; and one line may hold the eleven fields of CORD2R. Both become lines of eight. Of
-    DEQATN, whose commas separate arguments, the name is left. The text is without comments.
+    a blank field; and one line may hold the eleven fields of CORD2R. Of DEQATN, whose commas
+    separate arguments, the name is left. The text is without comments.
     """
-    lines: list[Sequence[bytes]] = []
-    origin: list[Indices] = []
-    done = copied = 0
+    done = 0
     for start in _special(text):
         if start < done:
             continue
-        end = start + 1
+        done = start + 1
         folded: list[bytes] | None = [b"DEQATN"]
         if text[start][:6] == b"DEQATN":
-            while end < len(text) and text[end][:1] in (b" ", b"+", b"*", b"\t", b""):
-                end += 1
+            while done < len(text) and text[done][:1] in (b" ", b"+", b"*", b"\t", b""):
+                done += 1
         else:
-            while end < len(text) and _folded(text[end - 1], text[end]):
-                end += 1
-            folded = _rows(text[start:end])
-        done = end
+            while done < len(text) and _folded(text[done - 1], text[done]):
+                done += 1
+            folded = _rows(text[start:done])
         if folded is not None:
-            lines += [text[copied:start], folded]
-            origin += [
-                np.arange(copied, start),
-                np.minimum(start + np.arange(len(folded)), end - 1),
-            ]
-            copied = end
-    lines.append(text[copied:])
-    return joined(lines), np.concatenate([*origin, np.arange(copied, len(text))])
+            yield start, done, folded
 
 
 def _special(text: LineTexts) -> list[int]:

@@ -19,6 +19,7 @@ import scipy.linalg
 
 from faying._typing import Indices, Matrix, Vector
 from faying.digits import ROUND_OFF, SOLVED
+from faying.interface.facets import shape_functions
 from faying.io.nastran.cards import Card, id_list
 from faying.io.nastran.fields import ROW, components, frame_independent
 from faying.io.nastran.grids import BulkData, Grids
@@ -307,46 +308,31 @@ def _on_face(nodes: Matrix, edge: list[int], face: Indices) -> list[tuple[int, M
     The edge runs from one side of the face to the opposite one, between the other two sides.
     """
     corners = nodes[face[:4]]
-    size = float(np.ptp(corners, axis=0).max())
-    for first in (0, 1):
-        # Below runs from corner a to b, above beside it from d to c.
-        a, b, c, d = (int(face[(first + k) % 4]) for k in range(4))
-        ends = []
-        for node in edge:
-            s, t = _parameters(nodes, (a, b, c, d), nodes[node])
-            point = (1 - t) * ((1 - s) * nodes[a] + s * nodes[b]) + t * (
-                (1 - s) * nodes[d] + s * nodes[c]
-            )
-            if np.abs(point - nodes[node]).max() > _LARGEST_DISTANCE * size:
-                return []
-            if min(s, t) < -_LARGEST_DISTANCE or max(s, t) > 1 + _LARGEST_DISTANCE:
-                return []
-            between = face[4:].tolist()
-            low = between[first] if between else None
-            high = between[(first + 2) % 4] if between else None
-            ends.append((s, t, node, _along(a, b, low, s), _along(d, c, high, s)))
-        (s0, t0, *_), (s1, t1, *_) = ends[:2]
-        if abs(t1 - t0) < abs(s1 - s0):
-            return [(node, below, above) for _, _, node, below, above in ends]
-    return []
-
-
-def _parameters(nodes: Matrix, corners: tuple[int, ...], point: Vector) -> tuple[float, float]:
-    """Parameters of a point on a flat parallelogram, least squares on others."""
-    a, b, c, d = (nodes[k] for k in corners)
-    along, up = ((b - a) + (c - d)) / 2, ((d - a) + (c - b)) / 2
-    middle = (a + b + c + d) / 4
-    s, t = np.linalg.lstsq(np.column_stack([along, up]), point - middle, rcond=None)[0]
-    return float(s) + 0.5, float(t) + 0.5
-
-
-def _along(start: int, end: int, between: int | None, s: float) -> Mean:
-    """Shape functions of a side at s from 0 to 1."""
-    if between is None:
-        parts = {start: 1 - s, end: s}
-    else:
-        parts = {start: (1 - s) * (1 - 2 * s), end: s * (2 * s - 1), between: 4 * s * (1 - s)}
-    return {node: value for node, value in parts.items() if abs(value) > _LARGEST_DISTANCE**3}
+    # Parameters from 0 to 1 of a flat parallelogram, least squares on others.
+    sides = (corners[[1, 3]] - corners[0] + corners[2] - corners[[3, 1]]) / 2
+    beside = (nodes[edge] - corners.mean(axis=0)).T
+    places = np.linalg.lstsq(sides.T, beside, rcond=None)[0].T + 0.5
+    apart = np.abs(shape_functions("quad4", places) @ corners - nodes[edge]).max()
+    if np.abs(places - 0.5).max() > 0.5 + _LARGEST_DISTANCE:
+        return []
+    if apart > _LARGEST_DISTANCE * float(np.ptp(corners, axis=0).max()):
+        return []
+    ends = np.stack([places, places])
+    across = int(np.abs(places[1] - places[0]).argmin())
+    ends[0, :, across], ends[1, :, across] = 0.0, 1.0
+    kind = "quad4" if len(face) == 4 else "quad8"
+    below, above = (
+        [
+            {
+                node: part
+                for node, part in zip(face.tolist(), row, strict=True)
+                if abs(part) > SOLVED
+            }
+            for row in shape_functions(kind, end).tolist()
+        ]
+        for end in ends
+    )
+    return list(zip(edge, below, above, strict=True))
 
 
 def _middle(nodes: Matrix, mean: Mean) -> Vector:

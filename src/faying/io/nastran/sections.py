@@ -21,16 +21,13 @@ from faying.io.nastran.walled_sections import ESTIMATED, SHAPES, walled_section
 from faying.model.assembly import BeamSection, Material
 from faying.model.axes import rectangular_section, round_section
 
-_FIELD = {"PBAR": 18, "PBEAM": 5}
-
 
 def principal(card: Card, section: BeamSection) -> tuple[BeamSection, float]:
     """Return a section along its principal axes, and how far they are turned [rad]."""
-    if not _is_turned(card):
+    product, field = _product(card), card.place("I12")
+    if not product:
         return section, 0.0
-    product = card.real(_FIELD[card.cards.name])
     first, second = section.inertia_z, section.inertia_y
-    field = _FIELD[card.cards.name]
     if not product**2 < first * second:
         card.refuse(
             f"I12 = {product:g} with I1 = {first:g}, I2 = {second:g}; I12² must be below I1 I2",
@@ -51,7 +48,8 @@ def principal(card: Card, section: BeamSection) -> tuple[BeamSection, float]:
 
 def turned_properties(cards: Mapping[str, Cards]) -> set[int]:
     """Return the ids of properties whose principal axes are not those of the element."""
-    return {card.integer(0) for name in _FIELD for card in cards.get(name, ()) if _is_turned(card)}
+    families = ("PBAR", "PBEAM")
+    return {card.integer(0) for name in families for card in cards.get(name, ()) if _product(card)}
 
 
 def turned_about(axis: Vector, vector: Vector, angle: float) -> Vector:
@@ -64,11 +62,13 @@ def turned_about(axis: Vector, vector: Vector, angle: float) -> Vector:
     return np.asarray(turned)
 
 
-def _is_turned(card: Card) -> bool:
-    if card.cards.name not in _FIELD:
-        return False
-    size = math.sqrt(abs(card.real(3, 0.0) * card.real(4, 0.0)))
-    return abs(card.real(_FIELD[card.cards.name], 0.0)) > DECK_DIGITS * size
+def _product(card: Card) -> float:
+    """Return I12; zero where that is all it amounts to, or dimensions tell the section."""
+    if not card.text(card.place("I12")):
+        return 0.0
+    size = math.sqrt(abs(card.real(card.place("I1"), 0.0) * card.real(card.place("I2"), 0.0)))
+    product = card.real(card.place("I12"))
+    return product if abs(product) > DECK_DIGITS * size else 0.0
 
 
 class Property(NamedTuple):
@@ -146,16 +146,12 @@ def _mass_field(card: Card) -> int:
 
 def with_shear(section: BeamSection, factor: float) -> BeamSection:
     """Multiply what the shear modulus does by a factor; without one nothing bends by shear."""
-    if factor == 1.0:
-        return section
-    if factor == 0.0:
-        return replace(section, torsion=0.0, shear_factor_y=math.inf, shear_factor_z=math.inf)
-    return replace(
-        section,
-        torsion=factor * section.torsion,
-        shear_factor_y=factor * section.shear_factor_y,
-        shear_factor_z=factor * section.shear_factor_z,
+    along_y, along_z = (
+        factor * share if factor else math.inf
+        for share in (section.shear_factor_y, section.shear_factor_z)
     )
+    torsion = factor * section.torsion
+    return replace(section, torsion=torsion, shear_factor_y=along_y, shear_factor_z=along_z)
 
 
 def _checked(card: Card, section: BeamSection) -> BeamSection:
