@@ -12,15 +12,15 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix
-from faying.exceptions import FormatError, refuse
 from faying.io.deck_lines import lines_of_file
 from faying.io.matrix_labels import (
     REAL_DOUBLE,
     SQUARE,
     SYMMETRIC,
-    DamageError,
     LabelledMatrix,
     chosen_name,
+    damaged,
+    reading,
 )
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.fields import large, small
@@ -37,25 +37,12 @@ def read_dmig(path: Path, name: str) -> LabelledMatrix:
     in ascending order of grid and component; of a symmetric matrix (form 6) both triangles are
     filled in. A value has ten digits in a punch file (sixteen columns); OP4 keeps them all.
     """
-    cards, headers = _cards(path)
-    try:
+    with reading("DMIG", path):
+        cards = read_cards(lines_of_file(path)).cards().get("DMIG")
+        if cards is None:
+            damaged("it holds no DMIG card; write the matrix with PARAM,EXTOUT,DMIGPCH or so")
+        headers = _headers(cards)
         return _matrix(cards, chosen_name(list(headers), name), headers)
-    except DamageError as error:
-        message = f"DMIG file '{path}': {error}"
-        raise FormatError(message) from error
-
-
-def _cards(path: Path) -> tuple[Cards, dict[str, int]]:
-    """Return the DMIG cards of a file and the header of each matrix."""
-    try:
-        lines = lines_of_file(path)
-    except OSError as error:
-        message = f"DMIG file '{path}' cannot be read ({error.strerror}); check the path"
-        raise FormatError(message) from error
-    cards = read_cards(lines).cards().get("DMIG")
-    if cards is None:
-        refuse(f"'{path}' holds no DMIG card; write the matrix with PARAM,EXTOUT,DMIGPCH or so")
-    return cards, _headers(cards)
 
 
 def _headers(cards: Cards) -> dict[str, int]:
@@ -63,15 +50,14 @@ def _headers(cards: Cards) -> dict[str, int]:
     headers: dict[str, int] = {}
     for card in np.flatnonzero(grid == 0).tolist():
         if names[card] in headers:
-            message = f"matrix {names[card]} has two headers; keep one"
-            raise cards.error(card, message)
+            cards.refuse(card, f"matrix {names[card]} has two headers; keep one")
         headers[names[card]] = card
     for card in np.flatnonzero(grid != 0).tolist():
         if names[card] not in headers:
-            message = (
-                f"a column of matrix '{names[card]}', which has no header (DMIG,{names[card]},0)"
+            cards.refuse(
+                card,
+                f"a column of matrix '{names[card]}', which has no header (DMIG,{names[card]},0)",
             )
-            raise cards.error(card, message)
     return headers
 
 
@@ -80,14 +66,13 @@ def _matrix(cards: Cards, name: str, headers: Mapping[str, int]) -> LabelledMatr
     form, kind = int(head.integers(2)[0]), int(head.integers(3)[0])
     if kind not in REAL:
         what = "is complex" if kind in (3, 4) else f"has type {kind}"
-        message = f"matrix {name} {what}; expected type 1 or 2 (real): write its real part"
-        raise head.error(0, message)
+        head.refuse(0, f"matrix {name} {what}; expected type 1 or 2 (real): write its real part")
     if form not in (SQUARE, SYMMETRIC):
-        message = (
+        head.refuse(
+            0,
             f"matrix {name} has form {form} ({_FORMS.get(form, 'unknown')}); expected 1 (square) "
-            "or 6 (symmetric)"
+            "or 6 (symmetric)",
         )
-        raise head.error(0, message)
     mine = np.array(cards.words(0)) == name
     mine[headers[name]] = False
     # Groups of grid, component, real and imaginary part behind that of the column.

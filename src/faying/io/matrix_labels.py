@@ -1,14 +1,16 @@
 """Matrices with labelled rows in one order, and which of several in a file is M, C or K."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import NoReturn
 
 import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, SparseMatrix
-from faying.exceptions import refuse_model
+from faying.exceptions import FormatError, refuse_model
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -112,6 +114,19 @@ class DamageError(ValueError):
 def damaged(text: str) -> NoReturn:
     """Raise what is wrong in a file."""
     raise DamageError(text)
+
+
+@contextmanager
+def reading(kind: str, path: Path) -> Iterator[None]:
+    """Name a file of matrices where it cannot be read, or is damaged."""
+    try:
+        yield
+    except OSError as error:
+        message = f"{kind} file '{path}' cannot be read ({error.strerror}); check the path"
+        raise FormatError(message) from error
+    except DamageError as error:
+        message = f"{kind} file '{path}': {error}"
+        raise FormatError(message) from error
 
 
 def chosen_name(names: Sequence[str], letter_name: str) -> str:

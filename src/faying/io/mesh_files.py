@@ -84,10 +84,11 @@ def read_mesh_file(
     mesh_read = _read(path)
     points = _points(path, mesh_read)
     groups = groups_of(mesh_read)
-    blocks, turned = _blocks(path, mesh_read, points, volume_groups(mesh_read, groups))
-    element_sets, node_sets = _sets(mesh_read, groups, blocks)
+    volumes = volume_groups(mesh_read, groups)
+    blocks, turned = _blocks(path, mesh_read, points, volumes)
+    element_sets, node_sets = _sets(mesh_read, groups, volumes, blocks)
     used = sorted({int(number) for block in blocks for number in np.unique(block.properties)})
-    names = {group.number: group.name for group in volume_groups(mesh_read, groups)}
+    names = {group.number: group.name for group in volumes}
     whole = Mesh(
         nodes=points,
         node_ids=np.arange(1, len(points) + 1),
@@ -224,9 +225,7 @@ def _properties(path: Path, groups: list[Group], block: int, n_cells: int) -> In
     """Return the group (n_cells,) of each solid of a block; a later group overrides."""
     properties = np.zeros(n_cells, dtype=np.int64)
     for group in groups:
-        cells = group.cells[block]
-        if cells is not None:
-            properties[cells] = group.number
+        properties[group.cells[block]] = group.number
     lost = np.count_nonzero(properties == 0)
     if lost:
         refuse(
@@ -237,20 +236,16 @@ def _properties(path: Path, groups: list[Group], block: int, n_cells: int) -> In
 
 
 def _sets(
-    mesh: Any, groups: list[Group], blocks: tuple[CellBlock, ...]
+    mesh: Any, groups: list[Group], volumes: list[Group], blocks: tuple[CellBlock, ...]
 ) -> tuple[dict[str, Indices], dict[str, Indices]]:
     """Element sets of volume groups and node sets of all groups."""
     solids = iter(blocks)
     ids = [next(solids).ids if dimension(block.type) == 3 else None for block in mesh.cells]
     element_sets: dict[str, Indices] = {}
     node_sets: dict[str, Indices] = {}
-    for group in volume_groups(mesh, groups):
-        parts = [
-            numbers[cells]
-            for numbers, cells in zip(ids, group.cells, strict=True)
-            if numbers is not None and cells is not None
-        ]
-        element_sets[group.name] = np.concatenate(parts)
+    for group in volumes:
+        parts = zip(ids, group.cells, strict=True)
+        element_sets[group.name] = np.concatenate([n[k] for n, k in parts if n is not None])
     for group in groups:
         if group.name not in element_sets:
             nodes = [np.ravel(block.data[cells]) for block, cells in cells_of(mesh, group)]

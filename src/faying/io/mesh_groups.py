@@ -18,29 +18,28 @@ _TAGS = ("gmsh:physical", "medit:ref", "cell_tags", "CellEntityIds", "property",
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Group:
-    """Cells of one group: name, number, and which of each block of meshio (None for none)."""
+    """Cells of one group: name, number, and which (n_cell,) of each block of meshio."""
 
     name: str
     number: int
-    cells: tuple[Indices | None, ...]
+    cells: tuple[Indices, ...]
 
 
 def groups_of(mesh: Any) -> list[Group]:
     """Return named groups of cells; unnamed numbers are named by themselves."""
     named = {
-        name: [None if cells is None else np.asarray(cells, dtype=np.int64) for cells in blocks]
+        name: [np.empty(0) if cells is None else cells for cells in blocks]
         for name, blocks in mesh.cell_sets.items()
         if not name.startswith("gmsh:")
     }
-    if not named:
-        named = _tagged(mesh)
-    groups = []
-    for number, (name, blocks) in enumerate(named.items(), start=1):
-        cells = tuple(
-            None if members is None or not len(members) else members for members in blocks
+    return [
+        Group(
+            name=name,
+            number=number,
+            cells=tuple(np.asarray(cells, dtype=np.int64) for cells in blocks),
         )
-        groups.append(Group(name=name, number=number, cells=cells))
-    return groups
+        for number, (name, blocks) in enumerate((named or _tagged(mesh)).items(), start=1)
+    ]
 
 
 def _tagged(mesh: Any) -> dict[str, list[Any]]:
@@ -65,7 +64,7 @@ def _tagged(mesh: Any) -> dict[str, list[Any]]:
     )
     return {
         names.get((tag, size), f"{['point', 'line', 'surface', 'volume'][size]} {tag}"): [
-            np.flatnonzero(values == tag) if kind == size else None
+            np.flatnonzero((values == tag) & (kind == size))
             for kind, values in zip(kinds, tags, strict=True)
         ]
         for size, tag in present
@@ -87,22 +86,17 @@ def volume_groups(mesh: Any, groups: list[Group]) -> list[Group]:
     holding = [
         group
         for group in groups
-        if any(
-            is_solid and cells is not None
-            for is_solid, cells in zip(solid, group.cells, strict=True)
-        )
+        if any(is_solid and len(cells) for is_solid, cells in zip(solid, group.cells, strict=True))
     ]
-    if holding:
-        return holding
     everything = tuple(
-        np.arange(len(block.data)) if is_solid else None
+        np.arange(len(block.data) if is_solid else 0)
         for is_solid, block in zip(solid, mesh.cells, strict=True)
     )
-    return [Group(name="solids", number=len(groups) + 1, cells=everything)]
+    return holding or [Group(name="solids", number=len(groups) + 1, cells=everything)]
 
 
 def cells_of(mesh: Any, group: Group) -> Iterator[tuple[Any, Indices]]:
     """Yield blocks of meshio and the cells of a group in them."""
     for block, cells in zip(mesh.cells, group.cells, strict=True):
-        if cells is not None:
+        if len(cells):
             yield block, cells

@@ -19,17 +19,17 @@ import numpy.typing as npt
 import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix
-from faying.exceptions import FormatError, refuse_model
+from faying.exceptions import refuse_model
 from faying.files.contents import file_bytes
 from faying.io.matrix_labels import (
     REAL_DOUBLE,
     RECTANGULAR,
     SQUARE,
     SYMMETRIC,
-    DamageError,
     LabelledMatrix,
     chosen_name,
     damaged,
+    reading,
 )
 from faying.io.op4_binary import BinaryFile, looks_binary
 from faying.io.op4_text import TextFile
@@ -66,12 +66,8 @@ def read_op4(path: Path, name: str) -> LabelledMatrix:
 
 
 def _read(path: Path, letter: str | None) -> dict[str, SparseMatrix]:
-    try:
+    with reading("OP4", path):
         content = file_bytes(path)
-    except OSError as error:
-        message = f"OP4 file '{path}' cannot be read ({error.strerror}); check the path"
-        raise FormatError(message) from error
-    try:
         file: Op4File = BinaryFile(content) if looks_binary(content) else TextFile(content)
         stored = list(file.matrices())
         names = [header.name for header, _ in stored]
@@ -79,9 +75,6 @@ def _read(path: Path, letter: str | None) -> dict[str, SparseMatrix]:
         return {
             name: _assembled(file, *stored[_only(names, name)]) for name in dict.fromkeys(chosen)
         }
-    except DamageError as error:
-        message = f"OP4 file '{path}': {error}"
-        raise FormatError(message) from error
 
 
 def _only(names: list[str], name: str) -> int:

@@ -91,7 +91,7 @@ REFUSED = [
     ("CBAR,7,5,1,2,0.,1.,0.\n,7", "pin flag: components are '7'"),
     ("CBAR,7,5,1,2,0.,1.,0.,GXG\n,,,1.", "OFFT = 'GXG' is not supported"),
     ("CBAR,7,5,1,2,1.,0.,0.,GOG\n,,,0.,1.", "the orientation vector is zero or parallel"),
-    ("CBAR,7,5,1,2,0.,1.,0.\n,,,,,,-500.", "the beam has no length"),
+    ("CBAR,7,5,1,2,0.,1.,0.\n,,,,,,-500.", "the element has no length"),
 ]
 
 

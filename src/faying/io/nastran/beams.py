@@ -15,7 +15,7 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import FormatError
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.bushes import orientation
+from faying.io.nastran.bushes import element_axes, orientation
 from faying.io.nastran.cards import Card, Cards, by_id, property_of
 from faying.io.nastran.fields import components
 from faying.io.nastran.grids import BulkData, Grids
@@ -23,7 +23,7 @@ from faying.io.nastran.sections import Property, turned_about, with_shear
 from faying.io.nastran.solids import material_of
 from faying.io.nastran.springs import springs_between
 from faying.model.assembly import Beam, BeamSection, Equation, Material, RigidCoupling, Spring
-from faying.model.axes import any_across, axes_along
+from faying.model.axes import any_across
 
 PINS = (8, 9)
 OFFSETS = (10, 13)
@@ -181,7 +181,7 @@ def _beam(card: Card, grids: Grids, sections: Mapping[int, Property], ends: Beam
     (start, origin), (end, to) = (
         ends.offset(card, grids, i, node, along) for i, node in enumerate(grid_ends)
     )
-    axes = _axes(card, to - origin, vector)
+    axes = element_axes(card, to - origin, vector)
     x, y, z = turned_about(to - origin, vector, angle).tolist()
     return Beam(
         id=number,
@@ -207,17 +207,7 @@ def _between(card: Card, grids: Grids, grid_ends: tuple[int, int], vector: Vecto
     """Axes (3, 3) from grid to grid, where offsets (O of OFFT) are along them; else basic ones."""
     if "O" not in card.text(7):
         return np.eye(3)
-    return _axes(card, grids.nodes[grid_ends[1]] - grids.nodes[grid_ends[0]], vector)
-
-
-def _axes(card: Card, axis: Vector, vector: Vector) -> Matrix:
-    """Axes (3, 3) of a beam, which must have a length and a direction across it."""
-    if not 0 < np.linalg.norm(axis) < np.inf:
-        card.refuse("the beam has no length; its two nodes coincide")
-    axes = axes_along(axis, vector)
-    if axes is None:
-        card.refuse("the orientation vector is zero or parallel to the beam; give another one", 4)
-    return axes
+    return element_axes(card, grids.nodes[grid_ends[1]] - grids.nodes[grid_ends[0]], vector)
 
 
 POINTS = (16, 17)

@@ -135,9 +135,17 @@ def _axes(card: Card, bush_property: _Property, grids: Grids, start: int, line: 
                 "springs across the line of its nodes need an orientation (GO, X1 to X3 or CID)", 4
             )
         vector = np.array(any_across(line))
+    return element_axes(card, line, vector)
+
+
+def element_axes(card: Card, line: Vector, vector: Vector) -> Matrix:
+    """Return the axes (3, 3) of an element along a line, y towards a vector."""
+    if not 0 < np.linalg.norm(line) < np.inf:
+        card.refuse("the element has no length; its two nodes coincide")
     axes = axes_along(line, vector)
     if axes is None:
-        card.refuse("the orientation vector is zero or parallel to the line of the nodes", 4)
+        text = "the orientation vector is zero or parallel to the line of its nodes; give another"
+        card.refuse(text, 4)
     return axes
 
 
