@@ -15,7 +15,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import FormatError, StudyError
 from faying.export.linearized import LinearModel, linearize
 from faying.io.dmig import dmig_text
-from faying.io.nastran.fields import Value, large, small
+from faying.io.nastran.fields import LARGEST_ID, Value, large, small
 from faying.io.op4 import write_op4
 from faying.joint.system import elongations, initial_bolt_forces
 from faying.reduction.reduced_model import ReducedModel
@@ -26,8 +26,6 @@ SUPERELEMENT = 100
 
 FIRST_POINT = 1_000_001
 """Id of the first scalar point where grids have smaller ones."""
-
-LARGEST_ID = 99_999_999
 
 _AFTER = ("K4XX", "PA", "GPXX", "GDXX", "RVAX")
 _OUTPUTS = ("MUG1", "MES1", "MEE1", "MGPF", "MEF1", "MQG1", "MQMG1")

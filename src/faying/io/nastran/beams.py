@@ -17,7 +17,7 @@ from faying.exceptions import FormatError
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.bushes import element_axes, orientation
 from faying.io.nastran.cards import Card, Cards, by_id, property_of
-from faying.io.nastran.fields import components
+from faying.io.nastran.fields import SHORT_DIGITS, components
 from faying.io.nastran.grids import BulkData, Grids
 from faying.io.nastran.sections import Property, turned_about, with_shear
 from faying.io.nastran.solids import material_of
@@ -318,7 +318,7 @@ def _tube(card: Card) -> tuple[float, float]:
     end = card.real(5, outer)
     if wall > outer / 2:
         card.refuse(f"OD = {outer:g} with T = {wall:g} is no tube; T is at most half of OD", 3)
-    if not math.isclose(end, outer, rel_tol=1e-3):
+    if not math.isclose(end, outer, rel_tol=SHORT_DIGITS):
         card.refuse(
             f"OD2 = {end:g} differs from OD = {outer:g}; divide the tube into constant pieces", 5
         )

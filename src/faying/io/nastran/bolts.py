@@ -18,7 +18,7 @@ import numpy as np
 
 from faying._typing import Indices, Vector
 from faying.exceptions import refuse
-from faying.io.nastran.cards import Card, by_id, id_list
+from faying.io.nastran.cards import Card, by_id, each, id_list
 from faying.io.nastran.grids import BulkData, Grids, chosen_sets
 from faying.io.nastran.solid_bolts import is_split, read_solid_bolts
 from faying.io.nastran.supports import Moved
@@ -183,11 +183,11 @@ def read_bolts(
         number: (closing[number],) if number in closing else _elements(card, beams)
         for number, card in by_id(bulk.cards, "BOLT").items()
     }
-    for name in ("BOLTFRC", "BOLTSEQ"):
-        for card in bulk.cards.get(name, ()):
-            if bulk.control.present and card.integer(0) != bulk.control.set_of("BOLTLD"):
-                bulk.ignored.append(f"{name} {card.integer(0)} (case control does not select it)")
-                continue
+    for card in each(bulk.cards, "BOLTFRC", "BOLTSEQ"):
+        if bulk.control.present and card.integer(0) != bulk.control.set_of("BOLTLD"):
+            which = f"{card.cards.name} {card.integer(0)}"
+            bulk.ignored.append(f"{which} (case control does not select it)")
+        else:
             card.refuse("it is not supported; give the final force of the bolts by BOLTFOR")
     names = {number: f"bolt-{number}" for number in bolts}
     forces = _forces(bulk, names)

@@ -325,13 +325,19 @@ class Card:
                 self.refuse(f"{what} '{text}' ({place}) is not supported; {remedy}", field)
 
 
+def each(cards: Mapping[str, Cards], *names: str) -> Iterator[Card]:
+    """Yield the cards of some names, one name after the other."""
+    for name in names:
+        yield from cards.get(name, ())
+
+
 def by_id(cards: Mapping[str, Cards], *names: str, what: str = "") -> dict[int, Card]:
     """Return cards by the id in their first field, which occurs once.
 
     ``what`` is how messages call such a card; its name unless given.
     """
     by_number: dict[int, Card] = {}
-    for card in (card for name in names for card in cards.get(name, ())):
+    for card in each(cards, *names):
         earlier = by_number.setdefault(card.integer(0), card)
         if earlier is not card:
             called = f"{what or card.cards.name} {card.integer(0)}"

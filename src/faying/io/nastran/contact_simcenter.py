@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from faying.io.nastran.cards import Card, Cards, by_id, id_list
+from faying.io.nastran.cards import Card, Cards, by_id, each, id_list
 from faying.io.nastran.contact_pairs import Pair, region_of
 from faying.io.nastran.contact_parameters import (
     NO_PARAMETERS,
@@ -45,7 +45,7 @@ def read_simcenter_pairs(
     chosen = _chosen(bulk, _CONTACT, ignored)
     parameters = {number: _parameters(bulk.cards, number, ignored) for number in chosen}
     glue = {number: Parameters(glued=True) for number in _chosen(bulk, _GLUE, ignored)}
-    for card in (card for name in ("BGPARM", "BGPARA") for card in bulk.cards.get(name, ())):
+    for card in each(bulk.cards, "BGPARM", "BGPARA"):
         read_parameters(card, ignored)
     pairs = [
         pair
@@ -76,7 +76,7 @@ def _chosen(bulk: BulkData, kind: _Kind, ignored: dict[str, None]) -> list[int]:
 def _parameters(cards: Mapping[str, Cards], number: int, ignored: dict[str, None]) -> Parameters:
     """Read the parameters of a contact set."""
     parameters = NO_PARAMETERS
-    for card in (card for name in ("BCTPARM", "BCTPARA") for card in cards.get(name, ())):
+    for card in each(cards, "BCTPARM", "BCTPARA"):
         if card.integer(0) == number:
             parameters = read_parameters(card, ignored, parameters)
     return parameters

@@ -226,7 +226,7 @@ class Systems:
         if system == 0:
             return None
         axes = self.frames[system].directions(self.nodes[node][None])[0]
-        return None if np.allclose(axes, np.eye(3), rtol=0, atol=1e-14) else axes
+        return None if np.allclose(axes, np.eye(3), rtol=0, atol=ROUND_OFF) else axes
 
     def basic_parts(self, node: int, component: int) -> list[tuple[int, float]]:
         """Return the basic components of a node, with factors, that make up one of its own."""

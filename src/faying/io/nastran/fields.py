@@ -190,6 +190,9 @@ def frame_independent(numbers: tuple[int, ...]) -> bool:
     return all(len(set(numbers) & group) in (0, 3) for group in ({0, 1, 2}, {3, 4, 5}))
 
 
+LARGEST_ID = 99_999_999
+"""Largest id that fits the eight columns of a small field."""
+
 Value = int | float | str | None
 
 

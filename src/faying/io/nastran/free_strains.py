@@ -7,12 +7,14 @@ Temperatures of elements (TEMPP1, TEMPRB) stand before the mean of those of thei
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
+from faying.digits import ROUND_OFF
 from faying.io.left_out import IGNORABLE
-from faying.io.nastran.cards import Card, Cards, by_id, id_list
+from faying.io.nastran.cards import Card, Cards, by_id, each, id_list
 from faying.io.nastran.expansions import (
     NOTHING,
     Expansion,
@@ -60,6 +62,23 @@ class _Field:
         temperatures = np.array([self.elements[number] for number in element_ids.tolist()])
         mean[listed] = temperatures[np.searchsorted(element_ids, ids[listed])]
         return np.asarray(mean)
+
+
+class _Change(NamedTuple):
+    """Temperatures, and those without strain: of a set, or TREF of each material."""
+
+    final: _Field
+    initial: _Field | None
+
+    def of_elements(self, ids: Indices, nodes: Indices, zero: float | Vector) -> Vector:
+        """Return by how much (n,) elements of nodes (n, n_node) are warmer than without strain."""
+        start = zero if self.initial is None else self.initial.of_elements(ids, nodes)
+        return self.final.of_elements(ids, nodes) - start
+
+    def of_nodes(self, zero: float) -> tuple[Vector, Vector]:
+        """Return the temperatures (n_node,) without strain, and those that act."""
+        nodes = self.final.nodes
+        return (np.full_like(nodes, zero) if self.initial is None else self.initial.nodes), nodes
 
 
 def with_free_strains(deck: Deck, bolts: Sequence[BoltSpec]) -> Assembly:
@@ -161,33 +180,31 @@ def _thermal(deck: Deck, number: int, tightened: Collection[int]) -> Matrix:
     cards, grids, assembly = deck.cards, deck.grids, deck.assembly
     parents = deck.parents
     check_constant(deck)
-    final = _field(deck, number, parents)
     start = deck.control.set_of("TEMPERATURE(INITIAL)")
     initial = None if start is None else _field(deck, start, parents)
+    change = _Change(_field(deck, number, parents), initial)
     expansions = read_expansions(cards)
     _check_others(cards, expansions)
-    forces = _of_solids(deck, assembly, expansions, initial, final)
+    forces = _of_solids(deck, assembly, expansions, change)
     of_beams = [expansions.get(int(beam.material.name), NOTHING) for beam in assembly.beams]
     ids = np.array([beam.id for beam in assembly.beams], dtype=np.int64)
     ends = np.array([beam.nodes for beam in assembly.beams], dtype=np.int64).reshape(-1, 2)
     zero = np.array([expansion.zero for expansion in of_beams])
-    change = final.of_elements(ids, ends) - (
-        zero if initial is None else initial.of_elements(ids, ends)
-    )
+    degrees = change.of_elements(ids, ends, zero)
     coefficients = np.array([expansion.strains[0] for expansion in of_beams])
-    strains = np.where(coefficients == 0, 0.0, coefficients * change)
+    strains = np.where(coefficients == 0, 0.0, coefficients * degrees)
     forces += _stretched(assembly, strains, tightened)
-    forces += shell_expansion_forces(
-        assembly, _of_shells(cards, assembly, expansions, deck.plane, initial, final)
-    )
+    free_strains = _of_shells(cards, assembly, expansions, deck.plane, change)
+    forces += shell_expansion_forces(assembly, free_strains)
     if not np.isfinite(forces).all():
-        sets = [final.number, *([] if initial is None else [initial.number])]
-        without = np.isnan(final.nodes) | (False if initial is None else np.isnan(initial.nodes))
+        fields = [field for field in change if field is not None]
+        without = np.any([np.isnan(field.nodes) for field in fields], axis=0)
         without &= np.isnan(forces).any(axis=1)
         if not without.any():
-            unread(f"temperature set {final.number} with numbers too large")
+            unread(f"temperature set {number} with numbers too large")
         grid = grids.ids[parents[int(without.argmax()), 0]]
-        unread(f"GRID {grid} without a temperature in set {' or '.join(map(str, sets))}")
+        sets = " or ".join(str(field.number) for field in fields)
+        unread(f"GRID {grid} without a temperature in set {sets}")
     return forces
 
 
@@ -202,10 +219,9 @@ def _check_others(cards: Mapping[str, Cards], expansions: Mapping[int, Expansion
 
 def _field(bulk: BulkData, number: int, parents: Indices) -> _Field:
     """Read a set of temperatures."""
-    for name in UNREAD_TEMPERATURES:
-        for card in bulk.cards.get(name, ()):
-            if card.integer(0) == number:
-                raise UnreadError(card.where())
+    for card in each(bulk.cards, *UNREAD_TEMPERATURES):
+        if card.integer(0) == number:
+            unread(card.where())
     temperatures = np.full(len(bulk.grids.ids), np.nan)
     listed = False
     for pair in (pair for card in bulk.cards.get("TEMPD", ()) for pair in card.groups(0, 2)):
@@ -217,10 +233,9 @@ def _field(bulk: BulkData, number: int, parents: Indices) -> _Field:
         temperatures[bulk.grids.of_column(pairs, 0)] = pairs.reals(1)
         listed |= bool(len(of_set))
     elements: dict[int, float] = {}
-    for name in ("TEMPP1", "TEMPRB"):
-        for card in bulk.cards.get(name, ()):
-            if card.integer(0) == number:
-                elements.update(_of_elements(card))
+    for card in each(bulk.cards, "TEMPP1", "TEMPRB"):
+        if card.integer(0) == number:
+            elements.update(_of_elements(card))
     if not listed and not elements:
         unread(f"temperature set {number}, which the deck does not have,")
     return _Field(number=number, nodes=temperatures[parents].mean(axis=1), elements=elements)
@@ -243,8 +258,7 @@ def _of_solids(
     bulk: BulkData,
     assembly: Assembly,
     expansions: Mapping[int, Expansion],
-    initial: _Field | None,
-    final: _Field,
+    change: _Change,
 ) -> Matrix:
     properties = by_id(bulk.cards, "PSOLID")
     forces = np.zeros((len(assembly.mesh.nodes), 6))
@@ -256,13 +270,11 @@ def _of_solids(
             unread(f"property {number} (PCOMPS) of a material that expands")
         system = properties[number].integer(2, 0)
         along = np.eye(3) if system == 0 else np.asarray(bulk.grids.systems.frames[system].axes)
-        at_zero = np.full(len(final.nodes), expansion.zero)
         # What other materials have no temperature for does not matter here.
-        used = np.zeros(len(final.nodes), dtype=bool)
+        used = np.zeros(len(assembly.mesh.nodes), dtype=bool)
         for block in assembly.mesh.blocks:
             used[block.nodes[block.properties == number]] = True
-        fields = (at_zero if initial is None else initial.nodes, final.nodes)
-        start, end = (np.where(used, values, 0.0) for values in fields)
+        start, end = (np.where(used, field, 0.0) for field in change.of_nodes(expansion.zero))
         direction = turned_strain(expansion.strains, along)
         forces += expansion_forces(assembly, {number: lambda T: T}, start, end, {number: direction})
     return forces
@@ -273,8 +285,7 @@ def _of_shells(
     assembly: Assembly,
     expansions: Mapping[int, Expansion],
     laws: Mapping[int, PlaneMaterial],
-    initial: _Field | None,
-    final: _Field,
+    change: _Change,
 ) -> dict[int, Matrix]:
     """Return the free strains of shells, by the index of their block."""
     plates = {n: card for name in _PLATES for n, card in by_id(cards, name).items()}
@@ -283,18 +294,15 @@ def _of_shells(
         if block.kind == PANEL:
             continue
         strains = np.zeros((len(block.ids), 3, 3))
-        change = final.of_elements(block.ids, block.nodes)
-        if initial is not None:
-            change = change - initial.of_elements(block.ids, block.nodes)
         properties = _of_deck(cards, block.ids)
         for number in np.unique(properties).tolist():
             expansion = expansion_of_plate(plates[number], expansions, laws)
             if expansion is None:
                 continue
             members: Mask = np.asarray(properties == number)
-            degrees = change[members] - (expansion.zero if initial is None else 0.0)
+            degrees = change.of_elements(block.ids[members], block.nodes[members], expansion.zero)
             same = (
-                np.isclose(expansion.strains[0], expansion.strains[1], rtol=1e-12)
+                np.isclose(expansion.strains[0], expansion.strains[1], rtol=ROUND_OFF)
                 and not expansion.strains[2]
             )
             if same:

@@ -14,7 +14,7 @@ from math import pi
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.cards import Card, Cards, each
 from faying.io.nastran.fields import SHORT_DIGITS
 from faying.io.nastran.grids import BulkData, Grids
 from faying.io.nastran.pressures import Part, read_directed_loads, read_pressures
@@ -71,7 +71,7 @@ def _readable(
 ) -> Iterator[tuple[Card, Beam]]:
     """Yield the PLOAD1 that are read, and their beams; note the sets of the others."""
     lines, bends = (
-        {card.integer(0) for name in names for card in cards.get(name, ())}
+        {card.integer(0) for card in each(cards, *names)}
         for names in (("CBAR", "CBEAM"), ("CBEND",))
     )
     by_number = {beam.id: beam for beam in beams if beam.id in lines}
@@ -196,11 +196,8 @@ def _on_scalar_points(bulk: BulkData, unread: dict[int, str]) -> Iterator[Part]:
 def _unsupported(cards: Mapping[str, Cards]) -> dict[int, str]:
     """Load set to the place of its first load that is not supported."""
     unsupported: dict[int, str] = {}
-    for name in UNSUPPORTED:
-        if name in cards:
-            numbers, first = np.unique(cards[name].integers(0), return_index=True)
-            for number, card in zip(numbers.tolist(), first.tolist(), strict=True):
-                unsupported.setdefault(number, cards[name].where(card))
+    for card in each(cards, *UNSUPPORTED):
+        unsupported.setdefault(card.integer(0), card.where())
     return unsupported
 
 

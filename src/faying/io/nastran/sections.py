@@ -5,7 +5,7 @@ tan 2φ = 2 I12 / (I1 - I2).
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from faying._typing import Vector
 from faying.digits import DECK_DIGITS
-from faying.io.nastran.cards import Card, Cards, by_id
+from faying.io.nastran.cards import Card, Cards, by_id, each
 from faying.io.nastran.fields import SHORT_DIGITS
 from faying.io.nastran.grids import BulkData
 from faying.io.nastran.solids import material_of
@@ -49,7 +49,7 @@ def principal(card: Card, section: BeamSection) -> tuple[BeamSection, float]:
 def turned_properties(cards: Mapping[str, Cards]) -> set[int]:
     """Return the ids of properties whose principal axes are not those of the element."""
     families = ("PBAR", "PBEAM")
-    return {card.integer(0) for name in families for card in cards.get(name, ()) if _product(card)}
+    return {card.integer(0) for card in each(cards, *families) if _product(card)}
 
 
 def turned_about(axis: Vector, vector: Vector, angle: float) -> Vector:
@@ -105,9 +105,7 @@ def read_sections(
         "CBAR": {"PBAR": _pbar, "PBARL": _dimensioned},
         "CBEAM": {"PBEAM": _pbeam, "PBEAML": _dimensioned},
     }
-    lines = [
-        card for name in ("CBAR", "CBEAM", "BAROR", "BEAMOR") for card in bulk.cards.get(name, ())
-    ]
+    lines = each(bulk.cards, "CBAR", "CBEAM", "BAROR", "BEAMOR")
     used = {card.integer(1, 0) or card.integer(0, 0) for card in lines}
     for element, read in readers.items():
         for number, card in by_id(bulk.cards, *read, what="property").items():
@@ -127,8 +125,7 @@ def read_sections(
             heavier = replace(material, density=material.density + line_mass / section.area)
             warping = _warping(card) if name == "PBEAM" else 0.0
             result[element][number] = Property(with_shear(section, factor), heavier, angle, warping)
-    lists = (bulk.cards[name] for name in ("PBARL", "PBEAML") if name in bulk.cards)
-    if any(kind in SHAPES for cards_of_kind in lists for kind in cards_of_kind.words(3)):
+    if any(card.text(3) in SHAPES for card in each(bulk.cards, "PBARL", "PBEAML")):
         bulk.ignored.append(ESTIMATED)
     if heavy:
         bulk.ignored.append(
@@ -210,20 +207,24 @@ def _behind_stations(card: Card) -> int:
     if card.text(row) not in _STATIONS:
         row += 8
     while card.text(row) in _STATIONS:
-        _check_station(card, row)
+        _check_constant(card, row + 2, card.reals(range(2, 8), 0.0), 3)
         row += 16 if card.text(row) == "YES" else 8
     return row
 
 
-def _check_station(card: Card, row: int) -> None:
-    # Areas and moments of inertia are positive: 0.0 is a blank that was written out.
-    blank = [j for j in (2, 3, 4) if card.text(row + j) and card.real(row + j) == 0.0]
-    for j in range(2, 8):
-        if j not in blank and card.text(row + j) and _differ(card.real(row + j), card.real(j, 0.0)):
+def _check_constant(card: Card, first: int, values: Iterable[float], positive: int) -> None:
+    """Refuse a section that changes along the beam; values are those at its first end.
+
+    So many of them are positive: there 0.0 is a blank that was written out.
+    """
+    for j, value in enumerate(values):
+        there = card.real(first + j, value)
+        if _differ(there, value) and (j >= positive or there != 0.0):
+            name = f"field {(first + j) % 8 + 2}"
             card.refuse(
-                f"the section changes along the beam (field {j + 2}); tapered beams are not "
-                "supported, split the beam into constant pieces",
-                row + j,
+                f"the section changes along the beam ({name}); tapered beams are not supported, "
+                "split the beam into constant pieces",
+                first + j,
             )
 
 
@@ -255,13 +256,7 @@ def _check_stations(card: Card, sizes: Sequence[float]) -> None:
                 f"expected YES or NO, found '{card.text(field)}'; check the number of dimensions",
                 field,
             )
-        for j, size in enumerate((*sizes, card.real(mass_field, 0.0))):
-            size_field = field + 2 + j
-            if card.text(size_field) and _differ(card.real(size_field), size):
-                card.refuse(
-                    "a section that changes along the beam is not supported, split the beam",
-                    size_field,
-                )
+        _check_constant(card, field + 2, (*sizes, card.real(mass_field, 0.0)), 0)
         field += 3 + len(sizes)
 
 

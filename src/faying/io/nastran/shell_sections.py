@@ -7,7 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from faying._typing import Matrix
+from faying.digits import SOLVED
 from faying.io.nastran.cards import Card, by_id
+from faying.io.nastran.fields import SHORT_DIGITS
 from faying.io.nastran.grids import BulkData
 from faying.io.nastran.materials import SHELL_PROPERTIES, Layer, PlaneMaterial, layers
 from faying.model.shells import ShellSection, turned_law
@@ -104,7 +106,7 @@ def _check(card: Card, section: ShellSection) -> None:
         card.refuse("its membrane is not stiff in every direction; correct its materials")
     # Bending may be left out; rounding aside nothing is negative.
     size = np.sqrt(np.where(np.diag(law) > 0, np.diag(law), 1.0))
-    if np.linalg.eigvalsh(law / np.outer(size, size))[0] < -1e-9:
+    if np.linalg.eigvalsh(law / np.outer(size, size))[0] < -SOLVED:
         card.refuse(
             "its stiffness is not positive: membrane, bending and coupling contradict each other"
         )
@@ -123,7 +125,7 @@ def _laminate(
     _check(card, section)
 
     def fixed(t: float) -> ShellSection:
-        if not math.isclose(t, thickness, rel_tol=1e-3):
+        if not math.isclose(t, thickness, rel_tol=SHORT_DIGITS):
             card.refuse(
                 "a laminate has the thickness of its layers; leave T1 to T4 of shells blank"
             )

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from faying._typing import Matrix
-from faying.digits import DECK_DIGITS, SOLVED
+from faying.digits import DECK_DIGITS, ROUND_OFF, SOLVED
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, Cards, property_of
 from faying.io.nastran.fields import components
@@ -33,7 +33,7 @@ def springs_between(number: int, places: Sequence[Place], K: Matrix) -> Iterator
         yield Spring(id=number, ends=(places[i], places[j]), stiffness=-float(K[i, j]))
     ground = K.sum(axis=1)
     # What a rigid motion leaves is rounding of sums.
-    for k in np.flatnonzero(np.abs(ground) > 1e-12 * np.abs(K).sum(axis=1)).tolist():
+    for k in np.flatnonzero(np.abs(ground) > ROUND_OFF * np.abs(K).sum(axis=1)).tolist():
         yield Spring(id=number, ends=(places[k],), stiffness=float(ground[k]))
 
 
@@ -249,15 +249,12 @@ def _is_basic(axes: Matrix | None, component: int) -> bool:
     return axes is None or float(np.sort(np.abs(axes[component % 3]))[1]) <= DECK_DIGITS
 
 
-_TRANSLATIONS = 2
-
-
 def read_masses(bulk: BulkData) -> list[PointMass]:
     """Read concentrated masses; inertias are turned into the basic frame."""
-    whole = [_matrix(card, bulk.grids, bulk.mass_factor) for card in bulk.cards.get("CONM1", ())]
     return [
-        *whole,
-        *(_mass(card, bulk.grids, bulk.mass_factor) for card in bulk.cards.get("CONM2", ())),
+        read(card, bulk.grids, bulk.mass_factor)
+        for name, read in (("CONM1", _matrix), ("CONM2", _mass))
+        for card in bulk.cards.get(name, ())
     ]
 
 
@@ -312,6 +309,10 @@ def _mass(card: Card, grids: Grids, factor: float) -> PointMass:
     )
 
 
+_ROTATIONS = 3
+"""First component that is one."""
+
+
 def without_rotation(
     masses: Sequence[PointMass], assembly: Assembly, ignored: list[str]
 ) -> tuple[PointMass, ...]:
@@ -326,16 +327,15 @@ def without_rotation(
     resisted = np.zeros(len(assembly.mesh.nodes), dtype=bool)
     for block in assembly.shells:
         resisted[block.nodes] = True
-    ends = [item.nodes for item in assembly.beams] + [item.nodes for item in assembly.bushes]
-    resisted[[node for nodes in ends for node in nodes]] = True
-    for spring in assembly.springs:
-        resisted[[node for node, c in spring.ends if c > _TRANSLATIONS]] = True
+    for rigid in assembly.rigid_couplings:
+        resisted[rigid.nodes] |= max(rigid.components) >= _ROTATIONS
     resisted[[item.reference for item in assembly.rigid_couplings]] = True
     resisted[[item.reference for item in assembly.average_couplings]] = True
-    for rigid in assembly.rigid_couplings:
-        resisted[rigid.nodes] |= max(rigid.components) > _TRANSLATIONS
-    for equation in assembly.equations:
-        resisted[[node for node, c, _ in equation.terms if c > _TRANSLATIONS]] = True
+    ends = [item.nodes for item in assembly.beams] + [item.nodes for item in assembly.bushes]
+    resisted[[node for nodes in ends for node in nodes]] = True
+    places = [dof for spring in assembly.springs for dof in spring.ends]
+    places += [(node, c) for item in assembly.equations for node, c, _ in item.terms]
+    resisted[[node for node, c in places if c >= _ROTATIONS]] = True
     loose = {item.id for item in turning if not resisted[item.node]}
     if loose:
         ignored.append(

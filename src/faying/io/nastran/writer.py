@@ -12,13 +12,18 @@ import numpy as np
 from faying._typing import Indices
 from faying.exceptions import refuse
 from faying.io.left_out import refuse_unwritten, write_whole
-from faying.io.nastran.fields import Value, digits_of, format_real, frame_independent, large, small
+from faying.io.nastran.fields import (
+    LARGEST_ID,
+    Value,
+    digits_of,
+    format_real,
+    frame_independent,
+    large,
+    small,
+)
 from faying.model.assembly import Assembly, BeamSection, Material, Support
 from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS, solid_element
-
-LARGEST_ID = 99_999_999
-"""Largest id that fits the eight columns of a small field."""
 
 _NUMBER = re.compile(r"[1-9]\d{0,7}")
 
