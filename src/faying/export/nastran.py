@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
-from faying.exceptions import FormatError, StudyError
+from faying.exceptions import StudyError, refuse
 from faying.export.linearized import LinearModel, linearize
 from faying.io.dmig import dmig_text
 from faying.io.nastran.fields import LARGEST_ID, Value, large, small
@@ -87,8 +87,7 @@ def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path
     elif path.suffix.lower() == ".dmig":
         files = _write_dmig(rom, linear, rows, path)
     else:
-        message = f"{path.name} ends in '{path.suffix}'; Nastran takes .op4 or .dmig"
-        raise FormatError(message)
+        refuse(f"{path.name} ends in '{path.suffix}'; Nastran takes .op4 or .dmig")
     recovery, text = (path.with_name(path.stem + end) for end in ("_recovery.op4", "_readme.txt"))
     write_op4(recovery, recovery_matrices(rom, linear, rows))
     text.write_text(_readme(rom, rows, (*files, recovery)), encoding="utf-8")
@@ -110,11 +109,10 @@ def superelement_rows(rom: ReducedModel) -> Rows:
     inner = np.setdiff1d(np.arange(len(rom.K)), outer)
     first = max(FIRST_POINT, int(rom.mesh.node_ids.max(initial=0)) + 1)
     if first + len(inner) > LARGEST_ID:
-        message = (
+        refuse(
             f"node ids reach {first - 1}, which leaves no room for {len(inner)} scalar points "
             f"below {LARGEST_ID + 1}; renumber the nodes"
         )
-        raise FormatError(message)
     points = [(first + number, 0) for number in range(len(inner))]
     return Rows(
         dofs=np.array([*dofs, *points], dtype=np.int64).reshape(-1, 2),

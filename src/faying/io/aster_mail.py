@@ -165,18 +165,11 @@ def _nodes(section: _Section) -> tuple[Names, Matrix]:
 
 def _with_all_solids(cells: list[Any], sets: dict[str, list[Indices]]) -> dict[str, list[Indices]]:
     """Put a group of all solids in front, where those of the file leave some out."""
-    solid = [block.type not in _FACES.values() for block in cells]
+    everything = [np.arange(0 if b.type in _FACES.values() else len(b.data)) for b in cells]
     grouped = [
-        np.unique(
-            np.concatenate(
-                [np.empty(0, dtype=np.int64), *(members[k] for members in sets.values())]
-            )
-        )
-        for k in range(len(cells))
+        np.concatenate([solids[:0], *(members[k] for members in sets.values())])
+        for k, solids in enumerate(everything)
     ]
-    if all(len(grouped[k]) == len(cells[k].data) for k in range(len(cells)) if solid[k]):
+    if all(np.isin(solids, held).all() for solids, held in zip(everything, grouped, strict=True)):
         return sets
-    everything = [
-        np.arange(len(b.data) if is_solid else 0) for b, is_solid in zip(cells, solid, strict=True)
-    ]
     return {"solids": everything, **sets}

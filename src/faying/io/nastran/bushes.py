@@ -144,8 +144,10 @@ def element_axes(card: Card, line: Vector, vector: Vector) -> Matrix:
         card.refuse("the element has no length; its two nodes coincide")
     axes = axes_along(line, vector)
     if axes is None:
-        text = "the orientation vector is zero or parallel to the line of its nodes; give another"
-        card.refuse(text, 4)
+        card.refuse(
+            "the orientation vector is zero or parallel to the line of its nodes; give another one",
+            4,
+        )
     return axes
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from faying.io.left_out import Handling
 
 _POINTS = "C1 C2 D1 D2 E1 E2 F1 F2"
+_MODULI = " ".join(f"G{i}{j}" for i in range(1, 7) for j in range(i, 7))
 
 _ROWS: Mapping[str, str] = {
     # grid points and systems
@@ -22,7 +23,7 @@ _ROWS: Mapping[str, str] = {
     "MAT1": "MID E G NU RHO A TREF GE",
     "MAT2": "MID G11 G12 G13 G22 G23 G33 RHO>=0 A1 A2 A3 TREF",
     "MAT8": "MID E1>0 E2>0 NU12 G12>=0 G1Z>=0 G2Z>=0 RHO>=0 A1 A2 TREF",
-    "MAT9": "MID",
+    "MAT9": f"MID {_MODULI} RHO A1 A2 A3 A4 A5 A6 TREF GE",
     "MAT11": "MID E1 E2 E3 NU12 NU13 NU23 G12 G13 G23 RHO A1 A2 A3 TREF",
     # properties
     "PSOLID": "PID MID CORDM IN STRESS ISOP FCTN",

@@ -17,7 +17,7 @@ from faying.io.nastran.regions import Region
 from faying.model.assembly import Assembly
 from faying.model.mesh import Mesh
 from faying.model.specs import GapRule, InterfaceSpec
-from faying.model.surface import corner_nodes, facet_centres, facet_normals, padded
+from faying.model.surface import Facets, corner_nodes, facet_centres, facet_normals, padded
 
 DEFAULT_ERROR = 1 / 20
 """MSC's contact tolerance over the smallest edge of solids, where none is given."""
@@ -121,14 +121,21 @@ def glue_distance(pair: Pair, mesh: Mesh) -> float:
 
 def _edges(region: Region, mesh: Mesh) -> Vector:
     """Return the lengths of the edges of a region's faces, or of its bodies'."""
-    corners = mesh.exterior
-    if region.elements is not None:
-        corners = corners.taken(np.isin(corners.elements, region.elements))
-    nodes = corners.corners if region.facets is None else corner_nodes(region.facets)
+    nodes = _outside(region, mesh).corners
+    if region.facets is not None:
+        nodes = corner_nodes(region.facets)
     points = mesh.nodes[nodes]
     lengths = np.linalg.norm(np.roll(points, -1, axis=1) - points, axis=2)
     positive: Vector = lengths[lengths > 0]
     return positive
+
+
+def _outside(region: Region, mesh: Mesh) -> Facets:
+    """Return the outer faces of a region's elements; of all where it names none."""
+    faces = mesh.exterior
+    if region.elements is None:
+        return faces
+    return faces.taken(np.isin(faces.elements, region.elements))
 
 
 def with_shell_sides(
@@ -167,10 +174,8 @@ def with_shell_sides(
 
 def _faces(region: Region, assembly: Assembly) -> tuple[Matrix, Matrix]:
     """Return centres and outward normals (n, 3) of the faces of a region of solids."""
-    faces = assembly.mesh.exterior
-    if region.elements is not None:
-        faces = faces.taken(np.isin(faces.elements, region.elements))
-    elif region.facets is not None:
+    faces = _outside(region, assembly.mesh)
+    if region.facets is not None:
         named = {tuple(row) for row in np.sort(region.facets, axis=1).tolist()}
         rows = [tuple(row) in named for row in np.sort(faces.nodes, axis=1).tolist()]
         faces = faces.taken(np.array(rows))

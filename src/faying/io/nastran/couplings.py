@@ -90,11 +90,8 @@ def read_equations(bulk: BulkData) -> list[Equation]:
     A component in a displacement coordinate system becomes up to three basic ones. The dependent
     term is then the largest of these that no earlier equation depends on.
     """
-    mpc = bulk.cards.get("MPC")
-    if mpc is None:
-        selected_sets(bulk, "MPC", set())
-        return []
-    sets = selected_sets(bulk, "MPC", set(mpc.integers(0).tolist()))
+    mpc = [*bulk.cards.get("MPC", ())]
+    sets = selected_sets(bulk, "MPC", {card.integer(0) for card in mpc})
     dependent: set[tuple[int, int]] = set()
     return [_equation(card, bulk.grids, dependent) for card in mpc if card.integer(0) in sets]
 

@@ -8,17 +8,13 @@ import numpy as np
 
 from faying._typing import Vector
 from faying.digits import SOLVED
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.card_table import FIELDS
+from faying.io.nastran.cards import Card, Cards, each
 from faying.io.nastran.grids import BulkData
 from faying.io.nastran.materials import PlaneMaterial, layers
 from faying.model.shells import strain_rotation
 
-_COEFFICIENTS = {
-    **{"MAT1": ((5, 5, 5), 6), "MAT2": ((8, 9, 10), 11), "MAT8": ((8, 9), 10)},
-    **{"MAT9": (tuple(range(23, 29)), 29), "MAT11": ((11, 12, 13), 14)},
-}
-"""Fields of the coefficients of expansion, and of TREF."""
-_DEPENDING = {f"MATT{kind}": f"MAT{kind}" for kind in (1, 2, 8, 9, 11)}
+_COEFFICIENTS = frozenset(("A", "A1", "A2", "A3", "A4", "A5", "A6"))
 
 
 class UnreadError(Exception):
@@ -45,9 +41,9 @@ def check_constant(bulk: BulkData) -> None:
     """Refuse constants that depend on temperature, where case control asks for them."""
     if bulk.control.set_of("TEMPERATURE(MATERIAL)") is None:
         return
-    for name, base in _DEPENDING.items():
-        dependent = {card.integer(0) for card in bulk.cards.get(base, ())}
-        for card in bulk.cards.get(name, ()):
+    for kind in (1, 2, 8, 9, 11):
+        dependent = {card.integer(0) for card in bulk.cards.get(f"MAT{kind}", ())}
+        for card in bulk.cards.get(f"MATT{kind}", ()):
             if card.integer(0) in dependent:
                 unread(f"{card.where()} at temperatures of TEMPERATURE(BOTH) or (MATERIAL)")
 
@@ -55,13 +51,14 @@ def check_constant(bulk: BulkData) -> None:
 def read_expansions(cards: Mapping[str, Cards]) -> dict[int, Expansion]:
     """Return the coefficients of all materials that expand."""
     expansions = {}
-    for name, (fields, zero) in _COEFFICIENTS.items():
-        for card in cards.get(name, ()):
-            plane = name in ("MAT2", "MAT8")
-            strains = np.zeros(3 if plane else 6)
-            strains[: len(fields)] = [card.real(field, 0.0) for field in fields]
-            if strains.any():
-                expansions[card.integer(0)] = Expansion(strains=strains, zero=card.real(zero, 0.0))
+    for card in each(cards, "MAT1", "MAT2", "MAT8", "MAT9", "MAT11"):
+        name = card.cards.name
+        fields = [i for i, field in enumerate(FIELDS[name]) if field.name in _COEFFICIENTS]
+        strains = np.zeros(3 if name in ("MAT2", "MAT8") else 6)
+        strains[: 3 if name == "MAT1" else len(fields)] = card.reals(fields, 0.0)
+        if strains.any():
+            zero = card.real(card.place("TREF"), 0.0)
+            expansions[card.integer(0)] = Expansion(strains=strains, zero=zero)
     return expansions
 
 

@@ -1,8 +1,8 @@
 """Materials: MAT1, MAT2, MAT8, MAT9, MAT11, and the properties and layers that name them."""
 
 import math
-from collections import ChainMap
-from collections.abc import Container, Iterator, Mapping
+from collections import ChainMap, Counter
+from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ from faying._typing import Matrix
 from faying.exceptions import ModelError
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.card_table import FIELDS
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.cards import Card, Cards, each
 from faying.io.nastran.coordinates import Systems
 from faying.io.nastran.fields import ROW
 from faying.io.nastran.grids import BulkData
@@ -70,9 +70,8 @@ def materials_of(cards: Mapping[str, Cards], *names: str) -> frozenset[int]:
     """Return the ids of the materials that cards name, in fields called MID and in layers."""
     ids = (
         numbers.integer(card.text(place))
-        for name in names
-        for card in cards.get(name, ())
-        for place in (*_material_fields(name), *_places(card))
+        for card in each(cards, *names)
+        for place in (*_material_fields(card.cards.name), *_places(card))
     )
     return frozenset(number for number in ids if number is not None)
 
@@ -83,23 +82,22 @@ def _material_fields(name: str) -> list[int]:
 
 
 def named_materials(
-    bulk: BulkData, name: str, named: Container[int], defined: Container[int]
+    bulk: BulkData, names: Iterable[str], named: Container[int], defined: Container[int]
 ) -> Iterator[tuple[int, Card]]:
-    """Yield the materials that properties name by id, and note the others.
+    """Yield the materials of some cards that properties name by id, and note the others.
 
-    ``defined`` are those that exist already; what is read of this name is to be added to it.
+    ``defined`` are those that exist already; what is read is to be added to it.
     """
-    unnamed = 0
-    for card in bulk.cards.get(name, ()):
+    unnamed: Counter[str] = Counter()
+    for card in each(bulk.cards, *names):
         number = card.integer(0)
         if number not in named:
-            unnamed += 1
+            unnamed[card.cards.name] += 1
             continue
         if number in defined:
             card.refuse(f"material {number} is defined twice; renumber one")
         yield number, card
-    if unnamed:
-        bulk.ignored.append(f"{unnamed} {name} that no property names")
+    bulk.ignored.extend(f"{count} {name} that no property names" for name, count in unnamed.items())
 
 
 # Nastran itself warns when E, G and ν disagree by more than one per cent.
@@ -238,9 +236,9 @@ def read_plane_materials(
         for number, material in materials.items()
     }
     named = materials_of(bulk.cards, *SHELL_PROPERTIES)
-    for name, read in (("MAT2", _anisotropic), ("MAT8", _orthotropic)):
-        for number, card in named_materials(bulk, name, named, by_number):
-            by_number[number] = read(card, bulk.mass_factor)
+    readers = {"MAT2": _anisotropic, "MAT8": _orthotropic}
+    for number, card in named_materials(bulk, readers, named, by_number):
+        by_number[number] = readers[card.cards.name](card, bulk.mass_factor)
     return by_number
 
 
@@ -278,16 +276,16 @@ def read_anisotropic(
     Those that no PSOLID names are left out with a note.
     """
     anisotropic: dict[int, Material] = {}
-    for name, law, density in (("MAT9", _general_law, 22), ("MAT11", _orthotropic_law, 10)):
-        defined = ChainMap(anisotropic, dict(materials))
-        for number, card in named_materials(bulk, name, named, defined):
-            try:
-                anisotropic[number] = Material.anisotropic(
-                    law(card), density=card.real(density, 0.0) * bulk.mass_factor, name=str(number)
-                )
-            except (ModelError, ValueError) as error:
-                text = f"material {number}: {error}"
-                raise card.error(text) from error
+    laws = {"MAT9": _general_law, "MAT11": _orthotropic_law}
+    defined = ChainMap(anisotropic, dict(materials))
+    for number, card in named_materials(bulk, laws, named, defined):
+        density = card.real(card.place("RHO"), 0.0) * bulk.mass_factor
+        try:
+            law = laws[card.cards.name](card)
+            anisotropic[number] = Material.anisotropic(law, density=density, name=str(number))
+        except (ModelError, ValueError) as error:
+            text = f"material {number}: {error}"
+            raise card.error(text) from error
     return anisotropic
 
 
@@ -310,11 +308,11 @@ def along(card: Card, material: Material, systems: Systems) -> Material:
 
 def _general_law(card: Card) -> Matrix:
     law = np.zeros((6, 6))
-    law[np.triu_indices(6)] = [card.real(j, 0.0) for j in range(1, 22)]
+    law[np.triu_indices(6)] = card.reals(range(1, 22), 0.0)
     return law + np.triu(law, 1).T
 
 
 def _orthotropic_law(card: Card) -> Matrix:
     shear = np.array([card.real(7), card.real(9), card.real(8)])
-    moduli, ratios = ([card.real(j) for j in places] for places in ((1, 2, 3), (4, 5, 6)))
+    moduli, ratios = card.reals((1, 2, 3)).tolist(), card.reals((4, 5, 6)).tolist()
     return orthotropic_law(moduli, ratios, shear)
