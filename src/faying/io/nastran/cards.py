@@ -367,21 +367,20 @@ def id_list(card: Card, fields: list[str], known_ids: Indices | None = None) -> 
     ids: list[int] = []
     i = 0
     while i < len(texts):
-        value = numbers.integer(texts[i])
-        if texts[i] == "THRU" and ids and i + 1 < len(texts):
-            first, last = ids.pop(), numbers.integer(texts[i + 1]) or 0
-            inside = [first, *_range(card, first, texts[i:], known_ids)]
-            i += 4 if texts[i + 2 : i + 3] == ["BY"] else 2
-            if texts[i : i + 1] == ["EXCEPT"]:
-                out = _exceptions(card, texts[i + 1 :], first, last)
-                inside = [number for number in inside if number not in set(out)]
-                i += 1 + len(out)
-            ids += inside
-            continue
-        if value is None:
+        first, behind = numbers.integer(texts[i]), texts[i + 1 : i + 5]
+        if first is None:
             card.refuse(f"'{texts[i]}' stands where an id is expected")
-        ids.append(value)
-        i += 1
+        if behind[:1] != ["THRU"] or len(behind) == 1:
+            ids.append(first)
+            i += 1
+            continue
+        inside, last = _range(card, first, behind, known_ids), numbers.integer(behind[1]) or 0
+        i += 5 if behind[2:3] == ["BY"] else 3
+        if texts[i : i + 1] == ["EXCEPT"]:
+            out = _exceptions(card, texts[i + 1 :], first, last)
+            inside = [number for number in inside if number not in out]
+            i += 1 + len(out)
+        ids += inside
     return ids
 
 
@@ -401,16 +400,16 @@ def _exceptions(card: Card, texts: list[str], low: int, high: int) -> list[int]:
 
 
 def _range(card: Card, first: int, texts: list[str], known_ids: Indices | None) -> list[int]:
-    """Ids behind ``first`` of a range; ``texts`` begin with THRU."""
+    """Ids of a range from ``first`` on; ``texts`` begin with THRU."""
     last, step = numbers.integer(texts[1]), 1
     if texts[2:3] == ["BY"]:
-        step = numbers.integer(texts[3]) or 0 if len(texts) > 3 else 0
+        step = numbers.integer("".join(texts[3:])) or 0
         if step < 1:
-            card.refuse(f"'BY {' '.join(texts[3:4])}' is no positive step between ids")
+            card.refuse(f"'BY {' '.join(texts[3:])}' is no positive step between ids")
     longest = _LONGEST if known_ids is None else 10**18
     if last is None or not first <= last <= first + longest:
         card.refuse(f"'{first} THRU {texts[1]}' is not an ascending range of ids")
     if known_ids is None:
-        return list(range(first + step, last + 1, step))
+        return list(range(first, last + 1, step))
     inside = (known_ids > first) & (known_ids <= last) & ((known_ids - first) % step == 0)
-    return [int(number) for number in known_ids[inside]]
+    return [first, *known_ids[inside].tolist()]

@@ -145,8 +145,8 @@ def rigid_equations(
         )
     origin = grids.nodes[nodes].mean(axis=0)
     size = float(np.abs(grids.nodes[nodes] - origin).max()) or 1.0
-    motion = _motions(free, grids, origin, size)
-    following = _motions(tied, grids, origin, size)
+    motion = rigid_motions(free, grids, origin, size)
+    following = rigid_motions(tied, grids, origin, size)
     weights = np.linalg.lstsq(motion.T, following.T, rcond=None)[0].T
     unique = np.linalg.svd(motion, compute_uv=False)[-1] > SOLVED
     if not unique or np.abs(weights @ motion - following).max() > SOLVED:
@@ -199,8 +199,10 @@ def solved(
         )
 
 
-def _motions(places: Sequence[Place], grids: Grids, origin: Vector, size: float) -> Matrix:
-    """Components (n, 6) in the six rigid motions, rotations counted at the distance ``size``."""
+def rigid_motions(
+    places: Sequence[Place], grids: Grids, origin: Vector, size: float = 1.0
+) -> Matrix:
+    """Return components (n, 6) in the six rigid motions, rotations counted at a distance."""
     nodes = np.array([node for node, _ in places], dtype=np.int64)
     every = rigid_body_motions(grids.nodes[nodes], origin).reshape(-1, 6, 6)
     every[:, :, 3:] /= size

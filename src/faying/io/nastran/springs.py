@@ -1,17 +1,18 @@
 """CELAS, CMASS, GENEL, CONM1 and CONM2: springs and masses at single components, point masses."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from faying._typing import Matrix
+from faying._typing import Matrix, Vector
 from faying.digits import DECK_DIGITS, ROUND_OFF, SOLVED
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, Cards, property_of
 from faying.io.nastran.fields import components
 from faying.io.nastran.grids import BulkData, Grids
+from faying.io.nastran.rigid_elements import rigid_motions
 from faying.model.assembly import Assembly, Bush, PointMass, ScalarMass, Spring
-from faying.model.matrices import rigid_body_motions
 
 Place = tuple[int, int]
 
@@ -73,13 +74,8 @@ def _following(
             f"{len(dependent)} components in UD and no S; six make a rigid body, else give S"
         )
     origin = grids.nodes[dependent[0][0]]
-
-    def motions(places: Sequence[Place]) -> Matrix:
-        nodes = grids.nodes[[node for node, _ in places]]
-        every = rigid_body_motions(nodes, origin).reshape(-1, 6, 6)
-        return np.asarray(every[np.arange(len(places)), [c for _, c in places]])
-
-    return np.asarray(np.linalg.solve(motions(dependent).T, motions(free).T).T)
+    following, leading = (rigid_motions(places, grids, origin) for places in (free, dependent))
+    return np.asarray(np.linalg.solve(leading.T, following.T).T)
 
 
 def _parts(card: Card) -> dict[str, list[str]]:
@@ -118,7 +114,25 @@ def _reals(card: Card, texts: list[str], count: int, name: str) -> Matrix:
     return np.array(values, dtype=float)
 
 
-End = tuple[int, int]
+class _End(NamedTuple):
+    """A node, a component of its displacement system, and the directions (3, 3) of this."""
+
+    node: int
+    component: int
+    axes: Matrix
+
+    @property
+    def direction(self) -> Vector:
+        """Direction (3,) along or about which it acts."""
+        return np.asarray(self.axes[self.component % 3])
+
+    @property
+    def basic(self) -> tuple[int, int]:
+        """Basic component that it is, and 1, or -1 against it; 0 if it is none."""
+        along = int(np.abs(self.direction).argmax())
+        inclined = float(np.sort(np.abs(self.direction))[1]) > DECK_DIGITS
+        sign = 0 if inclined else int(np.sign(self.direction[along]))
+        return along + 3 * (self.component // 3), sign
 
 
 def read_springs(bulk: BulkData) -> tuple[list[Spring], list[Bush]]:
@@ -130,46 +144,42 @@ def read_springs(bulk: BulkData) -> tuple[list[Spring], list[Bush]]:
         bulk.ignored.append("structural damping GE of CELAS2")
     springs, bushes = list[Spring](), list[Bush]()
     for card, value in _valued(bulk.cards, "CELAS", "PELAS"):
-        turned = _turned(card, value, bulk.grids)
-        if turned is None:
-            ends = _ends(card, bulk.grids)
-            springs.append(Spring(id=card.integer(0), ends=ends, stiffness=value))
+        ends = _ends(card, bulk.grids)
+        if all(end.basic[1] for end in ends):
+            places = _places_of(card, ends, bulk.grids)
+            springs.append(Spring(id=card.integer(0), ends=places, stiffness=value))
         else:
-            bushes.append(turned)
+            bushes.append(_turned(card, value, ends, bulk.grids))
     return springs, bushes
 
 
-def _turned(card: Card, stiffness: float, grids: Grids) -> Bush | None:
+def _turned(card: Card, stiffness: float, ends: Sequence[_End], grids: Grids) -> Bush:
     """Return a spring along an axis of a displacement system that is no basic axis.
 
     Its ends stand at one place and act along one direction, or one of them is the ground.
     """
-    ends = _own_ends(card, grids)
-    systems = [grids.systems.axes(node) for node, _ in ends]
-    if not ends or all(_is_basic(a, c) for a, (_, c) in zip(systems, ends, strict=True)):
-        return None
-    nodes, components = zip(*ends, strict=True)
-    axes = np.eye(3) if systems[0] is None else systems[0]
-    others = [np.eye(3) if axes is None else axes for axes in systems]
-    places = grids.nodes[list(nodes)]
-    apart = np.abs(places - places[0]).max() > DECK_DIGITS * np.abs(grids.nodes).max()
-    first, *second = (axes[c % 3] for axes, c in zip(others, components, strict=True))
-    across = any(np.abs(direction - first).max() > DECK_DIGITS for direction in second)
-    if apart or across or len(set(components)) > 1 or len(set(nodes)) < len(nodes):
+    nodes, components = [end.node for end in ends], {end.component for end in ends}
+    places, directions = grids.nodes[nodes], np.array([end.direction for end in ends])
+    apart = np.ptp(places, axis=0).max() > DECK_DIGITS * np.abs(grids.nodes).max()
+    across = np.ptp(directions, axis=0).max() > DECK_DIGITS
+    if apart or across or len(components) > 1 or len(set(nodes)) < len(nodes):
         card.refuse(
             f"GRID {grids.ids[nodes[0]]} has a displacement coordinate system whose axis is not a "
             "basic axis; such a spring leads to the ground, or to a grid at the same place with "
             "the same axes; use a CBUSH"
         )
-    return Bush.of_arrays(card.integer(0), nodes, {components[0]: stiffness}, axes, places[0])
+    along = {ends[0].component: stiffness}
+    return Bush.of_arrays(card.integer(0), nodes, along, ends[0].axes, places[0])
 
 
 def read_scalar_masses(bulk: BulkData) -> list[ScalarMass]:
     """Read scalar masses, which act at one component or on the difference of two."""
-    return [
-        ScalarMass(id=card.integer(0), ends=_ends(card, bulk.grids), mass=value * bulk.mass_factor)
-        for card, value in _valued(bulk.cards, "CMASS", "PMASS")
-    ]
+    masses = []
+    for card, value in _valued(bulk.cards, "CMASS", "PMASS"):
+        places = _places_of(card, _ends(card, bulk.grids), bulk.grids)
+        mass = value * bulk.mass_factor
+        masses.append(ScalarMass(id=card.integer(0), ends=places, mass=mass))
+    return masses
 
 
 def _valued(
@@ -197,9 +207,9 @@ def _properties(cards: Mapping[str, Cards], name: str) -> dict[int, float]:
     return stiffnesses
 
 
-def _own_ends(card: Card, grids: Grids) -> list[End]:
-    """Return nodes and their own components; ends on the ground are left out."""
-    ends: list[End] = []
+def _ends(card: Card, grids: Grids) -> list[_End]:
+    """Return the ends that are not on the ground."""
+    ends: list[_End] = []
     # Kinds 3 and 4 join scalar points, which have no components.
     scalar = card.cards.name[-1] in "34"
     for field in (2, 3) if scalar else (2, 4):
@@ -210,43 +220,25 @@ def _own_ends(card: Card, grids: Grids) -> list[End]:
         chosen = grids.components(np.array([node]), digits, card.error)
         if len(chosen) != 1:
             card.refuse(f"a spring or mass acts on one component; found '{digits}'", field + 1)
-        ends.append((node, chosen[0]))
+        ends.append(_End(node, chosen[0], grids.systems.axes_of(np.array([node]))[0]))
     return ends
 
 
-def _ends(card: Card, grids: Grids) -> tuple[End, ...]:
-    ends: list[End] = []
-    signs: list[int] = []
-    for node, component_of_system in _own_ends(card, grids):
-        component, sign = _basic(card, node, component_of_system, grids)
-        ends.append((node, component))
-        signs.append(sign)
-    if not ends or len(set(signs)) > 1 or len(set(ends)) < len(ends):
+def _places_of(card: Card, ends: Sequence[_End], grids: Grids) -> tuple[Place, ...]:
+    """Return nodes and basic components of ends that act along basic axes."""
+    basic = [end.basic for end in ends]
+    for end in (end for end in ends if end.basic[1] == 0):
+        card.refuse(
+            f"GRID {grids.ids[end.node]} has a displacement coordinate system whose axis is not a "
+            "basic axis; masses of one direction in such systems are not supported, use a CONM2"
+        )
+    places = [(end.node, component) for end, (component, _) in zip(ends, basic, strict=True)]
+    if not ends or len({sign for _, sign in basic}) > 1 or len(set(places)) < len(places):
         card.refuse(
             "a spring or mass needs two different ends, or one and the ground, that act in one "
             "direction (check grids, components and displacement coordinate systems)"
         )
-    return tuple(ends)
-
-
-def _basic(card: Card, node: int, component: int, grids: Grids) -> tuple[int, int]:
-    """Component in the basic frame and sign of a component along ± a basic axis."""
-    axes = grids.systems.axes(node)
-    if axes is None:
-        return component, 1
-    direction = axes[component % 3]
-    along = int(np.abs(direction).argmax())
-    if not _is_basic(axes, component):
-        card.refuse(
-            f"GRID {grids.ids[node]} has a displacement coordinate system whose axis is not a "
-            "basic axis; masses of one direction in such systems are not supported, use a CONM2"
-        )
-    return along + 3 * (component // 3), 1 if direction[along] > 0 else -1
-
-
-def _is_basic(axes: Matrix | None, component: int) -> bool:
-    """Whether a component is along a basic axis, or against it."""
-    return axes is None or float(np.sort(np.abs(axes[component % 3]))[1]) <= DECK_DIGITS
+    return tuple(places)
 
 
 def read_masses(bulk: BulkData) -> list[PointMass]:
