@@ -18,8 +18,9 @@ import numpy as np
 
 from faying._typing import Indices, Vector
 from faying.exceptions import refuse
-from faying.io.nastran.cards import Card, by_id, each, id_list
+from faying.io.nastran.cards import Card, by_id, each
 from faying.io.nastran.grids import BulkData, Grids, chosen_sets
+from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.solid_bolts import is_split, read_solid_bolts
 from faying.io.nastran.supports import Moved
 from faying.io.solid_cuts import Cut, cut_mesh

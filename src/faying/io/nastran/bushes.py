@@ -176,20 +176,6 @@ def _place(card: Card, grids: Grids, start: int, line: Vector) -> Vector:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Section:
-    """Stiffness of a cross-section; flexibilities in shear are zero where it is rigid."""
-
-    axial: float
-    bending: float
-    bending_across: float
-    torsion: float
-    shear: float
-    shear_across: float
-    neutral: float | None
-    line_mass: float
-
-
-@dataclass(frozen=True, kw_only=True)
 class _Arc:
     """An arc: the chord from A to B, the direction away from the centre, the angle it spans."""
 
@@ -212,44 +198,15 @@ def read_bends(
     heavy = 0
     for card in bulk.cards.get("CBEND", ()):
         bend = property_of(card, properties, "PBEND")
-        section = _section(bend, materials, factors, bulk.mass_factor)
-        arc = _arc(card, bend, bulk.grids)
-        heavy += section.line_mass > 0
-        ends = bulk.grids.one(card, 2), bulk.grids.one(card, 3)
-        bushes += _bushes(card, ends, arc, section)
+        material = material_of(bend, 1, materials)
+        shear = material.youngs_modulus / (2 * (1 + material.poissons_ratio))
+        shear *= factors.get(bend.integer(1), 1.0)
+        of_card = _bushes(card, bend, bulk, material, shear)
+        heavy += of_card[0].mass > 0
+        bushes += of_card
     if heavy:
         bulk.ignored.append(f"mass of {heavy} CBEND: half of it at either end, without inertia")
     return bushes
-
-
-def _section(
-    card: Card, materials: Mapping[int, Material], factors: Mapping[int, float], mass_factor: float
-) -> _Section:
-    if numbers.integer(card.text(2)) is not None:
-        card.refuse(
-            f"FSI = {card.text(2)}, a pipe whose flexibility depends on codes of piping, is not "
-            "supported; give A, I1, I2 and J",
-            2,
-        )
-    card.refuse_non_zero([19, 20], "an offset", "move the grid points to the centroid")
-    material = material_of(card, 1, materials)
-    shear_modulus = material.youngs_modulus / (2 * (1 + material.poissons_ratio))
-    shear_modulus *= factors.get(card.integer(1), 1.0)
-    area, inertia, inertia_across, torsion = (card.real(field, 0.0) for field in (2, 3, 4, 5))
-    if not shear_modulus > 0:
-        card.refuse(f"its material has G = {shear_modulus:g}, which must be positive", 1)
-    extra, shares = card.real(18, 0.0), [card.real(field, 0.0) for field in (16, 17)]
-    rigid = [0.0 if share == 0.0 else 1 / (share * shear_modulus * area) for share in shares]
-    return _Section(
-        axial=material.youngs_modulus * area,
-        bending=material.youngs_modulus * inertia,
-        bending_across=material.youngs_modulus * inertia_across,
-        torsion=shear_modulus * torsion,
-        shear=rigid[0],
-        shear_across=rigid[1],
-        neutral=card.real(21) if card.text(21) else None,
-        line_mass=material.density * area + extra * mass_factor,
-    )
 
 
 def _arc(card: Card, section: Card, grids: Grids) -> _Arc:
@@ -307,39 +264,63 @@ def _half_angle(
     raise card.error(text, 7)
 
 
-def _bushes(card: Card, ends: tuple[int, int], arc: _Arc, section: _Section) -> list[Bush]:
+def _bushes(
+    card: Card, bend: Card, bulk: BulkData, material: Material, shear_modulus: float
+) -> list[Bush]:
     """Return the bush in the plane of the arc and that across it."""
+    if numbers.integer(bend.text(2)) is not None:
+        bend.refuse(
+            f"FSI = {bend.text(2)}, a pipe whose flexibility depends on codes of piping, is not "
+            "supported; give A, I1, I2 and J",
+            2,
+        )
+    bend.refuse_non_zero([19, 20], "an offset", "move the grid points to the centroid")
+    if not shear_modulus > 0:
+        bend.refuse(f"its material has G = {shear_modulus:g}, which must be positive", 1)
+    arc = _arc(card, bend, bulk.grids)
     radius, angle = arc.radius, arc.angle
-    blank = section.bending / (section.axial * radius)
-    neutral = blank if section.neutral is None else section.neutral
+    area, inertia, inertia_across, torsion = bend.reals((2, 3, 4, 5), 0.0).tolist()
+    axial, bending, bending_across = (
+        material.youngs_modulus * size for size in (area, inertia, inertia_across)
+    )
+    twisting = shear_modulus * torsion
+    # Flexibilities in shear, zero where the section is rigid.
+    shear, shear_across = (
+        0.0 if share == 0.0 else 1 / (share * shear_modulus * area)
+        for share in bend.reals((16, 17), 0.0).tolist()
+    )
+    neutral = bend.real(21, bending / (axial * radius))
     # Integrals over the arc of 1, cos, cos² and sin² of the angle from its middle.
     whole, cosine = radius * angle, 2 * radius * math.sin(angle / 2)
-    squares = radius / 2 * (angle + math.sin(angle)), radius / 2 * (angle - math.sin(angle))
-    cos2, sin2 = squares
+    cos2, sin2 = (radius / 2 * (angle + sign * math.sin(angle)) for sign in (1, -1))
 
-    stretch = 1 / section.axial + radius * (radius - 2 * neutral) / section.bending
-    chordwise = stretch * cos2 + section.shear * sin2
-    outward = stretch * sin2 + section.shear * cos2
-    turn = whole / section.bending
-    coupled = (radius - neutral) * cosine / section.bending
+    stretch = 1 / axial + radius * (radius - 2 * neutral) / bending
+    chordwise = stretch * cos2 + shear * sin2
+    outward = stretch * sin2 + shear * cos2
+    turn = whole / bending
+    coupled = (radius - neutral) * cosine / bending
     plane = (chordwise - coupled**2 / turn, outward, turn)
 
-    sideways = whole * (radius**2 / section.torsion + section.shear_across)
-    twist = cos2 / section.torsion + sin2 / section.bending_across
-    nod = sin2 / section.torsion + cos2 / section.bending_across
-    twisted = -radius * cosine / section.torsion
+    sideways = whole * (radius**2 / twisting + shear_across)
+    twist = cos2 / twisting + sin2 / bending_across
+    nod = sin2 / twisting + cos2 / bending_across
+    twisted = -radius * cosine / twisting
     across = (sideways - twisted**2 / twist, twist, nod)
 
     if not min(*plane, *across) > 0:
         card.refuse(
             f"the neutral axis at DELTAN = {neutral:g} of radius {radius:g} is no curved bar's"
         )
+    ends = bulk.grids.one(card, 2), bulk.grids.one(card, 3)
     axes = np.array([arc.chord, arc.outward, np.cross(arc.chord, arc.outward)])
     stiff = [1 / flexibility for flexibility in (*plane, *across)]
+    mass = (material.density * area + bend.real(18, 0.0) * bulk.mass_factor) * whole
     return [
-        Bush.of_arrays(card.integer(0), ends, springs, axes, arc.centre + shift * arc.outward, mass)
-        for springs, shift, mass in (
-            ({0: stiff[0], 1: stiff[1], 5: stiff[2]}, coupled / turn, section.line_mass * whole),
+        Bush.of_arrays(
+            card.integer(0), ends, springs, axes, arc.centre + shift * arc.outward, heavy
+        )
+        for springs, shift, heavy in (
+            ({0: stiff[0], 1: stiff[1], 5: stiff[2]}, coupled / turn, mass),
             ({2: stiff[3], 3: stiff[4], 4: stiff[5]}, -twisted / twist, 0.0),
         )
     ]

@@ -13,7 +13,7 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.exceptions import refuse
-from faying.io.nastran.cards import Card, Cards, by_id, id_list
+from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.contact_pairs import Pair, region_of
 from faying.io.nastran.contact_parameters import (
     NO_PARAMETERS,
@@ -25,6 +25,7 @@ from faying.io.nastran.contact_parameters import (
 )
 from faying.io.nastran.fields import ROW
 from faying.io.nastran.grids import BulkData, chosen_sets
+from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.regions import Region
 
 _SIDES = {

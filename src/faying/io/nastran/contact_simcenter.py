@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from faying.io.nastran.cards import Card, Cards, by_id, each, id_list
+from faying.io.nastran.cards import Card, Cards, by_id, each
 from faying.io.nastran.contact_pairs import Pair, region_of
 from faying.io.nastran.contact_parameters import (
     NO_PARAMETERS,
@@ -19,6 +19,7 @@ from faying.io.nastran.contact_parameters import (
 )
 from faying.io.nastran.fields import ROW
 from faying.io.nastran.grids import BulkData, chosen_sets
+from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.regions import Region
 
 

@@ -4,9 +4,10 @@ import numpy as np
 
 from faying._typing import Indices
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.cards import Card, id_list
+from faying.io.nastran.cards import Card
 from faying.io.nastran.fields import ROW, components, frame_independent
 from faying.io.nastran.grids import BulkData, Grids, selected_sets
+from faying.io.nastran.id_lists import id_list
 from faying.model.assembly import AverageCoupling, Equation
 
 

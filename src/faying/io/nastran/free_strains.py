@@ -14,7 +14,7 @@ import numpy as np
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.digits import ROUND_OFF
 from faying.io.left_out import IGNORABLE
-from faying.io.nastran.cards import Card, Cards, by_id, each, id_list
+from faying.io.nastran.cards import Card, Cards, by_id, each
 from faying.io.nastran.expansions import (
     NOTHING,
     Expansion,
@@ -25,6 +25,7 @@ from faying.io.nastran.expansions import (
     unread,
 )
 from faying.io.nastran.grids import BulkData
+from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.materials import PlaneMaterial
 from faying.io.nastran.reader import TEMPERATURES, UNREAD_TEMPERATURES, Deck
 from faying.io.nastran.shells import SHELL_CARDS

@@ -7,10 +7,11 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError, refuse
-from faying.io.nastran.cards import Card, Cards, id_list
+from faying.io.nastran.cards import Card, Cards
 from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.coordinates import Systems, missing_system, read_frames
 from faying.io.nastran.fields import components
+from faying.io.nastran.id_lists import id_list
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

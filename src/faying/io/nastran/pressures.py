@@ -15,8 +15,9 @@ import numpy as np
 from faying._typing import Indices, Mask, Matrix
 from faying.interface.facets import gauss_rule, shape_functions
 from faying.io.element_faces import face_areas, find_faces, nodal_forces, on_blocks
-from faying.io.nastran.cards import Cards, id_list
+from faying.io.nastran.cards import Cards
 from faying.io.nastran.grids import BulkData, Grids
+from faying.io.nastran.id_lists import id_list
 from faying.model.assembly import Assembly
 from faying.model.cells import CellBlock
 from faying.model.elements import FACES

@@ -12,9 +12,10 @@ import numpy as np
 from faying._typing import Indices, Mask
 from faying.io.element_faces import find_faces, numbered_faces
 from faying.io.nastran import fields as numbers
-from faying.io.nastran.cards import Card, by_id, id_list
+from faying.io.nastran.cards import Card, by_id
 from faying.io.nastran.fields import ROW
 from faying.io.nastran.grids import BulkData, Grids
+from faying.io.nastran.id_lists import id_list
 from faying.io.nastran.solids import SOLID_CARDS
 from faying.io.solid_cuts import Cut, on_their_sides
 from faying.model.assembly import FaceSet

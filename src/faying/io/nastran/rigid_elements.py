@@ -20,9 +20,10 @@ import scipy.linalg
 from faying._typing import Indices, Matrix, Vector
 from faying.digits import ROUND_OFF, SOLVED
 from faying.interface.facets import shape_functions
-from faying.io.nastran.cards import Card, id_list
+from faying.io.nastran.cards import Card
 from faying.io.nastran.fields import ROW, components, frame_independent
 from faying.io.nastran.grids import BulkData, Grids
+from faying.io.nastran.id_lists import id_list
 from faying.model.assembly import Equation, RigidCoupling
 from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS

@@ -8,8 +8,9 @@ the axis. Between elements on either side of that height the section need not be
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.io.nastran.cards import Card, by_id, id_list
+from faying.io.nastran.cards import Card, by_id
 from faying.io.nastran.grids import BulkData, Grids
+from faying.io.nastran.id_lists import id_list
 from faying.io.solid_cuts import Section, faces_of
 from faying.model.elements import FACES
 from faying.model.mesh import Mesh

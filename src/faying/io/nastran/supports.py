@@ -14,9 +14,10 @@ from faying._typing import Indices, Mask, Matrix, Vector
 from faying.digits import ROUND_OFF
 from faying.exceptions import FormatError, refuse
 from faying.io.moved_supports import Place, moved_note, with_moved_supports
-from faying.io.nastran.cards import Cards, id_list
+from faying.io.nastran.cards import Cards
 from faying.io.nastran.fields import components
 from faying.io.nastran.grids import BulkData, Grids, selected_sets
+from faying.io.nastran.id_lists import id_list
 from faying.model.assembly import Assembly, Support
 
 ALWAYS = "spc"
