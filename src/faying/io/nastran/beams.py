@@ -20,7 +20,6 @@ from faying.io.nastran.cards import Card, Cards, by_id, property_of
 from faying.io.nastran.fields import SHORT_DIGITS, components
 from faying.io.nastran.grids import BulkData, Grids
 from faying.io.nastran.sections import Property, turned_about, with_shear
-from faying.io.nastran.solids import material_of
 from faying.io.nastran.springs import springs_between
 from faying.model.assembly import Beam, BeamSection, Equation, Material, RigidCoupling, Spring
 from faying.model.axes import any_across
@@ -273,9 +272,7 @@ def _point(card: Card, grids: Grids, field: int) -> int:
 Member = tuple[BeamSection, Material]
 
 
-def read_rods(
-    bulk: BulkData, materials: Mapping[int, Material], factors: Mapping[int, float]
-) -> list[Beam]:
+def read_rods(bulk: BulkData) -> list[Beam]:
     """Read rods as beams without bending stiffness, whose mass lies along a straight line.
 
     Non-structural mass is added to the density.
@@ -283,7 +280,7 @@ def read_rods(
     rods: list[Beam] = []
     for name, family in (("CROD", "PROD"), ("CTUBE", "PTUBE"), ("CONROD", "CONROD")):
         members = {
-            number: _member(card, materials, factors, bulk.mass_factor)
+            number: _member(card, bulk)
             for number, card in by_id(bulk.cards, family, what="property").items()
         }
         for card in bulk.cards.get(name, ()):
@@ -293,22 +290,17 @@ def read_rods(
     return rods
 
 
-def _member(
-    card: Card,
-    materials: Mapping[int, Material],
-    factors: Mapping[int, float],
-    mass_factor: float,
-) -> Member:
+def _member(card: Card, bulk: BulkData) -> Member:
     """Section and material of PROD, PTUBE or CONROD; C serves stresses only."""
-    material = material_of(card, card.place("MID"), materials)
+    material, factor = bulk.material(card, card.place("MID"))
     if card.cards.name == "PTUBE":
         area, torsion = _tube(card)
     else:
         area, torsion = card.real(card.place("A")), card.real(card.place("J"), 0.0)
     section = BeamSection(area=area, inertia_y=0.0, inertia_z=0.0, torsion=torsion)
-    line_mass = card.real(card.place("NSM"), 0.0) * mass_factor
+    line_mass = card.real(card.place("NSM"), 0.0) * bulk.mass_factor
     heavy = replace(material, density=material.density + line_mass / area)
-    return with_shear(section, factors.get(card.integer(card.place("MID")), 1.0)), heavy
+    return with_shear(section, factor), heavy
 
 
 def _tube(card: Card) -> tuple[float, float]:

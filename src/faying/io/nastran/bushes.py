@@ -13,7 +13,6 @@ axis towards the centre of curvature. MSC Nastran Quick Reference Guide, CBEND a
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -25,8 +24,7 @@ from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, by_id, property_of
 from faying.io.nastran.fields import SHORT_DIGITS
 from faying.io.nastran.grids import BulkData, Grids
-from faying.io.nastran.solids import material_of
-from faying.model.assembly import Bush, Material
+from faying.model.assembly import Bush
 from faying.model.axes import any_across, axes_along
 
 _ROWS = ("K", "B", "GE", "RCV", "M", "T", "D", "")
@@ -186,22 +184,14 @@ class _Arc:
     angle: float
 
 
-def read_bends(
-    bulk: BulkData, materials: Mapping[int, Material], factors: Mapping[int, float]
-) -> list[Bush]:
-    """Read curved bars; half of the mass of each is at either end.
-
-    Factors are as of :func:`faying.io.nastran.materials.read_materials`.
-    """
+def read_bends(bulk: BulkData) -> list[Bush]:
+    """Read curved bars; half of the mass of each is at either end."""
     bushes: list[Bush] = []
     properties = by_id(bulk.cards, "PBEND", what="property")
     heavy = 0
     for card in bulk.cards.get("CBEND", ()):
         bend = property_of(card, properties, "PBEND")
-        material = material_of(bend, 1, materials)
-        shear = material.youngs_modulus / (2 * (1 + material.poissons_ratio))
-        shear *= factors.get(bend.integer(1), 1.0)
-        of_card = _bushes(card, bend, bulk, material, shear)
+        of_card = _bushes(card, bend, bulk)
         heavy += of_card[0].mass > 0
         bushes += of_card
     if heavy:
@@ -264,9 +254,7 @@ def _half_angle(
     raise card.error(text, 7)
 
 
-def _bushes(
-    card: Card, bend: Card, bulk: BulkData, material: Material, shear_modulus: float
-) -> list[Bush]:
+def _bushes(card: Card, bend: Card, bulk: BulkData) -> list[Bush]:
     """Return the bush in the plane of the arc and that across it."""
     if numbers.integer(bend.text(2)) is not None:
         bend.refuse(
@@ -275,6 +263,8 @@ def _bushes(
             2,
         )
     bend.refuse_non_zero([19, 20], "an offset", "move the grid points to the centroid")
+    material, factor = bulk.material(bend, 1)
+    shear_modulus = factor * material.youngs_modulus / (2 * (1 + material.poissons_ratio))
     if not shear_modulus > 0:
         bend.refuse(f"its material has G = {shear_modulus:g}, which must be positive", 1)
     arc = _arc(card, bend, bulk.grids)
@@ -317,9 +307,9 @@ def _bushes(
     mass = (material.density * area + bend.real(18, 0.0) * bulk.mass_factor) * whole
     return [
         Bush.of_arrays(
-            card.integer(0), ends, springs, axes, arc.centre + shift * arc.outward, heavy
+            card.integer(0), ends, springs, axes, arc.centre + shift * arc.outward, share
         )
-        for springs, shift, heavy in (
+        for springs, shift, share in (
             ({0: stiff[0], 1: stiff[1], 5: stiff[2]}, coupled / turn, mass),
             ({2: stiff[3], 3: stiff[4], 4: stiff[5]}, -twisted / twist, 0.0),
         )

@@ -1,7 +1,7 @@
 """GRID, GRDSET, SPOINT, SET1, SPCADD, MPCADD: nodes and sets, and what readers share."""
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.coordinates import Systems, missing_system, read_frames
 from faying.io.nastran.fields import components
 from faying.io.nastran.id_lists import id_list
+from faying.model.assembly import Material
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -103,11 +104,11 @@ def read_grids(cards: Mapping[str, Cards]) -> Grids:
         return int(system_in[order[row]]), coordinates[order[row]]
 
     frames = read_frames(cards, locate)
-    for field, systems in ((1, system_in), (5, system_out)):
+    for place, systems in ((1, system_in), (5, system_out)):
         unknown = ~np.isin(systems, list(frames))
         if unknown.any():
             card = int(unknown.argmax())
-            grid.refuse(card, missing_system(int(systems[card])), field)
+            grid.refuse(card, missing_system(int(systems[card])), place)
     nodes = coordinates.copy()
     for number in np.unique(system_in[system_in != 0]).tolist():
         rows = system_in == number
@@ -190,6 +191,8 @@ class BulkData:
         By which densities and masses are multiplied (PARAM,WTMASS).
     ignored
         Notes so far; readers append theirs.
+    materials, shear_factors
+        As of :func:`faying.io.nastran.materials.read_materials`.
     """
 
     cards: Mapping[str, Cards]
@@ -197,6 +200,13 @@ class BulkData:
     grids: Grids
     mass_factor: float
     ignored: list[str]
+    materials: Mapping[int, Material] = field(default_factory=dict)
+    shear_factors: Mapping[int, float] = field(default_factory=dict)
+
+    def material(self, card: Card, field: int) -> tuple[Material, float]:
+        """Return the material that a field names, and its factor of shear."""
+        material = card.find(self.materials, field, "material", "MAT1")
+        return material, self.shear_factors.get(card.integer(field), 1.0)
 
 
 def read_sets(

@@ -219,21 +219,15 @@ class PlaneMaterial:
     density: float
 
 
-def read_plane_materials(
-    bulk: BulkData, materials: Mapping[int, Material], factors: Mapping[int, float]
-) -> dict[int, PlaneMaterial]:
-    """Return the materials of shells by id.
-
-    Factors are those of the transverse shear, as
-    :func:`faying.io.nastran.materials.read_materials`.
-    """
+def read_plane_materials(bulk: BulkData) -> dict[int, PlaneMaterial]:
+    """Return the materials of shells by id."""
     by_number = {
         number: PlaneMaterial(
             law=plane_stress(material.youngs_modulus, material.poissons_ratio),
-            shear=factors.get(number, 1.0) * material.shear_modulus * np.eye(2),
+            shear=bulk.shear_factors.get(number, 1.0) * material.shear_modulus * np.eye(2),
             density=material.density,
         )
-        for number, material in materials.items()
+        for number, material in bulk.materials.items()
     }
     named = materials_of(bulk.cards, *SHELL_PROPERTIES)
     readers = {"MAT2": _anisotropic, "MAT8": _orthotropic}
@@ -268,16 +262,15 @@ def _orthotropic(card: Card, mass_factor: float) -> PlaneMaterial:
     )
 
 
-def read_anisotropic(
-    bulk: BulkData, named: frozenset[int], materials: Mapping[int, Material]
-) -> dict[int, Material]:
+def read_anisotropic(bulk: BulkData) -> dict[int, Material]:
     """Return the materials along their own axes by id.
 
     Those that no PSOLID names are left out with a note.
     """
     anisotropic: dict[int, Material] = {}
     laws = {"MAT9": _general_law, "MAT11": _orthotropic_law}
-    defined = ChainMap(anisotropic, dict(materials))
+    named = materials_of(bulk.cards, *SOLID_PROPERTIES)
+    defined = ChainMap(anisotropic, dict(bulk.materials))
     for number, card in named_materials(bulk, laws, named, defined):
         density = card.real(card.place("RHO"), 0.0) * bulk.mass_factor
         try:

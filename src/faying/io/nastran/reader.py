@@ -30,7 +30,6 @@ from faying.io.nastran.grids import BulkData, Grids, read_grids, read_sets
 from faying.io.nastran.loads import UNSUPPORTED, read_loads
 from faying.io.nastran.materials import (
     MATERIALS,
-    SOLID_PROPERTIES,
     PlaneMaterial,
     materials_of,
     read_anisotropic,
@@ -126,21 +125,22 @@ def read_parts(
         if not np.isfinite(grids.nodes).all():
             refuse(f"{path}: coordinates are too large for a number; check the units")
         materials, factors = read_materials(bulk)
-        directed = read_anisotropic(bulk, materials_of(cards, *SOLID_PROPERTIES), materials)
+        bulk = replace(bulk, materials=materials, shear_factors=factors)
+        solid = {**materials, **read_anisotropic(bulk)}
         straight = StraightSides(places=grids.nodes, ids=grids.ids)
-        blocks, of_property, element = read_solids(bulk, {**materials, **directed}, straight)
-        heavy = any(item.density > 0 for item in {**materials, **directed}.values())
+        blocks, of_property, element = read_solids(bulk, solid, straight)
+        heavy = any(item.density > 0 for item in solid.values())
         if control.present and heavy and lumps_masses(given):
             ignored.append(LUMPED)
         check_element_ids([cards[name] for name in ELEMENTS if name in cards])
         check_element_ids([cards[name] for name in RIGID if name in cards])
         by_property = element_sets(blocks)
         node_sets, more_sets = read_sets(bulk, by_property)
-        plane = read_plane_materials(bulk, materials, factors)
+        plane = read_plane_materials(bulk)
         laminates = read_shell_properties(bulk, plane)
         shells, shell_sections = read_shells(bulk, laminates, straight)
         rigid, rigid_equations = read_rigid_elements(bulk)
-        sections = read_sections(bulk, materials, factors)
+        sections = read_sections(bulk)
         ends = BeamEnds(first=len(grids.ids) + len(straight.node_ids))
         beams = read_beams(bulk, sections, ends)
         springs, turned = read_springs(bulk)
@@ -157,7 +157,7 @@ def read_parts(
             mesh=mesh,
             materials=of_property,
             element=element,
-            beams=(*beams, *read_rods(bulk, materials, factors)),
+            beams=(*beams, *read_rods(bulk)),
             shells=shells,
             shell_sections=shell_sections,
             springs=(
@@ -168,7 +168,7 @@ def read_parts(
             bushes=(
                 *turned,
                 *read_bushes(bulk),
-                *read_bends(bulk, materials, factors),
+                *read_bends(bulk),
             ),
             scalar_masses=tuple(read_scalar_masses(bulk)),
             rigid_couplings=(*rigid, *ends.couplings),
@@ -185,7 +185,7 @@ def read_parts(
         )
         masses = without_rotation(read_masses(bulk), assembly, ignored)
         assembly = replace(assembly, masses=masses)
-        sides = read_panel_sides(bulk, materials, assembly.largest_id + 1)
+        sides = read_panel_sides(bulk, assembly.largest_id + 1)
         assembly = replace(assembly, beams=(*assembly.beams, *sides))
         resting = moved.without(control_grids(bulk))
         assembly, pulls = with_moving(bulk, assembly, resting)
@@ -196,6 +196,8 @@ def read_parts(
         control=control,
         grids=grids,
         mass_factor=factor,
+        materials=materials,
+        shear_factors=factors,
         assembly=assembly,
         parents=_parents(grids, straight, ends),
         plane=plane,

@@ -16,7 +16,6 @@ from faying.digits import DECK_DIGITS
 from faying.io.nastran.cards import Card, Cards, by_id, each
 from faying.io.nastran.fields import SHORT_DIGITS
 from faying.io.nastran.grids import BulkData
-from faying.io.nastran.solids import material_of
 from faying.io.nastran.walled_sections import ESTIMATED, SHAPES, walled_section
 from faying.model.assembly import BeamSection, Material
 from faying.model.axes import rectangular_section, round_section
@@ -90,14 +89,12 @@ _DIMENSIONS = {
 _STATIONS = ("YES", "YESA", "NO")
 
 
-def read_sections(
-    bulk: BulkData, materials: Mapping[int, Material], factors: Mapping[int, float]
-) -> dict[str, dict[int, Property]]:
+def read_sections(bulk: BulkData) -> dict[str, dict[int, Property]]:
     """Return sections by element card (CBAR, CBEAM) and property id.
 
     K1, K2 left blank are rigid in shear on PBAR and 1.0 on PBEAM; 0.0 is rigid on both. PBARL and
     PBEAML take shear factors from :func:`dimensioned_section`. Non-structural mass is added to the
-    density, with a note. Factors are as of :func:`faying.io.nastran.materials.read_materials`.
+    density, with a note.
     """
     result: dict[str, dict[int, Property]] = {"CBAR": {}, "CBEAM": {}}
     heavy = 0
@@ -110,12 +107,11 @@ def read_sections(
     for element, read in readers.items():
         for number, card in by_id(bulk.cards, *read, what="property").items():
             name = card.cards.name
-            if number not in used and card.integer(1) not in materials:
+            if number not in used and card.integer(1) not in bulk.materials:
                 bulk.ignored.append(f"{name} {number}, without a MAT1, that no element names")
                 continue
-            material = material_of(card, 1, materials)
+            material, factor = bulk.material(card, 1)
             section, angle = principal(card, _checked(card, read[name](card, material)))
-            factor = factors.get(card.integer(1), 1.0)
             line_mass = card.real(_mass_field(card), 0.0) * bulk.mass_factor
             if not 0 <= line_mass < math.inf:
                 card.refuse(

@@ -13,7 +13,7 @@ from faying.io.nastran.card_table import place_of
 from faying.io.nastran.cards import Card, Cards, by_id
 from faying.io.nastran.grids import BulkData, Grids
 from faying.io.nastran.shell_sections import ShellProperty
-from faying.io.nastran.solids import element_nodes, material_of, property_ids, used_properties
+from faying.io.nastran.solids import element_nodes, property_ids, used_properties
 from faying.io.straight_sides import StraightSides
 from faying.model.assembly import Beam, BeamSection, Material
 from faying.model.axes import any_across
@@ -147,7 +147,7 @@ def _at_angle(places: Matrix, angle: Vector) -> Matrix:
 _FULL = 1.01
 
 
-def read_panel_sides(bulk: BulkData, materials: Mapping[int, Material], first: int) -> list[Beam]:
+def read_panel_sides(bulk: BulkData, first: int) -> list[Beam]:
     """Return what shear panels carry along their sides as rods without mass, from ``first`` on.
 
     MSC Nastran Quick Reference Guide: up to F1 = 1.01 the rods on sides 1-2 and 3-4 have the area
@@ -161,7 +161,7 @@ def read_panel_sides(bulk: BulkData, materials: Mapping[int, Material], first: i
         panel = properties[card.integer(1, card.integer(0))]
         factors = panel.real(4, 0.0), panel.real(5, 0.0)
         if any(factors):
-            material = material_of(panel, 1, materials)
+            material, _ = bulk.material(panel, 1)
             rods += _sides(card, bulk.grids, factors, panel.real(2), material, first + len(rods))
     return rods
 

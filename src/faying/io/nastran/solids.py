@@ -165,7 +165,7 @@ def _material(card: Card, materials: Mapping[int, Material], grids: Grids) -> Ma
         return _of_layers(card, materials)
     if card.text(6) not in ("", "SMECH"):
         card.refuse(f"FCTN = {card.text(6)} is not supported; only structural solids (SMECH) are")
-    return along(card, material_of(card, 1, materials), grids.systems)
+    return along(card, card.find(materials, 1, "material", "MAT1, MAT9 or MAT11"), grids.systems)
 
 
 def _of_layers(card: Card, materials: Mapping[int, Material]) -> Material:
@@ -181,12 +181,6 @@ def _of_layers(card: Card, materials: Mapping[int, Material]) -> Material:
             9,
         )
     return materials[number]
-
-
-def material_of(card: Card, field: int, materials: Mapping[int, Material]) -> Material:
-    """Return the material a property refers to."""
-    kinds = "MAT1, MAT9 or MAT11" if card.cards.name == "PSOLID" else "MAT1"
-    return card.find(materials, field, "material", kinds)
 
 
 def _formulation(properties: list[Card], ignored: list[str]) -> str:
