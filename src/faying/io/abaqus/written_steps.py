@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying._typing import Indices, Vector
+from faying._typing import Indices, Matrix, Vector
 from faying.contact.laws import normal_law
 from faying.digits import SOLVED
 from faying.exceptions import refuse
@@ -21,7 +21,7 @@ from faying.io.abaqus.written_nodes import Term, WrittenNodes, real_text
 from faying.model.assembly import Assembly, Beam, NodalLoads
 from faying.model.description import JointDescription
 from faying.model.elements import SOLIDS
-from faying.model.elements.beam import beam_frames
+from faying.model.elements.beam import beam_frames, beam_properties, local_stiffness
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import triangular
 
@@ -70,7 +70,7 @@ def written_beam(
     ends = assembly.mesh.nodes[list(beam.nodes)]
     axis = ends[1] - ends[0]
     frames, lengths = beam_frames([beam], axis[None])
-    frame, length = frames[0], float(lengths[0])
+    frame = frames[0]
     along = _along(beam, frame)
     first_arm, far, cut = first, first + 1, first + 2
     places = [ends[0] + part * axis for part in _DRAWN]
@@ -81,7 +81,7 @@ def written_beam(
         for terms in _arm(nodes, arm, node, ends.mean(axis=0) - point)
     ]
     free = cut if tightened else first_arm
-    stiffness = _stiffness(beam, frame, length)
+    stiffness = _stiffness(beam, frame, lengths)
     springs = [([(free, along + 1), (far, along + 1)], stiffness[along])]
     springs += [([(first_arm, c + 1), (far, c + 1)], stiffness[c]) for c in range(3) if c != along]
     springs += [([nodes.place(6 * n + c) for n in beam.nodes], stiffness[c]) for c in range(3, 6)]
@@ -101,7 +101,7 @@ def written_beam(
     )
 
 
-def _along(beam: Beam, frame: np.typing.NDArray[np.float64]) -> int:
+def _along(beam: Beam, frame: Matrix) -> int:
     """Return the coordinate axis a beam and its section lie along."""
     if (np.abs(frame).max(axis=1) < 1 - SOLVED).any():
         refuse(
@@ -113,32 +113,24 @@ def _along(beam: Beam, frame: np.typing.NDArray[np.float64]) -> int:
 
 def _arm(nodes: WrittenNodes, arm: int, node: int, lever: Vector) -> list[list[Term]]:
     """u_arm = u_node + θ × lever, one equation per direction."""
-    x, y, z = lever.tolist()
-    cross = ((0.0, z, -y), (-z, 0.0, x), (y, -x, 0.0))
+    turning = np.cross(np.eye(3), lever).T.tolist()
     equations = []
     for c in range(3):
         terms: list[Term] = [(arm, c + 1, 1.0), (*nodes.place(6 * node + c), -1.0)]
-        for d, factor in enumerate(cross[c]):
+        for d, factor in enumerate(turning[c]):
             if factor != 0.0:
                 terms.append((*nodes.place(6 * node + 3 + d), -factor))
         equations.append(terms)
     return equations
 
 
-def _stiffness(beam: Beam, frame: np.typing.NDArray[np.float64], length: float) -> list[float]:
-    """Stiffness of the six springs, by component in the basic frame."""
-    section, E, G = beam.section, beam.material.youngs_modulus, beam.material.shear_modulus
-    bending = E * np.array([0.0, section.inertia_z, section.inertia_y])
-    factors = np.array([np.inf, section.shear_factor_y, section.shear_factor_z])
-    phi = 12 * bending / (factors * section.area * G * length**2)
-    local = np.empty(6)
-    local[:3] = 12 * bending / ((1 + phi) * length**3)
-    local[0] = E * section.area / length
-    # Deflection in local y bends about local z.
-    local[3:] = G * section.torsion / length, bending[2] / length, bending[1] / length
+def _stiffness(beam: Beam, frame: Matrix, lengths: Vector) -> list[float]:
+    """Stiffness of the six springs, by component in the basic frame: against opposite ends."""
+    (local,) = local_stiffness(beam_properties([beam], lengths))
+    springs = (np.diag(local[:6, :6]) - np.diag(local[:6, 6:])) / 2
     basic = np.abs(frame).argmax(axis=1)
     result = np.empty(6)
-    result[basic], result[3 + basic] = local[:3], local[3:]
+    result[basic], result[3 + basic] = springs[:3], springs[3:]
     return [float(value) for value in result]
 
 

@@ -64,7 +64,7 @@ def beam_matrices(beams: Sequence[Beam], nodes: Matrix) -> tuple[Matrix, Matrix]
         rotation[:, start : start + 3, start : start + 3] = frames
     transposed = rotation.transpose(0, 2, 1)
     mass: Matrix = transposed @ _local_mass(properties) @ rotation
-    stiffness: Matrix = transposed @ _local_stiffness(properties) @ rotation
+    stiffness: Matrix = transposed @ local_stiffness(properties) @ rotation
     return _symmetric(mass), _symmetric(stiffness)
 
 
@@ -111,7 +111,8 @@ def beam_properties(beams: Sequence[Beam], length: Vector) -> BeamProperties:
     return BeamProperties(length, *np.array(rows, dtype=float).reshape(-1, 10).T)
 
 
-def _local_stiffness(beam: BeamProperties) -> Matrix:
+def local_stiffness(beam: BeamProperties) -> Matrix:
+    """Return the stiffness (n_beam, 12, 12) of beams in their own frames."""
     result = np.zeros((len(beam.length), 12, 12))
     bar = np.array([[1.0, -1.0], [-1.0, 1.0]])
     axial = beam.axial_factor * beam.youngs * beam.area / beam.length
