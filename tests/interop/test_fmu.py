@@ -29,7 +29,6 @@ from fmu_joints import (  # noqa: E402
     held,
     outputs,
     simulate,
-    unpacked,
 )
 
 pytestmark = NEEDS_COMPILER
@@ -38,23 +37,6 @@ pytestmark = NEEDS_COMPILER
 @pytest.fixture(scope="module")
 def given():
     return handed_over()
-
-
-@pytest.fixture(scope="module")
-def written_files(given, tmp_path_factory):
-    # Masters read resources through a URI: blanks and letters beyond ASCII must survive.
-    return unpacked(given, tmp_path_factory.mktemp("fmu für dich"))
-
-
-@pytest.fixture(scope="module")
-def files(written_files):
-    return written_files[0]
-
-
-@pytest.fixture(scope="module")
-def unzipped(written_files):
-    """FMI version to folder of the extracted FMU."""
-    return written_files[1]
 
 
 @pytest.mark.parametrize("number", [0, 1], ids=["fmi2", "fmi3"])

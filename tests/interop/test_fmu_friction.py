@@ -29,7 +29,6 @@ from fmu_joints import (  # noqa: E402
     outputs,
     rubbing_joint,
     simulate,
-    unpacked,
     written,
 )
 
@@ -42,23 +41,6 @@ SHARES = ("open_fraction", "stick_fraction", "slip_fraction")
 @pytest.fixture(scope="module")
 def given():
     return rubbing_joint()
-
-
-@pytest.fixture(scope="module")
-def written_files(given, tmp_path_factory):
-    # Masters read resources through a URI: blanks and letters beyond ASCII must survive.
-    return unpacked(given, tmp_path_factory.mktemp("fmu für dich"))
-
-
-@pytest.fixture(scope="module")
-def files(written_files):
-    return written_files[0]
-
-
-@pytest.fixture(scope="module")
-def unzipped(written_files):
-    """FMI version to folder of the extracted FMU."""
-    return written_files[1]
 
 
 @pytest.fixture(scope="module")

@@ -31,7 +31,6 @@ from fmu_joints import (  # noqa: E402
     outputs,
     rubbing_joint,
     simulate,
-    unpacked,
     written,
 )
 
@@ -56,23 +55,6 @@ def only_fmi2(monkeypatch):
 @pytest.fixture(scope="module")
 def given():
     return handed_over()
-
-
-@pytest.fixture(scope="module")
-def written_files(given, tmp_path_factory):
-    # Masters read resources through a URI: blanks and letters beyond ASCII must survive.
-    return unpacked(given, tmp_path_factory.mktemp("fmu für dich"))
-
-
-@pytest.fixture(scope="module")
-def files(written_files):
-    return written_files[0]
-
-
-@pytest.fixture(scope="module")
-def unzipped(written_files):
-    """FMI version to folder of the extracted FMU."""
-    return written_files[1]
 
 
 def strictly_compiled(place, target, *options, source="fmi2.c"):
