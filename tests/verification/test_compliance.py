@@ -32,9 +32,20 @@ def preloaded(**parameters) -> fy.Model:
     return fy.preload(model, dict.fromkeys(model.bolts, 10e3), sticking=fy.Sticking())
 
 
-def largest_error(model: fy.Model, count: int) -> float:
-    """Largest relative pressure error over random loads, with no joint modes at all."""
-    rom = fy.reduce(model, fy.craig_bampton(model, normal_modes=20), compliance=True)
+def reduced(model: fy.Model) -> fy.ReducedModel:
+    """With no joint modes at all."""
+    return fy.reduce(model, fy.craig_bampton(model, normal_modes=20), compliance=True)
+
+
+@pytest.fixture(scope="module", params=[1e4, 1e5, "auto", "hard"])
+def both(request) -> tuple[fy.Model, fy.ReducedModel]:
+    """The full model of a penalty, and the reduced one."""
+    model = preloaded(penalty=request.param)
+    return model, reduced(model)
+
+
+def largest_error(model: fy.Model, rom: fy.ReducedModel, count: int) -> float:
+    """Largest relative pressure error over random loads."""
     loads = random_loads(model, count)
     full, fast = fy.solve_static_cases(model, loads), fy.solve_static_cases(rom, loads)
     error = np.abs(fast.pressure - full.pressure).max(axis=1) / full.max_pressure
@@ -42,9 +53,8 @@ def largest_error(model: fy.Model, count: int) -> float:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("penalty", [1e4, 1e5, "auto", "hard"])
-def test_compliance_is_statically_exact_at_any_penalty(penalty):
-    assert largest_error(preloaded(penalty=penalty), count=200) < 1e-8
+def test_compliance_is_statically_exact_at_any_penalty(both):
+    assert largest_error(*both, count=200) < 1e-8
 
 
 @pytest.mark.long
@@ -63,7 +73,8 @@ def test_compliance_is_statically_exact_at_any_penalty(penalty):
     ids=["curved interface", "tet10", "two interfaces, three bolts"],
 )
 def test_compliance_is_statically_exact_on_any_joint(parameters):
-    assert largest_error(preloaded(**parameters), count=30) < 1e-8
+    model = preloaded(**parameters)
+    assert largest_error(model, reduced(model), count=30) < 1e-8
 
 
 def lc2_step(model: fy.Model) -> tuple[fy.Load, dict]:
@@ -73,12 +84,10 @@ def lc2_step(model: fy.Model) -> tuple[fy.Load, dict]:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("penalty", [1e4, 1e5, "auto", "hard"])
-def test_compliance_follows_a_step_of_the_load(penalty):
+def test_compliance_follows_a_step_of_the_load(both):
     # Bounds of issue 3; measured 0.3 to 1.1 % (max), 0.02 % (rms), docs/theory/transient_accuracy.
-    model = preloaded(penalty=penalty)
+    model, rom = both
     load, options = lc2_step(model)
-    rom = fy.reduce(model, fy.craig_bampton(model, normal_modes=20), compliance=True)
     accuracy = fy.compare(
         fy.solve_transient(rom, load, **options), fy.solve_transient(model, load, **options)
     )
@@ -90,14 +99,13 @@ def test_compliance_follows_a_step_of_the_load(penalty):
 
 
 @pytest.mark.long
-def test_compliance_follows_a_smooth_load_by_generalized_alpha():
-    model = preloaded()
+def test_compliance_follows_a_smooth_load_by_generalized_alpha(fine_joint):
+    model, rom = fine_joint, reduced(fine_joint)
     load, options = lc2_step(model)
     times = np.linspace(0, options["duration"], 400)
     swell = np.sin(np.pi * times / options["duration"]) ** 2
     smooth = fy.Load({key: fy.History(times, value * swell) for key, value in load.forces.items()})
     options["integrator"] = fy.GeneralizedAlpha(0.8)
-    rom = fy.reduce(model, fy.craig_bampton(model, normal_modes=20), compliance=True)
     accuracy = fy.compare(
         fy.solve_transient(rom, smooth, **options), fy.solve_transient(model, smooth, **options)
     )
