@@ -10,11 +10,11 @@ from faying._typing import Indices, Matrix, Vector
 from faying.assessment.slip import ON_THE_BOUND
 from faying.assessment.stuck_modes import StuckMode, stuck_modes
 from faying.contact.increment import IncrementSolver
-from faying.digits import DECK_DIGITS
+from faying.digits import DECK_DIGITS, ROUND_OFF
 from faying.exceptions import ModelError
 from faying.joint.system import System, boundary_slices
 from faying.model.boundary import DISPLACEMENT_NAMES
-from faying.simulation.cycles import MOST_CYCLES, NO_LOSS, STATIONARY
+from faying.simulation.cycles import MOST_CYCLES, STATIONARY
 from faying.simulation.path import PathStep, follow
 from faying.simulation.solution import Solution
 
@@ -299,13 +299,13 @@ class Swing:
             energy = sum(step.dissipation for step in steps)
             left = np.abs(steps[-1].slip - previous.slip) * np.abs(steps[-1].increment.forces[1:])
             change = min(abs(energy - last), float(left.sum()))
-            stationary = change <= max(STATIONARY * energy, NO_LOSS * load * np.ptp(modal))
+            stationary = change <= max(STATIONARY * energy, ROUND_OFF * load * np.ptp(modal))
         sticking = np.array([self.sticking(step) for step in steps])
         return ModalCycle(
             load=load,
             modal=(modal[-1] - modal[half]) / 2,
             reached=np.ptp(self._at(cycle, loads)) / 2,
-            energy=energy if energy > NO_LOSS * load * np.ptp(modal) else 0.0,
+            energy=energy if energy > ROUND_OFF * load * np.ptp(modal) else 0.0,
             loop=-float(np.trapezoid(modal, loads)),
             stick_share=float(sticking[:, 0].min()),
             macroslip=bool(sticking[:, 1].any()),

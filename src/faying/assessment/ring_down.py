@@ -9,12 +9,13 @@ import numpy as np
 from faying._typing import Frozen, Vector
 from faying.assessment.modal_cycles import measured
 from faying.assessment.stuck_modes import stuck_mode
+from faying.digits import ROUND_OFF
 from faying.exceptions import ModelError, naming
 from faying.joint.load_pattern import LoadPattern
 from faying.joint.model import Model
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.compiled import warn_of_compiled
-from faying.simulation.cycles import MOST_CYCLES, NO_LOSS, STATIONARY
+from faying.simulation.cycles import MOST_CYCLES, STATIONARY
 from faying.simulation.integrators.energy_decaying import EnergyDecaying
 from faying.simulation.integrators.integrator import Integrator
 from faying.simulation.load import Load
@@ -275,7 +276,7 @@ def ring_down(
 def _repeats(energies: Sequence[float], work: float) -> bool:
     """Say whether the last cycle took what the one before did, or nothing."""
     previous, now = [np.inf, *energies][-2:]
-    return bool(abs(now - previous) <= STATIONARY * now or now <= NO_LOSS * work)
+    return bool(abs(now - previous) <= STATIONARY * now or now <= ROUND_OFF * work)
 
 
 def _remarks(

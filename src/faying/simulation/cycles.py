@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Vector
+from faying.digits import ROUND_OFF
 from faying.exceptions import ModelError
 from faying.joint.system import System, input_forces
 from faying.simulation.load import Load
@@ -24,9 +25,6 @@ STATIONARY = 1e-3
 
 MOST_CYCLES = 30
 """Cycles after which one that still changes is given as it is; 2 to 5 are usual."""
-
-NO_LOSS = 1e-12
-"""Energy per cycle over that which the load puts in and takes out, below which it is round-off."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -156,7 +154,7 @@ def _repeated(
         reversals = assembled(system, ends, [steps[len(steps) // 2 - 1], steps[-1]], "reversals")
         work = float(np.ptp(load_work(reversals, load))) * float(np.abs(factors[1]).max())
         change = abs(energies[-1] - energies[-2]) if len(energies) > 1 else energies[-1]
-        stationary = change <= max(STATIONARY * energies[-1], NO_LOSS * work)
+        stationary = change <= max(STATIONARY * energies[-1], ROUND_OFF * work)
         stationary = stationary and not _deepened(start, steps[-1])
     begun = assembled(system, rise[-1:], [start], load.name)
     last = assembled(system, cycle, steps, load.name)

@@ -59,8 +59,8 @@ class EnergyLedger:
         return self.gain <= MOST_GAIN
 
 
-ABSURD = 1e100
-"""Loads from which numbers overflow whatever integrates them."""
+ABSURD = float(np.sqrt(np.finfo(float).max))
+"""Loads from which energies overflow, whatever integrates them."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -18,14 +18,9 @@ from faying.contact.contact import Contact
 from faying.contact.increment import Increment, IncrementSolver, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.state import ContactState
+from faying.digits import ROUND_OFF, SOLVED
 from faying.linalg.sparse_compliance import Compliance
 from faying.simulation.path import PathStep
-
-ADMISSIBLE = 1e-12
-"""Excess of a tangential force over its bound, over the largest force, that is round-off."""
-
-ROUND_OFF = 1e-9
-"""Residual compliance below this share of the compliance of a step is round-off of the basis."""
 
 
 class StepContact(Protocol):
@@ -137,7 +132,7 @@ class MeanContact:
     def _obeyed(self, forces: Matrix) -> bool:
         """Say whether forces 2 λ̄ − λ₀ press, so only closed points, and shear as they may."""
         rubbing, largest = self.condensed.contact.rubbing, np.abs(forces).max()
-        limit = self.condensed.contact.friction * forces[0, rubbing] + ADMISSIBLE * largest
+        limit = self.condensed.contact.friction * forces[0, rubbing] + ROUND_OFF * largest
         return not (forces[0] < 0).any() and not (np.hypot(*forces[1:, rubbing]) > limit).any()
 
     def _given_way(self, forces: Matrix) -> Matrix:
@@ -166,7 +161,7 @@ class MeanContact:
         if not isinstance(R, np.ndarray) or (contact.flexibility > 0).all():
             return R
         whole = np.diagonal(self.condensed.total)
-        return R if np.diagonal(R).max() > ROUND_OFF * whole.max() else None
+        return R if np.diagonal(R).max() > SOLVED * whole.max() else None
 
 
 def _end(free: Vector, increment: Increment, dissipation: float, slip: Matrix) -> PathStep:

@@ -358,7 +358,7 @@ def test_losses_of_round_off_are_none(monkeypatch):
 
 def test_cycles_that_go_on_changing_are_ended(monkeypatch):
     monkeypatch.setattr("faying.simulation.cycles.STATIONARY", -1.0)
-    monkeypatch.setattr("faying.simulation.cycles.NO_LOSS", -1.0)
+    monkeypatch.setattr("faying.simulation.cycles.ROUND_OFF", -1.0)
     monkeypatch.setattr("faying.simulation.cycles.MOST_CYCLES", 4)
     tight = fy.solve_path(sliders(), [pulled()])
     found = fy.solve_cycles(sliders(), LOAD, 6.0, tight, increments=1)
