@@ -1,6 +1,6 @@
 """Loads for a reduced model: static cases as one matrix, and transients one by one."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
@@ -139,29 +139,30 @@ def read_loads(
     return replace(_of_cases(cases, rom), requirement=requirement)
 
 
+def _not_solved(case: LoadCaseSection) -> Iterator[str]:
+    """Yield what of a load case only a run of a study follows, and what to do instead."""
+    if not (case.kind == "static" or case.transient):
+        yield (
+            f"is a {case.kind}, which only a run of a study follows; leave it out, or follow it in "
+            "Python with faying.solve_path"
+        )
+    if case.tolerance is not None:
+        yield (
+            "leaves its time steps to a run of a study; give a number for 'step' and no 'tolerance'"
+        )
+    if case.kind == "static" and "increments" in case.model_fields_set:
+        yield (
+            "says its increments, which only a run of a study follows; leave 'increments' out, and "
+            f"static cases take {DEFAULT_INCREMENTS} here"
+        )
+
+
 def _of_cases(cases: Sequence[LoadCaseSection], rom: ReducedModel) -> LoadSet:
-    unusable = [case for case in cases if not (case.kind == "static" or case.transient)]
-    if unusable:
-        message = (
-            f"load case '{unusable[0].name}' is a {unusable[0].kind}, which only a run of a study "
-            "follows; leave it out, or follow it in Python with faying.solve_path"
-        )
-        raise StudyError(message)
-    chosen = [case.name for case in cases if case.tolerance is not None]
-    if chosen:
-        message = (
-            f"load case '{chosen[0]}' leaves its time steps to a run of a study; give a number for "
-            "'step' and no 'tolerance'"
-        )
-        raise StudyError(message)
+    for case in cases:
+        for why in _not_solved(case):
+            message = f"load case '{case.name}' {why}"
+            raise StudyError(message)
     static = [case for case in cases if case.kind == "static"]
-    finer = [case.name for case in static if "increments" in case.model_fields_set]
-    if finer:
-        message = (
-            f"load case '{finer[0]}' says its increments, which only a run of a study follows; "
-            f"leave 'increments' out, and static cases take {DEFAULT_INCREMENTS} here"
-        )
-        raise StudyError(message)
     start = np.zeros(1)
     rows = [case_load(case).inputs(rom, start) for case in static]
     width = len(rom.port_compliance.input_rows)

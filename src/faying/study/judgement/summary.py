@@ -202,34 +202,21 @@ def _case(results: Results, case: CaseResult) -> dict[str, Any]:
             for name, sizes in case.methods.items()
         },
     }
+    check, choice = step_check(case), step_choice(case)
     if case.times is not None:
         summary["tolerance"] = case.tolerance
         summary["jumps"] = [asdict(jump) for jump in case.jumps]
-        choice = step_choice(case)
         summary["steps"] = None if choice is None else {**asdict(choice), "met": choice.met}
         summary["remedy"] = None if case.remedy is None else asdict(case.remedy)
+        halved = None if check is None else "half step"
+        summary["step_check"] = halved if choice is None else "divided steps"
     summary |= _slip(case)
-    check = step_check(case)
-    if case.times is not None:
-        summary["step_check"] = _step_check(summary["steps"] is not None, check is not None)
     if check is not None:
+        changes = {name.replace("error", "change"): v for name, v in asdict(check.change).items()}
+        del changes["max_pressure_ratio"]
         summary["half_step_max_pressure"] = check.half_peak
-        summary["half_step"] = {
-            "max_relative_change": check.change.max_relative_error,
-            "rms_relative_change": check.change.rms_relative_error,
-            "p999_relative_change": check.change.p999_relative_error,
-            "displacement_change": check.change.displacement_error,
-            "max_traction_change": check.change.max_traction_error,
-            "dissipation_change": check.dissipation,
-        }
+        summary["half_step"] = {**changes, "dissipation_change": check.dissipation}
     return summary
-
-
-def _step_check(divided: bool, halved: bool) -> str | None:
-    """Name what tells whether time steps are fine enough; None where nothing does."""
-    if divided:
-        return "divided steps"
-    return "half step" if halved else None
 
 
 def _slip(case: CaseResult) -> dict[str, Any]:
@@ -325,32 +312,31 @@ def _estimated(response: Response) -> dict[str, float]:
     estimate = response.estimate
     if estimate is None:
         return {}
-    figures = {
-        "estimated_max_relative_error": estimate.max_relative_error,
-        "estimated_rms_relative_error": estimate.rms_relative_error,
-    }
-    if estimate.max_traction_error is not None:
-        figures["estimated_max_traction_error"] = estimate.max_traction_error
-    return figures
+    told = ("max_relative_error", "rms_relative_error", "max_traction_error")
+    return _known({f"estimated_{name}": getattr(estimate, name) for name in told})
 
 
 def _method(result: MethodResult, case: CaseResult) -> dict[str, float]:
-    accuracy = {name: error for name, error in asdict(result.accuracy).items() if error is not None}
-    figures = {**accuracy, **_estimated(result.response)}
-    if result.recovered_error is not None:
-        figures["recovered_max_relative_error"] = result.recovered_error
-    optional = {
-        "certified_energy_error": result.certified_energy_error,
-        "certified_force_error": result.certified_force_error,
-        "certified_bound": result.certified_bound,
-        "certified_increment_error": result.response.increment_error,
-        "law_residual": result.response.law_residual,
-        "dissipation_error": result.dissipation_error,
-    }
     backbones = backbone_errors(result.response, case.reference)
-    if backbones is not None:
-        figures |= {"frequency_error": backbones.frequency, "damping_error": backbones.damping}
-    figures |= {
-        name: bound for name, bound in optional.items() if bound is not None and np.isfinite(bound)
+    return _known(
+        {
+            **asdict(result.accuracy),
+            **_estimated(result.response),
+            "recovered_max_relative_error": result.recovered_error,
+            "certified_energy_error": result.certified_energy_error,
+            "certified_force_error": result.certified_force_error,
+            "certified_bound": result.certified_bound,
+            "certified_increment_error": result.response.increment_error,
+            "law_residual": result.response.law_residual,
+            "dissipation_error": result.dissipation_error,
+            "frequency_error": None if backbones is None else backbones.frequency,
+            "damping_error": None if backbones is None else backbones.damping,
+        }
+    )
+
+
+def _known(figures: Mapping[str, float | None]) -> dict[str, float]:
+    """Return figures without those that are not there, or infinite."""
+    return {
+        name: value for name, value in figures.items() if value is not None and np.isfinite(value)
     }
-    return figures
