@@ -1,6 +1,7 @@
 """What all tables of a study file have in common: the ranges and the types of their values."""
 
 import os
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -46,7 +47,7 @@ LARGEST_COUNT = 1_000_000
 MOST_SOLVED = 10_000
 """Increments, points of a sweep or samples: each is solved with what was found before it."""
 
-LARGEST_ID = 2**53
+LARGEST_ID = int(2 / sys.float_info.epsilon)
 """Ids of nodes and elements: whole numbers that tables of numbers hold exactly."""
 
 LONGEST_NAME = 200
