@@ -18,7 +18,6 @@ from faying.simulation.solution_parts import arrays_of
 from faying.simulation.transient import solve_transient
 from faying.sources import lap_joint
 from faying.study.inputs.loads import case_load
-from faying.study.judgement import comparison
 from faying.study.keys.schema import read_study
 from faying.study.results.store import read_results
 from faying.study.stages import (
@@ -132,7 +131,7 @@ def test_every_second_of_a_run_is_in_a_stage(study, tmp_path, monkeypatch):
 WORK = (
     (offline, "solve_static"),
     (offline, "certifier"),
-    (comparison, "measure"),
+    (cases, "accuracy"),
     (cases, "flattened"),
     (record, "contact_surfaces"),
     (runs, "write_results"),
