@@ -286,10 +286,12 @@ def sensitivity(system: System, solution: Solution, initial: Solution | None = N
     (('bolt',), 1.0)
     """
     contact, n_input = system.contact, len(system.port_compliance.input_rows)
-    # Without friction several cases are no path: each has its own derivatives.
-    count = () if contact.forgets else np.shape(solution.inputs)[:-1]
     shapes = np.shape(solution.contact_forces), np.shape(solution.inputs)
-    if solution.times is not None or shapes != ((*count, contact.n_points), (*count, n_input)):
+    count, last = shapes[1][:-1], int(np.prod(shapes[1][:-1])) - 1
+    # Cases that do not lead to the last are no path: each has its own derivatives.
+    path = len(contact.way_to(np.array([last]))) == last + 1
+    expected = (*count, contact.n_points), (*count, n_input)
+    if solution.times is not None or not path or shapes != expected:
         message = (
             "sensitivities need one static solution of this model, or a path of it with friction; "
             f"'{solution.name}' has contact forces of shape {shapes[0]} for {contact.n_points} "
