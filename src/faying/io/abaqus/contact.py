@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Vector
 from faying.interface.gap_pairing import declared
@@ -250,12 +251,10 @@ def _whole(assembly: Assembly, surface: DeckSurface) -> bool:
 def _points(assembly: Assembly, pair: Pair) -> tuple[Assembly, list[Pair]]:
     nodes, slaves = assembly.mesh.nodes, pair.slave.nodes
     facets = select_facets(assembly, pair.master.name)
-    apart = nodes[slaves][:, None] - nodes[np.unique(facets.corners)][None]
+    apart, _ = cKDTree(nodes[np.unique(facets.corners)]).query(nodes[slaves])
     areas = np.linalg.norm(facet_area_vectors(nodes, facets), axis=1)
-    reach = np.linalg.norm(apart, axis=2).min(axis=1).max() + _LARGEST_DISTANCE * np.sqrt(
-        areas.max()
-    )
-    places = nearest_places(nodes, slaves, facets, float(reach))
+    reach = float(apart.max() + _LARGEST_DISTANCE * np.sqrt(areas.max()))
+    places = nearest_places(nodes, slaves, facets, reach)
     frames = facet_frames(nodes, facets)
     shares = _shares(assembly)
     points = []
