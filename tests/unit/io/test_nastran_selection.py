@@ -83,3 +83,16 @@ def test_sets_that_the_deck_does_not_have(deck: Deck, tmp_path: Path) -> None:
     (tmp_path / "b.bdf").write_text(f"SOL 101\nCEND\nMPC=1\nBEGIN BULK\n{bulk}")
     assembly = read_joint(tmp_path / "b.bdf").assembly
     assert "case control selects MPC = 1, of which the deck has none" in assembly.ignored
+
+
+@pytest.mark.parametrize(
+    ("card", "said"),
+    [
+        ("SPC,1,,3,0.", r"SPC: field 3 \(G1\) holds nothing, expected an integer"),
+        ("SPC,1,1,3,0.,,3", r"SPC: field 6 \(G2\) holds nothing, expected an integer"),
+        ("SLOAD,1,1,3.,,4.", r"SLOAD: field 5 \(S2\) holds nothing, expected an integer"),
+    ],
+)
+def test_nothing_is_lost_of_fields_that_repeat(deck: Deck, card: str, said: str) -> None:
+    with pytest.raises(FormatError, match=f"a.bdf:1: {said}"):
+        deck(f"{card}\n")

@@ -20,7 +20,7 @@ from faying._typing import Indices, Vector
 from faying.exceptions import refuse
 from faying.io.nastran.cards import Card, by_id, each
 from faying.io.nastran.grids import BulkData, Grids, chosen_sets
-from faying.io.nastran.id_lists import id_list
+from faying.io.nastran.id_lists import element_list, id_list
 from faying.io.nastran.solid_bolts import is_split, read_solid_bolts
 from faying.io.nastran.supports import Moved
 from faying.io.solid_cuts import Cut, cut_mesh
@@ -201,12 +201,7 @@ def _elements(card: Card, beams: tuple[Beam, ...]) -> tuple[int, ...]:
     if kind != 1:
         card.refuse(f"ETYPE = {kind}; it is 1 (beams), 2 or 3 (solids)", 1)
     beam_ids = np.array(sorted(beam.id for beam in beams), dtype=np.int64)
-    ids = id_list(card, card.texts[2:], beam_ids)
-    missing = sorted(set(ids) - set(beam_ids.tolist()))
-    if missing or not ids:
-        what = f"element {missing[0]} is no CBAR or CBEAM of the deck" if missing else "no elements"
-        card.refuse(f"{what}; list the beams of the shank", 2)
-    return tuple(dict.fromkeys(ids))
+    return tuple(element_list(card, 2, beam_ids, "CBAR or CBEAM", "list the beams of the shank"))
 
 
 def _forces(bulk: BulkData, names: dict[int, str]) -> dict[int, float]:

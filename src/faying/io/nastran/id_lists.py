@@ -37,6 +37,16 @@ def id_list(card: Card, fields: list[str], known_ids: Indices | None = None) -> 
     return ids
 
 
+def element_list(card: Card, field: int, known_ids: Indices, kind: str, remedy: str) -> list[int]:
+    """Return ids from a field on, of elements of a kind, each once; ``known_ids`` are sorted."""
+    ids = id_list(card, card.texts[field:], known_ids)
+    unknown = sorted(set(ids) - set(known_ids.tolist()))
+    if unknown or not ids:
+        what = f"element {unknown[0]} is no {kind} of the deck" if unknown else "no elements"
+        card.refuse(f"{what}; {remedy}", field)
+    return list(dict.fromkeys(ids))
+
+
 def _exceptions(card: Card, texts: list[str], low: int, high: int) -> list[int]:
     """Ids behind EXCEPT that lie in the range before it."""
     out: list[int] = []

@@ -17,7 +17,7 @@ from faying.interface.facets import gauss_rule, shape_functions
 from faying.io.element_faces import face_areas, find_faces, nodal_forces, on_blocks
 from faying.io.nastran.cards import Cards
 from faying.io.nastran.grids import BulkData, Grids
-from faying.io.nastran.id_lists import id_list
+from faying.io.nastran.id_lists import element_list
 from faying.model.assembly import Assembly
 from faying.model.cells import CellBlock
 from faying.model.elements import FACES
@@ -238,11 +238,7 @@ def _along_shells(cards: Cards, structure: Assembly) -> Iterator[Part]:
     shell_ids = np.sort(np.concatenate([cards.index[:0], *(b.ids for b in structure.shells)]))
     pairs = []
     for card in cards:
-        listed = id_list(card, card.texts[2:], shell_ids if "THRU" in card.texts[2:] else None)
-        missing = sorted(set(listed) - set(shell_ids.tolist()))
-        if missing or not listed:
-            shown = missing[0] if missing else card.texts[2:]
-            card.refuse(f"element {shown} is no shell of the deck", 2)
+        listed = element_list(card, 2, shell_ids, "shell", "list shells, or correct the ids")
         pairs += [(card.number, number) for number in listed]
     which, ids = np.array(pairs, dtype=np.int64).T
     for block, members, table in on_blocks(structure.shells, ids):

@@ -10,7 +10,7 @@ import numpy as np
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.io.nastran.cards import Card, by_id
 from faying.io.nastran.grids import BulkData, Grids
-from faying.io.nastran.id_lists import id_list
+from faying.io.nastran.id_lists import element_list, id_list
 from faying.io.solid_cuts import Section, faces_of
 from faying.model.elements import FACES
 from faying.model.mesh import Mesh
@@ -57,12 +57,10 @@ def _of_grids(number: int, card: Card, grids: Grids, mesh: Mesh) -> Section:
 
 
 def _of_elements(number: int, card: Card, grids: Grids, mesh: Mesh) -> Section:
-    element_ids = np.sort(mesh.element_ids)
-    ids = np.array(id_list(card, _texts(card, 5), element_ids), dtype=np.int64)
-    missing = ids[~np.isin(ids, element_ids)]
-    if missing.size or not ids.size:
-        what = f"element {missing[0]} is no solid of the deck" if missing.size else "no elements"
-        card.refuse(f"{what}; list the solids of the shank", 5)
+    listed = element_list(
+        card, 5, np.sort(mesh.element_ids), "solid", "list the solids of the shank"
+    )
+    ids = np.array(listed, dtype=np.int64)
     nodes = mesh.nodes[mesh.element_nodes(ids)]
     axis = _axis(card, grids, nodes.mean(axis=0))
     if axis is None:
