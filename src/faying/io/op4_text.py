@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import Indices, Vector
+from faying._typing import Vector
 from faying.io.matrix_labels import damaged
 from faying.io.nastran.fields import reals
 from faying.io.op4_values import BIG_ROWS, Header, Strings, checked_header, chunks, spread
@@ -44,37 +44,32 @@ class TextFile:
     def values(self, header: Header, strings: Strings) -> Vector:
         """Return the values of strings one after the other."""
         per_line, width = header.layout
+        lines = -(-strings.count // per_line)
+        numbers = spread(strings.start, lines)
+        # Every line is full but the last of a string: nothing was inserted or lost.
+        expected = np.full(len(numbers), per_line * width)
+        expected[np.cumsum(lines) - 1] -= (lines * per_line - strings.count) * width
+        wrong = np.flatnonzero(self._length[numbers] != expected)
+        if wrong.size:
+            line = int(numbers[wrong[0]])
+            damaged(
+                f"line {line + 1} has {self._length[line]} characters; its values take "
+                f"{expected[wrong[0]]} ({width} each)"
+            )
         parts = []
         for part in chunks(strings.count):
             count = strings.count[part]
             number = spread(np.zeros_like(count), count)
-            line = np.repeat(strings.start[part], count) + number // per_line
-            self._check_lengths(line, number % per_line, width, per_line, count)
-            positions = (self._first[line] + number % per_line * width)[:, None] + np.arange(width)
-            fields = np.ascontiguousarray(self._letters[positions]).view(f"S{width}").ravel()
+            line_of = np.repeat(strings.start[part], count) + number // per_line
+            positions = (self._first[line_of] + number % per_line * width)[:, None]
+            fields = self._letters[positions + np.arange(width)].view(f"S{width}").ravel()
             values, bad = reals(fields)
             if bad.any():
                 first = int(np.flatnonzero(bad)[0])
                 shown = fields[first].decode("latin-1").strip()
-                damaged(f"line {line[first] + 1}: '{shown}' is not a number")
+                damaged(f"line {line_of[first] + 1}: '{shown}' is not a number")
             parts.append(values)
         return np.concatenate([*parts, np.empty(0)])
-
-    def _check_lengths(
-        self, line: Indices, position: Indices, width: int, per_line: int, count: Indices
-    ) -> None:
-        """Each line must end with its last value, so that nothing was inserted or lost."""
-        last = np.zeros(len(line), dtype=bool)
-        last[np.cumsum(count) - 1] = True
-        last |= position == per_line - 1
-        wrong = self._length[line[last]] != (position[last] + 1) * width
-        if wrong.any():
-            wrong_line = int(line[last][np.flatnonzero(wrong)[0]])
-            expected = int((position[last][wrong][0] + 1) * width)
-            damaged(
-                f"line {wrong_line + 1} has {self._length[wrong_line]} characters; its values "
-                f"take {expected} ({width} each)"
-            )
 
     def _line(self, line: int) -> str:
         if line >= len(self._first):

@@ -16,7 +16,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import FormatError
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.bushes import element_axes, orientation
-from faying.io.nastran.cards import Card, Cards, by_id, property_of
+from faying.io.nastran.cards import Card, by_id, property_of, single
 from faying.io.nastran.fields import SHORT_DIGITS, components
 from faying.io.nastran.grids import BulkData, Grids
 from faying.io.nastran.sections import Property, turned_about, with_shear
@@ -138,22 +138,14 @@ def read_beams(
     """
     beams: list[Beam] = []
     for name in ("CBAR", "CBEAM"):
-        default = _default(bulk.cards, {"CBAR": "BAROR", "CBEAM": "BEAMOR"}[name])
+        default = single(bulk.cards, {"CBAR": "BAROR", "CBEAM": "BEAMOR"}[name])
+        if default is not None:
+            default.refuse_given([0, 2, 3])
         beams += [
             _beam(_filled(card, default), bulk.grids, sections[name], ends)
             for card in bulk.cards.get(name, ())
         ]
     return beams
-
-
-def _default(cards: Mapping[str, Cards], name: str) -> Card | None:
-    """Return the card that fills blank fields of beams."""
-    defaults = list(cards.get(name, ()))
-    if len(defaults) > 1:
-        defaults[1].refuse(f"a second {name}; the first is at {defaults[0].where()}, keep one")
-    for card in defaults:
-        card.refuse_given([0, 2, 3])
-    return defaults[0] if defaults else None
 
 
 def _filled(card: Card, default: Card | None) -> Card:

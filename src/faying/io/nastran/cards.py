@@ -330,6 +330,14 @@ def each(cards: Mapping[str, Cards], *names: str) -> Iterator[Card]:
         yield from cards.get(name, ())
 
 
+def single(cards: Mapping[str, Cards], name: str) -> Card | None:
+    """Return the card of a name that a deck has once, if it has it."""
+    listed = list(cards.get(name, ()))
+    if len(listed) > 1:
+        listed[1].refuse(f"a second {name}; the first is at {listed[0].where()}, keep one")
+    return listed[0] if listed else None
+
+
 def by_id(cards: Mapping[str, Cards], *names: str, what: str = "") -> dict[int, Card]:
     """Return cards by the id in their first field, which occurs once.
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.exceptions import FormatError, refuse
-from faying.io.nastran.cards import Card, Cards
+from faying.io.nastran.cards import Card, Cards, single
 from faying.io.nastran.case_control import CaseControl
 from faying.io.nastran.coordinates import Systems, missing_system, read_frames
 from faying.io.nastran.fields import components
@@ -146,12 +146,10 @@ def _scalar_points(cards: Mapping[str, Cards], grids: Indices) -> Indices:
 
 
 def _defaults(cards: Mapping[str, Cards]) -> tuple[int, int, str]:
-    defaults = list(cards.get("GRDSET", ()))
-    if len(defaults) > 1:
-        defaults[1].refuse(f"a second GRDSET; the first is at {defaults[0].where()}, keep one")
-    if not defaults:
+    default = single(cards, "GRDSET")
+    if default is None:
         return 0, 0, ""
-    return defaults[0].integer(1, 0), defaults[0].integer(5, 0), defaults[0].text(6)
+    return default.integer(1, 0), default.integer(5, 0), default.text(6)
 
 
 def _check_ids(grid: Cards, ids: Indices, order: Indices) -> None:
