@@ -9,7 +9,7 @@ from pressed_layers import STEEL
 import faying as fy
 from faying.contact.frictional import FrictionalContact
 from faying.contact.pressing import PressingContact
-from faying.exceptions import ModelError
+from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.build import build_model
 from faying.model.assembly import Assembly, RigidCoupling, Spring, Support
 from faying.model.bolt import Bolt
@@ -102,6 +102,15 @@ def test_hard_joints_take_one_contact_problem_a_stage(friction, quadrature, monk
     found = {name: float(rest.bolt_force(name)[-1]) for name in forces}
     # Round-off of contact problems that end at 1e-13 of the forces.
     assert found == pytest.approx(forces, rel=1e-11)
+
+
+def test_hard_friction_that_is_not_solved_says_what_tightening_can_do(monkeypatch):
+    """As where friction alone holds a part."""
+    parts = {"element_size": 10.0, "hole_radius": 0.0, "washer_radius": 11.0}
+    hard = fy.lap_joint(**parts, penalty="hard").with_friction(0.2)
+    monkeypatch.setattr("faying.contact.frictional.SOLVED", -1.0)  # nothing is solved to this
+    with pytest.raises(ConvergenceError, match="friction_during_preload = false"):
+        fy.tighten(hard, {"bolt": 1e3})
 
 
 def test_several_bolts_in_sequence(two_bolts):

@@ -185,8 +185,8 @@ class FrictionalContact:
         is a solution for any coefficient, but for large ones maybe several
         (docs/theory/friction.md). What is returned solves (F1) to its residual.
         """
-        x = np.zeros_like(z_free) if start is None else start
-        x, steps, left = self._newton(z_free, x, None)
+        start = np.zeros_like(z_free) if start is None else start
+        x, steps, left = self._newton(z_free, start, None)
         for fallback in (self._with_fixed_bounds, self._by_proximal_points, self._by_stiffening):
             if left > SOLVED:
                 x, more, _ = fallback(z_free, x)
@@ -198,7 +198,7 @@ class FrictionalContact:
                 f"residual {left:.1e} of the largest force); take smaller increments, or a smaller "
                 f"coefficient of friction: {SOLVABLE if self.D[0].all() else CONTRADICTORY}"
             )
-            if start is None:
+            if not start[:, : self.contact.n_points].any():
                 message += (
                     "; a joint that friction alone holds while it is tightened can be tightened "
                     "without (friction_during_preload = false in a study)"
