@@ -12,7 +12,7 @@ from faying.contact.frictional import FrictionalContact
 from faying.contact.increment import Increment
 from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.exceptions import ConvergenceError
-from faying.simulation.path import PathStep, follow
+from faying.simulation.path_steps import PathStep, follow
 from faying.simulation.static import port_forces
 
 INCREMENTS = 5

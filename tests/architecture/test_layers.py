@@ -117,3 +117,8 @@ def test_examples_in_docstrings(path):
     result = doctest.testmod(module)
     assert result.attempted > 0
     assert result.failed == 0
+
+
+@pytest.mark.parametrize("name", faying.__all__)
+def test_public_names_show_an_example(name):
+    assert ">>>" in (getattr(faying, name).__doc__ or "")

@@ -9,7 +9,7 @@ from fmu_increments import IncrementsInC
 
 from faying.exceptions import ConvergenceError
 from faying.export.fmu import archive, library
-from faying.simulation.path import follow
+from faying.simulation.path_steps import follow
 from random_friction import INCREMENTS, Joints, natural_residual, small_path, unstressed
 
 pytestmark = pytest.mark.skipif(

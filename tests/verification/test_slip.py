@@ -10,7 +10,8 @@ from faying.assessment.sliding import resistance_used
 from faying.assessment.slip import OPEN, SLIP, STICK, slip_states
 from faying.exceptions import ModelError
 from faying.simulation.cycles import loop_area
-from faying.simulation.path import follow, moved_alone, path_inputs, path_start
+from faying.simulation.path import moved_alone, path_inputs, path_start
+from faying.simulation.path_steps import follow
 from faying.simulation.start import last_of, released_state
 from faying.simulation.tightening import tightened_joint
 from faying.study.results.path_record import cycle_record

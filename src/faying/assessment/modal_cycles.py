@@ -15,7 +15,7 @@ from faying.exceptions import ModelError
 from faying.joint.system import System, boundary_slices
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.simulation.cycles import MOST_CYCLES, STATIONARY
-from faying.simulation.path import PathStep, follow
+from faying.simulation.path_steps import PathStep, follow
 from faying.simulation.solution import Solution
 
 SAME_MOTION = 0.99

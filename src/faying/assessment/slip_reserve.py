@@ -20,14 +20,8 @@ from faying.assessment.slip import SLIP, SlipStates, on_the_bound, point_states
 from faying.exceptions import ModelError
 from faying.joint.system import System
 from faying.simulation.load import InputRow, Load
-from faying.simulation.path import (
-    PathStep,
-    follow,
-    moved_alone,
-    path_inputs,
-    path_start,
-    solve_path,
-)
+from faying.simulation.path import moved_alone, path_inputs, path_start, solve_path
+from faying.simulation.path_steps import PathStep, follow
 from faying.simulation.solution import Solution
 
 ONSET_SHARE = 0.05

@@ -10,14 +10,13 @@ from faying.exceptions import ModelError
 from faying.joint.system import System, input_forces
 from faying.simulation.load import Load
 from faying.simulation.path import (
-    PathStep,
     assembled,
-    follow,
     moved_alone,
     path_inputs,
     path_start,
     solve_path,
 )
+from faying.simulation.path_steps import PathStep, follow
 from faying.simulation.solution import Solution
 
 STATIONARY = 1e-3

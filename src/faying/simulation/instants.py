@@ -10,7 +10,7 @@ from faying.exceptions import ModelError
 from faying.joint.system import System
 from faying.linalg.memory import require_room
 from faying.simulation.integrators import Motion
-from faying.simulation.path import PathStep
+from faying.simulation.path_steps import PathStep
 from faying.simulation.solution import Solution
 
 MOST_STEPS = 10**9

@@ -1,22 +1,22 @@
 """Quasi-static paths: increments of load, with friction that remembers its slip."""
 
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
-from typing import final
 
 import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.contact.contact import Contact
-from faying.contact.increment import Increment, IncrementSolver, displaced
+from faying.contact.increment import Increment, displaced
 from faying.contact.laws_at_points import LawsAtPoints
-from faying.exceptions import ConvergenceError, ModelError
+from faying.exceptions import ModelError
 from faying.joint.system import Joint, System
 from faying.linalg.memory import require_room
 from faying.linalg.threads import threads_for
 from faying.simulation.load import Load, StaticLoad
+from faying.simulation.path_steps import PathStep, follow
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import OF_EACH_STATE, carried_inputs
 from faying.simulation.static import (
@@ -27,16 +27,6 @@ from faying.simulation.static import (
     solve_static_inputs,
     solved_cases,
 )
-
-MOST_DIVISIONS = 6
-"""Times an increment is halved before its path is given up."""
-
-TURNED = 1e-3
-"""Part of the last step that an increment begins back of where it ended, as its load turns.
-
-Points at their bounds stick there: both turns of a flange of which nearly all slips took 11 Newton
-steps each, and 17 and 15 from where the step had begun.
-"""
 
 
 def solve_path(
@@ -81,6 +71,15 @@ def solve_path(
     shrink. Each costs some Newton steps between pairs, of 2 n³/3 for n relative displacements in
     contact, and a back-substitution. Without friction nothing is
     remembered, and the loads are cases of :func:`~faying.simulation.static.solve_static_cases`.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.lap_joint(element_size=10.0, hole_radius=0.0, washer_radius=11.0)
+    >>> joint = joint.with_bolt_forces({"bolt": 10e3}).with_friction(0.2)
+    >>> path = fy.solve_path(joint, [fy.Load({"tip.Fz": -200.0}), fy.Load()])
+    >>> bool(path.dissipation[-1] > 0.0)
+    True
     """
     inputs = path_inputs(system, loads)
     begun = partial(path_start, system, initial)
@@ -88,9 +87,7 @@ def solve_path(
     return solution_of(system, inputs, contact, name)
 
 
-def contact_along(
-    system: Joint, relative: Matrix, begun: Callable[[], "PathStep"]
-) -> ContactStates:
+def contact_along(system: Joint, relative: Matrix, begun: Callable[[], PathStep]) -> ContactStates:
     """Return contact under loads that alone move the pairs (n_load, n_relative) [length].
 
     Each load goes on from where the one before it left the joint; where contact remembers nothing
@@ -130,12 +127,12 @@ def moved_alone(system: Joint, inputs: Matrix) -> Matrix:
     return np.array(rows).reshape(*np.shape(inputs)[:-1], ports.n_relative)
 
 
-def assembled(system: System, inputs: Matrix, steps: Sequence["PathStep"], name: str) -> Solution:
+def assembled(system: System, inputs: Matrix, steps: Sequence[PathStep], name: str) -> Solution:
     """Return the solution of a path that was followed, one back-substitution for each load."""
     return solution_of(system, inputs, states_of(system.contact, steps), name)
 
 
-def left_by(system: System, joint: Joint, inputs: Vector, step: "PathStep", name: str) -> Solution:
+def left_by(system: System, joint: Joint, inputs: Vector, step: PathStep, name: str) -> Solution:
     """Return the state of a system under inputs (n_input,) where a step of its joint left it.
 
     The joint may be without the friction of the system: what moved along the surfaces then counts
@@ -146,7 +143,7 @@ def left_by(system: System, joint: Joint, inputs: Vector, step: "PathStep", name
     return assembled(system, inputs[None], [replace(step, slip=slip)], name)
 
 
-def states_of(contact: Contact, steps: Sequence["PathStep"]) -> ContactStates:
+def states_of(contact: Contact, steps: Sequence[PathStep]) -> ContactStates:
     """Return contact after the steps of a path."""
     laws, along = LawsAtPoints(contact=contact), slice(contact.components - 1)
     return ContactStates(
@@ -160,7 +157,7 @@ def states_of(contact: Contact, steps: Sequence["PathStep"]) -> ContactStates:
     )
 
 
-def deepest_of(contact: Contact, steps: Sequence["PathStep"]) -> Matrix | None:
+def deepest_of(contact: Contact, steps: Sequence[PathStep]) -> Matrix | None:
     """Return the largest closures (n_step, n_point) after steps; None where nothing remembers."""
     return np.array([step.increment.deepest for step in steps]) if contact.remembers else None
 
@@ -177,32 +174,6 @@ def state_of(solution: Solution, number: int) -> Solution:
     values = {name: getattr(solution, name) for name in OF_EACH_STATE}
     state = {name: value[number] for name, value in values.items() if np.ndim(value)}
     return replace(solution, **state)
-
-
-@final
-@dataclass(frozen=True, eq=False, kw_only=True)
-class PathStep:
-    """Where a path stands after a load.
-
-    Attributes
-    ----------
-    relative : (n_relative,) [length]
-        What the load alone would move the pairs.
-    increment
-        The last increment of the load.
-    slip : (2, n_point)
-    iterations, dissipation
-        Of all increments of the load.
-    previous
-        Where the load before left the path; None where that is not known.
-    """
-
-    relative: Vector
-    increment: Increment
-    slip: Matrix
-    iterations: int = 0
-    dissipation: float = 0.0
-    previous: "PathStep | None" = None
 
 
 def path_start(system: System, initial: Solution | None) -> PathStep:
@@ -247,102 +218,6 @@ def path_at(joint: Joint, relative: Vector, state: Solution | None) -> PathStep:
     return PathStep(relative=relative, increment=increment, slip=slip)
 
 
-def follow(
-    solver: IncrementSolver,
-    relative: Matrix,
-    step: PathStep,
-    part: range | None = None,
-    *,
-    before: Sequence[PathStep] = (),
-) -> Iterator[PathStep]:
-    """Yield where a path stands after each load (n_load, n_relative), from where it begins.
-
-    Some of the loads may be given, if ``step`` is where those before them led. Where the same loads
-    came before, as in cycles, it is told where they began and where each of them led: increments
-    then begin as those did, past where the path now is.
-
-    Raises
-    ------
-    ConvergenceError
-        If an increment is not solved even when it is divided; the message names its load.
-    """
-    numbers = range(len(relative)) if part is None else part
-    with threads_for(solver.contact.rows.shape[1]):
-        for number in numbers:
-            try:
-                if before:
-                    start = _again(step, before[number].increment, before[number + 1].increment)
-                else:
-                    start = _ahead(step, relative[number])
-                step = _to(solver, step, relative[number], MOST_DIVISIONS, start)
-            except ConvergenceError as error:
-                message = f"load {number + 1} of {len(relative)} on the path: {error}"
-                raise ConvergenceError(message) from None
-            yield step
-
-
-def _in_proportion(contact: Contact, step: PathStep) -> bool:
-    """Say whether a part of a load is that part of the same problem, no easier to solve."""
-    unloaded = not (step.relative.any() or step.increment.forces.any() or step.slip.any())
-    return unloaded and contact.proportional and not contact.initial_gap.any()
-
-
-def _to(
-    solver: IncrementSolver,
-    step: PathStep,
-    target: Vector,
-    divisions: int,
-    start: Increment | None,
-) -> PathStep:
-    """Go to a load in one increment from a start, or by halves where that is too far."""
-    offset, previous = solver.contact.offset(step.slip), replace(step, previous=None)
-    try:
-        increment = solver.solve(target, offset, start)
-    except ConvergenceError:
-        if divisions == 0 or _in_proportion(solver.contact, step):
-            raise
-        half = (step.relative + target) / 2
-        middle = _to(solver, step, half, divisions - 1, _ahead(step, half))
-        end = _to(solver, middle, target, divisions - 1, _ahead(middle, target))
-        return replace(
-            end,
-            previous=previous,
-            iterations=middle.iterations + end.iterations,
-            dissipation=middle.dissipation + end.dissipation,
-        )
-    return PathStep(
-        relative=target,
-        increment=increment,
-        slip=step.slip + increment.slack[1:],
-        iterations=increment.iterations,
-        dissipation=increment.dissipation,
-        previous=previous,
-    )
-
-
-def _ahead(step: PathStep, target: Vector) -> Increment | None:
-    """Return where an increment begins: on the line from the step before, as far as the load goes.
-
-    At most as far as that was, so that round-off between equal loads leads nowhere, and hardly
-    back, where what slipped sticks at first.
-    """
-    start, previous = step.increment, step.previous
-    if not start.begun:
-        return None
-    if previous is None or not previous.increment.begun:
-        return start
-    line, ahead = step.relative - previous.relative, target - step.relative
-    length = float(line @ line)
-    part = float(np.clip(ahead @ line / length, -TURNED, 1.0)) if length > 0 else 0.0
-    return replace(start, moved=start.moved + part * (start.moved - previous.increment.moved))
-
-
-def _again(step: PathStep, earlier: Increment, later: Increment) -> Increment | None:
-    """Return where an increment begins that goes as far as from an earlier one to a later one."""
-    start = step.increment
-    return replace(start, moved=start.moved + later.moved - earlier.moved) if start.begun else None
-
-
 def solve_static(system: System, load: Load = AT_REST, initial: Solution | None = None) -> Solution:
     """Solve the static contact problem of one load case.
 
@@ -363,6 +238,13 @@ def solve_static(system: System, load: Load = AT_REST, initial: Solution | None 
     -----
     One dense contact problem and one back-substitution; the compliance of the system is
     formed at the first call and kept.
+
+    Examples
+    --------
+    >>> import faying as fy
+    >>> joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
+    >>> fy.solve_static(joint, fy.Load({"tip.Fz": -500.0}))
+    Solution(name: load, model: lap joint, kind: static, contact points: 112, largest pressure: 105.4 MPa)
     """
     return last_of(solve_path(system, [load], initial, name=load.name))
 

@@ -13,13 +13,13 @@ from faying.linalg.factorization import factorize
 from faying.simulation.integrators import Integrator, Motion
 from faying.simulation.load import Load
 from faying.simulation.path import (
-    follow,
     last_of,
     left_by,
     moved_alone,
     solve_static,
     unstressed,
 )
+from faying.simulation.path_steps import follow
 from faying.simulation.restart import Restart, each_of
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import carried_inputs

@@ -20,7 +20,7 @@ from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.state import ContactState
 from faying.digits import ROUND_OFF, SOLVED
 from faying.linalg.sparse_compliance import Compliance
-from faying.simulation.path import PathStep
+from faying.simulation.path_steps import PathStep
 
 
 class StepContact(Protocol):

@@ -25,7 +25,7 @@ from faying.simulation.energy_guard import EnergyGuard
 from faying.simulation.instants import Instants, check_times, require_history_room
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
 from faying.simulation.load import Load
-from faying.simulation.path import PathStep
+from faying.simulation.path_steps import PathStep
 from faying.simulation.restart import Restart, each_of, side_by_side
 from faying.simulation.solution import Solution
 from faying.simulation.start import begun, starting_states

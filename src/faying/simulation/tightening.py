@@ -16,7 +16,8 @@ from faying.joint.system import Joint, System, initial_bolt_forces
 from faying.simulation.bolted_state import BoltedState
 from faying.simulation.bolts_by_force import BoltsByForce, forces_of_bolts
 from faying.simulation.load import Load
-from faying.simulation.path import PathStep, follow, left_by, moved_alone, unstressed
+from faying.simulation.path import left_by, moved_alone, unstressed
+from faying.simulation.path_steps import PathStep, follow
 from faying.simulation.preload_loss import PreloadLoss, loses
 from faying.simulation.solution import Solution
 

@@ -15,7 +15,7 @@ from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.yielding import YieldingContact
 from faying.digits import SOLVED
 from faying.exceptions import ConvergenceError
-from faying.simulation.path import MOST_DIVISIONS, PathStep, follow
+from faying.simulation.path_steps import MOST_DIVISIONS, PathStep, follow
 from few_points import (
     ELASTIC,
     ELASTIC_YIELD,

@@ -17,7 +17,8 @@ from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 from faying.simulation.bolts_by_force import BoltsByForce
 from faying.simulation.cycles import load_work, loop_area
-from faying.simulation.path import _ahead, follow, moved_alone, path_inputs, path_start
+from faying.simulation.path import moved_alone, path_inputs, path_start
+from faying.simulation.path_steps import _ahead, follow
 from faying.simulation.start import released_state
 from faying.simulation.tightening import tightened_joint
 from small_system import SmallSystem

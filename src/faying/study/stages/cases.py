@@ -22,7 +22,7 @@ from faying.reduction.methods import METHODS
 from faying.reduction.projection import projected
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
-from faying.simulation.path import PathStep
+from faying.simulation.path_steps import PathStep
 from faying.simulation.solution import Solution
 from faying.study.inputs.jumps import Jump, load_jumps
 from faying.study.inputs.loads import case_load, time_span, time_step

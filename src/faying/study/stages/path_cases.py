@@ -24,15 +24,14 @@ from faying.joint.system import System
 from faying.simulation.cycles import Cycles, solve_cycles
 from faying.simulation.load import Load
 from faying.simulation.path import (
-    PathStep,
     assembled,
-    follow,
     last_of,
     moved_alone,
     path_inputs,
     path_start,
     solve_path,
 )
+from faying.simulation.path_steps import PathStep, follow
 from faying.simulation.solution import Solution
 from faying.simulation.start import released_state
 from faying.study.inputs.loads import case_load
