@@ -29,7 +29,7 @@ def at(curve, frequencies):
     return [int(np.abs(curve.frequency - frequency).argmin()) for frequency in frequencies]
 
 
-# At this one the eleventh harmonic meets mode 6: with nine of them it was 0.63 % off, 0.26 with 12.
+# At this one the eleventh harmonic meets mode 6: with 8 or 9 of them it was 0.6 % off, 0.2 with 11.
 MEETS = REFERENCE["frequency"] == 649.75
 
 
@@ -38,7 +38,7 @@ MEETS = REFERENCE["frequency"] == 649.75
     [
         pytest.param(REFERENCE[REFERENCE["level"] == 0.3], 9, marks=pytest.mark.long),
         pytest.param(REFERENCE[(REFERENCE["level"] == 5.0) & ~MEETS], 9, marks=pytest.mark.slow),
-        pytest.param(REFERENCE[MEETS], 12, marks=pytest.mark.slow),
+        pytest.param(REFERENCE[MEETS], None, marks=pytest.mark.slow),
     ],
 )
 def test_steady_states_of_transients(joint, rows, harmonics):
@@ -46,7 +46,7 @@ def test_steady_states_of_transients(joint, rows, harmonics):
     level = rows["level"][0]
     asked = rows["frequency"] * LONGER
     (curve,) = fy.frequency_response(
-        joint, {"tip.Fz": 1.0}, asked, [level], harmonics=harmonics
+        joint, {"tip.Fz": 1.0}, asked, [level], harmonics=harmonics, tolerance=0.003
     ).curves
     assert curve.missed == ()
     points, contact = at(curve, asked), curve.contact
@@ -92,7 +92,7 @@ def test_too_few_harmonics_where_a_multiple_meets_a_mode_are_said(joint):
         ]
         for harmonics in (1, 3)
     )
-    assert "3 harmonics more than 1 change the peak by" in one.remarks[0]
+    assert "3 harmonics more than 1 change the motion at 3850 by" in one.remarks[0]
     transient = 8.79e-3
     assert abs(one.response("tip.uz")[0]) > 1.15 * transient
     assert abs(three.response("tip.uz")[0]) == pytest.approx(transient, rel=0.07)

@@ -1,6 +1,6 @@
 """A joint at rest, its modes and a harmonic load: what the levels of a frequency response share."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import final
@@ -17,6 +17,7 @@ from faying.assessment.stuck_modes import (
     with_released_modes,
 )
 from faying.contact.stuck_points import StuckPoints
+from faying.digits import DECK_DIGITS
 from faying.exceptions import ConvergenceError
 from faying.joint.system import System, input_forces
 from faying.simulation.load import harmonic_inputs
@@ -159,22 +160,26 @@ class ForcedJoint:
         released = begun.joined(drawn_curve(self.system, self.rest, level, traced))
         if not traced.missed and released != begun:
             more = self.loads(order, released).n_mode > self.loads(order, begun).n_mode
-            _, change = self._changed(traced.points if more else [], order, samples, released)
+            top = _highest(traced.points) if more else None
+            _, change = self._changed(top, order, samples, released)
             released = released if change > tolerance else begun
         if released != begun:
             traced = self._traced(level, order, samples, released)
-        finer, change = self._changed(traced.points, order + MORE, samples, released)
+        judged = _highest if harmonics else _least_certain
+        point = judged(traced.points)
+        finer, change = self._changed(point, order + MORE, samples, released)
         first = order
         while harmonics is None and change > tolerance and finer and order + MORE <= MOST:
             order += MORE
-            finer, change = self._changed([finer], order + MORE, samples, released)
+            finer, change = self._changed(finer, order + MORE, samples, released)
         if order > first:
             traced = self._traced(level, order, samples, released)
-            finer, change = self._changed(traced.points, order + MORE, samples, released)
-        if traced.points and finer is None:
-            remarks.append(f"no motion was found at the peak with {order + MORE} harmonics")
-        elif change > tolerance:
-            remarks.append(f"{MORE} harmonics more than {order} change the peak by {change:.1%}")
+            point = judged(traced.points)
+            finer, change = self._changed(point, order + MORE, samples, released)
+        if point is not None and change > tolerance:
+            more, at = f"{MORE} harmonics more than {order}", point.motion.circular / (2 * np.pi)
+            told = f"change the motion at {at:.6g} by {change:.1%}"
+            remarks.append(f"{more} {told if finer else f'have no motion at {at:.6g}'}")
         curve = drawn_curve(self.system, self.rest, level, traced)
         if curve.contact is not None and len(curve.frequency):
             imbalance = np.abs(curve.contact.imbalance)
@@ -251,38 +256,35 @@ class ForcedJoint:
         )
 
     def _first_order(self) -> int:
-        """Return a number of harmonics past the first one that meets a mode."""
-        modes = self.modes(MOST).frequencies
+        """Return a number of harmonics past the first that meets a mode which the load reaches."""
+        modes = self.modes(MOST)
+        reached = np.abs(modes.shapes.T @ self.load).max(axis=1)
+        frequencies = modes.frequencies[reached > DECK_DIGITS * reached.max(initial=0.0)]
         for k in range(2, MOST - 1):
             low, high = k * self.frequencies[0], k * self.frequencies[-1]
             below, above = low / np.sqrt(1 + MEETING_WIDTH), high / np.sqrt(1 - MEETING_WIDTH)
-            if ((modes > below) & (modes < above)).any():
+            if ((frequencies > below) & (frequencies < above)).any():
                 return max(FEWEST, k + 2)
         return FEWEST
 
     def _changed(
-        self, points: list[CurvePoint], order: int, samples: int | None, released: "Released"
+        self, point: CurvePoint | None, order: int, samples: int | None, released: "Released"
     ) -> tuple[CurvePoint | None, float]:
-        """Return the highest point with other harmonics or modes, and its change, over it."""
-        if not points:
+        """Return a point with other harmonics or modes, and its change, over it."""
+        if point is None:
             return None, 0.0
-        worked = [_fundamental(point, slice(0, 2)) for point in points]
-        size = [float(np.linalg.norm(work)) for work in worked]
-        top = int(np.argmax(size))
-        point, coarse = points[top], points[top].motion.harmonics
+        coarse, worked = point.motion.harmonics, _work(point)
         watched, level = point.problem.local.points, point.problem.level
         problem = self._problem(level, order, samples, released, watched)
-        old, new = (
-            of.loads.rest.directions[:, : of.loads.n_mode] for of in (point.problem, problem)
-        )
+        old, new = point.problem.loads.rest.shapes, problem.loads.rest.shapes
         begun = np.zeros((order + 1, new.shape[1]), dtype=complex)
         begun[: len(coarse)] = coarse @ (old.T @ (self.system.M @ new))
         try:
             fine = solve_motion(problem, problem.packed(begun), point.motion.circular)
         except ConvergenceError:
             return None, float("inf")
-        change = _fundamental(fine, slice(0, 2)) - worked[top]
-        return fine, float(np.linalg.norm(change)) / size[top]
+        change = float(np.linalg.norm(_work(fine) - worked))
+        return fine, change / float(np.linalg.norm(worked))
 
 
 @final
@@ -308,6 +310,26 @@ def linear_range(frequencies: Vector) -> Vector:
     return np.linspace(frequencies[0], frequencies[-1], 300)
 
 
-def _fundamental(point: CurvePoint, rows: slice) -> ComplexMatrix:
-    """Return the first harmonic of some outputs."""
-    return np.asarray(harmonics_of(point.motion.outputs[rows], 1)[1])
+def _work(point: CurvePoint) -> ComplexMatrix:
+    """Return the first harmonic of what both parts of the load move."""
+    return np.asarray(harmonics_of(point.motion.outputs[:2], 1)[1])
+
+
+def _highest(points: Sequence[CurvePoint]) -> CurvePoint | None:
+    """Return the point at which the load moves most."""
+    return max(points, key=lambda point: float(np.linalg.norm(_work(point))), default=None)
+
+
+def _least_certain(points: Sequence[CurvePoint]) -> CurvePoint | None:
+    """Return the point that more harmonics change most, by one step of Newton's method."""
+
+    def change(point: CurvePoint) -> float:
+        count = point.problem.n_harmonic + MORE
+        problem = replace(point.problem, n_harmonic=count)
+        harmonics = np.pad(point.motion.harmonics, ((0, MORE), (0, 0)))
+        motion = replace(point.motion, harmonics=harmonics)
+        slopes = problem.derivatives(motion).residual[:, :-1]
+        step = problem.unpacked(np.linalg.solve(slopes, problem.residual(motion)))
+        return float(np.linalg.norm(step[1]) / np.linalg.norm(harmonics[1]))
+
+    return max(points, key=change, default=None)

@@ -42,12 +42,12 @@ def frequency_response(
     levels : (n_level,)
         Factors of the load.
     harmonics
-        Of the inertia of the modes. By default past the first one that meets a mode, and three more
-        until that changes the peak by less than ``tolerance``.
+        Of the inertia of the modes. By default past the first one that meets a mode which the load
+        reaches, and three more until that changes no motion by ``tolerance``.
     samples
         Increments of a period; by default 16 for each harmonic, 64 at least.
     tolerance
-        Change of the peak by three more harmonics, over it.
+        Change of a motion by three more harmonics, over it.
     initial
         State to vibrate about, the last one of a path; by default the bolts are tightened with
         friction in one increment.

@@ -83,9 +83,9 @@ def follow_local(
     """Follow the points along a path of loads.
 
     Linear displacements w₀ are (n_increment, components n_point) [length]. Guesses are μ
-    (n_increment, components n_point) to begin the first ``period`` increments with; those after
-    them begin with what came a period before. Factors kept from another path serve as long as they
-    make steps converge.
+    (n_increment, components n_point), to begin the first ``period`` increments with, or what they
+    add to the increment before; those after them add to what came a period before or in the
+    increment before. Factors kept from another path serve as long as they make steps converge.
 
     Raises
     ------
@@ -105,11 +105,13 @@ def follow_local(
         before = number - period
         if before >= 0:
             # One period is like the other, but for what guesses tell apart.
-            starts = [solved[before] + guess[number] - guess[before] for guess in begun[:1]]
+            starts = [solved[before] + guess[number] - guess[before] for guess in begun]
             starts, off = starts or [solved[before]], factors[before] or off
         else:
             starts = [guess[number] for guess in begun] + [excess]
             off = (kept[number] if kept else None) or off
+        if number:
+            starts += [excess + guess[number] - guess[number - 1] for guess in begun]
         anchor = local.at_rest.copy()
         anchor[1:] -= slip[: k - 1]
         laws = _BesideSprings(local, anchor)
