@@ -6,6 +6,7 @@ from functools import cache
 from typing import final
 
 import numpy as np
+import scipy.linalg as la
 
 from faying._typing import ComplexMatrix, Indices, Matrix, SparseMatrix, Vector
 from faying.assessment.drawn_curve import drawn_curve, harmonics_of
@@ -177,9 +178,12 @@ class ForcedJoint:
             point = judged(traced.points)
             finer, change = self._changed(point, order + MORE, samples, released)
         if point is not None and change > tolerance:
-            more, at = f"{MORE} harmonics more than {order}", point.motion.circular / (2 * np.pi)
-            told = f"change the motion at {at:.6g} by {change:.1%}"
-            remarks.append(f"{more} {told if finer else f'have no motion at {at:.6g}'}")
+            at = f"{point.motion.circular / (2 * np.pi):.6g}"
+            if finer is None:
+                remarks.append(f"no motion was found at {at} with {order + MORE} harmonics")
+            else:
+                told = f"{MORE} harmonics more than {order} change the motion at {at} by"
+                remarks.append(f"{told} {change:.1%}")
         curve = drawn_curve(self.system, self.rest, level, traced)
         if curve.contact is not None and len(curve.frequency):
             imbalance = np.abs(curve.contact.imbalance)
@@ -329,7 +333,7 @@ def _least_certain(points: Sequence[CurvePoint]) -> CurvePoint | None:
         harmonics = np.pad(point.motion.harmonics, ((0, MORE), (0, 0)))
         motion = replace(point.motion, harmonics=harmonics)
         slopes = problem.derivatives(motion).residual[:, :-1]
-        step = problem.unpacked(np.linalg.solve(slopes, problem.residual(motion)))
+        step = problem.unpacked(np.asarray(la.solve(slopes, problem.residual(motion))))
         return float(np.linalg.norm(step[1]) / np.linalg.norm(harmonics[1]))
 
     return max(points, key=change, default=None)
