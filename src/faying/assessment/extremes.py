@@ -6,13 +6,13 @@ from typing import TypeVar
 Name = TypeVar("Name", str, tuple[str, str])
 
 
-def least(values: Mapping[Name, float]) -> tuple[Name, float]:
+def find_least(values: Mapping[Name, float]) -> tuple[Name, float]:
     """Return the name of the least of some values, the first of several, and that value."""
     name = min(values, key=values.__getitem__)
     return name, values[name]
 
 
-def most(values: Mapping[Name, float]) -> tuple[Name, float]:
+def find_most(values: Mapping[Name, float]) -> tuple[Name, float]:
     """Return the name of the largest of some values, the first of several, and that value."""
     name = max(values, key=values.__getitem__)
     return name, values[name]

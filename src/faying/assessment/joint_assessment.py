@@ -7,7 +7,7 @@ import numpy as np
 
 from faying._typing import Mask
 from faying.assessment.check import Check
-from faying.assessment.extremes import least, most
+from faying.assessment.extremes import find_least, find_most
 from faying.assessment.joint_checks import joint_checks
 from faying.assessment.joint_record import (
     Assessment,
@@ -132,9 +132,11 @@ def _interface(
 ) -> InterfaceAssessment:
     points, weights = slice(*surface.slice), surface.weights
     pressures = {case: state.pressure[:, points] for case, state in cases.items()}
-    smallest, closed = least({n: float(((p > 0) @ weights).min()) for n, p in pressures.items()})
-    highest, peak = most({n: float(p.max()) for n, p in pressures.items()})
-    crushed, mean = most(
+    smallest, closed = find_least(
+        {n: float(((p > 0) @ weights).min()) for n, p in pressures.items()}
+    )
+    highest, peak = find_most({n: float(p.max()) for n, p in pressures.items()})
+    crushed, mean = find_most(
         {n: float(surface.nodal_average(p.T).max(initial=0.0)) for n, p in pressures.items()}
     )
     return InterfaceAssessment(
@@ -170,8 +172,12 @@ def _bolt(
     clamps: Mapping[str, ClampRange],
 ) -> BoltAssessment:
     preload = float(preloaded.bolt_forces[name][0])
-    lowest, low = least({n: float(state.bolt_forces[name].min()) for n, state in cases.items()})
-    highest, high = most({n: float(state.bolt_forces[name].max()) for n, state in cases.items()})
+    lowest, low = find_least(
+        {n: float(state.bolt_forces[name].min()) for n, state in cases.items()}
+    )
+    highest, high = find_most(
+        {n: float(state.bolt_forces[name].max()) for n, state in cases.items()}
+    )
     axial: dict[str, float] = {}
     factors: dict[str, float] = {}
     for case, state in cases.items():

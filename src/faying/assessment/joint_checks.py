@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 
 from faying.assessment.check import Check, Outcome, worst_check
-from faying.assessment.extremes import least
+from faying.assessment.extremes import find_least
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
 from faying.assessment.requirements import Verdict
 from faying.assessment.slip_reserve import SlipReserve
@@ -120,7 +120,7 @@ def _local_slip(
         whole = found.interfaces[place].slip
         if not whole.safety or not demand.safety:
             continue
-        (case, around), over_all = least(demand.safety), min(whole.safety.values())
+        (case, around), over_all = find_least(demand.safety), min(whole.safety.values())
         if around < limit <= over_all:
             reason = (
                 f"S_G {around:.2f} around it in {case}, {over_all:.2f} of the interface: "
@@ -188,7 +188,9 @@ def _slip(
 ) -> Iterator[Check]:
     """Yield slip by sums of forces, and sliding as a load is followed with friction."""
     safety, sliding = demands.get("min_slip_safety", ()), demands.get("min_sliding_factor", ())
-    unknown = [one.reason for one in safety if one.met is None and one.place in ("", name)]
+    unknown = [
+        verdict.reason for verdict in safety if verdict.met is None and verdict.place in ("", name)
+    ]
     slip, check = interface.slip, Check(part=name, kind="interface", quantity="slip")
     if unknown:
         yield replace(check, reason=unknown[0], required=True)
@@ -215,15 +217,15 @@ def _sliding(
 ) -> Check:
     """Judge the factors at which an interface slides, or up to which its joint was followed."""
     factors = {
-        case: one.gross_slip
-        for case, one in reserves.items()
-        if one.gross_slip is not None and one.slides == check.part
+        case: reserve.gross_slip
+        for case, reserve in reserves.items()
+        if reserve.gross_slip is not None and reserve.slides == check.part
     }
     if factors:
         return _least_factor(check, factors, demands)
     followed = {
-        case: one.largest if one.gross_slip is None else one.gross_slip
-        for case, one in reserves.items()
+        case: reserve.largest if reserve.gross_slip is None else reserve.gross_slip
+        for case, reserve in reserves.items()
     }
     held = _least_factor(check, followed, demands)
     if held.outcome == "met":
@@ -237,7 +239,7 @@ def _least_factor(
 ) -> Check:
     """Judge the least of the factors that load cases may be multiplied by."""
     limit = max((demand.limit for demand in demands), default=1.0)
-    case, factor = least(factors)
+    case, factor = find_least(factors)
     return replace(check, unit=unit, case=case, required=bool(demands)).at_least(factor, limit)
 
 

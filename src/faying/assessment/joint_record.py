@@ -8,7 +8,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.assessment.check import Check
-from faying.assessment.extremes import least, most
+from faying.assessment.extremes import find_least, find_most
 from faying.assessment.preload_scatter import Spread
 from faying.assessment.requirements import OPEN_BELOW, Verdict
 from faying.assessment.slip_demand import NO_DEMAND, SlipDemand
@@ -59,8 +59,8 @@ def clamp_range(
     infinite intervals of parts of hard contact are not.
     """
     certified = {case: ends for case, ends in certified.items() if np.isfinite(ends).all()}
-    lowest, low = least({case: float(force.min()) for case, force in forces.items()})
-    highest, high = most({case: float(force.max()) for case, force in forces.items()})
+    lowest, low = find_least({case: float(force.min()) for case, force in forces.items()})
+    highest, high = find_most({case: float(force.max()) for case, force in forces.items()})
     return ClampRange(
         preload=preload,
         least=low,
@@ -103,8 +103,10 @@ def bending_of(preload: Matrix, cases: Mapping[str, Matrix]) -> BoltBending:
 
     Those at rest are (2, 2), those of a load case (n_instant, 2, 2).
     """
-    worst, peak = most({case: _largest(moments) for case, moments in cases.items()})
-    farthest, added = most({case: _largest(moments - preload) for case, moments in cases.items()})
+    worst, peak = find_most({case: _largest(moments) for case, moments in cases.items()})
+    farthest, added = find_most(
+        {case: _largest(moments - preload) for case, moments in cases.items()}
+    )
     return BoltBending(most=peak, most_case=worst, added=added, added_case=farthest)
 
 
@@ -298,4 +300,4 @@ class Assessment:
         areas += [
             factors for bolt in self.bolts.values() for factors in bolt.opening_around.values()
         ]
-        return list(dict.fromkeys(least(factors)[0] for factors in areas if factors))
+        return list(dict.fromkeys(find_least(factors)[0] for factors in areas if factors))

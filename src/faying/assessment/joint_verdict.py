@@ -46,7 +46,7 @@ class PartVerdict:
     @property
     def counted(self) -> tuple[Check, ...]:
         """Checks that count: all but those that are unknown and not demanded."""
-        return tuple(one for one in self.checks if one.required or one.outcome != "unknown")
+        return tuple(check for check in self.checks if check.required or check.outcome != "unknown")
 
     @property
     def worst(self) -> Check | None:
@@ -80,19 +80,19 @@ class JointVerdict:
     @property
     def interfaces(self) -> tuple[str, ...]:
         """Names of its interfaces."""
-        return tuple(one.part for one in self.parts if one.kind == "interface")
+        return tuple(part.part for part in self.parts if part.kind == "interface")
 
     @property
     def holds(self) -> bool:
         """Whether no check fails, and all that is demanded is known to be met."""
         return not self.missing and all(
-            one.worst is None or one.outcome == "met" for one in self.parts
+            part.worst is None or part.outcome == "met" for part in self.parts
         )
 
     @property
     def decides(self) -> Check | None:
         """The check that decides over all bolts and interfaces."""
-        return worst_check(tuple(one.worst for one in self.parts if one.worst is not None))
+        return worst_check(tuple(part.worst for part in self.parts if part.worst is not None))
 
     @property
     def sentence(self) -> str:
@@ -118,7 +118,7 @@ class JointVerdict:
 
     def _of(self, outcome: Outcome) -> Iterator[Check]:
         """Yield the checks of all parts with an outcome, the most used first."""
-        found = [one for part in self.parts for one in part.counted if one.outcome == outcome]
+        found = [check for part in self.parts for check in part.counted if check.outcome == outcome]
         yield from sorted(found, key=lambda check: -(check.utilisation or np.inf))
 
     @property
@@ -170,7 +170,7 @@ def _row(part: PartVerdict, interfaces: Sequence[str], units: Units) -> Iterator
         shown = shown_quantity(worst, interfaces)
         yield f"{shown}: {amount}" if amount else shown
         yield place_of(worst, units) or "—"
-    shares = (f"{shown_quantity(one, interfaces)} {share_used(one)}" for one in part.checks)
+    shares = (f"{shown_quantity(check, interfaces)} {share_used(check)}" for check in part.checks)
     yield ", ".join(shares) or "—"
 
 

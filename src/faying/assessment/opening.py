@@ -183,10 +183,10 @@ def estimated_openings(
         [
             np.where(hard & (pressure > 0), pressure, -gap)
             for pressure, gap in zip(
-                np.atleast_2d(one.pressure), np.atleast_2d(one.gap), strict=True
+                np.atleast_2d(solution.pressure), np.atleast_2d(solution.gap), strict=True
             )
         ]
-        for one in (rest, cases)
+        for solution in (rest, cases)
     )
     lost = before[-1] - np.array(under)
     losing = (before[-1] > 0) & (lost > 0)

@@ -346,4 +346,6 @@ def boundary_components(system: System) -> tuple[str, ...]:
 def rows_of(values: Matrix, system: System) -> Matrix:
     """Return the rows of a matrix (n_dof, ...) at all boundaries (n_boundary, ...)."""
     empty = np.zeros((0, *values.shape[1:]))
-    return np.concatenate([empty, *(values[one.dofs] for one in system.boundaries.values())])
+    return np.concatenate(
+        [empty, *(values[boundary.dofs] for boundary in system.boundaries.values())]
+    )

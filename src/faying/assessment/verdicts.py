@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from faying.assessment.extremes import least, most
+from faying.assessment.extremes import find_least, find_most
 from faying.assessment.joint_record import CaseState, InterfaceAssessment
 from faying.assessment.opening import Openings
 from faying.assessment.requirements import ClosedRing, Requirements, Verdict
@@ -76,7 +76,7 @@ def _pressure_verdict(
     """Judge the largest pressures of the interfaces, each with its case."""
     if limit is None:
         return
-    (name, case), value = most(peaks)
+    (name, case), value = find_most(peaks)
     yield Verdict(
         requirement=requirement,
         met=value <= limit,
@@ -106,7 +106,7 @@ def _opening_verdict(
             )
             yield Verdict.unknown("no_opening_within", radius, reason, bolt_name)
             continue
-        case, value = least(
+        case, value = find_least(
             {case: float(state.pressure[:, masked].min()) for case, state in cases.items()}
         )
         yield Verdict(
@@ -144,7 +144,7 @@ def _least_factor(
 ) -> Verdict:
     """Judge the least factor of places and load cases, beyond which some were not followed."""
     if factors:
-        (place, case), factor = least(factors)
+        (place, case), factor = find_least(factors)
         if factor < limit or not short:
             return Verdict.at_least(requirement, place, case, factor, limit)
     return Verdict.unknown(requirement, limit, short[0] if short else none)
@@ -168,7 +168,7 @@ def _slip_verdict(
             yield Verdict.unknown("min_slip_safety", limit, f"{reason}; {NO_SUMS}", name)
         safeties |= {(name, case): safety for case, safety in slip.safety.items()}
     if safeties:
-        (name, case), safety = least(safeties)
+        (name, case), safety = find_least(safeties)
         yield Verdict.at_least("min_slip_safety", name, case, safety, limit)
     elif not asked:
         yield Verdict.unknown("min_slip_safety", limit, NO_SLIP)
@@ -220,7 +220,7 @@ def _ring_verdict(
 ) -> Verdict:
     name = ring_surface(ring_limit, surfaces)
     ring = ring_around(surfaces[name], ring_limit.around)
-    lowest, pressure = least(
+    lowest, pressure = find_least(
         {case: float(ring_pressure(ring, state.pressure).min()) for case, state in cases.items()}
     )
     return Verdict(

@@ -40,25 +40,25 @@ def _estimate(result: MethodResult, name: str) -> float | None:
 
 
 ERRORS = (
-    Column("max error", lambda one: _judged(one.accuracy.max_relative_error), "%"),
-    Column("rms error", lambda one: _share(one.accuracy.rms_relative_error), "%", 3),
-    Column("99.9th percentile", lambda one: _share(one.accuracy.p999_relative_error), "%", 3),
+    Column("max error", lambda row: _judged(row.accuracy.max_relative_error), "%"),
+    Column("rms error", lambda row: _share(row.accuracy.rms_relative_error), "%", 3),
+    Column("99.9th percentile", lambda row: _share(row.accuracy.p999_relative_error), "%", 3),
     Column("peak pressure ratio", _ratio),
-    Column("displacement error", lambda one: _share(one.accuracy.displacement_error), "%", 3),
-    Column("max error of recovered pressures", lambda one: _judged(one.recovered_error), "%"),
-    Column("estimated max error", lambda one: _judged(_estimate(one, "max_relative_error")), "%"),
-    Column("estimated, tractions", lambda one: _share(_estimate(one, "max_traction_error")), "%"),
-    Column("certified: energy error", lambda one: _share(one.certified_energy_error), "%", 3),
-    Column("certified: clamp force error", lambda one: _share(one.certified_force_error), "%", 3),
-    Column("certified: max error", lambda one: _share(one.certified_bound), "%", 3),
+    Column("displacement error", lambda row: _share(row.accuracy.displacement_error), "%", 3),
+    Column("max error of recovered pressures", lambda row: _judged(row.recovered_error), "%"),
+    Column("estimated max error", lambda row: _judged(_estimate(row, "max_relative_error")), "%"),
+    Column("estimated, tractions", lambda row: _share(_estimate(row, "max_traction_error")), "%"),
+    Column("certified: energy error", lambda row: _share(row.certified_energy_error), "%", 3),
+    Column("certified: clamp force error", lambda row: _share(row.certified_force_error), "%", 3),
+    Column("certified: max error", lambda row: _share(row.certified_bound), "%", 3),
     Column(
         "certified: energy, increment",
-        lambda one: _share(one.response.increment_error),
+        lambda row: _share(row.response.increment_error),
         "%",
         3,
     ),
-    Column("residual of friction", lambda one: _share(one.response.law_residual), "%", 3),
-    Column("coordinates", lambda one: one.n_modes),
+    Column("residual of friction", lambda row: _share(row.response.law_residual), "%", 3),
+    Column("coordinates", lambda row: row.n_modes),
 )
 """Errors of one method in one load case, the sharpest bounds first."""
 

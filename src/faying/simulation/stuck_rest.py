@@ -17,15 +17,13 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import ComplexMatrix, ComplexVector, Matrix, SparseMatrix
+from faying.digits import ROUND_OFF
 from faying.joint.system import System
 from faying.linalg.factorization import Factorization
 
 TERMS = 2
 """Terms of the series: a lap joint was 2e-4 of its linear response off between its resonances with
 none, 8e-7 with one, 1e-9 with two, the round-off of its modes."""
-
-INDEPENDENT = 1e-12
-"""Part of the mass of a direction that is apart from all others, from which it is one more."""
 
 
 @final
@@ -74,7 +72,7 @@ class StuckRest:
             for _ in range(2):
                 moved = moved - W @ (W.T @ (M @ moved))
             mass, ways = la.eigh(moved.T @ (M @ moved))
-            apart = mass > INDEPENDENT
+            apart = mass > ROUND_OFF  # of directions that depend on each other no more is left
             moved = moved @ (ways[:, apart] / np.sqrt(mass[apart]))
             forces, W = M @ moved, np.column_stack([W, moved])
         return cls(

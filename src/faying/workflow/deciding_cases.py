@@ -128,8 +128,8 @@ class Deciding:
             return found[name]
 
         def slid(row: int) -> float:
-            one = reserve(row)
-            return one.largest if one.gross_slip is None else one.gross_slip
+            reached = reserve(row)
+            return reached.largest if reached.gross_slip is None else reached.gross_slip
 
         def every(rows: Indices, _: float) -> Indices:
             return rows
@@ -139,8 +139,8 @@ class Deciding:
         for area, column in zip(self.areas, opens.T, strict=True) if found and self.along else ():
 
             def opened(row: int, area: str = area) -> float:
-                one = reserve(row)
-                return dict(zip(one.areas, one.openings, strict=True)).get(area, np.inf)
+                reached = reserve(row)
+                return dict(zip(reached.areas, reached.openings, strict=True)).get(area, np.inf)
 
             least_factor(column, opened, every, TRIED_BY_PATHS)
         return found

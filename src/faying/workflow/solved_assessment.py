@@ -167,8 +167,9 @@ def _worst_rows(
     loads: LoadSet, strengths: BoltStrengths, ends: Sequence[PreloadEnd], checks: Sequence[Check]
 ) -> set[int]:
     """Return the static cases that decide a check, or in which a fibre of a thread is at an end."""
-    rows = {int(one.instant) for one in checks if one.case == STATIC and one.instant is not None}
-    rows |= {loads.names.index(one.case) for one in checks if one.case in loads.repetitions}
+    stated = [check for check in checks if check.case == STATIC and check.instant is not None]
+    rows = {int(check.instant or 0) for check in stated}
+    rows |= {loads.names.index(check.case) for check in checks if check.case in loads.repetitions}
     for state in (end.cases[STATIC] for end in ends if STATIC in end.cases):
         for bolt, thread in strengths.threads.items():
             stresses = fibre_stresses(thread, state.bolt_forces[bolt], state.bolt_moments.get(bolt))

@@ -48,7 +48,7 @@ def frequency_figure(results: Results, name: str) -> Drawn:
             "Dotted, crosses: estimated from the backbone of mode "
             f"{record.backbone.mode if record.backbone else ''}, blind to other modes."
         )
-    said += [f"{one.sentence[0].upper()}{one.sentence[1:]}." for one in record.checks]
+    said += [f"{check.sentence[0].upper()}{check.sentence[1:]}." for check in record.checks]
     said += [f"{text[0].upper()}{text[1:]}." for text in record.response.remarks]
     largest = {
         order: max(

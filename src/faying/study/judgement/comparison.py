@@ -36,7 +36,9 @@ def accuracy(
             for name, names in components.items()
         ],
     )
-    tractions = [[record.traction for record in rubbed(one)] for one in (response, reference)]
+    tractions = [
+        [record.traction for record in rubbed(solution)] for solution in (response, reference)
+    ]
     return replace(errors, max_traction_error=traction_error(*tractions))
 
 
@@ -86,8 +88,8 @@ def _displacements(response: Response, boundary: str) -> Matrix:
 def dissipation_error(response: Response, reference: Response) -> float | None:
     """Return the difference of the energies that friction took, over that of the reference."""
     mine, exact = (
-        float(sum(record.dissipation.sum() for record in rubbed(one)))
-        for one in (response, reference)
+        float(sum(record.dissipation.sum() for record in rubbed(solution)))
+        for solution in (response, reference)
     )
     return abs(mine - exact) / exact if exact > 0 else None
 
