@@ -28,6 +28,7 @@ from faying.linalg.factorization import Factorization
 from faying.linalg.partial import port_compliance
 from faying.linalg.sparse_compliance import SparseCompliance
 from faying.linalg.sparse_stiffness import SparseStiffness
+from faying.linalg.threads import threads_for
 
 
 class ContactSolver(Protocol):
@@ -102,6 +103,12 @@ class CondensedContact:
 
         For forces where some point is hard, or far stiffer than the structure.
         """
+        # On as many threads wherever it is asked for first, so that digits do not depend on that.
+        with threads_for(self.contact.n_points):
+            return self._solver()
+
+    def _solver(self) -> IncrementSolver:
+        """Return the solver of increments."""
         if not self.contact.yields:
             return self._for_forces("joints with hard contact", "a penalty there")
         try:
