@@ -11,6 +11,7 @@ from scipy.linalg import blas, lapack
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
 from faying.contact.active_set import ROUND_OFF, ContactForces, solve_complementarity
+from faying.contact.increment import check_gaps
 from faying.exceptions import ModelError
 
 SINGULAR_PIVOT = 1e-7
@@ -84,9 +85,7 @@ class ContactProblem:
                 f"{len(self.g_free)} gaps; give a square matrix with one row per gap"
             )
             raise ModelError(message)
-        if not np.isfinite(self.g_free).all():
-            message = "the gap without contact forces holds NaN or infinity; check loads and model"
-            raise ModelError(message)
+        check_gaps(self.g_free)
         if not np.isfinite(self.H).all():
             message = "the contact flexibility holds NaN or infinity; check the model's matrices"
             raise ModelError(message)

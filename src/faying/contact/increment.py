@@ -9,6 +9,7 @@ from faying._typing import Matrix, Vector
 from faying.contact.contact import Contact
 from faying.contact.forced_springs import ForcedSprings
 from faying.contact.laws_at_points import LawsAtPoints
+from faying.exceptions import ModelError
 
 
 @final
@@ -123,6 +124,13 @@ class ForcedContact(Protocol):
             If the increment is not solved.
         """
         ...
+
+
+def check_gaps(moved: Vector) -> None:
+    """Refuse what points or pairs move by without contact forces (n,) where it is not finite."""
+    if not np.isfinite(moved).all():
+        message = "the gap without contact forces holds NaN or infinity; check loads and model"
+        raise ModelError(message)
 
 
 def displaced(solver: IncrementSolver, free: Vector, forces: Matrix) -> Vector:

@@ -13,9 +13,9 @@ from faying.contact.active_set import ActiveSetSpace, Balance, solve_complementa
 from faying.contact.between_pairs import BetweenPairs
 from faying.contact.contact import Contact
 from faying.contact.forced_springs import ForcedSprings
-from faying.contact.increment import Increment, displaced
+from faying.contact.increment import Increment, check_gaps, displaced
 from faying.contact.laws_at_points import LawsAtPoints
-from faying.exceptions import ConvergenceError, ModelError
+from faying.exceptions import ConvergenceError
 
 
 @final
@@ -77,9 +77,7 @@ class PressingContact:
     ) -> tuple[Increment, Vector]:
         """Return where contact stands, and the initial forces of a balance."""
         g_free = self.contact.interpolation @ free + offset[0]
-        if not np.isfinite(g_free).all():
-            message = "the gap without contact forces holds NaN or infinity; check loads and model"
-            raise ModelError(message)
+        check_gaps(g_free)
         with _naming_few_modes(self.contact):
             active = None if start is None else start.forces[0] > 0
             solution = solve_complementarity(self.space, g_free, active, balance)

@@ -13,7 +13,7 @@ from faying.contact.contact import Contact
 from faying.contact.forced_springs import ForcedSprings
 from faying.contact.frictional import FrictionalContact
 from faying.contact.glued_pairs import GluedPairs
-from faying.contact.increment import Increment, displaced
+from faying.contact.increment import Increment, check_gaps, displaced
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_descent import solve_yielding
 from faying.contact.sparse_pairs import SparsePairs
@@ -118,7 +118,7 @@ class YieldingContact:
         slides far as a whole turns tangential forces more than a step can tell, and points far
         stiffer than the structure leave displacements too few digits.
         """
-        _check_finite(free)
+        check_gaps(free)
         try:
             increment = self._solved(self.pairs, free, offset, start)
         except ConvergenceError as error:
@@ -198,7 +198,7 @@ class LoosenedContact:
         start: Increment | None = None,
     ) -> tuple[Increment, Vector]:
         """Solve one increment; see :meth:`.ForcedContact.solve`."""
-        _check_finite(free)
+        check_gaps(free)
         pairs, z, yields = self._loosened
         pull, shapes = z.T @ np.linalg.solve(yields, elongations), self.solver.shapes
         try:
@@ -216,12 +216,6 @@ class LoosenedContact:
 def _coordinates(shapes: Matrix, moved: Matrix) -> Matrix:
     """Return q of displacements Y q (n_relative,) or (n_relative, k)."""
     return np.asarray(np.linalg.lstsq(shapes, moved)[0], dtype=float)
-
-
-def _check_finite(free: Vector) -> None:
-    if not np.isfinite(free).all():
-        message = "the gap without contact forces holds NaN or infinity; check loads and model"
-        raise ModelError(message)
 
 
 def _check_stiffness(contact: Vector, structure: Vector | float) -> None:
