@@ -16,13 +16,12 @@ from faying.contact.dense_points import DensePoints
 from faying.contact.frictional import FrictionalContact
 from faying.contact.glued_pairs import factorized_whole
 from faying.contact.held_pairs import NormalPairs
-from faying.contact.increment import IncrementSolver
+from faying.contact.increment import IncrementSolver, check_flexibility
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.point_springs import PointSprings
 from faying.contact.pressing import PressingContact
 from faying.contact.saddle_points import SaddlePoints
 from faying.contact.yielding import YieldingContact
-from faying.exceptions import ModelError
 from faying.linalg.budget import pairs_fit
 from faying.linalg.factorization import Factorization
 from faying.linalg.partial import port_compliance
@@ -90,12 +89,12 @@ class CondensedContact:
         if isinstance(known := self.between, BySubstitution):
             contact = self.contact
             return SaddlePoints(N=contact.interpolation, S=known.total, D=contact.flexibility)
-        return DensePoints(H=_finite(self.flexibility))
+        return DensePoints(H=check_flexibility(self.flexibility))
 
     @cached_property
     def frictional(self) -> FrictionalContact:
         """Increments as problems of forces (F1)."""
-        return FrictionalContact(contact=self.contact, S=_finite(self.total))
+        return FrictionalContact(contact=self.contact, S=check_flexibility(self.total))
 
     @cached_property
     def increments(self) -> IncrementSolver:
@@ -189,10 +188,3 @@ def structure_between(
         solve=lambda forces: weight * factor.solve(forces),
     )
     return BySubstitution(SparseCompliance.of(stiffness))
-
-
-def _finite(matrix: Matrix) -> Matrix:
-    if not np.isfinite(matrix).all():
-        message = "the contact flexibility holds NaN or infinity; check the model's matrices"
-        raise ModelError(message)
-    return matrix

@@ -11,7 +11,7 @@ from scipy.linalg import blas, lapack
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
 from faying.contact.active_set import ROUND_OFF, ContactForces, solve_complementarity
-from faying.contact.increment import check_gaps
+from faying.contact.increment import check_flexibility, check_gaps
 from faying.exceptions import ModelError
 
 SINGULAR_PIVOT = 1e-7
@@ -86,9 +86,7 @@ class ContactProblem:
             )
             raise ModelError(message)
         check_gaps(self.g_free)
-        if not np.isfinite(self.H).all():
-            message = "the contact flexibility holds NaN or infinity; check the model's matrices"
-            raise ModelError(message)
+        check_flexibility(self.H)
 
     def solve(self, *, active: Mask | None = None) -> ContactForces:
         """Solve by the primal-dual active set of :func:`~.active_set.solve_complementarity`.

@@ -133,6 +133,14 @@ def check_gaps(moved: Vector) -> None:
         raise ModelError(message)
 
 
+def check_flexibility(matrix: Matrix) -> Matrix:
+    """Return a flexibility between points or pairs (n, n); refuse one that is not finite."""
+    if not np.isfinite(matrix).all():
+        message = "the contact flexibility holds NaN or infinity; check the model's matrices"
+        raise ModelError(message)
+    return matrix
+
+
 def displaced(solver: IncrementSolver, free: Vector, forces: Matrix) -> Vector:
     """Return the relative displacements (n_relative,) under forces (3, n_point).
 
