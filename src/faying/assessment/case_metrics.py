@@ -10,7 +10,6 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.assessment.certificate import Certificate
 from faying.assessment.sealing import Ring, ring_pressure
-from faying.assessment.slip import ON_THE_BOUND
 from faying.assessment.slip_demand import area_sums
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import contact_areas, surroundings
@@ -229,15 +228,14 @@ def _of_friction(name: str, surface: ContactSurface) -> Group:
 
     def columns(cases: _Cases) -> list[Vector]:
         solution, points = cases.solution, slice(*surface.slice)
-        normal, contact = solution.contact_forces[:, points], solution.system.contact
+        normal, shear = solution.contact_forces, solution.shear_forces
+        at_bound = (normal > 0) & ~solution.system.contact.sticking(normal, shear)
         force, far = (
-            np.linalg.norm(parts[..., points], axis=-2)
-            for parts in (solution.shear_forces, solution.shear_slip)
+            np.linalg.norm(parts[..., points], axis=-2) for parts in (shear, solution.shear_slip)
         )
-        bound = (1 - ON_THE_BOUND) * contact.coefficients[points] * normal
         return [
             (force / surface.weights).max(axis=1),
-            ((normal > 0) & (force >= bound)) @ surface.weights,
+            at_bound[:, points] @ surface.weights,
             far.max(axis=1),
         ]
 

@@ -10,7 +10,7 @@ from faying.assessment.response_curve import (
     ResponseCurve,
     boundary_components,
 )
-from faying.assessment.slip import ON_THE_BOUND
+from faying.digits import DECK_DIGITS
 from faying.joint.system import System
 from faying.simulation.periodic_curve import CurvePoint, Traced
 from faying.simulation.solution import Solution
@@ -95,14 +95,13 @@ def _row(system: System, point: CurvePoint) -> dict[str, float | Vector]:
     far = np.hypot(*np.moveaxis(path.slack[-N:], 1, 0))
     pressed = path.forces[-N:, 0] > 0
     slips = np.zeros(contact.n_points, dtype=bool)
-    slips[watched] = ((far > ON_THE_BOUND * far.max(initial=0.0)) & pressed).any(axis=0)
+    slips[watched] = ((far > DECK_DIGITS * far.max(initial=0.0)) & pressed).any(axis=0)
     closed = forces[0] > 0
-    bound = (1 - ON_THE_BOUND) * contact.coefficients[:, None] * forces[0]
-    sticks = closed & (np.hypot(forces[1], forces[2]) < bound)
+    sticks = contact.sticking(forces[0].T, np.moveaxis(forces[1:], -1, 0)).T
     weights = contact.weights
     ever, at_rest = closed.any(axis=1), stuck.forces[0] > 0
-    surfaces = [contact.slices[name] for name in contact.rubbing_interfaces]
-    shares = [_share(weights[at], sticks[at], closed[at]) for at in surfaces if at_rest[at].any()]
+    bound, surfaces = contact.coefficients * at_rest, contact.slices.values()
+    shares = [_share(weights[at], sticks[at], closed[at]) for at in surfaces if bound[at].any()]
     # f du and forces of damping on du over a period, by the first harmonic and all.
     orders = np.arange(problem.n_harmonic + 1)[:, None]
     damped = 1j * orders * harmonics_of(motion.outputs[loads.damped], problem.n_harmonic)

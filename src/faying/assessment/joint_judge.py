@@ -111,9 +111,8 @@ class JointJudge:
     @cached_property
     def coefficients(self) -> dict[str, float]:
         """Coefficient that each interface is judged with, of those that have one."""
-        contact = self.system.contact
-        given = slip_coefficients(self.requirements.slip_friction, contact.smooth_interfaces)
-        return self.strengths.rubbing(contact) | given
+        smallest, of_smooth = self.strengths.smallest_friction, self.requirements.slip_friction
+        return slip_coefficients(self.system.contact, smallest, of_smooth)
 
     def assessment(self) -> Assessment:
         """Judge bolts and interfaces over the load cases as they are, and what is required."""

@@ -7,7 +7,6 @@ from typing import Self, final
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
-from faying.assessment.slip import ON_THE_BOUND
 from faying.assessment.stuck_modes import StuckMode, stuck_modes
 from faying.contact.increment import IncrementSolver
 from faying.digits import DECK_DIGITS, ROUND_OFF
@@ -335,11 +334,8 @@ class Swing:
     def sticking(self, step: PathStep) -> tuple[float, bool]:
         """Return the share of the closed area that sticks, and whether an interface has none."""
         contact, forces = self.system.contact, step.increment.forces
-        friction = self.system.contact.coefficients
-        closed = (forces[0] > 0) & (friction > 0)
-        sticks = closed & (
-            np.hypot(forces[1], forces[2]) < (1 - ON_THE_BOUND) * friction * forces[0]
-        )
+        closed = (forces[0] > 0) & (contact.coefficients > 0)
+        sticks = contact.sticking(forces[0], forces[1:])
         area = float(contact.weights[closed].sum())
         gross = [
             bool(closed[points].any() and not sticks[points].any())

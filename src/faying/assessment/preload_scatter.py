@@ -1,6 +1,6 @@
 """What scatter of the preloads does: the metrics of a load case over many tightenings."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import final
@@ -8,9 +8,8 @@ from typing import final
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.assessment.case_metrics import Metric, case_metrics, metrics_of
+from faying.assessment.case_metrics import case_metrics, metrics_of
 from faying.assessment.growth import DEFAULT_INCREMENTS
-from faying.assessment.slip import SLIP, slip_states
 from faying.assessment.strength.thread import Thread
 from faying.exceptions import ModelError, naming
 from faying.interface.surface import ContactSurface
@@ -18,8 +17,7 @@ from faying.joint.model import Model
 from faying.joint.system import System
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import InputRow, NamedLoad
-from faying.simulation.path import solve_path
-from faying.simulation.static import solve_static_inputs
+from faying.simulation.path import path_inputs, solve_ends
 
 QUANTILES = (0.0, 0.05, 0.5, 0.95, 1.0)
 """Of the tightenings, below which the values that are told lie."""
@@ -152,19 +150,12 @@ def preload_spreads(
     rng = np.random.default_rng(0)
     meant = load.inputs(system, np.zeros(1))
     inputs = np.vstack([meant, _tightened(system, meant, scatter, threads, rng)])
-    metrics = metrics_of(system, interfaces, certified=False)
-    slipping = "area that slips at the end of the load"
-    metrics += [
-        Metric(f"slip_area.{name}", slipping, "length²", "largest")
-        for name in system.contact.rubbing_interfaces
-    ]
-    if system.contact.forgets:
-        table = case_metrics(solve_static_inputs(system, inputs, load.name), interfaces)
-    else:
-        rubbing = (_with_coefficients(system, row) for row in _coefficients(system, scatter, rng))
-        paths = zip(rubbing, inputs, strict=True)
-        table = np.array([_at_the_end(*path, interfaces, load.name) for path in paths])
-    spreads = []
+    metrics, spreads = metrics_of(system, interfaces, certified=False), list[Spread]()
+    tables = list[Matrix]()
+    for joint, rows in _joints(system, inputs, scatter, rng):
+        ways = [_way(joint, row) for row in rows]
+        tables.append(case_metrics(solve_ends(joint, ways, None, load.name), interfaces))
+    table = np.concatenate(tables)
     for column, metric in enumerate(metrics):
         if metric.worst is None:
             continue
@@ -181,19 +172,24 @@ def preload_spreads(
     return tuple(spreads)
 
 
-def _at_the_end(
-    system: Model | ReducedModel,
-    inputs: Vector,
-    interfaces: Mapping[str, ContactSurface],
-    name: str,
-) -> Vector:
-    """Return the metrics (n_metric,) where a path from no load ends, the bolts tightened first."""
-    load, count = InputRow(name=name, row=inputs), DEFAULT_INCREMENTS
-    path = solve_path(system, [load.scaled(step / count) for step in range(count + 1)], name=name)
-    slips = slip_states(path).status[-1] == SLIP
-    rubbing = [interfaces[name] for name in system.contact.rubbing_interfaces]
-    areas = [slips[slice(*surface.slice)] @ surface.weights for surface in rubbing]
-    return np.concatenate([case_metrics(path, interfaces)[-1], areas])
+def _joints(
+    system: Model | ReducedModel, inputs: Matrix, scatter: PreloadScatter, rng: np.random.Generator
+) -> Iterator[tuple[Model | ReducedModel, Matrix]]:
+    """Yield joints and their inputs (n, n_input): as it is, and each with friction of its own."""
+    if scatter.surface_friction is None:
+        yield system, inputs
+        return
+    yield system, inputs[:1]
+    names = list(system.contact.laws)
+    drawn = _within(scatter.surface_friction, _shares(rng, scatter.samples, len(names)))
+    for row, coefficients in zip(inputs[1:], drawn.tolist(), strict=True):
+        yield _with_coefficients(system, dict(zip(names, coefficients, strict=True))), row[None]
+
+
+def _way(system: System, row: Vector) -> Matrix:
+    """Return inputs (n_load, n_input): the bolts tightened, then the load in equal increments."""
+    load, count = InputRow(name="", row=row), DEFAULT_INCREMENTS
+    return path_inputs(system, [load.scaled(step / count) for step in range(count + 1)])
 
 
 def _with_coefficients(
@@ -204,17 +200,10 @@ def _with_coefficients(
         name: system.contact.laws[name].with_coefficient(friction)
         for name, friction in coefficients.items()
     }
-    if all(laws[name] == system.contact.laws[name] for name in laws):
-        return system
     if isinstance(system, ReducedModel):
-        contact = replace(system.contact, laws={**system.contact.laws, **laws})
-        return replace(system, contact=contact)
-    return system.with_interfaces(
-        {
-            name: interface.with_law(laws.get(name, interface.law))
-            for name, interface in system.interfaces.items()
-        }
-    )
+        return replace(system, contact=replace(system.contact, laws=laws))
+    interfaces = system.interfaces.items()
+    return system.with_interfaces({name: face.with_law(laws[name]) for name, face in interfaces})
 
 
 def _tightened(
@@ -253,19 +242,6 @@ def _torque(bolt: str, threads: Mapping[str, Thread], in_thread: Vector, at_head
         raise ModelError(message)
     with naming(f"bolt '{bolt}'"):
         return threads[bolt].torque_per_force(in_thread, at_head)
-
-
-def _coefficients(
-    system: System, scatter: PreloadScatter, rng: np.random.Generator
-) -> list[dict[str, float]]:
-    """Return the coefficients of the interfaces, as they are and then of each sample."""
-    coefficients = {
-        name: system.contact.laws[name].friction for name in system.contact.rubbing_interfaces
-    }
-    if scatter.surface_friction is None:
-        return [coefficients] * (scatter.samples + 1)
-    drawn = _within(scatter.surface_friction, _shares(rng, scatter.samples, len(coefficients)))
-    return [coefficients, *(dict(zip(coefficients, row, strict=True)) for row in drawn.tolist())]
 
 
 def _shares(rng: np.random.Generator, count: int, columns: int) -> Matrix:

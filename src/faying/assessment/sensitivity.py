@@ -17,7 +17,7 @@ from typing import final
 
 import numpy as np
 
-from faying._typing import Matrix
+from faying._typing import Matrix, Vector
 from faying.assessment.linear_increments import Derivatives, LinearIncrement, linear_increments
 from faying.digits import SOLVED
 from faying.exceptions import ModelError
@@ -100,7 +100,8 @@ class Sensitivity:
     @cached_property
     def friction(self) -> Derivatives:
         """By the coefficient of friction of every interface that has one, from the start on."""
-        return self._follow(self._rubbing, friction=self._members(self._rubbing))
+        names = self._where(self.system.contact.coefficients)
+        return self._follow(names, friction=self._members(names))
 
     @cached_property
     def tangential_penalty(self) -> Derivatives:
@@ -108,7 +109,7 @@ class Sensitivity:
         contact = self.system.contact
         flexibility = np.zeros(contact.n_points)
         flexibility[contact.rubbing] = contact.tangential_flexibility
-        names = tuple(name for name in self._rubbing if flexibility[contact.slices[name]].any())
+        names = self._where(flexibility)
         change = -(flexibility**2) * contact.weights  # of 1/(c_t w) by c_t
         return self._follow(names, yields=self._members(names) * change[:, None])
 
@@ -144,9 +145,10 @@ class Sensitivity:
     def _inputs(self) -> Matrix:
         return np.atleast_2d(self.solution.inputs)
 
-    @property
-    def _rubbing(self) -> tuple[str, ...]:
-        return tuple(self.system.contact.rubbing_interfaces)
+    def _where(self, values: Vector) -> tuple[str, ...]:
+        """Return the interfaces where some value of their points (n_point,) is not zero."""
+        slices = self.system.contact.slices.items()
+        return tuple(name for name, points in slices if values[points].any())
 
     def _members(self, names: tuple[str, ...]) -> Matrix:
         """Return which points (n_point, n) belong to interfaces, as ones and zeros."""

@@ -9,17 +9,13 @@ import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.contact.contact import Contact
-from faying.digits import DECK_DIGITS, SOLVED
+from faying.digits import SOLVED
 from faying.simulation.path import last_of
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import check_points
 
 OPEN, STICK, SLIP = 0, 1, 2
 """States of a contact point; closed points without friction always slip."""
-
-ON_THE_BOUND = DECK_DIGITS
-"""Distance of a traction from its bound, over it, that leaves it on the bound: far more than
-increments are solved to, far less than an increment of load changes it."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -66,9 +62,10 @@ def point_states(contact: Contact, normal: Matrix, shear: Matrix, slip: Matrix) 
     Normal (n_increment, n_point) and shear forces (n_increment, n_tangent, n_point) [force]; slip
     (n_increment + 1, n_tangent, n_point) [length] before the first increment and after each.
     """
-    friction = contact.coefficients
-    status = np.where(_slips(normal, shear, slip, friction), SLIP, STICK)
-    status[:, friction == 0] = SLIP
+    farthest = np.linalg.norm(slip, axis=1).max(initial=0.0)
+    moved = np.linalg.norm(np.diff(slip, axis=0), axis=1) > SOLVED * farthest
+    status = np.where(moved & ~contact.sticking(normal, shear), SLIP, STICK)
+    status[:, contact.coefficients == 0] = SLIP
     status = np.where(normal > 0, status, OPEN)
     shares = _shares(status, contact.weights, contact.rubbing)
     whole = [all_slip(status[:, contact.slices[name]]) for name in contact.rubbing_interfaces]
@@ -93,20 +90,6 @@ def slip_history(path: Solution, initial: Solution | None = None) -> Matrix:
         earlier = last_of(initial).shear_slip[: shape[1]]
         first[0, : len(earlier)] = earlier
     return np.concatenate([first, path.shear_slip.reshape(shape)])
-
-
-def _slips(normal: Matrix, shear: Matrix, slip: Matrix, friction: Vector) -> Mask:
-    """Say where the traction is on its bound and the slip changes (n_increment, n_point)."""
-    farthest = np.linalg.norm(slip, axis=1).max(initial=0.0)
-    moved = np.linalg.norm(np.diff(slip, axis=0), axis=1) > SOLVED * farthest
-    return np.asarray(moved & on_the_bound(normal, shear, friction))
-
-
-def on_the_bound(normal: Matrix, shear: Matrix, friction: Vector) -> Mask:
-    """Say where forces (n, n_tangent, n_point) along are at μ times normal ones (n, n_point)."""
-    bound, size = friction * normal, np.linalg.norm(shear, axis=1)
-    slack = ON_THE_BOUND * bound + SOLVED * normal.max(initial=0.0)
-    return np.asarray(size >= bound - slack)
 
 
 def _shares(status: Indices, weights: Vector, rubbing: Indices) -> Matrix:

@@ -17,6 +17,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.contact.contact import Contact
 from faying.digits import DECK_DIGITS, ROUND_OFF
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import surroundings
@@ -177,19 +178,23 @@ def _nearer(places: Matrix, shares: Matrix, point: Matrix, reach: float) -> tupl
 
 
 def slip_coefficients(
-    friction: float | Mapping[str, float] | None, smooth_interfaces: Sequence[str]
+    contact: Contact,
+    smallest: float | None,
+    of_smooth: float | Mapping[str, float] | None,
 ) -> dict[str, float]:
     """Return the coefficient that each interface is judged with, of those that have one.
 
-    Smooth interfaces have no friction law.
+    Friction has that of its law, or the smallest where it scatters; smooth interfaces what is given
+    for them.
     """
-    if friction is None:
-        return {}
-    return (
-        dict(friction)
-        if isinstance(friction, Mapping)
-        else dict.fromkeys(smooth_interfaces, friction)
-    )
+    given = {} if of_smooth is None else of_smooth
+    if not isinstance(given, Mapping):
+        given = dict.fromkeys(contact.smooth_interfaces, given)
+    laws = contact.laws.items()
+    if smallest is not None:
+        laws = {name: law.with_coefficient(smallest) for name, law in laws}.items()
+    coefficients = {name: given.get(name, law.friction) for name, law in laws}
+    return {name: coefficient for name, coefficient in coefficients.items() if coefficient > 0}
 
 
 def slip_demands(

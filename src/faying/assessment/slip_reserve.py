@@ -16,7 +16,7 @@ from faying.assessment.opening import (
     pressed_shares,
 )
 from faying.assessment.sliding import resistance_used
-from faying.assessment.slip import SLIP, SlipStates, on_the_bound, point_states
+from faying.assessment.slip import SLIP, SlipStates, point_states
 from faying.exceptions import ModelError
 from faying.joint.system import System
 from faying.simulation.load import InputRow, Load
@@ -301,8 +301,7 @@ class _Search:
     def stuck(self) -> Mask:
         """Return the points (n_point,) whose traction the preload leaves within its bound."""
         forces = self.start.increment.forces
-        friction = self.system.contact.coefficients
-        return np.asarray(~on_the_bound(forces[:1], forces[None, 1:], friction)[0])
+        return self.system.contact.sticking(forces[0], forces[1:])
 
     def share(self, states: SlipStates, points: Mask) -> float:
         """Return the area of some points that slips, over that of all that touches and rubs."""

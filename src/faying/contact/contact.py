@@ -7,8 +7,9 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 
-from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen, read_only
+from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, frozen, read_only
 from faying.contact.laws import Law
+from faying.digits import DECK_DIGITS, SOLVED
 from faying.exceptions import ModelError
 from faying.linalg.budget import default_budget, points_fit
 from faying.linalg.sparse_compliance import Compliance
@@ -175,6 +176,16 @@ class Contact:
             rubbing = shear_forces[..., self.rubbing]
             pairs = pairs + self.shear.T @ rubbing.reshape(*rubbing.shape[:-2], -1).T
         return pairs
+
+    def sticking(self, normal: Matrix, shear: Matrix) -> Mask:
+        """Say which points are pressed on while their traction is below its bound μ p.
+
+        Normal (..., n_point) and tangential forces (..., n_tangent, n_point) [force].
+        """
+        bound = self.coefficients * normal
+        # Far more than increments are solved to, far less than an increment of load changes it.
+        slack = DECK_DIGITS * bound + SOLVED * normal.max(initial=0.0)
+        return np.asarray(np.linalg.norm(shear, axis=-2) < bound - slack)
 
     @property
     def yields(self) -> bool:

@@ -266,17 +266,27 @@ def solve_ramps(
 
     Notes
     -----
-    As many increments as :func:`faying.solve_path` with the same loads, and one back-substitution
-    for each load. Where contact remembers nothing they are cases, solved together.
+    As many increments as :func:`faying.solve_path` with the same loads.
     """
-    if system.contact.forgets:
-        return solve_static_inputs(system, inputs, name)
-    step = path_start(system, rest)
-    solver = system.static_contact.increments
     begun = np.atleast_2d(rest.inputs)[-1]
     shares = np.arange(1, increments + 1)[:, None] / increments
+    ways = [(1 - shares) * begun + shares * row for row in inputs]
+    return solve_ends(system, ways, rest, name)
+
+
+def solve_ends(
+    system: System, ways: Sequence[Matrix], initial: Solution | None, name: str
+) -> Solution:
+    """Solve many paths of inputs (n_load, n_input) from one state; the end of each.
+
+    One back-substitution for each. Where contact remembers nothing the ends are cases, solved
+    together.
+    """
+    inputs = np.array([way[-1] for way in ways])
+    if system.contact.forgets:
+        return solve_static_inputs(system, inputs, name)
+    step, solver = path_start(system, initial), system.static_contact.increments
     ends: list[PathStep] = []
-    for row in inputs:
-        relative = moved_alone(system, begun + shares * (row - begun))
-        ends += deque(follow(solver, relative, step), maxlen=1)
+    for way in ways:
+        ends += deque(follow(solver, moved_alone(system, way), step), maxlen=1)
     return assembled(system, inputs, ends, name)

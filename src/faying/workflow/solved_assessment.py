@@ -63,9 +63,8 @@ def _areas(options: SolveOptions, rom: ReducedModel) -> dict[str, TangentialRows
 
     Those around bolts are judged by the margins of a standard alone.
     """
-    given = options.requirements.slip_friction
-    judged = slip_coefficients(given, rom.contact.smooth_interfaces)
-    judged |= options.strengths.rubbing(rom.contact)
+    of_smooth = options.requirements.slip_friction
+    judged = slip_coefficients(rom.contact, options.strengths.smallest_friction, of_smooth)
     around = options.margins is not None and options.margins.standard == NASA
     return {
         area_name(rows.interface, rows.bolt): rows

@@ -11,7 +11,6 @@ from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.joint_record import CaseState
 from faying.assessment.strength.thread import Thread
 from faying.assessment.strength.tightening import PreloadRange
-from faying.contact.contact import Contact
 from faying.joint.smooth_joint import smooth_joint
 from faying.joint.system import Joint, System, initial_bolt_forces
 from faying.reduction.reduced_model import ReducedModel
@@ -220,11 +219,3 @@ class BoltStrengths:
     tightened: Mapping[str, float] = field(default_factory=dict)
     temperatures: Mapping[str, StaticLoad] = field(default_factory=dict)
     smallest_friction: float | None = None
-
-    def rubbing(self, contact: Contact) -> dict[str, float]:
-        """Return the coefficients of the interfaces that have friction, of a range the smallest."""
-        lowest = self.smallest_friction
-        return {
-            name: contact.laws[name].friction if lowest is None else lowest
-            for name in contact.rubbing_interfaces
-        }
