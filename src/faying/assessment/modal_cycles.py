@@ -13,7 +13,7 @@ from faying.digits import DECK_DIGITS, ROUND_OFF
 from faying.exceptions import ModelError
 from faying.joint.system import System, boundary_slices
 from faying.model.boundary import DISPLACEMENT_NAMES
-from faying.simulation.cycles import MOST_CYCLES, STATIONARY
+from faying.simulation.cycles import repeat
 from faying.simulation.path_steps import PathStep, follow
 from faying.simulation.solution import Solution
 
@@ -278,28 +278,18 @@ class Swing:
         rise = np.arange(1, (half + 1) // 2 + 1) / ((half + 1) // 2)
         down = 1 - 2 * np.arange(1, half + 1) / half
 
-        def walk(
-            shares: Vector, state: PathStep, before: Sequence[PathStep] = ()
-        ) -> list[PathStep]:
-            targets = self.start.relative + load * np.outer(shares, self.moved)
-            return list(follow(self.solver, targets, state, before=before))
+        def targets(shares: Vector) -> Matrix:
+            return self.start.relative + load * np.outer(shares, self.moved)
 
-        steps, cycle = walk(rise, self.start), list[PathStep]()
+        steps = list(follow(self.solver, targets(rise), self.start))
         first = self._modal([self.start, *steps], np.concatenate([[0.0], load * rise]))
         first_loop = float(np.trapezoid(np.concatenate([[0.0], load * rise]), first))
         factors = np.concatenate([down, -down])
         loads = load * np.concatenate([[1.0], factors])
-        stationary, count, energy = False, 0, np.inf
-        while not stationary and count < MOST_CYCLES:
-            previous, last = steps[-1], energy
-            steps, count = walk(factors, previous, cycle), count + 1
-            cycle = [previous, *steps]
-            modal = self._modal(cycle, loads)
-            energy = sum(step.dissipation for step in steps)
-            left = np.abs(steps[-1].slip - previous.slip) * np.abs(steps[-1].increment.forces[1:])
-            change = min(abs(energy - last), float(left.sum()))
-            stationary = change <= max(STATIONARY * energy, ROUND_OFF * load * np.ptp(modal))
-        sticking = np.array([self.sticking(step) for step in steps])
+        repeated = repeat(self.solver, targets(factors), steps[-1])
+        cycle, energy = repeated.steps, float(repeated.energies[-1])
+        modal = self._modal(cycle, loads)
+        sticking = np.array([self.sticking(step) for step in cycle[1:]])
         return ModalCycle(
             load=load,
             modal=(modal[-1] - modal[half]) / 2,
@@ -308,8 +298,8 @@ class Swing:
             loop=-float(np.trapezoid(modal, loads)),
             stick_share=float(sticking[:, 0].min()),
             macroslip=bool(sticking[:, 1].any()),
-            cycles=count,
-            stationary=stationary,
+            cycles=len(repeated.energies),
+            stationary=repeated.stationary,
             first_modal=float(first[-1]),
             first_loop=first_loop,
             loads=loads,

@@ -9,17 +9,16 @@ import numpy as np
 from faying._typing import Frozen, Vector
 from faying.assessment.modal_cycles import measured
 from faying.assessment.stuck_modes import stuck_mode
-from faying.digits import ROUND_OFF
 from faying.exceptions import ModelError, naming
 from faying.joint.load_pattern import LoadPattern
 from faying.joint.model import Model
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.compiled import warn_of_compiled
-from faying.simulation.cycles import MOST_CYCLES, STATIONARY
+from faying.simulation.cycles import MOST_CYCLES, Repeated, repeat
 from faying.simulation.integrators.energy_decaying import EnergyDecaying
 from faying.simulation.integrators.integrator import Integrator
 from faying.simulation.load import Load
-from faying.simulation.path import solve_path
+from faying.simulation.path import assembled, moved_alone, path_inputs, path_start, solve_path
 from faying.simulation.solution import Solution
 from faying.simulation.transient import solve_transient
 
@@ -243,13 +242,12 @@ def ring_down(
         ]
 
     displaced = solve_path(pushed, [*path, *pushing(shares)])
-    cycle = pushing(np.concatenate([1 - shares, -shares, shares - 1, shares]))
-    energies = list[float]()
-    while len(energies) < (MOST_CYCLES if cycles is None else cycles):
-        displaced = solve_path(pushed, cycle, initial=displaced)
-        energies.append(float(np.sum(displaced.dissipation)))
-        if cycles is None and _repeats(energies, load**2 / circular**2):
-            break
+    inputs = path_inputs(pushed, pushing(np.concatenate([1 - shares, -shares, shares - 1, shares])))
+    start = path_start(pushed, displaced)
+    solver = pushed.static_contact.increments.about(start.increment)
+    repeated = repeat(solver, moved_alone(pushed, inputs), start, cycles)
+    if cycles != 0:
+        displaced = assembled(pushed, inputs, repeated.steps[1:], name)
     warn_of_compiled(compiled)
     solution = solve_transient(
         pushed,
@@ -268,23 +266,15 @@ def ring_down(
         motion=motion,
         decay=decay,
         solution=solution,
-        energies=np.array(energies),
-        remarks=_remarks(decay, energies, cycles, load**2 / circular**2),
+        energies=repeated.energies,
+        remarks=_remarks(decay, repeated, cycles),
     )
 
 
-def _repeats(energies: Sequence[float], work: float) -> bool:
-    """Say whether the last cycle took what the one before did, or nothing."""
-    previous, now = [np.inf, *energies][-2:]
-    return bool(abs(now - previous) <= STATIONARY * now or now <= ROUND_OFF * work)
-
-
-def _remarks(
-    decay: Decay, energies: Sequence[float], cycles: int | None, work: float
-) -> tuple[str, ...]:
+def _remarks(decay: Decay, repeated: Repeated, cycles: int | None) -> tuple[str, ...]:
     remarks = []
-    if cycles is None and not _repeats(energies, work):
-        less = 1 - energies[-1] / energies[-2]
+    if cycles is None and not repeated.stationary:
+        less = 1 - repeated.energies[-1] / repeated.energies[-2]
         remarks.append(
             f"cycles still changed after {MOST_CYCLES}, in the last one friction took {less:.1%} "
             "less than in the one before: part of the decay is the joint settling"

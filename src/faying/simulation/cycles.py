@@ -1,10 +1,13 @@
 """Cycles of a load about the preloaded joint, repeated until they no longer change."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from faying._typing import Vector
+from faying._typing import Matrix, Vector
+from faying.contact.contact import Contact
+from faying.contact.increment import IncrementSolver
 from faying.digits import ROUND_OFF
 from faying.exceptions import ModelError
 from faying.joint.system import System, input_forces
@@ -20,7 +23,8 @@ from faying.simulation.path_steps import PathStep, follow
 from faying.simulation.solution import Solution
 
 STATIONARY = 1e-3
-"""Change of the energy per cycle, over it, below which a cycle repeats the one before."""
+"""Change of the energy per cycle, over it, below which a cycle repeats the one before; and slip
+that it leaves, times traction."""
 
 MOST_CYCLES = 30
 """Cycles after which one that still changes is given as it is; 2 to 5 are usual."""
@@ -43,7 +47,7 @@ class Cycles:
     energies : (n_cycle,) [force·length]
         What friction took in each cycle.
     stationary
-        Whether the last two agree.
+        Whether the last one repeats: it took what the one before did, or ends where it began.
     """
 
     amplitude: float
@@ -112,52 +116,69 @@ def solve_cycles(
     rise = np.arange(1, increments + 1) / increments
     steps = np.arange(1, 2 * increments + 1) / increments
     factors = amplitude * np.concatenate([1 - steps, steps - 1])
-    rest = solve_path(system, [Load()]) if initial is None else initial
-    start, cycle, energies, stationary = _repeated(
-        system, load, (amplitude * rise, factors), rest, count
+    start = path_start(system, solve_path(system, [Load()]) if initial is None else initial)
+    solver = system.static_contact.increments.about(start.increment)
+    risen, cycle = (
+        path_inputs(system, scaled_loads(load, factor)) for factor in (amplitude * rise, factors)
     )
+    *_, start = follow(solver, moved_alone(system, risen), start)
+    repeated = repeat(solver, moved_alone(system, cycle), start, count)
     return Cycles(
         amplitude=amplitude,
         factors=factors,
-        cycle=cycle,
-        start=start,
-        energies=energies,
-        stationary=stationary,
+        cycle=assembled(system, cycle, repeated.steps[1:], load.name),
+        start=assembled(system, risen[-1:], repeated.steps[:1], load.name),
+        energies=repeated.energies,
+        stationary=repeated.stationary,
     )
 
 
-def _repeated(
-    system: System,
-    load: Load,
-    factors: tuple[Vector, Vector],
-    rest: Solution,
-    count: int | None,
-) -> tuple[Solution, Solution, Vector, bool]:
-    """Return where the last cycle starts, the cycle, the energies of all, and whether they repeat.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Repeated:
+    """Cycles of loads, to their opposite and back.
 
-    Displacements are computed of the last cycle alone, and where the others reverse.
+    Attributes
+    ----------
+    steps
+        Where the last cycle began, and where each of its loads led.
+    energies : (n_cycle,) [force·length]
+        What friction took in each cycle.
+    stationary
+        Whether the last one repeats.
     """
-    rise, cycle = (path_inputs(system, scaled_loads(load, factor)) for factor in factors)
-    here = path_start(system, rest)
-    solver = system.static_contact.increments.about(here.increment)
-    steps = list(follow(solver, moved_alone(system, rise), here))
-    relative = moved_alone(system, cycle)
-    ends = cycle[[len(cycle) // 2 - 1, -1]]
-    start, energies, stationary = steps[-1], list[float](), False
-    before = list[PathStep]()
-    while len(energies) < (count or MOST_CYCLES) and (count is not None or not stationary):
-        start = steps[-1]
-        steps = list(follow(solver, relative, start, before=before))
-        before = [start, *steps]
-        energies.append(float(np.sum([step.dissipation for step in steps])))
-        reversals = assembled(system, ends, [steps[len(steps) // 2 - 1], steps[-1]], "reversals")
-        work = float(np.ptp(load_work(reversals, load))) * float(np.abs(factors[1]).max())
-        change = abs(energies[-1] - energies[-2]) if len(energies) > 1 else energies[-1]
-        stationary = change <= max(STATIONARY * energies[-1], ROUND_OFF * work)
-        stationary = stationary and not _deepened(start, steps[-1])
-    begun = assembled(system, rise[-1:], [start], load.name)
-    last = assembled(system, cycle, steps, load.name)
-    return begun, last, np.array(energies), stationary
+
+    steps: list[PathStep]
+    energies: Vector
+    stationary: bool
+
+
+def repeat(
+    solver: IncrementSolver, relative: Matrix, start: PathStep, count: int | None = None
+) -> Repeated:
+    """Repeat a cycle of loads, from where they lead, until it no longer changes, or so many times.
+
+    The loads alone move the pairs by (n_load, n_relative) [length].
+    """
+    steps, energies, stationary = [start], list[float](), False
+    most = MOST_CYCLES if count is None else count
+    while len(energies) < most and not (stationary and count is None):
+        before = steps if energies else ()
+        steps = [steps[-1], *follow(solver, relative, steps[-1], before=before)]
+        energies.append(float(np.sum([step.dissipation for step in steps[1:]])))
+        stationary = repeats(solver.contact, steps, energies)
+    return Repeated(steps=steps, energies=np.array(energies), stationary=stationary)
+
+
+def repeats(contact: Contact, steps: Sequence[PathStep], energies: Sequence[float]) -> bool:
+    """Say whether a cycle took what the one before did, or ends where it began."""
+    begun, turned, end = (steps[at] for at in (0, len(steps) // 2, -1))
+    left = np.abs((end.slip - begun.slip) * end.increment.forces[1:]).sum()
+    change = min([*np.abs(np.diff(energies[-2:])), left])
+    forces = end.increment.forces - turned.increment.forces
+    moved = end.increment.moved - turned.increment.moved
+    work = np.abs(contact.at_pairs(forces[0], forces[1:]) * moved).sum()
+    alike = change <= max(STATIONARY * energies[-1], ROUND_OFF * work)
+    return bool(alike) and not _deepened(begun, end)
 
 
 def _deepened(before: PathStep, later: PathStep) -> bool:

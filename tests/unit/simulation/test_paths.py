@@ -16,7 +16,7 @@ from faying.exceptions import ConvergenceError, ModelError
 from faying.model.bolt import Bolt
 from faying.model.boundary import Boundary
 from faying.simulation.bolts_by_force import BoltsByForce
-from faying.simulation.cycles import load_work, loop_area
+from faying.simulation.cycles import load_work, loop_area, repeat, repeats
 from faying.simulation.path import moved_alone, path_inputs, path_start
 from faying.simulation.path_steps import _ahead, follow
 from faying.simulation.start import released_state
@@ -312,49 +312,48 @@ def test_cycles_are_loads_of_a_path(count):
     assert area == pytest.approx(energies[-1], rel=0.3)
 
 
-def test_cycles_are_repeated_until_they_agree_to_a_thousandth(monkeypatch):
-    """These are alike from the first, so that what they take is told them."""
+def test_cycles_are_repeated_until_they_agree_to_a_thousandth():
+    """These are alike from the first."""
     system = sliders(lean=120.0)
     tight = fy.solve_path(system, [pulled()])
-    found = fy.solve_cycles(system, LOAD, 6.0, tight, increments=2)
-    assert found.stationary
-    assert len(found.energies) == 2
-    # Where nothing slips the first one repeats what was before it.
-    stuck = fy.solve_cycles(system, LOAD, 0.1, tight, increments=2)
-    assert stuck.stationary
-    assert len(stuck.energies) == 1
-    assert abs(stuck.energies[0]) < 1e-12
+    for amplitude in (6.0, 0.1):
+        found = fy.solve_cycles(system, LOAD, amplitude, tight, increments=2)
+        assert found.stationary
+        assert len(found.energies) == 1
+    assert abs(found.energies[0]) < 1e-12  # nothing slips
 
-    told = iter([None, 1.0, 0.9, 0.9011, 0.902, 0.9])  # 1.2 and then 0.998 thousandths more
-
-    def follow_and_tell(*given, **before):
-        energy, steps = next(told), list(follow(*given, **before))
-        return steps if energy is None else [replace(s, dissipation=energy / 8) for s in steps]
-
-    monkeypatch.setattr("faying.simulation.cycles.follow", follow_and_tell)
-    found = fy.solve_cycles(system, LOAD, 6.0, tight, increments=2)
-    np.testing.assert_allclose(found.energies, [1.0, 0.9, 0.9011, 0.902], rtol=1e-12)
-    assert found.stationary
-    told = iter([None, 1.0, 0.9, 0.9011])
-    found = fy.solve_cycles(system, LOAD, 6.0, tight, increments=2, count=3)
-    assert not found.stationary
+    steps = followed_cycle(system, 6.0, tight)
+    moved_on = [*steps[:-1], replace(steps[-1], slip=steps[-1].slip + 1.0)]
+    told = ([1.0, 0.9], [0.9, 0.9011], [0.9011, 0.902])  # 1.2 and then 0.998 thousandths more
+    agree = [repeats(system.contact, moved_on, [5.0, *energies]) for energies in told]
+    assert agree == [False, False, True]
+    assert not repeats(system.contact, moved_on, [0.9])
+    assert repeats(system.contact, steps, [1.0, 0.9])  # ends where it began
 
 
-def test_losses_of_round_off_are_none(monkeypatch):
-    """To 1e-12 of what the load puts in and takes out again."""
-    system = sliders()
-    tight = fy.solve_path(system, [pulled()])
-    still = fy.solve_cycles(system, LOAD, 0.2, tight, increments=2)
-    work = 0.2 * np.ptp(load_work(still.cycle, LOAD))
-    for share, cycles in ((0.9e-12, 1), (1.1e-12, 2)):
-        lost = iter([0.0, share * work, share * work])
+def followed_cycle(system, amplitude, tight):
+    loads = [LOAD.scaled(amplitude * factor) for factor in (1.0, 0.0, -1.0, 0.0, 1.0)]
+    relative = moved_alone(system, path_inputs(system, loads))
+    solver = system.static_contact.increments
+    (start,) = follow(solver, relative[:1], path_start(system, tight))
+    return repeat(solver, relative[1:], start, 1).steps
 
-        def follow_and_tell(*given, lost=lost, **before):
-            energy = next(lost)
-            return [replace(step, dissipation=energy / 8) for step in follow(*given, **before)]
 
-        monkeypatch.setattr("faying.simulation.cycles.follow", follow_and_tell)
-        assert len(fy.solve_cycles(system, LOAD, 0.2, tight, increments=2).energies) == cycles
+@pytest.mark.parametrize(("share", "alike"), [(0.9e-12, True), (1.1e-12, False)])
+def test_slip_of_round_off_is_none(share, alike):
+    """To 1e-12 of what contact takes as the load turns, and gives back."""
+    system, contact = sliders(), sliders().contact
+    steps = followed_cycle(system, 0.2, fy.solve_path(system, [pulled()]))
+    pairs, moved = (
+        np.subtract(*(value(steps[at].increment) for at in (2, -1)))
+        for value in (
+            lambda increment: contact.at_pairs(increment.forces[0], increment.forces[1:]),
+            lambda increment: increment.moved,
+        )
+    )
+    slip = steps[-1].slip.copy()
+    slip[0, 0] += share * np.abs(pairs * moved).sum() / abs(steps[-1].increment.forces[1, 0])
+    assert repeats(contact, [*steps[:-1], replace(steps[-1], slip=slip)], [0.0]) == alike
 
 
 def test_cycles_that_go_on_changing_are_ended(monkeypatch):

@@ -150,7 +150,7 @@ class CycleRecord:
     energies : (n_cycle,) [force·length]
         Energy that friction took in each cycle.
     stationary
-        Whether the last two cycles agree.
+        Whether the last cycle repeats: friction took as much as before, or it ends where it began.
     loop_area : [force·length]
         Area of the last loop of load factor over the displacement the load does work on.
     slip_range : (n_point,) [length]
