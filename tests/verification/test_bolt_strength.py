@@ -9,9 +9,9 @@ import faying as fy
 from faying.assessment.joint_record import CaseState
 from faying.assessment.strength.checks import strength_checks, stripping_force
 from faying.assessment.strength.fatigue import miner_sums, rainflow
-from faying.assessment.strength.preload_ends import PreloadEnd
+from faying.assessment.strength.preload_ends import PreloadEnd, preload_ends
 from faying.assessment.strength.thread import tightening_stress, working_stress
-from faying.assessment.strength.tightening import force_of_utilisation
+from faying.assessment.strength.tightening import PreloadRange, force_of_utilisation
 
 M10 = fy.Thread(diameter=10.0, pitch=1.5, grade="8.8", friction=0.12)
 NO_PRESSURE = np.zeros((1, 1))
@@ -70,6 +70,19 @@ def test_what_to_do_about_a_bolt_that_yields_follows_from_what_stresses_it(
     end = PreloadEnd(name="", rest=rest, cases={"load": case})
     checks = strength_checks({"b": M10}, [end], "mm-t-s")
     assert reason in next(check.reason for check in checks if check.quantity == "yield")
+
+
+def test_cases_that_are_not_solved_anew_are_bent_as_much_more_as_they_are_tightened():
+    """In proportion, as of a joint whose contact does not change, not by the load's share."""
+    tight, added = np.array([[[3e3, 0.0], [4e3, 1e3]]]), np.array([[[500.0, 200.0], [0.0, 0.0]]])
+    rest, case = state([10e3], tight), state([10.2e3], tight + added)
+    ends = preload_ends(None, rest, {"load": case}, {}, {"b": PreloadRange(variation=0.25)})
+    for end, factor in zip(ends, (0.75, 1.25), strict=True):
+        found = end.cases["load"]
+        assert found.bolt_forces["b"] == pytest.approx([10e3 * factor + 200.0], rel=1e-14)
+        wanted = tight * factor + added
+        assert found.bolt_moments["b"] == pytest.approx(wanted, rel=1e-14)
+        assert end.rest.bolt_moments["b"] == pytest.approx(tight * factor, rel=1e-14)
 
 
 def test_a_joint_tells_the_strength_of_its_bolts():

@@ -78,6 +78,31 @@ def test_friction_exceeded_around_one_bolt_alone_is_said(pair):
         assert verdict.holds
 
 
+def test_bolts_beside_the_contact_carry_what_the_tip_takes(pair):
+    """As around a gasket inside the bolt circle: no contact points are beyond them."""
+    mesh = pair.assembly.mesh
+    plates, tip = mesh.blocks[0], pair.boundaries["tip"]
+    between = np.abs(mesh.nodes[plates.nodes].mean(axis=1)[:, 0]) < 5.0
+    lower, upper = (plates.ids[between & (plates.properties == number)] for number in (1, 2))
+    model = build_model(
+        pair.assembly,
+        interfaces=[fy.InterfaceSpec(name="joint", minus=lower.tolist(), plus=upper.tolist())],
+        bolts=[
+            fy.BoltSpec(name=name, elements=bolt.shank.elements)
+            for name, bolt in pair.bolts.items()
+        ],
+        boundaries=[fy.BoundarySpec(name="tip", node=int(tip.nodes[0]))],
+    )
+    reach = max(abs(model.interfaces["joint"].points[:, 0]))
+    assert reach < min(abs(bolt.ends[0, 0]) for bolt in model.bolts.values())
+    model = fy.preload(model, dict.fromkeys(model.bolts, 8e3))
+    demand = fy.assess(model, LOADS, paths=False).interfaces["joint"].slip
+    assert not demand.unknown
+    force, moment, _ = balanced(model)
+    assert demand.tangential_force["pull"] == pytest.approx(force, rel=1e-9)
+    assert demand.moment["pull"] == pytest.approx(moment, rel=1e-9)
+
+
 def test_surroundings_of_bolts_share_what_is_carried(pair):
     for model in (pair, fy.preload(pair, dict.fromkeys(pair.bolts, 8e3), sticking=STICKING)):
         whole, *areas = tangential_rows(model)

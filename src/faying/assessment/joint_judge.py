@@ -37,13 +37,14 @@ from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import surroundings
 from faying.joint.model import Model
 from faying.joint.smooth_joint import smooth_joint
+from faying.joint.system import Joint
 from faying.joint.tangential import TangentialRows, tangential_rows
 from faying.reduction.projection import contact_surfaces
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import Load, NamedLoad
-from faying.simulation.path import moved_alone, solve_static
+from faying.simulation.path import contact_along, moved_alone, solve_static, unstressed
 from faying.simulation.solution import Solution
-from faying.simulation.static import solve_static_cases, solved_cases
+from faying.simulation.static import AT_REST, solve_static_cases, solved_cases
 from faying.units import units_of
 
 UNTOLD = "the file does not tell what is carried along it; reduce the study again"
@@ -103,6 +104,12 @@ class JointJudge:
         """Static load cases, by name, that can be solved whatever came before them."""
         return {load.name: load for load in self.loads if self.system.contact.forgets}
 
+    @property
+    def solved_anew(self) -> Mapping[str, NamedLoad]:
+        """Static load cases, by name, that are solved at other preloads: those without friction."""
+        smooth = self.system.contact.components == 1
+        return {load.name: load for load in self.loads if smooth}
+
     @cached_property
     def surfaces(self) -> Mapping[str, ContactSurface]:
         """Geometry of the interfaces."""
@@ -159,7 +166,7 @@ class JointJudge:
             self.exact,
             self.preloaded,
             histories,
-            self.memoryless,
+            self.solved_anew,
             strengths.ranges,
             strengths.tightened,
             strengths.temperatures,
@@ -243,7 +250,8 @@ class JointJudge:
         if initial is None and self.cases.keys() & self.memoryless.keys() >= set(names):
             pressure = np.concatenate([self.cases[name].pressure for name in names])
         else:
-            forces = solved_cases(smooth_joint(system), moved_alone(system, inputs)).forces
+            rest = self._inputs([AT_REST], initial)
+            forces = _forces_without_friction(smooth_joint(system), rest, inputs)
             pressure = forces / system.contact.weights
         demands = slip_demands(
             system,
@@ -264,6 +272,18 @@ class JointJudge:
             for area, demand in {**untold, **demands}.items()
             if area[0] in judged_by_sums
         }
+
+
+def _forces_without_friction(joint: Joint, rest: Matrix, inputs: Matrix) -> Matrix:
+    """Return contact forces (n_load, n_point) under loads, each on from the tightened joint.
+
+    Inputs of the rest are (1, n_input), of the loads (n_load, n_input).
+    """
+    if joint.contact.forgets:
+        return solved_cases(joint, moved_alone(joint, inputs)).forces
+    start = partial(unstressed, joint)
+    ways = [moved_alone(joint, np.vstack([rest, load])) for load in inputs]
+    return np.array([contact_along(joint, way, start).forces[-1] for way in ways])
 
 
 def surfaces_of(system: Model | ReducedModel) -> Mapping[str, ContactSurface]:

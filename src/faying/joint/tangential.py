@@ -5,7 +5,7 @@ they carry together follows from balance alone where nothing else connects the t
 does, sticking springs share with that, and without them nothing tells the share.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -102,8 +102,10 @@ def _of_interface(model: Model, name: str) -> Iterator[tuple[TangentialRows, Spa
     normal = interface.normals[0]
     origin, first = interface.points.mean(axis=0), tangents_of(normal[None])[0]
     tangents = np.stack([first, np.cross(normal, first)])
-    pierced = _pierced(interface, tangents, origin, model.bolts)
-    unknown = _unknown(model, name, pierced)
+    labels = _parts_without_bolts(model)
+    joining = _joining_sides(interface, model.bolts, labels)
+    pierced = _pierced(interface, tangents, origin, model.bolts, joining)
+    unknown = _unknown(model, name, pierced, labels)
     springs, pairs = _springs(model, name)
     areas = [("", np.ones(len(pairs), dtype=bool))]
     if model.bolts and told_apart(model.bolts):
@@ -162,12 +164,38 @@ def _cross(arm: Vector) -> Matrix:
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
+def _parts_without_bolts(model: Model) -> Indices:
+    """Label what hangs together without bolts and contact, for each node and the ground last."""
+    shanks = [port.shank for port in model.bolts.values() if port.shank is not None]
+    return connected_parts(
+        model.assembly, {element for shank in shanks for element in shank.elements}
+    )
+
+
+def _joining_sides(
+    interface: Interface, bolts: Mapping[str, Bolt], labels: Indices
+) -> Collection[str]:
+    """Return the bolts that join what an interface lies between."""
+    sides = np.unique(np.sort(labels[interface.pairs], axis=1), axis=0)
+    shanks = {name: bolt.shank for name, bolt in bolts.items() if bolt.shank is not None}
+    return {
+        name
+        for name, shank in shanks.items()
+        if (np.sort(labels[shank.nodes]) == sides).all(axis=1).any()
+    }
+
+
 def _pierced(
-    interface: Interface, tangents: Matrix, origin: Vector, bolts: Mapping[str, Bolt]
+    interface: Interface,
+    tangents: Matrix,
+    origin: Vector,
+    bolts: Mapping[str, Bolt],
+    joining: Collection[str],
 ) -> dict[str, float]:
     """Return the bolts that pass through an interface: 1 if they begin on its plus side, else −1.
 
-    An axis passes where contact points are on all sides of it.
+    An axis that crosses its plane passes where contact points are on all sides of it, or where the
+    bolt is among those that join its sides, as beside a gasket inside the bolt circle.
     """
     normal, pierced = np.cross(*tangents), {}
     points = (interface.points - origin) @ tangents.T
@@ -182,12 +210,13 @@ def _pierced(
         share = heights[0] / (heights[0] - heights[1])
         point = (ends[0] + share * (ends[1] - ends[0]) - origin) @ tangents.T
         angles = np.sort(np.arctan2(*(points - point).T))
-        if np.diff(angles, append=angles[:1] + 2 * np.pi).max() < np.pi:
+        around = np.diff(angles, append=angles[:1] + 2 * np.pi).max() < np.pi
+        if around or name in joining:
             pierced[name] = float(np.sign(heights[0]))
     return pierced
 
 
-def _unknown(model: Model, name: str, pierced: Mapping[str, float]) -> str:
+def _unknown(model: Model, name: str, pierced: Mapping[str, float], labels: Indices) -> str:
     """Say why nothing tells what is carried along an interface; empty where something does."""
     interface = model.interfaces[name]
     if not interface.flat:
@@ -199,7 +228,7 @@ def _unknown(model: Model, name: str, pierced: Mapping[str, float]) -> str:
     contained = [bolt for bolt, port in model.bolts.items() if port.shank is None]
     if contained:
         return f"bolt '{contained[0]}' is part of given matrices, so that what it carries is unseen"
-    if not sticks and _held_elsewhere(model, name, pierced):
+    if not sticks and _held_elsewhere(model, name, pierced, labels):
         return (
             "its sides are held together elsewhere too, by supports, ties or other interfaces, and "
             "nothing sticks that would tell its share"
@@ -207,11 +236,9 @@ def _unknown(model: Model, name: str, pierced: Mapping[str, float]) -> str:
     return ""
 
 
-def _held_elsewhere(model: Model, name: str, pierced: Mapping[str, float]) -> bool:
+def _held_elsewhere(model: Model, name: str, pierced: Mapping[str, float], labels: Indices) -> bool:
     """Say whether the sides are connected without an interface and the bolts that pass it."""
     shanks = {bolt: port.shank for bolt, port in model.bolts.items() if port.shank is not None}
-    cut = {element for port in shanks.values() for element in port.elements}
-    labels = connected_parts(model.assembly, cut)
     links = [
         labels[model.interfaces[neighbour].pairs]
         for neighbour in model.interfaces

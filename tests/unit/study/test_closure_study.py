@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 import faying as fy
+from faying.assessment.joint_judge import JointJudge
 from faying.contact.laws import CLOSURES, Coulomb, Hard, Penalty
-from faying.exceptions import FormatError, ModelError, StudyError
+from faying.exceptions import ConvergenceError, FormatError, ModelError, StudyError
 from faying.interface.closure_table import read_closure_table
 from faying.interface.surface import contact_surface, recorded_law
 from faying.joint.lap_joint import STEEL
@@ -17,6 +18,7 @@ from faying.study.inputs.loads import check_loads
 from faying.study.keys.schema import read_study
 from faying.study.results.store import read_results
 from faying.study.stages.recover import reduced_model
+from faying.study.stages.run_assessment import FAILED
 from faying.workflow.run import run
 from small_study import NO_REPORT, reduction, static, tiny_joint
 
@@ -124,6 +126,38 @@ def test_a_study_follows_a_gasket(tmp_path):
     np.testing.assert_allclose(pressure[~below], table[~below], rtol=0, atol=0.02 * pressure.max())
     # Both solve for displacements to 1e-9 of the largest force, and the line is steep.
     assert case.methods["compliance"][0].accuracy.max_relative_error < 1e-7
+
+
+SIZED = 'size = "M8"\ngrade = "8.8"\ntightening_factor = 1.4\npreload = 1e4'
+RUBBED = "[requirement]\nslip_friction = 0.2\n"
+
+
+@pytest.mark.long
+def test_a_joint_with_a_gasket_is_judged_at_both_ends_of_its_preloads(tmp_path, monkeypatch):
+    """Bolts and slip too: both were left out, and the bolt was told to be given a size."""
+    given = study(tmp_path, f"{{ gasket = 'layer.csv' }}\n{NO_REPORT}{RUBBED}", GASKET)
+    text = given.text.replace("preload = 1e4", SIZED).replace('"Fz", value', '"Fx", value')
+    (tmp_path / "study.toml").write_text(text, encoding="utf-8")
+    run(read_study(tmp_path / "study.toml"), tmp_path / "out")
+    results = read_results(tmp_path / "out/results.h5")
+    assert not results.warnings
+    slip = results.assessment.interfaces["joint"].slip
+    pulled = {name: abs(force) for name, force in slip.tangential_force.items()}
+    assert pulled == pytest.approx({"bending": 100.0}, rel=1e-9)
+    (judged,) = [check for check in results.assessment.checks if check.quantity == "yield"]
+    assert (judged.outcome, judged.scatter) == ("met", "P_p,max")
+    (loosened,) = [check for check in results.assessment.loosened if check.quantity == "slip"]
+    assert loosened.scatter == "P_p,min"
+
+    monkeypatch.setattr(JointJudge, "with_strength", fails)
+    run(read_study(tmp_path / "study.toml"), tmp_path / "failed")
+    failed = read_results(tmp_path / "failed/results.h5")
+    (judged,) = [check for check in failed.assessment.checks if check.quantity == "yield"]
+    assert (judged.outcome, judged.reason) == ("unknown", FAILED)
+
+
+def fails(*_):
+    raise ConvergenceError("nothing resists the bolts")
 
 
 STEP = 'kind = "step"\nduration = 1e-3\nstep = 1e-4'

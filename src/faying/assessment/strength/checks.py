@@ -138,8 +138,9 @@ BENT = (
     "acts along them and the study does not say so, give 'friction' of the interface or [sticking]"
 )
 BENT_AT_REST = (
-    "tightening alone bends it beyond the limit, and without bending the check is met; look at the "
-    "gaps that the bolts close, and at the order in which they are tightened"
+    "tightening alone bends it beyond the limit, and without bending the check is met: what it "
+    "clamps tilts under its head or nut; look at gaps that the bolts close, flanges that tilt "
+    "about a gasket, the order of tightening, and the mesh around the hole"
 )
 """What to do about a bolt that yields."""
 

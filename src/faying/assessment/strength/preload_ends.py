@@ -1,6 +1,6 @@
 """A joint at both ends of the scatter of its preloads, and at the temperatures it may have."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.assessment.case_metrics import bent_bolts
+from faying.assessment.growth import DEFAULT_INCREMENTS
 from faying.assessment.joint_record import CaseState
 from faying.assessment.strength.thread import Thread
 from faying.assessment.strength.tightening import PreloadRange
@@ -15,12 +16,16 @@ from faying.joint.smooth_joint import smooth_joint
 from faying.joint.system import Joint, System, initial_bolt_forces
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.bolts_by_force import BoltsByForce
-from faying.simulation.load import StaticLoad
+from faying.simulation.load import Load, StaticLoad
+from faying.simulation.path import solve_ramps, solve_static
 from faying.simulation.solution import Solution
 from faying.simulation.static import AT_REST, solve_static_inputs
 
 LEAST, MOST = "P_p,min", "P_p,max"
 """What the ends of the scatter are called."""
+
+ENDS = "ends of the preloads"
+"""What solutions there are called."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -36,8 +41,9 @@ class PreloadEnd:
     cases
         Load case to what it makes of it.
     solved
-        Load cases that were solved anew; the bolt forces of others are moved by as much as the
-        preloads, which is exact where nothing opens, closes or slips.
+        Load cases that were solved anew; forces of bolts in others are moved by as much as the
+        preloads, and moments by that share of those at rest: exact where nothing opens, closes or
+        slips, and the preloads of all bolts change alike.
     tightened : [force]
         Bolt to the force it was tightened to, where that was more than it has at rest.
     """
@@ -64,9 +70,9 @@ def preload_ends(
 ) -> tuple[PreloadEnd, ...]:
     """Return a joint at both ends of its preloads, or as it is where they do not scatter.
 
-    ``rest`` and ``cases`` are at nominal preloads. The loads, of static cases that remember
-    nothing, are solved anew where ranges change them, beside each of the temperatures. Bolts that
-    lost some of their force since were tightened to a higher one [force].
+    ``rest`` and ``cases`` are at nominal preloads. The loads, of static cases without friction, are
+    solved anew where ranges change them, beside each of the temperatures. Bolts that lost some of
+    their force since were tightened to a higher one [force].
 
     Raises
     ------
@@ -75,7 +81,8 @@ def preload_ends(
 
     Notes
     -----
-    One contact problem for each end, and one for each static load case at each end and temperature.
+    One contact problem for each end, and one for each static load case at each end and temperature,
+    of gaskets ten.
     """
     nominal = {name: float(force[0]) for name, force in rest.bolt_forces.items()}
     scattered = ends_of(nominal, ranges)
@@ -88,8 +95,8 @@ def preload_ends(
         shifts = {name: force - nominal[name] for name, force in forces.items()}
         moved = PreloadEnd(
             name=end,
-            rest=_shifted(rest, shifts),
-            cases={name: _shifted(state, shifts) for name, state in cases.items()},
+            rest=_shifted(rest, shifts, rest),
+            cases={name: _shifted(state, shifts, rest) for name, state in cases.items()},
             tightened=before[end],
         )
         if not loads or (not end and not temperatures):
@@ -137,18 +144,27 @@ def solved_end(
     if heated is not None:
         inputs[1:] += heated.inputs(system, start) - rest
     locked = with_initial(system, inputs, initial)
-    solution = solve_static_inputs(system, locked, "ends of the preloads")
     bent = [name for name in bent_bolts(system.bolts) if name in moved.rest.bolt_moments]
-    solved = {
-        name: state_of(solution, slice(row, row + 1), bent)
-        for row, name in enumerate(loads, start=1)
-    }
+    tightened, *loaded = _states_at(system, locked, bent)
     return replace(
         moved,
-        rest=state_of(solution, slice(1), bent),
-        cases={**moved.cases, **solved},
+        rest=tightened,
+        cases={**moved.cases, **dict(zip(loads, loaded, strict=True))},
         solved=frozenset(loads),
     )
+
+
+def _states_at(system: System, inputs: Matrix, bent: Sequence[str]) -> list[CaseState]:
+    """Return the joint as tightened, by the first of inputs (n_case, n_input), and the others."""
+    if system.contact.forgets:
+        solution = solve_static_inputs(system, inputs, ENDS)
+        return [state_of(solution, slice(row, row + 1), bent) for row in range(len(inputs))]
+    tightened = inputs[0, system.port_compliance.bolts]
+    bolts = dict(zip(system.bolts, tightened.tolist(), strict=True))
+    rest = solve_static(system, Load(bolt_forces=bolts, name=ENDS))
+    ramps = solve_ramps(system, inputs[1:], rest, increments=DEFAULT_INCREMENTS, name=ENDS)
+    loaded = [state_of(ramps, slice(row, row + 1), bent) for row in range(len(inputs) - 1)]
+    return [state_of(rest, slice(1), bent), *loaded]
 
 
 def loosest_forces(
@@ -191,9 +207,13 @@ def state_of(solution: Solution, rows: slice, bent: Iterable[str]) -> CaseState:
     )
 
 
-def _shifted(state: CaseState, shifts: Mapping[str, float]) -> CaseState:
+def _shifted(state: CaseState, shifts: Mapping[str, float], rest: CaseState) -> CaseState:
     forces = {name: force + shifts.get(name, 0.0) for name, force in state.bolt_forces.items()}
-    return replace(state, bolt_forces=forces)
+    moments = dict(state.bolt_moments)
+    for name in moments.keys() & rest.bolt_moments.keys() & shifts.keys():
+        share = shifts[name] / rest.bolt_forces[name][0] if shifts[name] else 0.0
+        moments[name] = moments[name] + share * rest.bolt_moments[name][:1]
+    return replace(state, bolt_forces=forces, bolt_moments=moments)
 
 
 @dataclass(frozen=True, kw_only=True)

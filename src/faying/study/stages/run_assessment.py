@@ -1,8 +1,9 @@
 """The joint of a run judged over its load cases."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
+from faying.assessment.check import Check
 from faying.assessment.joint_judge import JointJudge, rest_of
 from faying.assessment.joint_record import Assessment, CaseState
 from faying.assessment.slip_reserve import followed_openings
@@ -65,6 +66,7 @@ def assess_run(
         with books.attempt("certified bounds"):
             judge = judge.certified(lambda: joint.certifier)
         assessment = judge.assessment()
+        assessment = replace(assessment, checks=tuple(_failed_strength(judge.strengths.threads)))
         with books.attempt("strength of bolts"):
             counted = {c.name: c.repetitions for c in study.load_cases if c.repetitions}
             assessment = judge.with_strength(assessment, states, counted)
@@ -72,6 +74,16 @@ def assess_run(
             return with_margins(assessment, judge, study.requirement.margins, loads)
         return assessment
     return None
+
+
+def _failed_strength(threads: Collection[str]) -> Iterator[Check]:
+    """Yield what is told of bolts of known threads where their strength cannot be computed."""
+    for name in threads:
+        yield Check(part=name, kind="bolt", quantity="yield", reason=FAILED)
+
+
+FAILED = "it could not be computed, a warning says why"
+"""Why nothing is known of strength that was asked for."""
 
 
 def _bent_in_all(preloaded: CaseState, states: Mapping[str, CaseState]) -> CaseState:
