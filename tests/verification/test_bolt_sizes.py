@@ -146,7 +146,7 @@ def test_a_size_brings_measures_and_torque_a_preload(tmp_path):
     [
         ('size = "M8"\ngrade = "8.9.1"\npreload = 1.0', "grade '8.9.1' is none"),
         ('size = "M7"\ngrade = "8.8"\npreload = 1.0', "add it, as in 'M7x1'"),
-        ('size = "M8"\npreload = 1.0\ntorque = 2.0', "found 'preload', 'torque'; a table has"),
+        ('size = "M8"\npreload = 1.0\ntorque = 2.0', "found 'preload', 'torque', which each say"),
         ('size = "M8"\nutilisation = 0.9', "it takes the bolt's size and grade"),
         ('size = "M8"\ngrade = "8.8"\nutilisation = 0.9', "give thread_friction"),
         ('size = "M8"\ngrade = "8.8"\ntorque = 9.0', "give thread_friction and head_friction"),
@@ -159,7 +159,10 @@ def test_a_size_brings_measures_and_torque_a_preload(tmp_path):
             "the area under the head is not known",
         ),
         ("preload = 1.0", "needs 'diameter' and 'washer_radius'; add it"),
-        ('size = "M8"\ngamma = 0.1\ntightening_factor = 1.2\npreload = 1.0', "one or the other"),
+        (
+            'size = "M8"\ngamma = 0.1\ntightening_factor = 1.2\npreload = 1.0',
+            "how far its preload scatters",
+        ),
     ],
 )
 def test_bolts_that_make_no_sense_are_refused(tmp_path, keys, message):

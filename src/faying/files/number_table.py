@@ -60,14 +60,31 @@ def read_numbers(
     but where it begins a line. A first line that names the columns is not needed where ``unnamed``
     does. No number exceeds the largest magnitude.
     """
+    lines = lines_of(path, what)
+    if label is None:
+        lines = [line.split("#", 1)[0] for line in lines]
+    return numbers_in(lines, path, label=label, unnamed=unnamed, largest=largest)
+
+
+def lines_of(path: Path, what: str) -> list[str]:
+    """Return the lines of a table; messages say ``what`` it is."""
     try:
-        lines = file_text(path).splitlines()
+        return file_text(path).splitlines()
     except (OSError, UnicodeDecodeError) as error:
         reason = error.strerror if isinstance(error, OSError) else "it is no UTF-8 text"
         message = f"cannot read {what} {path}: {reason}; give a csv file in UTF-8"
         raise FormatError(message) from None
-    if label is None:
-        lines = [line.split("#", 1)[0] for line in lines]
+
+
+def numbers_in(
+    lines: Sequence[str],
+    path: Path,
+    *,
+    label: str | None = None,
+    unnamed: tuple[str, ...] = (),
+    largest: float = inf,
+) -> NumberTable:
+    """Return the numbers of the lines of a file, as :func:`read_numbers`."""
     numbered = enumerate(map(str.strip, lines), start=1)
     rows = [(number, line) for number, line in numbered if line.strip(",#") and line[0] != "#"]
     if not rows:

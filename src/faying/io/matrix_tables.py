@@ -21,9 +21,9 @@ from faying.files.contents import (
     check_room,
     check_rows,
     file_size,
-    file_text,
     reason_of,
 )
+from faying.files.number_table import lines_of, numbers_in
 from faying.files.numpy_archive import read_arrays, read_matrices
 from faying.io.deck_lines import lines_of_file
 from faying.io.isolated import read_isolated
@@ -199,9 +199,6 @@ def _by_scipy(script: str, path: Path, what: str) -> dict[str, SparseMatrix]:
     }
 
 
-_Rows = list[tuple[int, list[str]]]
-
-
 def read_node_table(path: str | PathLike[str]) -> tuple[Indices, Matrix]:
     """Return ids (n,) and coordinates (n, 3) from rows of id, x, y, z.
 
@@ -233,7 +230,8 @@ def read_id_sets(path: str | PathLike[str], what: str) -> dict[str, list[Indices
             for name, array in _arrays(path, what).items()
         }
     sets: dict[str, list[Indices]] = {}
-    for i, (line, texts) in enumerate(_rows(path, what)):
+    rows = ((number, line.split(",")) for number, line in enumerate(_lines(path, what), 1) if line)
+    for i, (line, texts) in enumerate(rows):
         ids = [text for text in texts[1:] if text]
         if not ids or not all(text.isascii() and text.isdigit() for text in ids):
             if i == 0:
@@ -261,25 +259,15 @@ def _check_there(path: Path, what: str) -> None:
         refuse(f"{what} '{path}' ends in '{path.suffix}'; readable are .csv, .txt, .npz")
 
 
-def _rows(path: Path, what: str) -> _Rows:
+def _lines(path: Path, what: str) -> list[str]:
+    """Return the lines of a table without comments, separated by commas alone."""
     _check_there(path, what)
-    try:
-        text = file_text(path, errors="replace")
-    except OSError as error:
-        message = f"{what} '{path}' cannot be read: {error.strerror}"
-        raise FormatError(message) from error
-    separated = text.replace(";", ",")
-    rows = []
-    for number, full in enumerate(separated.splitlines(), start=1):
-        line = full.partition("#")[0].strip()
-        if line:
-            parts = line.split(",") if "," in line else line.split()
-            rows.append((number, [part.strip() for part in parts]))
-    return rows
+    lines = (line.partition("#")[0].replace(";", ",") for line in lines_of(path, what))
+    cells = (line.split(",") if "," in line else line.split() for line in lines)
+    return [",".join(map(str.strip, row)) for row in cells]
 
 
 def _numbers(path: Path, what: str, columns: tuple[str, ...]) -> Matrix:
-    expected = f"expected {len(columns)} numbers: {', '.join(columns)}"
     if path.suffix.lower() == ".npz":
         arrays = list(_arrays(path, what).values())
         table = arrays[0] if len(arrays) == 1 else np.zeros(0)
@@ -289,27 +277,10 @@ def _numbers(path: Path, what: str, columns: tuple[str, ...]) -> Matrix:
                 f"{', '.join(columns)}"
             )
         return table.astype(np.float64)
-    rows = _rows(path, what)
-    if rows and not _parsed(rows[0][1]):
-        rows = rows[1:]
-    wrong = next((row for row in rows if len(row[1]) != len(columns)), None)
-    if wrong is not None:
-        refuse(f"{path}:{wrong[0]}: {what}: found {len(wrong[1])} entries, {expected}")
-    if not rows:
-        refuse(f"{what} '{path}' has no rows; {expected} on each")
-    try:
-        return np.array([texts for _, texts in rows], dtype=np.float64)
-    except ValueError as error:
-        line, texts = next((row for row in rows if not _parsed(row[1])), rows[0])
-        message = f"{path}:{line}: {what}: found '{' '.join(texts)}', {expected}"
-        raise FormatError(message) from error
-
-
-def _parsed(texts: list[str]) -> bool:
-    try:
-        return all(np.isfinite(float(text)) or True for text in texts)
-    except ValueError:
-        return False
+    table = numbers_in(_lines(path, what), path, unnamed=columns).values
+    if not len(table):
+        refuse(f"{what} '{path}' has no rows of {', '.join(columns)}; add them")
+    return table
 
 
 def _whole(table: Matrix, path: Path, what: str) -> Indices:

@@ -125,7 +125,7 @@ def solve_loads(
             "requirements": stated(chosen.requirements),
             "assessment": assessment,
             "verdict": plain(summarized(verdict)),
-            "warnings": [*loads.remarks, *_barely_held(files), *books.failed],
+            "warnings": [*_barely_held(files), *books.failed],
             "timings": books.account(),
         }
         write_text(out / "summary.json", json.dumps(summary, indent=2) + "\n")

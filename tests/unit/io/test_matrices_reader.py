@@ -203,12 +203,12 @@ def test_bad_matrix_files(
 @pytest.mark.parametrize(
     ("table", "text", "message"),
     [
-        ("nodes", "1,0,0,0\n2,0,0\n", r"nodes\.csv:2: node table: found 3 entries, expected 4"),
-        ("nodes", "1,0,0,0\n2,0,x,0\n", r"nodes\.csv:2: node table: found '2 0 x 0'"),
+        ("nodes", "1,0,0,0\n2,0,0\n", r"(?s)nodes\.csv: .*line 2: found 3 cells, expected 4"),
+        ("nodes", "1,0,0,0\n2,0,x,0\n", r"line 2: found 'x' in column 'y'"),
         ("nodes", "1.5,0,0,0\n", "node id 1.5 in .* is not a whole number"),
         ("nodes", "id,x,y,z\n", "has no rows"),
-        ("dofs", "10 1\n10 one\n", r"dofs\.txt:2: dof table: found '10 one'"),
-        ("dofs", "10 nan\n", "is not a whole number"),
+        ("dofs", "10 1\n10 one\n", r"line 2: found 'one' in column 'component'"),
+        ("dofs", "10 nan\n", "line 1: found 'nan' in column 'component'"),
     ],
 )
 def test_bad_tables(tmp_path: Path, table: str, text: str, message: str) -> None:

@@ -132,7 +132,7 @@ def test_initial_force_is_what_the_joint_relaxes(study, tmp_path):
 
 
 def test_final_and_initial_force_exclude_each_other(study):
-    with pytest.raises(StudyError, match="found 'preload', 'initial_force'; a table has one or"):
+    with pytest.raises(StudyError, match="found 'preload', 'initial_force', which each"):
         study(text=("preload = 5e3", "preload = 5e3\ninitial_force = 6e3"))
     with pytest.raises(StudyError, match=r"missing key 'preload', .* or 'initial_force'"):
         study(text=("preload = 5e3", ""))

@@ -83,7 +83,7 @@ def test_a_study_names_every_curve(tmp_path, name, friction):
         ),
         ("{ exponential = { pressure = 'a', clearance = 1 } }", "pressure of closure 'exponenti"),
         ("{ exponential = { pressure = 0, clearance = 1 } }", "pressure is 0; give a positive"),
-        (KEYS["power"][0] + "\npenalty = 1e5", "found 'penalty', 'closure'; a table has one"),
+        (KEYS["power"][0] + "\npenalty = 1e5", "found 'penalty', 'closure', which each say"),
     ],
 )
 def test_what_is_no_curve_is_refused_where_it_stands(tmp_path, closure, message):

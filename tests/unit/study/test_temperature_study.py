@@ -73,7 +73,7 @@ def test_a_study_takes_a_temperature_as_python_does(study):
         ("alpha = 12e-6", "rho = 7.8e-9", "'steel' has no coefficient of expansion"),
         ('{ temperature = "hot", value = 0.5 },', "", "no load takes it"),
         ("parts = { upper = 120.0, bolt = 70.0 }", "", "nothing has a temperature"),
-        ('{ temperature = "hot"', '{ boundary = "tip", temperature = "hot"', "one or the other"),
+        ('{ temperature = "hot"', '{ boundary = "tip", temperature = "hot"', "each say what acts"),
     ],
 )
 def test_what_does_not_fit_is_said(study, old, new, message):

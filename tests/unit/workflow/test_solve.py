@@ -304,9 +304,9 @@ def test_long_transients_are_solved_in_pieces(rom, tmp_path, monkeypatch):
 BAD_TABLES = {
     "tip.Fz,tip.Mq\n1,2": r"no column 'tip.Mq'; did you mean 'tip.M",
     "preload_factor.nut\n1": r"no column 'preload_factor.nut'; did you mean 'preload_factor'",
-    "case,preload\na,1\nb,10000": r"row 2: column 'preload_factor' has 10000, expected a factor",
+    "preload_factor\n1\n10000": r"row 2: column 'preload_factor' has 10000, expected a factor",
     "tip.Fz,preload_factor.bolt\n1,-1": r"row 1: column 'preload_factor.bolt' has -1, expected a",
-    "preload,preload_factor\n1,1": r"'preload' and 'preload_factor' are the same; keep one",
+    "tip.Fz,preload\n1,1": r"no column 'preload'; did you mean 'preload_factor'",
     "tip.Fz,tip.Mx\n1,2\n1,x\ninf,3": r"(?s)line 3: found 'x' in column 'tip.Mx'.*line 4.*'inf'",
     "tip.Fz,tip.Mx\n1,2\n1": r"line 3: found 1 cells, expected 2",
     "1,2\n3,4": "line 1: found numbers",
@@ -316,10 +316,9 @@ BAD_TABLES = {
     "case\na": "expected a header with columns of loads",
     "": "is empty",
     "time,tip.Fz\n0,1\n0,2": "increase",
-    "time,preload\n0,1\n1,2": "cannot change over time",
     "time,preload_factor\n0,1\n1,2": "cannot change over time",
     "tip.Fz\n1\n1_0": "line 3: found '1_0' in column 'tip.Fz'",
-    "tip.Fz,preload\n1,1\n1e308,1": "row 2: column 'tip.Fz' has 1e.308, expected .* up to 1e.30",
+    "tip.Fz,tip.Fx\n1,1\n1e308,1": "row 2: column 'tip.Fz' has 1e.308, expected .* up to 1e.30",
     "time,tip.Fz\n0,1\n1e308,1": "row 2: column 'time' has 1e\\+308",
     "time,tip.Fz\n0,1\n1e-320,1": "the time step is 9.99989e-321 .* expected both from 1e-30",
     "case,tip.Fz\na\0b,1": r"row 1: the name 'a\\x00b' has 3 characters, .* can be shown",
@@ -337,18 +336,6 @@ def test_bad_tables_are_refused_with_their_place(rom, tmp_path, text):
         read_loads(path, rom)
 
 
-def test_preload_factors_keep_their_old_name_for_now(rom, tmp_path):
-    """`preload` is a force in studies; a factor should not bear its name."""
-    (tmp_path / "old.csv").write_text("tip.Fz,preload,preload.bolt\n-10,0.5,0.7\n")
-    (tmp_path / "new.csv").write_text("tip.Fz,preload_factor,preload_factor.bolt\n-10,0.5,0.7\n")
-    old, new = (read_loads(tmp_path / f"{name}.csv", rom) for name in ("old", "new"))
-    assert np.array_equal(old.inputs, new.inputs)
-    assert not new.remarks
-    assert "old.csv: column 'preload' is a factor on the initial force" in old.remarks[0]
-    summary = solve_loads(rom, old, tmp_path / "out")
-    assert old.remarks[0] in summary["warnings"]
-
-
 def test_comments_names_with_commas_and_empty_lines_are_read(tmp_path):
     path = tmp_path / "loads.csv"
     path.write_text('# by hand\ncase, tip.Fz\n\n"gust, #4", 1.5\nplain,2\n')
@@ -363,7 +350,7 @@ def test_comments_names_with_commas_and_empty_lines_are_read(tmp_path):
         ("[[bolt]]\nname = 'b'", "unknown key 'bolt' at the top of loads.toml"),
         ("title = 'none'", "no .*load_case"),
         (LOADS.replace('"Fz"', '"Fq"'), "(?s)'component' in .*load_case.* number 1.*line 4"),
-        (LOADS + "step = 1e-6", "one or the other"),
+        (LOADS + "step = 1e-6", "each say how long the steps are"),
         (LOADS + "forces = [{ value = 1.0,", "loads.toml is not valid TOML: "),
     ],
 )

@@ -15,10 +15,8 @@ from faying.simulation.integrators import ImplicitEuler, Integrator, named_integ
 from faying.simulation.load import History, Load
 from faying.study.inputs.load_table import (
     FACTOR,
-    OLD_FACTOR,
     LoadTable,
     read_load_table,
-    renamed_factors,
     table_inputs,
 )
 from faying.study.inputs.loads import case_load, time_span, time_step
@@ -66,8 +64,6 @@ class LoadSet:
         Loads over time.
     requirement
         What the file of the loads demands of the joint; None if it says nothing.
-    remarks
-        What is to be said of the file.
     repetitions
         Load case to how often it comes in the life of the joint, where that is known.
     """
@@ -76,7 +72,6 @@ class LoadSet:
     inputs: Matrix
     transients: tuple[TimedLoad, ...]
     requirement: RequirementSection | None = None
-    remarks: tuple[str, ...] = ()
     repetitions: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -124,15 +119,13 @@ def read_loads(
         table = read_load_table(path)
         if table.times is not None:
             return _of_histories(rom, [table], step, integrator)
-        table, said = renamed_factors(table, rom)
-        inputs, remarks = table_inputs(table, rom), (said,) if said else ()
+        inputs = table_inputs(table, rom)
         repeated = table.repetitions
         counted = () if repeated is None else zip(table.names, repeated.tolist(), strict=True)
         return LoadSet(
             names=table.names,
             inputs=inputs,
             transients=(),
-            remarks=remarks,
             repetitions={name: often for name, often in counted if often},
         )
     cases, requirement = read_load_cases(path)
@@ -194,9 +187,8 @@ def _of_histories(
 ) -> LoadSet:
     loads: list[TimedLoad] = []
     for table in tables:
-        table_inputs(renamed_factors(table, rom)[0], rom)  # refuses unknown columns, all at once
-        factors = {FACTOR, OLD_FACTOR}
-        locked = [name for name in table.columns if name.partition(".")[0] in factors]
+        table_inputs(table, rom)  # refuses unknown columns, all at once
+        locked = [name for name in table.columns if name.partition(".")[0] == FACTOR]
         if locked:
             message = (
                 f"{table.path.name}: column '{locked[0]}' cannot change over time, for bolts are "

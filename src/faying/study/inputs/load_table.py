@@ -1,7 +1,7 @@
 """Tables of loads: one row per static case, or one row per instant where there is a time column."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -30,9 +30,6 @@ REPETITIONS = "repetitions"
 
 FACTOR = "preload_factor"
 """Factor on the initial forces of all bolts, or with a bolt's name behind a dot of that one."""
-
-OLD_FACTOR = "preload"
-"""What it was called, and still may be: the name of a force in studies."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,23 +99,6 @@ def read_load_table(path: Path) -> LoadTable:
         _check_repetitions(path, repeated, timed=times is not None)
     rows = names or RowNumbers(n_row=len(table.values))
     return LoadTable(path=path, names=rows, columns=columns, times=times, repetitions=repeated)
-
-
-def renamed_factors(table: LoadTable, joint: Joint) -> tuple[LoadTable, str]:
-    """Return a table with the present names of preload factors, and what is to be said of it."""
-    old = {OLD_FACTOR: FACTOR} | {f"{OLD_FACTOR}.{n}": f"{FACTOR}.{n}" for n in joint.bolts}
-    there = [name for name in table.columns if name in old and name not in force_columns(joint)]
-    if not there:
-        return table, ""
-    said = (
-        f"{table.path.name}: column '{there[0]}' is a factor on the initial force of bolts, not a "
-        f"force; call it '{old[there[0]]}', the old name will go"
-    )
-    columns = {old.get(name, name): values for name, values in table.columns.items()}
-    if len(columns) < len(table.columns):
-        message = f"{table.path.name}: '{there[0]}' and '{old[there[0]]}' are the same; keep one"
-        raise StudyError(message)
-    return replace(table, columns=columns), said
 
 
 def table_inputs(table: LoadTable, joint: Joint) -> Matrix:

@@ -21,8 +21,8 @@ class Loading(Section):
     """A component of a boundary's load, a whole load of the deck, or a temperature."""
 
     alternatives = (
-        ("deck_load", "temperature", "boundary"),
-        ("deck_load", "temperature", "component"),
+        (("deck_load", "temperature", "boundary"), "what acts"),
+        (("deck_load", "temperature", "component"), "what acts"),
     )
     boundary: Name | None = None
     component: ForceComponent | None = None

@@ -187,7 +187,7 @@ class TemperatureSection(Section):
 class InterfaceSection(Section):
     """[[interface]]: see :class:`faying.model.specs.InterfaceSpec`."""
 
-    alternatives = (("penalty", "closure"),)
+    alternatives = ((("penalty", "closure"), "how pressure grows as the sides approach"),)
     name: Name
     minus: Selection = "auto"
     plus: Selection = "auto"
@@ -246,10 +246,10 @@ class BoltSection(Section):
     """[[bolt]]: see :class:`faying.model.specs.BoltSpec`."""
 
     alternatives = (
-        ("elements", "nodes", "axis"),
-        ("preload", "torque", "utilisation", "initial_force"),
-        ("size", "thread"),
-        ("gamma", "tightening_factor"),
+        (("elements", "nodes", "axis"), "where the bolt is"),
+        (("preload", "torque", "utilisation", "initial_force"), "how far it is tightened"),
+        (("size", "thread"), "what its thread is"),
+        (("gamma", "tightening_factor"), "how far its preload scatters"),
     )
     name: Name
     preload: NotNegative | None = None
@@ -310,7 +310,7 @@ class MassSection(Section):
 class BoundarySection(Section):
     """[[boundary]]: where loads enter, see :class:`faying.model.specs.BoundarySpec`."""
 
-    alternatives = (("set", "node"),)
+    alternatives = ((("set", "node"), "which nodes it is at"),)
     name: Name
     set: Name | None = None
     node: Id | None = None

@@ -149,8 +149,8 @@ class Section(BaseModel):
     gone: ClassVar[Mapping[str, str]] = {}
     one_of: ClassVar[Sequence[str]] = ()
     """Keys of which a table has one."""
-    alternatives: ClassVar[Sequence[Sequence[str]]] = ()
-    """Keys of which a table has one at most."""
+    alternatives: ClassVar[Sequence[tuple[Sequence[str], str]]] = ()
+    """Keys of which a table has one at most, and what each of them says."""
 
     @model_validator(mode="before")
     @classmethod
@@ -165,10 +165,10 @@ class Section(BaseModel):
         if self.one_of and len(self.model_fields_set.intersection(self.one_of)) != 1:
             message = f"give exactly one of {quoted(self.one_of)}"
             raise refusal(message, OF_TABLE)
-        for keys in self.alternatives:
+        for keys, meaning in self.alternatives:
             stated = [key for key in keys if key in self.model_fields_set]
             if len(stated) > 1:
-                message = f"found {quoted(stated)}; a table has one or the other, keep one"
+                message = f"found {quoted(stated)}, which each say {meaning}; keep one of them"
                 raise refusal(message, OF_TABLE)
         return self
 

@@ -120,7 +120,10 @@ COMPARED = tuple(name for name, method in METHODS.items() if method.compared)
 class Timed(Section):
     """How a transient run advances."""
 
-    alternatives = (("step", "steps_per_period"), ("duration", "periods"))
+    alternatives = (
+        (("step", "steps_per_period"), "how long the steps are"),
+        (("duration", "periods"), "how long the motion is"),
+    )
     step: Positive | None = None
     duration: Positive | None = None
     periods: Positive | None = None
