@@ -39,6 +39,11 @@ def refuse_model(text: str) -> NoReturn:
     raise ModelError(text)
 
 
+def refuse_study(text: str) -> NoReturn:
+    """Raise the error that a study does not fit together."""
+    raise StudyError(text)
+
+
 @contextmanager
 def naming(subject: str) -> Iterator[None]:
     """Put what a model or convergence error raised inside speaks of in front of its message."""

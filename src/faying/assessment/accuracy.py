@@ -10,7 +10,7 @@ from faying._typing import Indices, Matrix
 from faying.assessment.recovery import Recovered
 from faying.digits import SOLVED
 from faying.display.facts import Shown
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.simulation.solution import Solution
 
 Compared: TypeAlias = Solution | Recovered
@@ -93,17 +93,15 @@ def relative_error(pressure: Matrix, reference: Matrix) -> Matrix:
     array([-0.1,  0.2])
     """
     if np.shape(pressure) != np.shape(reference):
-        message = (
+        refuse_model(
             f"pressures of shape {np.shape(pressure)} and {np.shape(reference)} cannot be "
             "compared; solve the same load case with the same time steps"
         )
-        raise ModelError(message)
     largest = float(np.max(reference, initial=0.0))
     if largest <= 0 and not np.any(pressure):
         return np.zeros(np.shape(reference))  # gaps that stay open in both
     if largest <= 0:
-        message = "the reference has no contact pressure, so no relative error exists"
-        raise ModelError(message)
+        refuse_model("the reference has no contact pressure, so no relative error exists")
     error: Matrix = (np.asarray(pressure) - reference) / largest
     return error
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from faying._typing import Frozen, Indices, Mask, Matrix, Vector
 from faying.display.facts import Shown, with_unit
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.units import units_of
 
@@ -152,8 +152,7 @@ class Backbone(Frozen, Shown):
             "energy": f"energy of the vibration [{units.of('force·length')}]",
         }
         if over not in columns:
-            message = f"there is no abscissa '{over}'; give 'amplitude' or 'energy'"
-            raise ModelError(message)
+            refuse_model(f"there is no abscissa '{over}'; give 'amplitude' or 'energy'")
         abscissa: Vector = getattr(self, over)
 
         left: Axes = new_axes() if axes is None else axes

@@ -10,7 +10,7 @@ from faying._typing import Frozen, Indices, Vector
 from faying.assessment.backbone import Backbone, amplitude_unit
 from faying.assessment.measured_curve import at_amplitudes
 from faying.display.facts import Shown, with_unit
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.units import units_of
 
 
@@ -82,8 +82,7 @@ def backbone_band(backbones: Sequence[Backbone]) -> BackboneBand:
     True
     """
     if not backbones:
-        message = "a band needs backbones; give one at least"
-        raise ModelError(message)
+        refuse_model("a band needs backbones; give one at least")
     amplitude = np.sort(backbones[0].amplitude)
     frequency: list[Vector] = []
     damping: list[Vector] = []

@@ -27,7 +27,7 @@ from faying.assessment.response_curve import (
 )
 from faying.assessment.stuck_modes import StuckModes, stuck_modes
 from faying.digits import SOLVED
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, refuse_model
 from faying.joint.system import System, input_forces
 from faying.simulation.load import Load, harmonic_inputs
 from faying.simulation.path import solve_path
@@ -302,8 +302,7 @@ class _Estimate:
         grid = np.geomspace(min(floor, self.smallest) / 2, self.largest, 400)
         over = beyond(grid)
         if over[0] <= 0:
-            message = f"level {level:g}: the mode is damped so far that it has no peak"
-            raise ModelError(message)
+            refuse_model(f"level {level:g}: the mode is damped so far that it has no peak")
         ended = np.flatnonzero(over <= 0)
         top = self.largest
         if len(ended):

@@ -19,7 +19,7 @@ import numpy as np
 
 from faying._typing import Frozen, Mask, Matrix, Vector
 from faying.assessment.flexibility import Flexibility, flexibility
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.joint.system import Joint
 from faying.reduction.recovery import static_displacements
 from faying.simulation.load import Load
@@ -144,8 +144,7 @@ class Certificate(Frozen):
             "max_relative_error": self.max_relative_error,
         }
         if measure not in bounds:
-            message = f"there is no certified '{measure}'; choose one of {', '.join(bounds)}"
-            raise ModelError(message)
+            refuse_model(f"there is no certified '{measure}'; choose one of {', '.join(bounds)}")
         return bounds[measure]
 
 
@@ -242,11 +241,10 @@ class Certifier:
         checked = np.asarray(pressure, dtype=float)
         expected = (*np.shape(inputs)[:-1], self.system.contact.n_points)
         if checked.shape != expected or not np.isfinite(checked).all():
-            message = (
+            refuse_model(
                 f"the pressure to certify has shape {checked.shape}, expected {expected} finite "
                 "values: one per contact point of the full model"
             )
-            raise ModelError(message)
         return checked
 
     def _pressures(self, where: Enclosure) -> tuple[Matrix, Matrix]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from faying._typing import Frozen, Indices, Vector
 from faying.assessment.certificate import Measure, certifier
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.joint.model import Model
 from faying.reduction.basis import Basis, ModeKind
 from faying.reduction.projection import projected
@@ -91,11 +91,10 @@ def choose_joint_modes(
     (9, True)
     """
     if not loads or not tolerance > 0:
-        message = (
+        refuse_model(
             f"choosing joint modes needs at least one load (got {len(loads)}) and a positive "
             f"tolerance (got {tolerance:g})"
         )
-        raise ModelError(message)
     judge = certifier(model)
     counts, bounds = [], []
     for count in range(basis.count(ModeKind.JOINT) + 1):

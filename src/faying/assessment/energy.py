@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.joint.system import bolt_input
 from faying.simulation.energies import contact_energy, half_form, input_displacements
 from faying.simulation.solution import Solution
@@ -87,11 +87,10 @@ def energy_balance(solution: Solution) -> EnergyBalance:
     """
     system, u, v = solution.system, solution.states, solution.velocities
     if solution.times is None or v is None:
-        message = (
+        refuse_model(
             f"solution '{solution.name}' is not a transient, so it has no energy balance; "
             "use the result of solve_transient"
         )
-        raise ModelError(message)
     steps, move = np.diff(solution.times), np.diff(u, axis=0)
     work = _trapezoidal(solution.inputs, input_displacements(system, u))
     bolts = [bolt_input(system, bolt) for bolt in system.bolts]

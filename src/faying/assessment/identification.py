@@ -14,7 +14,7 @@ from faying.assessment.backbone import Backbone
 from faying.assessment.measured_curve import MeasuredCurve
 from faying.assessment.parameter import Parameter, values_at
 from faying.display.facts import Shown
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, refuse_model
 
 STEP = 0.02
 """Share of a range by which derivatives differ.
@@ -150,12 +150,11 @@ def identify(
     n_residual = len(comparison.residuals([start])[0])
     free = n_residual - len(parameters)
     if free <= 0:
-        message = (
+        refuse_model(
             f"{n_residual} measured numbers at amplitudes that the backbones reach do not give "
             f"{len(parameters)} parameters; measure more, widen the amplitudes of the backbones, "
             "or fix parameters"
         )
-        raise ModelError(message)
     ended = least_squares(
         lambda shares: comparison.residuals([shares])[0],
         start,
@@ -214,12 +213,11 @@ class _Comparison:
                 if truth is not None and scatter is not None:
                     if not (computed > 0).all():
                         still = curve.amplitude[computed <= 0].max()
-                        message = (
+                        refuse_model(
                             f"nothing damps the backbone of '{test.name}' at {still:.3g}, though "
                             "the test has damping there: give what damps beside friction "
                             "([damping] of a study), or larger amplitudes"
                         )
-                        raise ModelError(message)
                     there = _at(test.amplitude[inside], curve.amplitude, np.log(computed), degree)
                     parts.append((there - np.log(truth[inside])) / scatter)
         return np.concatenate(parts)

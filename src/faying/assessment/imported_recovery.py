@@ -7,7 +7,7 @@ from scipy.interpolate import CubicSpline
 
 from faying._typing import Matrix, Vector
 from faying.assessment.recovery import Recovered, recover_pressure, solve_instants
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.reduction.recovery import Recovery
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.frame_motion import FrameMotion
@@ -75,11 +75,10 @@ def recover_from_modal(
     }
     for name, values in histories.items():
         if values is not None and np.shape(values) != shape:
-            message = (
+            refuse_model(
                 f"the {name} have shape {np.shape(values)}, expected {shape}: "
                 "one row per time and one column per trial vector"
             )
-            raise ModelError(message)
     v, a = _derivatives(times, np.asarray(coordinates), velocities, accelerations)
     inputs = load.inputs(operator.joint, times)
     free = operator.free_displacements(inputs, v, a)
@@ -91,16 +90,14 @@ def recover_from_modal(
 def _carried(operator: Recovery, motion: FrameMotion, n_time: int) -> Matrix:
     """Return Q K⁻¹ M A times the accelerations of the frame (n_time, n_port)."""
     if operator.frame is None:
-        message = (
+        refuse_model(
             "the recovery matrices know nothing of supports that move, for the mass of supported "
             "nodes was not kept; run the study again with this version of faying, or take "
             "for_moving_supports(model, rom) of faying.reduction.projection"
         )
-        raise ModelError(message)
     fields = motion.fields()
     if len(fields) != n_time:
-        message = f"the frame's motion has {len(fields)} instants but the history {n_time}"
-        raise ModelError(message)
+        refuse_model(f"the frame's motion has {len(fields)} instants but the history {n_time}")
     return np.asarray(fields @ operator.frame.T)
 
 
@@ -158,8 +155,7 @@ def recover_from_boundary_loads(
     """
     times = np.asarray(times, dtype=float)
     if len(times) < 2 or times[0] != 0:
-        message = "boundary loads need at least two instants, the first at time zero"
-        raise ModelError(message)
+        refuse_model("boundary loads need at least two instants, the first at time zero")
     load = Load({key: History(times, values) for key, values in forces.items()}, name=name)
     interval = float(np.diff(times).min()) if step is None else step
     solution = solve_transient(
@@ -175,11 +171,10 @@ def _derivatives(
     if v is not None and a is not None:
         return v, a
     if len(times) < 4 or not (np.diff(times) > 0).all():
-        message = (
+        refuse_model(
             f"{len(times)} instants are too few, or do not increase, to derive what is missing; "
             "give velocities and accelerations"
         )
-        raise ModelError(message)
     velocity = CubicSpline(times, q).derivative()(times) if v is None else v
     if a is not None:
         return velocity, a

@@ -32,7 +32,7 @@ from faying.assessment.strength.preload_ends import (
 from faying.assessment.strength.thread import Thread
 from faying.assessment.strength.tightening import PreloadRange, variation_of
 from faying.assessment.verdicts import wanted_clamps
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import surroundings
 from faying.joint.model import Model
@@ -348,12 +348,10 @@ def assess(
     ('push', True)
     """
     if not loads:
-        message = "there is no load to assess the joint under; give one or more"
-        raise ModelError(message)
+        refuse_model("there is no load to assess the joint under; give one or more")
     names = [load.name for load in loads]
     if len(set(names)) < len(names):
-        message = "two loads have the same name; give each a name of its own, Load(…, name=…)"
-        raise ModelError(message)
+        refuse_model("two loads have the same name; give each a name of its own, Load(…, name=…)")
     demanded = requirements or Requirements()
     check_names(demanded, list(system.contact.slices), list(system.contact.slices))
     cases = solve_static_cases(system, loads)

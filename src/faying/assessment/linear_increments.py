@@ -12,7 +12,7 @@ from faying.assessment.slip import slip_history
 from faying.contact.dense_points import SINGULAR_PIVOT
 from faying.contact.frictional import FrictionalContact
 from faying.digits import DECK_DIGITS
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, refuse_model
 from faying.joint.system import System, boundary_slices
 from faying.simulation.path import moved_alone
 from faying.simulation.solution import Solution
@@ -233,12 +233,11 @@ def linear_increments(solution: Solution, initial: Solution | None) -> Iterator[
         residual = np.abs(x - solver.laws.admissible(tried, None)).max()
         # Far above SOLVED, to which increments are accepted.
         if residual > DECK_DIGITS * np.abs(x).max():
-            message = (
+            refuse_model(
                 f"load {number + 1} on the path is not one increment from the state before it: "
                 "it was divided, or the path began elsewhere; give smaller increments, or the "
                 "state it began from as initial"
             )
-            raise ModelError(message)
         slope = solver.laws.derivative(tried, None)
         closed = np.flatnonzero(tried[0] > 0)
         lu, pivots = _factors(solver, slope, compliance, closed)
@@ -265,10 +264,9 @@ def _factors(
     lu, pivots = la.lu_factor(system) if size else (np.zeros((0, 0)), np.zeros(0, np.int64))
     sizes = np.abs(np.diag(lu))
     if sizes.min(initial=1.0) < SINGULAR_PIVOT**2 * sizes.max(initial=1.0):
-        message = (
+        refuse_model(
             "the derivative is not unique: contact is hard and has more contact points than "
             "displacements, or friction is so large that there are several solutions; use "
             "nodal quadrature or a penalty"
         )
-        raise ModelError(message)
     return lu, pivots

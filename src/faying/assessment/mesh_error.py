@@ -14,7 +14,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.assessment.accuracy import Compared
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.interface.smoothing import Smoothing
 from faying.joint.model import Model
 
@@ -85,11 +85,10 @@ def mesh_errors(
 ) -> dict[str, MeshError]:
     """Estimate the errors of pressures (..., n_point), as :func:`mesh_error`."""
     if np.shape(pressure)[-1] != model.contact.n_points:
-        message = (
+        refuse_model(
             f"the solution has {np.shape(pressure)[-1]} contact points, the model "
             f"{model.contact.n_points}; give the model it was solved with or reduced from"
         )
-        raise ModelError(message)
     rows = np.reshape(pressure, (-1, model.contact.n_points))
     errors = {}
     for name, interface in model.interfaces.items():

@@ -10,7 +10,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.assessment.stuck_modes import StuckMode, stuck_modes
 from faying.contact.increment import IncrementSolver
 from faying.digits import DECK_DIGITS, ROUND_OFF
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, refuse_model
 from faying.joint.system import System, boundary_slices
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.simulation.cycles import repeat
@@ -61,22 +61,19 @@ def measured(system: System, mode: StuckMode, measured_at: str | None) -> tuple[
     """
     side, name, component = boundary_and_component(measured_at or "")
     if measured_at is not None and name not in system.boundaries:
-        message = (
+        refuse_model(
             f"there is no boundary '{name}'; the boundaries are "
             f"{', '.join(system.boundaries) or 'none'}"
         )
-        raise ModelError(message)
     rows = [DISPLACEMENT_NAMES.index(component)] if component in DISPLACEMENT_NAMES else [0, 1, 2]
     if component and len(rows) > 1:
-        message = (
+        refuse_model(
             f"boundary '{name}' has no component '{component}'; they are "
             f"{', '.join(DISPLACEMENT_NAMES)}"
         )
-        raise ModelError(message)
     names = [name] if name else list(system.boundaries)
     if not names:
-        message = "the model has no boundary, where amplitudes are measured; give it one"
-        raise ModelError(message)
+        refuse_model("the model has no boundary, where amplitudes are measured; give it one")
     moved = [_direction(system, name, rows, mode.shape) for name in names]
     sizes = np.array([np.linalg.norm(motion) for motion in moved])
     best = _first(sizes, SAME_MOTION)

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from faying._typing import Matrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 
 MOST_CORNERS = 10
 """Parameters whose corners are computed: a thousand of them."""
@@ -43,17 +43,15 @@ class Parameter:
 
     def __post_init__(self) -> None:
         if not -np.inf < self.low < self.high < np.inf:
-            message = (
+            refuse_model(
                 f"parameter '{self.name}' goes from {self.low:g} to {self.high:g}; give finite "
                 "ends, the smaller one first"
             )
-            raise ModelError(message)
         if self.start is not None and not self.low <= self.start <= self.high:
-            message = (
+            refuse_model(
                 f"parameter '{self.name}' starts at {self.start:g}, outside of {self.low:g} to "
                 f"{self.high:g}; start within"
             )
-            raise ModelError(message)
 
     @property
     def logarithmic(self) -> bool:
@@ -110,14 +108,12 @@ def design(
     """
     n = len(parameters)
     if not n or kind not in ("corners", "quasi-random"):
-        message = f"found design '{kind}' of {n} parameters; give 'corners' or 'quasi-random'"
-        raise ModelError(message)
+        refuse_model(f"found design '{kind}' of {n} parameters; give 'corners' or 'quasi-random'")
     if kind == "corners" and n > MOST_CORNERS:
-        message = (
+        refuse_model(
             f"{n} parameters have {2**n} corners; take design 'quasi-random' with a number of "
             f"samples, or corners of {MOST_CORNERS} at most"
         )
-        raise ModelError(message)
     shares: Matrix
     if kind == "corners":
         shares = np.array([[0.5] * n, *product((0.0, 1.0), repeat=n)])

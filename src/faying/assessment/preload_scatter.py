@@ -11,7 +11,7 @@ from faying._typing import Matrix, Vector
 from faying.assessment.case_metrics import case_metrics, metrics_of
 from faying.assessment.growth import DEFAULT_INCREMENTS
 from faying.assessment.strength.thread import Thread
-from faying.exceptions import ModelError, naming
+from faying.exceptions import ModelError, naming, refuse_model
 from faying.interface.surface import ContactSurface
 from faying.joint.model import Model
 from faying.joint.system import System
@@ -143,8 +143,7 @@ def preload_spreads(
     final force follows in proportion where nothing but the bolts loads the joint and gaps are zero.
     """
     if not system.bolts:
-        message = "the model has no bolt that could scatter; leave that out"
-        raise ModelError(message)
+        refuse_model("the model has no bolt that could scatter; leave that out")
     if scatter.surface_friction is not None:
         system.contact.check_rubs()
     rng = np.random.default_rng(0)
@@ -238,8 +237,7 @@ def _tightened(
 def _torque(bolt: str, threads: Mapping[str, Thread], in_thread: Vector, at_head: Vector) -> Vector:
     """Return the torque that a bolt takes per preload [length]."""
     if bolt not in threads:
-        message = f"bolt '{bolt}' has no thread, whose friction could scatter; give it"
-        raise ModelError(message)
+        refuse_model(f"bolt '{bolt}' has no thread, whose friction could scatter; give it")
     with naming(f"bolt '{bolt}'"):
         return threads[bolt].torque_per_force(in_thread, at_head)
 

@@ -19,7 +19,7 @@ from typing import Any, final
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector, frozen
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.joint.model import Model
 from faying.joint.system import (
     Joint,
@@ -178,8 +178,7 @@ def recover_pressure(
     if isinstance(chosen.system, ReducedModel):
         free = _free_from_reduced(model, joint, chosen.system, chosen, operator)
     elif isinstance(model, ReducedModel):
-        message = "a solution of the full model is recovered with the full model; give that"
-        raise ModelError(message)
+        refuse_model("a solution of the full model is recovered with the full model; give that")
     else:
         free = _free_from_full(model, chosen)
     path = solve_instants(joint, chosen.name, chosen.inputs, free, chosen.times, begin=solution)
@@ -206,13 +205,12 @@ def _free_from_reduced(
     matrices = _matrices(model, rom) if operator is None else operator
     n_port = joint.port_compliance.n_port
     if matrices.inertia.shape != (n_port, len(rom.K)):
-        message = (
+        refuse_model(
             f"the recovery matrices have shape {matrices.inertia.shape}, but the model has "
             f"{n_port} ports and the solution {len(rom.K)}"
             " coordinates; recover with the model that was "
             "solved, or the one it was reduced from"
         )
-        raise ModelError(message)
     accelerations = balanced_accelerations(rom, solution)
     moving = accelerations @ matrices.inertia.T + solution.velocities @ matrices.damping.T
     free: Matrix = static_displacements(joint.port_compliance, solution.inputs) - moving
@@ -231,11 +229,10 @@ def _matrices(model: Model | ReducedModel, rom: ReducedModel) -> Recovery:
 def _free_from_full(model: Model, solution: Solution) -> Matrix:
     """Q (u − K⁻¹ Gᵀ λ): by balance, what the full model displaces without contact forces."""
     if solution.states.shape[-1] != model.structure.n_dof:
-        message = (
+        refuse_model(
             f"the solution has {solution.states.shape[-1]} degrees of freedom but the model "
             f"{model.structure.n_dof}; recover with the model that was solved"
         )
-        raise ModelError(message)
     displacements = at_ports(model, solution.states.T).T
     return displacements - _contact_displacements(
         model, solution.contact_forces, solution.shear_forces

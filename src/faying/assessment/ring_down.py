@@ -9,7 +9,7 @@ import numpy as np
 from faying._typing import Frozen, Vector
 from faying.assessment.modal_cycles import measured
 from faying.assessment.stuck_modes import stuck_mode
-from faying.exceptions import ModelError, naming
+from faying.exceptions import ModelError, naming, refuse_model
 from faying.joint.load_pattern import LoadPattern
 from faying.joint.model import Model
 from faying.reduction.reduced_model import ReducedModel
@@ -81,19 +81,17 @@ def free_decay(times: Vector, motion: Vector) -> Decay:
     """
     t, x = np.asarray(times, dtype=float), np.asarray(motion, dtype=float)
     if t.shape != x.shape or t.ndim != 1 or not np.isfinite(x).all():
-        message = (
+        refuse_model(
             f"the motion has shape {x.shape} and the times {t.shape}; give one finite number for "
             "each instant"
         )
-        raise ModelError(message)
     instants, extremes = _extremes(t, x)
     swings = np.abs(np.diff(extremes)) / 2
     if len(swings) < FEWEST_SWINGS or not (swings > 0).all():
-        message = (
+        refuse_model(
             f"the motion has {len(swings)} half swings, and its decay is told from "
             f"{FEWEST_SWINGS} on; take a longer time, or a coordinate that the mode moves"
         )
-        raise ModelError(message)
     decrement = np.log(swings[:-2] / swings[2:])
     middle = (instants[1:] + instants[:-1]) / 2
     return Decay(

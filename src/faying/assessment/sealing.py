@@ -12,7 +12,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Matrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.interface.surface import ContactSurface, pair_facets
 from faying.model.outline import bounding_edges
 
@@ -58,11 +58,10 @@ def ring_around(surface: ContactSurface, around: Sequence[float]) -> Ring:
     outside = np.flatnonzero((loop >= 0) & (loop != nearest))
     if not len(outside):
         position = ", ".join(f"{x:g}" for x in around)
-        message = (
+        refuse_model(
             f"the edge of the interface nearest to ({position}) is its only one, so no ring goes "
             "around a hole there; give a point inside a hole"
         )
-        raise ModelError(message)
     return Ring(
         points=slice(*surface.slice),
         averaging=sp.csr_array(surface.averaging),

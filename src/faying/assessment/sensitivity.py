@@ -20,7 +20,7 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.assessment.linear_increments import Derivatives, LinearIncrement, linear_increments
 from faying.digits import SOLVED
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.joint.system import System, boundary_slices, unstretched_bolt_forces
 from faying.model.boundary import FORCE_NAMES
 from faying.simulation.path import moved_alone, state_of
@@ -89,11 +89,10 @@ class Sensitivity:
         )
         slope = self._tightened.initial_bolt_forces.bolt_forces
         if np.linalg.svd(slope, compute_uv=False).min(initial=1.0) < SOLVED:
-            message = (
+            refuse_model(
                 f"the bolts {', '.join(self.system.bolts)} have no final preload to change: "
                 "tightening one of them clamps nothing"
             )
-            raise ModelError(message)
         changes = np.asarray(np.linalg.inv(slope), dtype=float)
         return self._by_bolts(changes).within(self._tightened._by_bolts(changes))
 
@@ -133,11 +132,10 @@ class Sensitivity:
         columns = np.asarray(directions, dtype=float)
         columns = columns[:, None] if columns.ndim == 1 else columns
         if columns.ndim != 2 or len(columns) != self.system.contact.n_points:
-            message = (
+            refuse_model(
                 f"changes of the initial gap have shape {np.shape(directions)}; give one row for "
                 f"each of the {self.system.contact.n_points} contact points"
             )
-            raise ModelError(message)
         names = map(str, range(columns.shape[1])) if parameters is None else parameters
         return self._follow(tuple(names), gap=columns)
 
@@ -294,10 +292,9 @@ def sensitivity(system: System, solution: Solution, initial: Solution | None = N
     path = len(contact.way_to(np.array([last]))) == last + 1
     expected = (*count, contact.n_points), (*count, n_input)
     if solution.times is not None or not path or shapes != expected:
-        message = (
+        refuse_model(
             "sensitivities need one static solution of this model, or a path of it with friction; "
             f"'{solution.name}' has contact forces of shape {shapes[0]} for {contact.n_points} "
             "contact points"
         )
-        raise ModelError(message)
     return Sensitivity(system=system, solution=solution, initial=initial)

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from faying._typing import ComplexVector, Matrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 
 FEWEST = 5
 """Points of a response: five real unknowns of two numbers each need three, and some to spare."""
@@ -56,15 +56,13 @@ def single_mode(frequency: Vector, response: ComplexVector) -> SingleMode:
     (80.3, 0.002)
     """
     if len(frequency) < FEWEST:
-        message = f"a mode needs {FEWEST} points of a response at least; found {len(frequency)}"
-        raise ModelError(message)
+        refuse_model(f"a mode needs {FEWEST} points of a response at least; found {len(frequency)}")
     top = int(np.argmax(np.abs(response)))
     if top in (0, len(frequency) - 1):
-        message = (
+        refuse_model(
             f"the response is largest at its end, {frequency[top]:g}; give frequencies on both "
             "sides of the resonance"
         )
-        raise ModelError(message)
 
     def shapes(logarithms: Vector) -> Matrix:
         centre, ratio = np.exp(logarithms)

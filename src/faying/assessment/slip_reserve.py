@@ -17,7 +17,7 @@ from faying.assessment.opening import (
 )
 from faying.assessment.sliding import resistance_used
 from faying.assessment.slip import SLIP, SlipStates, point_states
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.joint.system import System
 from faying.simulation.load import InputRow, Load
 from faying.simulation.path import moved_alone, path_inputs, path_start, solve_path
@@ -233,14 +233,12 @@ def _check(
 ) -> None:
     system.contact.check_rubs()
     if share is not None and not 0 < share <= 1:
-        message = f"the share of slipping area is {share:g}; give one above 0 and at most 1"
-        raise ModelError(message)
+        refuse_model(f"the share of slipping area is {share:g}; give one above 0 and at most 1")
     if increments < 1 or not 0 < largest < np.inf:
-        message = (
+        refuse_model(
             f"found {increments} increments up to a factor of {largest:g}; give one or more, and a "
             "positive factor"
         )
-        raise ModelError(message)
     load.scaled(1.0)
 
 

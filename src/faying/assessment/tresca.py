@@ -20,7 +20,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.assessment.flexibility import Flexibility, flexibility
 from faying.assessment.slip import slip_history
 from faying.digits import ROUND_OFF
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.joint.system import Joint
 from faying.reduction.recovery import static_displacements
 from faying.simulation.solution import Solution
@@ -86,11 +86,10 @@ def certify_increments(
     contact = model.contact
     contact.check_rubs()
     if path.shear_forces.shape[-2:] != (contact.components - 1, contact.n_points):
-        message = (
+        refuse_model(
             f"the path '{path.name}' is not one with friction at the {contact.n_points} contact "
             "points of the model; give a result of solve_path, of the model or one reduced from it"
         )
-        raise ModelError(message)
     contact.check_proportional()
     solver, n = model.static_contact.frictional, contact.n_points
     free = static_displacements(model.port_compliance, np.atleast_2d(path.inputs))

@@ -27,19 +27,16 @@ def init(
     """Look at a deck or mesh and write a commented study that runs where the file allows it."""
     from faying.draft.first_study import first_study
     from faying.draft.study_text import DECIDE
-    from faying.exceptions import StudyError
+    from faying.exceptions import refuse_study
     from faying.files.atomic import write_text
 
     if not deck.is_file():
-        message = f"{deck} is no file; name a deck or a mesh"
-        raise StudyError(message)
+        refuse_study(f"{deck} is no file; name a deck or a mesh")
     target = out or deck.with_suffix(".toml")
     if target.suffix.lower() != ".toml":
-        message = f"--out {target}: the name of a study ends in .toml; add it"
-        raise StudyError(message)
+        refuse_study(f"--out {target}: the name of a study ends in .toml; add it")
     if target.exists() and not overwrite:
-        message = f"{target} is there already; name another with --out, or give --overwrite"
-        raise StudyError(message)
+        refuse_study(f"{target} is there already; name another with --out, or give --overwrite")
     study = first_study(deck, target, ignore or ())
     write_text(target, study.text)
     typer.echo(f"Wrote {target}; {study.undecided} lines to decide, marked {DECIDE[:-1]}")

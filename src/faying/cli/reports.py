@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from faying.exceptions import StudyError
+from faying.exceptions import refuse_study
 
 
 def report(
@@ -29,11 +29,10 @@ def view(
     """Open DIR/report.html in the browser."""
     page = (folder / "report.html").resolve()
     if not page.is_file():
-        message = (
+        refuse_study(
             f"{folder} holds no report.html; name the folder of a finished 'faying run', or build "
             "the report of one with 'faying report DIR'"
         )
-        raise StudyError(message)
     if not browser:
         typer.echo(page)
     elif not webbrowser.open(page.as_uri()):

@@ -16,7 +16,7 @@ from faying.cli.arguments import (
     workers_for,
 )
 from faying.cli.interruption import resumable
-from faying.exceptions import StudyError
+from faying.exceptions import refuse_study
 
 
 def run(
@@ -41,11 +41,10 @@ def compute(
 
         with study_work(path, workers, scheduler) as (study, bar, executor):
             if not study.load_cases and not study.frequencies:
-                message = (
+                refuse_study(
                     f"{path.name} has neither [[load_case]] nor [[frequency]]; add one, there is "
                     "nothing to compute"
                 )
-                raise StudyError(message)
             usable_folder(out)
             from faying.workflow.run import run as run_study
 

@@ -16,7 +16,7 @@ from faying.cli.arguments import (
     workers_for,
 )
 from faying.cli.interruption import resumable
-from faying.exceptions import StudyError
+from faying.exceptions import refuse_study
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -77,8 +77,7 @@ def solve(
         from faying.workflow.solve_cases import SolveOptions
 
         if step is not None and not 0 < step < float("inf"):
-            message = f"--step is {step:g}; give a positive time"
-            raise StudyError(message)
+            refuse_study(f"--step is {step:g}; give a positive time")
         rom = read_reduced_model(model)
         load_set = read_loads(loads, rom, step=step, integrator=named_integrator(integrator))
         usable_folder(folder)

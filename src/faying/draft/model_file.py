@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from faying._typing import Indices, Mask
-from faying.exceptions import FormatError, StudyError
+from faying.exceptions import FormatError, refuse_study
 from faying.interface.selection import select_facets
 from faying.io.mesh_files import ANY_GROUP, read_mesh_file
 from faying.model.assembly import Assembly, Material
@@ -74,8 +74,7 @@ def read_model_file(path: Path, ignore: Sequence[str] = ()) -> ModelFile:
     """
     check_not_ansys(path)
     if path.suffix.lower() == STUDY:
-        message = f"{path} is a study already; name the deck or mesh it begins with"
-        raise StudyError(message)
+        refuse_study(f"{path} is a study already; name the deck or mesh it begins with")
     for source in SOURCES.values():
         if path.suffix.lower() in source.suffixes:
             keys = SourceKeys(file=path, ignore=tuple(ignore))
@@ -91,8 +90,7 @@ def read_model_file(path: Path, ignore: Sequence[str] = ()) -> ModelFile:
                 ignore=tuple(ignore),
             )
     if ignore:
-        message = f"{path} is no deck that could hold more than is read; leave --ignore out"
-        raise StudyError(message)
+        refuse_study(f"{path} is no deck that could hold more than is read; leave --ignore out")
     return _mesh(path)
 
 

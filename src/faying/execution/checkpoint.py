@@ -12,7 +12,7 @@ import numpy as np
 
 from faying import __version__
 from faying._typing import Matrix
-from faying.exceptions import FormatError, StudyError
+from faying.exceptions import FormatError, refuse_study
 from faying.files.atomic import held, remove_left_over, replacing, write_text
 from faying.files.contents import reason_of
 from faying.files.numpy_archive import read_arrays
@@ -117,11 +117,10 @@ def open_checkpoint(out: Path, study_text: str, *, resume: bool) -> Checkpoint:
     folder, mark = out / "unfinished", hashlib.sha256(f"{__version__}\n{study_text}".encode())
     stamp = folder / "study.sha256"
     if resume and stamp.exists() and stamp.read_text() != mark.hexdigest():
-        message = (
+        refuse_study(
             f"{folder} belongs to another version of this study or of faying; "
             "run without --resume to start afresh"
         )
-        raise StudyError(message)
     if not resume:
         shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True, exist_ok=True)

@@ -11,7 +11,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
-from faying.exceptions import StudyError
+from faying.exceptions import refuse_study
 from faying.joint.load_pattern import pattern_forces
 from faying.joint.system import boundary_dofs, elongations, initial_bolt_forces
 from faying.model.boundary import DISPLACEMENT_NAMES
@@ -82,11 +82,10 @@ def refuse_expanding_bolts(rom: ReducedModel) -> None:
     """Refuse temperatures of bolts, whose part of the bolt force these formats do not hold."""
     for name, pattern in rom.load_patterns.items():
         if any(pattern.bolt_forces.values()):
-            message = (
+            refuse_study(
                 f"temperature '{name}' expands bolts, whose forces this format would not tell; "
                 "export to linearized, or leave it out of the load cases"
             )
-            raise StudyError(message)
 
 
 def sparse_variables(rom: ReducedModel) -> dict[str, SparseMatrix]:

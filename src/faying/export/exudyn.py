@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from faying.exceptions import StudyError
+from faying.exceptions import refuse_study
 from faying.export.arrays import numpy_variables
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.results.values import Results
@@ -61,12 +61,11 @@ def _arrays(rom: ReducedModel) -> dict[str, Any]:
 def _check_law(rom: ReducedModel) -> None:
     contact = rom.contact
     if contact.residual_compliance is None and np.isinf(contact.penalty).any():
-        message = (
+        refuse_study(
             f"contact is hard and '{rom.method}' keeps no compliance besides its trial vectors, "
             "so the contact forces are no function of the coordinates, as Exudyn wants them; "
             "export 'compliance' or a method ending in '+compliance', or give a penalty"
         )
-        raise StudyError(message)
 
 
 def _importable(stem: str) -> str:

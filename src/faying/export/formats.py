@@ -18,7 +18,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import cast
 
-from faying.exceptions import FormatError, StudyError
+from faying.exceptions import FormatError, StudyError, refuse, refuse_study
 from faying.files.atomic import moved
 from faying.files.names import file_names
 from faying.reduction.model_reader import read_reduced_model
@@ -126,12 +126,10 @@ def export(
     if chosen.kind not in (PICTURES, CURVES):
         _check_laws(rom, to)
     if out is None and folder is None:
-        message = f"nothing says where to write the {to} file; give out="
-        raise StudyError(message)
+        refuse_study(f"nothing says where to write the {to} file; give out=")
     target = (folder or Path()) / default_name(rom, to) if out is None else Path(out)
     if target.is_dir() and chosen.suffix:
-        message = f"{target} is a folder; name a file, such as {target / default_name(rom, to)}"
-        raise FormatError(message)
+        refuse(f"{target} is a folder; name a file, such as {target / default_name(rom, to)}")
     named = target if target.suffix else target.with_name(target.name + chosen.suffix)
     return _write(rom, run, to, chosen, named)
 
@@ -169,8 +167,7 @@ def _given(
 def format_named(name: str) -> Format:
     """Return a format by name."""
     if name not in FORMATS:
-        message = f"there is no export format '{name}'; {nearest(name, FORMATS)}"
-        raise StudyError(message)
+        refuse_study(f"there is no export format '{name}'; {nearest(name, FORMATS)}")
     return FORMATS[name]
 
 
@@ -192,25 +189,23 @@ def _check_friction(rom: ReducedModel, to: str, chosen: Format) -> None:
             ", ".join(name for name, e in FORMATS.items() if (e.kind, e.friction) == hand_over)
             for hand_over in ((CONTACT, RUBS), (LINEAR, STICKS))
         )
-        message = (
+        refuse_study(
             f"interface '{rubbing[0]}' has friction, which {to} does not carry; hand over the "
             f"joint with it ({whole}), the linear joint ({linear}), in which every closed point "
             "sticks, or the joint without friction (model.with_friction(0), or a study without "
             "'friction')"
         )
-        raise StudyError(message)
 
 
 def _check_laws(rom: ReducedModel, to: str) -> None:
     """Refuse laws that formats know no parameters of."""
     for name, law in rom.contact.laws.items():
         if not law.proportional:
-            message = (
+            refuse_study(
                 f"interface '{name}' has the law '{law.normal.name}', which {to} does not "
                 "carry; hand over the joint with a penalty (model.with_penalty, or 'penalty' in a "
                 "study)"
             )
-            raise StudyError(message)
 
 
 def _write(

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import scipy.io
 
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.export.arrays import sparse_variables, variables
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.results.values import Results
@@ -37,11 +37,10 @@ def write(rom: ReducedModel, path: Path, _: Results | None = None) -> tuple[Path
     members = variables(rom)
     for name, array in members.items():
         if array.nbytes >= MOST_BYTES:
-            message = (
+            refuse(
                 f"the matrix {name} of shape {array.shape} exceeds the 2 GiB a .mat file can hold; "
                 "export to npz, or use a coarser interface"
             )
-            raise FormatError(message)
     content = {name: _as_matlab_has_it(array) for name, array in members.items()}
     content |= {name: matrix.tocsc() for name, matrix in sparse_variables(rom).items()}
     scipy.io.savemat(path, content, format="5", do_compression=True, long_field_names=True)

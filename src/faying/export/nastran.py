@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
-from faying.exceptions import StudyError, refuse
+from faying.exceptions import refuse, refuse_study
 from faying.export.linearized import LinearModel, linearize
 from faying.io.dmig import dmig_text
 from faying.io.nastran.fields import LARGEST_ID, Value, large, small
@@ -204,12 +204,11 @@ def _places(rom: ReducedModel, rows: Rows) -> dict[int, Sequence[float]]:
 def _refuse_deck_loads(rom: ReducedModel) -> None:
     if rom.load_patterns:
         names = ", ".join(f"'{name}'" for name in rom.load_patterns)
-        message = (
+        refuse_study(
             f"a Nastran superelement cannot apply the deck load {names} of this run; export to "
             "mat, npz, fmu or exudyn, or run the study without 'deck_load', with loads at a "
             "[[boundary]]"
         )
-        raise StudyError(message)
 
 
 _MATRICES = """\

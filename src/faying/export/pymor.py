@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from faying.exceptions import StudyError
+from faying.exceptions import StudyError, refuse_study
 from faying.export.linearized import LinearModel, linearize
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.solution import Solution
@@ -70,6 +70,5 @@ def _places(kind: str, chosen: Sequence[str] | None, names: tuple[str, ...]) -> 
         return list(range(len(names)))
     for name in chosen:
         if name not in names:
-            message = f"the joint has no {kind} '{name}'; {nearest(name, names)}"
-            raise StudyError(message)
+            refuse_study(f"the joint has no {kind} '{name}'; {nearest(name, names)}")
     return [names.index(name) for name in chosen]

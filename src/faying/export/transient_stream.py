@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 
 from faying._typing import Matrix
-from faying.exceptions import FayingError, FormatError, ModelError
+from faying.exceptions import FayingError, FormatError, refuse, refuse_model
 from faying.files.described import member_name
 from faying.files.hdf5 import check_hdf5, damaged
 from faying.joint.system import System
@@ -170,8 +170,7 @@ def stream_transient(
     warn_of_compiled(compiled)
     unknown = [name for name in fields if name not in FIELDS]
     if unknown:
-        message = f"there is no field '{unknown[0]}' to keep; fields are {', '.join(FIELDS)}"
-        raise ModelError(message)
+        refuse_model(f"there is no field '{unknown[0]}' to keep; fields are {', '.join(FIELDS)}")
     target = Path(path)
     scheme = ImplicitEuler() if integrator is None else integrator
     columns = dict.fromkeys((*ALWAYS, *fields, *(() if tolerance is None else DIVIDED)))
@@ -283,11 +282,10 @@ def _restart(file: h5py.File, system: System, began: Mapping[str, object]) -> Re
     for name, value in began.items():
         # Files of earlier versions know of no tolerance.
         if file.attrs.get(name, 0.0) != value:
-            message = (
+            refuse(
                 f"{file.filename} has {name} {file.attrs.get(name)}, expected {value}; resume "
                 "with what the run began with, or start anew"
             )
-            raise FormatError(message)
     places = file.get("restart")
     if places is None or "slot" not in places.attrs:
         for name in list(file):
@@ -299,8 +297,7 @@ def _restart(file: h5py.File, system: System, began: Mapping[str, object]) -> Re
     fitting = slot_group["u"].shape == (n_dof,) and slot_group["contact"].shape == (n_force,)
     # Of forces three components are stored, with friction or without.
     if not fitting or max(sizes) > 3 * max(n_dof, n_force):
-        message = f"{file.filename} is of another model; start anew without resume"
-        raise FormatError(message)
+        refuse(f"{file.filename} is of another model; start anew without resume")
     done = int(slot_group.attrs["done"])
     for data in _datasets(file):
         data.resize(done + 1, axis=0)  # rows of a piece that was cut short

@@ -8,7 +8,7 @@ import numpy as np
 
 from faying._typing import Mask
 from faying.assessment.response_curve import ResponseCurve
-from faying.exceptions import StudyError
+from faying.exceptions import refuse_study
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES
 from faying.reduction.reduced_model import ReducedModel
 from faying.study.results.frequency_record import FrequencyRecord
@@ -34,11 +34,10 @@ def write(rom: ReducedModel, path: Path, run: Results | None) -> tuple[Path, ...
     import pyuff
 
     if run is None or not run.frequencies:
-        message = (
+        refuse_study(
             f"'{rom.name}' has no responses to harmonic loads; export the folder of a run whose "
             "study has a [[frequency]]"
         )
-        raise StudyError(message)
     sets = [
         data_set for name, record in run.frequencies.items() for data_set in _sets(name, record)
     ]

@@ -23,7 +23,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import SparseMatrix
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.files.atomic import replacing
 from faying.files.hdf5 import open_hdf5
 from faying.files.meanings import Meaning, Table
@@ -108,8 +108,7 @@ def new_file(
 def described_file(path: Path, kind: Format) -> Iterator[h5py.File]:
     """Yield a file of a format; what goes wrong while it is read is said in one message."""
     if not path.is_file():
-        message = f"{path} does not exist; name {kind.wanted}"
-        raise FormatError(message)
+        refuse(f"{path} does not exist; name {kind.wanted}")
     with open_hdf5(path, kind.wanted, kind.remedy) as file:
         _check_header(file, kind, path)
         yield file
@@ -117,16 +116,14 @@ def described_file(path: Path, kind: Format) -> Iterator[h5py.File]:
 
 def _check_header(file: h5py.File, kind: Format, path: Path) -> None:
     if file.attrs.get("format") != f"faying {kind.name}":
-        message = f"{path} is an HDF5 file but not one of faying's {kind.name}; name {kind.wanted}"
-        raise FormatError(message)
+        refuse(f"{path} is an HDF5 file but not one of faying's {kind.name}; name {kind.wanted}")
     version = file.attrs.get("format_version", 0)
     if version != kind.version:
-        message = (
+        refuse(
             f"{path} has {kind.name} format {str(version)[:60]}, this faying reads {kind.version}; "
             f"{kind.remedy}, or read it with the faying that wrote it "
             f"({str(file.attrs.get('faying', 'version not said'))[:60]})"
         )
-        raise FormatError(message)
 
 
 def new_group(group: h5py.Group, name: str, meaning: Meaning) -> h5py.Group:

@@ -10,7 +10,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
 from faying.display.facts import MOST_SHOWN
-from faying.exceptions import FormatError
+from faying.exceptions import FormatError, refuse
 from faying.files.contents import file_text
 from faying.files.csv_rows import csv_rows
 
@@ -88,8 +88,7 @@ def numbers_in(
     numbered = enumerate(map(str.strip, lines), start=1)
     rows = [(number, line) for number, line in numbered if line.strip(",#") and line[0] != "#"]
     if not rows:
-        message = f"{path} is empty; give a line of column names, and numbers below it"
-        raise FormatError(message)
+        refuse(f"{path} is empty; give a line of column names, and numbers below it")
     first = _cells(path, *rows[0])
     names = list(unnamed) or first
     if not unnamed or not any(map(_is_number, first)):
@@ -125,14 +124,12 @@ def read_number_table(path: Path, columns: Sequence[Sequence[str]], what: str) -
     table = replace(table, names=tuple(name.lower() for name in table.names))
     if sorted(table.names) not in [sorted(names) for names in columns]:
         headers = " or ".join(",".join(names) for names in columns)
-        message = (
+        refuse(
             f"{path}: the columns are '{','.join(table.names)}'; the first line must name "
             f"{'either ' * (len(columns) > 1)}{headers}"
         )
-        raise FormatError(message)
     if not len(table.lines):
-        message = f"{path}: {what} has no lines below its column names"
-        raise FormatError(message)
+        refuse(f"{path}: {what} has no lines below its column names")
     return table
 
 
@@ -143,21 +140,16 @@ def check_times(path: Path, times: Vector, place: Callable[[int], str], *, fewes
     begin before 0.
     """
     if len(times) < fewest:
-        message = f"{path}: found {len(times)} instants, expected {fewest} or more"
-        raise FormatError(message)
+        refuse(f"{path}: found {len(times)} instants, expected {fewest} or more")
     if fewest > 1 and times[0] < 0:
-        message = (
-            f"{place(0)}: time {times[0]:g} is negative; loads act from t = 0, shift the times"
-        )
-        raise FormatError(message)
+        refuse(f"{place(0)}: time {times[0]:g} is negative; loads act from t = 0, shift the times")
     back = np.flatnonzero(np.diff(times) <= 0)
     if back.size:
         row = int(back[0]) + 1
-        message = (
+        refuse(
             f"{place(row)}: time {times[row]:g} does not come after {times[row - 1]:g}; times must "
             "increase"
         )
-        raise FormatError(message)
 
 
 def _cells(path: Path, number: int, line: str) -> list[str]:
@@ -208,8 +200,7 @@ def _check_names(path: Path, line: int, names: Sequence[str]) -> None:
     if twice:
         wrong = f"column '{twice[0]}' is there twice; keep one"
     if wrong:
-        message = f"{path}, line {line}: {wrong}"
-        raise FormatError(message)
+        refuse(f"{path}, line {line}: {wrong}")
 
 
 def _wrong_cells(

@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 
 from faying._typing import Frozen, Indices, Matrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.model.elements import FACES
 
 # skfem holds triangle rules well beyond this; no interface needs more, and the limit gives the
@@ -90,11 +90,10 @@ def gauss_rule(kind: str, order: int | None = None) -> Rule:
     """
     chosen = FACES[kind].gauss_order if order is None else order
     if not 1 <= chosen <= _LARGEST_ORDER:
-        message = (
+        refuse_model(
             f"quadrature order {chosen} for {kind} facets; "
             f"give a whole number from 1 to {_LARGEST_ORDER}"
         )
-        raise ModelError(message)
     points, weights = (
         _square_gauss(chosen) if FACES[kind].n_corners == 4 else _triangle_gauss(chosen)
     )

@@ -19,7 +19,7 @@ import scipy.sparse as sp
 from scipy.spatial import QhullError
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
-from faying.exceptions import FormatError, ModelError
+from faying.exceptions import ModelError, refuse, refuse_model
 from faying.files.number_table import NumberTable, read_number_table
 from faying.interface.interface import Interface
 from faying.model.specs import GapRule
@@ -40,11 +40,10 @@ def with_gap_offset(interface: Interface, offset: Vector) -> Interface:
     """
     values = np.asarray(offset, dtype=float)
     if values.shape not in {(), (interface.n_points,)} or not np.isfinite(values).all():
-        message = (
+        refuse_model(
             f"interface '{interface.name}': a gap offset of shape {values.shape} was given; it "
             f"needs one finite number for each of its {interface.n_points} contact points"
         )
-        raise ModelError(message)
     return replace(interface, initial_gap=interface.initial_gap + values)
 
 
@@ -60,11 +59,10 @@ def gap_from_points(interface: Interface, positions: Matrix, gaps: Vector) -> Ve
     if samples.shape != (len(values), 3) or not (
         np.isfinite(samples).all() and np.isfinite(values).all()
     ):
-        message = (
+        refuse_model(
             f"interface '{interface.name}': {samples.shape} positions and {values.shape} gaps do "
             "not match or are not finite; give (n, 3) positions and n gaps"
         )
-        raise ModelError(message)
     centre = interface.points.mean(axis=0)
     plane = np.linalg.svd(interface.points - centre, full_matrices=False)[2][:2].T
     places, targets = (samples - centre) @ plane, (interface.points - centre) @ plane
@@ -93,17 +91,15 @@ def gap_from_nodes(
     """
     ids, values = np.asarray(nodes, dtype=np.int64), np.asarray(gaps, dtype=float)
     if ids.shape != values.shape or not np.isfinite(values).all():
-        message = (
+        refuse_model(
             f"interface '{interface.name}': {ids.shape} nodes and {values.shape} gaps do not "
             "match or are not finite; give one gap per node"
         )
-        raise ModelError(message)
     order = np.argsort(ids)
     ids, values = ids[order], values[order]
     if (np.diff(ids) == 0).any():
         twice = int(ids[np.argmax(np.diff(ids) == 0)])
-        message = f"interface '{interface.name}': the gap field names node {twice} twice"
-        raise ModelError(message)
+        refuse_model(f"interface '{interface.name}': the gap field names node {twice} twice")
     listed = np.isin(node_ids, ids)
     at_nodes = np.zeros(len(node_ids))
     at_nodes[listed] = values[np.searchsorted(ids, node_ids[listed])]
@@ -116,11 +112,10 @@ def gap_from_nodes(
     missing = np.flatnonzero(~named)
     if missing.size:
         minus, plus = node_ids[interface.pairs[missing[0]]].tolist()
-        message = (
+        refuse_model(
             f"interface '{interface.name}': the gap field has no value at {missing.size} of "
             f"{len(named)} node pairs, the first of nodes {minus} and {plus}; give one for each"
         )
-        raise ModelError(message)
     field: Vector = interface.point_shape @ total
     return field
 
@@ -144,8 +139,7 @@ def read_gap_field(path: str | Path, interface: Interface, node_ids: Indices) ->
         return gap_from_points(interface, np.column_stack(points), gaps)
     nodes, gaps = map(table.column, NODE_COLUMNS)
     if (nodes != np.round(nodes)).any():
-        message = f"{path}: node ids must be whole numbers"
-        raise FormatError(message)
+        refuse(f"{path}: node ids must be whole numbers")
     return gap_from_nodes(interface, node_ids, nodes.astype(np.int64).tolist(), gaps)
 
 

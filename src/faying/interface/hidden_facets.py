@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from faying._typing import Frozen, Indices, Mask, Matrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.interface.cells import Cells
 from faying.interface.clipping import areas
 from faying.interface.mismatch import LARGEST_COSINE
@@ -104,12 +104,11 @@ def _along_rays(below: Cells, above: Cells, reach: Reach) -> Iterator[tuple[Indi
         tree = cKDTree(above.centres[members])
         steps = np.ceil(np.maximum(last - first, 0.0) / (2 * largest))
         if not steps.sum() <= _MOST_PLACES:
-            message = (
+            refuse_model(
                 f"surfaces declared to be in contact have facets of {largest:.3g} and lie up to "
                 f"{np.max(last - first):.3g} apart, too far for their size to look for those that "
                 "see each other; correct the coordinates, or give a search distance"
             )
-            raise ModelError(message)
         count = steps.astype(np.int64)
         for rows in np.array_split(np.arange(len(count)), 1 + int(count.sum()) // _AT_ONCE):
             ray_rows, number = np.repeat(rows, count[rows]), _numbered(count[rows])

@@ -16,7 +16,7 @@ from faying.contact.contact import Contact
 from faying.contact.laws import Curve, Law, normal_law
 from faying.digits import ROUND_OFF
 from faying.display.facts import Shown, with_unit
-from faying.exceptions import ModelError, naming
+from faying.exceptions import naming, refuse_model
 from faying.interface.averaging import averaging_operator, facet_columns
 from faying.interface.coupling import Coupling
 from faying.interface.relative_displacement import axes_of, tangents_of, times_normals
@@ -107,12 +107,11 @@ class Interface(Frozen, Shown):
         super().__post_init__()
         rigid = self.law.friction > 0 and np.isinf(self.penalty)
         if rigid and self.quadrature != "nodal" and self.n_points > len(self.pairs):
-            message = (
+            refuse_model(
                 f"interface '{self.name}': contact is hard, with friction, at {self.n_points} "
                 f"points by {self.quadrature} between {len(self.pairs)} node pairs; so many rigid "
                 "points contradict each other: take quadrature = 'nodal', or a penalty"
             )
-            raise ModelError(message)
 
     @property
     def facts(self) -> Mapping[str, str]:

@@ -5,7 +5,7 @@ import numpy as np
 from faying._typing import Indices, Matrix
 from faying.contact.laws import Law
 from faying.digits import SOLVED
-from faying.exceptions import ModelError, naming
+from faying.exceptions import naming, refuse_model
 from faying.interface.coupling import Coupling, couple
 from faying.interface.facets import area_vectors, reference_nodes
 from faying.interface.gap_pairing import reach_of
@@ -81,12 +81,11 @@ def _by_body(segments: Segments, facets: Facets, side: Indices) -> list[Segments
 def _check_once(assembly: Assembly, spec: InterfaceSpec, segments: Segments) -> None:
     twice = np.flatnonzero(segments.covered > 1 + _LARGEST_EXCESS)
     if twice.size:
-        message = (
+        refuse_model(
             f"interface '{spec.name}': {twice.size} facets of the minus side are covered more than "
             f"once, for example {facet_place(assembly, segments.minus, int(twice[0]))}; the plus "
             "side overlaps itself, or the tolerance is larger than the thickness of a part"
         )
-        raise ModelError(message)
 
 
 def build_mortar_interface(

@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from faying._typing import Indices, Mask, Matrix
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, refuse_model
 from faying.interface.gap_pairing import pairs_across
 from faying.interface.interface import FacePairs, Interface
 from faying.interface.mismatch import check_no_mismatch, facet_place, raise_no_contact
@@ -139,13 +139,12 @@ def _coincident_facets(
     crowded = np.flatnonzero(mixed & (counts > 2))
     if crowded.size:
         rows = order[start[crowded[0]] : start[crowded[0]] + counts[crowded[0]]]
-        message = (
+        refuse_model(
             f"interface '{spec.name}': {len(rows)} facets coincide "
             f"{facet_place(assembly, facets, rows[0])}; two are expected. Do the two sides "
             "select the same facets, do bodies overlap, or is the tolerance "
             "larger than the thickness of a part?"
         )
-        raise ModelError(message)
     first, second = low[mixed], high[mixed]
     by_first = np.argsort(first)
     return first[by_first], second[by_first]
@@ -178,12 +177,11 @@ def _check_not_collapsed(
     repeated = (keys[:, 1:] == keys[:, :-1]) & (keys[:, 1:] >= 0)
     rows = np.flatnonzero(repeated.any(axis=1))
     if rows.size:
-        message = (
+        refuse_model(
             f"interface '{spec.name}': nodes of one facet "
             f"{facet_place(assembly, facets, rows[0])} are within the tolerance "
             f"{tolerance:g} of each other; lower the tolerance, or repair the facet"
         )
-        raise ModelError(message)
 
 
 def _check_facing(
@@ -198,19 +196,17 @@ def _check_facing(
     keys = facets.corner_keys
     shared = np.flatnonzero((keys[first] == keys[second]).all(axis=1))
     if shared.size:
-        message = (
+        refuse_model(
             f"interface '{spec.name}': both sides select the same {shared.size} facets, for "
             f"example {facet_place(assembly, facets, first[shared[0]])}; name one body per side"
         )
-        raise ModelError(message)
     same = np.flatnonzero(np.einsum("fd,fd->f", vectors[first], vectors[second]) >= 0)
     if same.size:
-        message = (
+        refuse_model(
             f"interface '{spec.name}': {same.size} of {len(first)} coincident facets face the same "
             f"way, for example {facet_place(assembly, facets, first[same[0]])}; the bodies "
             "overlap, or the nodes of a face set do not run counter-clockwise seen from outside"
         )
-        raise ModelError(message)
 
 
 def check_not_doubled(interfaces: Mapping[str, Interface]) -> None:
@@ -235,12 +231,11 @@ def check_not_doubled(interfaces: Mapping[str, Interface]) -> None:
         first, second = (
             names[number] for number in sorted((owner[first[group[again[0]]]], owner[again[0]]))
         )
-        message = (
+        refuse_model(
             f"interfaces '{first}' and '{second}' pair the same {again.size} facets, whose contact "
             "would count twice; remove one of them (a deck's contact definitions need no "
             "repetition in the study)"
         )
-        raise ModelError(message)
 
 
 def _keys(minus: Indices, plus: Indices) -> Indices:

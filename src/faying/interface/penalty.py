@@ -7,7 +7,7 @@ import numpy as np
 from faying._typing import Vector
 from faying.contact.laws import Coulomb, Law
 from faying.contact.laws.coulomb import automatic_tangential_penalty
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, refuse_model
 from faying.interface.coupling import Coupling
 from faying.interface.interface import FacePairs
 from faying.model.assembly import Assembly
@@ -49,11 +49,10 @@ def facet_penalty(assembly: Assembly, facets: Facets) -> float:
             if not len(facets) or missing[0] < 0
             else f"property {missing[0]} has no material"
         )
-        message = (
+        refuse_model(
             f"penalty = 'auto' needs the elements at the interface, but {what}; give the penalty "
             "as a number [force/length³] (10 E/h is a good start, h the element size)"
         )
-        raise ModelError(message)
     used = np.unique(facets.properties).tolist()
     modulus = min(assembly.materials[number].youngs_modulus for number in used)
     return PENALTY_FACTOR * modulus / float(_heights(assembly.mesh, facets).mean())
@@ -131,9 +130,8 @@ def _number(value: object, what: str, expected: str) -> float:
 def _automatic(penalty: float, assembly: Assembly) -> float:
     ratios = [material.poissons_ratio for material in assembly.materials.values()]
     if not ratios:
-        message = (
+        refuse_model(
             "tangential_penalty = 'auto' needs materials, and the model has none; give the "
             "penalty as a number [force/length³] (0.8 times the normal one is usual)"
         )
-        raise ModelError(message)
     return automatic_tangential_penalty(penalty, min(ratios))

@@ -6,7 +6,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.display.facts import MOST_SHOWN
-from faying.exceptions import ModelError, naming
+from faying.exceptions import ModelError, naming, refuse_model
 from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec, Selection
 from faying.model.surface import Facets, padded
@@ -22,11 +22,10 @@ def select_facets(assembly: Assembly, selection: Selection) -> Facets:
     """
     facets = _resolve(assembly, selection)
     if not len(facets):
-        message = (
+        refuse_model(
             f"no exterior facet belongs to {selection!r}; a node set must hold all nodes of a "
             "facet (mid-side nodes too), an element set must reach the surface of its body"
         )
-        raise ModelError(message)
     return facets
 
 
@@ -127,12 +126,11 @@ def _all_bodies(assembly: Assembly, spec: InterfaceSpec) -> tuple[Facets, Indice
     count = len(np.unique(facets.bodies))
     if count < 2:
         state = "is one body" if count else "has no solid elements"
-        message = (
+        refuse_model(
             f"interface '{spec.name}': the mesh {state}, so no facets of different bodies can be "
             "found; parts that touch must not share nodes, and a model given as matrices needs "
             "face sets named as 'minus' and 'plus'"
         )
-        raise ModelError(message)
     return facets, _body_ranks(assembly)[facets.bodies]
 
 
@@ -163,11 +161,10 @@ def touching_tolerance(nodes: Matrix, facets: Facets, spec: InterfaceSpec) -> fl
     """Return the tolerance a spec gives, or the default of the facets that may touch [length]."""
     if spec.tolerance is not None:
         if not 0 <= spec.tolerance < np.inf:
-            message = (
+            refuse_model(
                 f"interface '{spec.name}': the tolerance is {spec.tolerance:g}; give a length, or "
                 "leave it out for 1 % of the smallest facet edge"
             )
-            raise ModelError(message)
         return float(spec.tolerance)
     corners = nodes[facets.corners]
     edges = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)

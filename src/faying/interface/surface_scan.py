@@ -7,7 +7,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Frozen, Matrix, Vector
-from faying.exceptions import FormatError
+from faying.exceptions import FormatError, refuse
 from faying.files.contents import file_text
 from faying.files.csv_rows import csv_rows
 from faying.files.numpy_archive import read_arrays
@@ -71,8 +71,7 @@ def read_scan(path: Path | str) -> Scan:
         raise FormatError(message) from None
     there = np.isfinite(columns.sum(axis=1))
     if np.count_nonzero(there) < 10:
-        message = f"{path}: {np.count_nonzero(there)} samples have a value; a scan needs ten"
-        raise FormatError(message)
+        refuse(f"{path}: {np.count_nonzero(there)} samples have a value; a scan needs ten")
     values = columns[there]
     return Scan(
         places=values[:, :2],
@@ -89,11 +88,10 @@ def _of_arrays(path: Path) -> tuple[Matrix, str]:
     if values.ndim == 2 and x.ndim == y.ndim == 1 and values.shape == (len(y), len(x)):
         x, y = np.meshgrid(x, y)
     if not x.shape == y.shape == values.shape:
-        message = (
+        refuse(
             f"{path}: x {x.shape}, y {y.shape} and {kind} {values.shape} do not match; give one of "
             f"each per sample, or the axes of a grid and {kind} (n_y, n_x)"
         )
-        raise FormatError(message)
     return np.column_stack([x.ravel(), y.ravel(), values.ravel()]), kind
 
 

@@ -9,7 +9,7 @@ import scipy.ndimage as ndi
 from scipy.spatial import cKDTree
 
 from faying._typing import Matrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, refuse_model
 from faying.interface.interface import Interface
 from faying.interface.surface_scan import Scan
 
@@ -118,11 +118,10 @@ def _heights(interface: Interface, scan: Scan, placement: ScanPlacement) -> tupl
     bare = away > MOST_FILLED * cutoff
     share = float(interface.weights @ bare / interface.weights.sum())
     if share > LARGEST_HOLE:
-        message = (
+        refuse_model(
             f"interface '{interface.name}': {share:.0%} of its area lies off the samples of the "
             f"scan of '{placement.of}', up to {away.max():.3g} away; check origin, along and units"
         )
-        raise ModelError(message)
     centre, size = points.mean(axis=0), np.ptp(points, axis=0).max()
     over = np.all(np.abs(scan.places - centre) <= size, axis=1)
     places, values = scan.places[over], placement.scale * scan.values[over]
@@ -155,20 +154,18 @@ def _in_its_axes(interface: Interface, placement: ScanPlacement) -> Matrix:
     normal = interface.weights @ interface.normals
     length = np.linalg.norm(normal)
     if length < np.sqrt(0.5) * interface.weights.sum():
-        message = (
+        refuse_model(
             f"interface '{interface.name}' bends by more than a scan over a plane shows; give gaps "
             "at its nodes by initial_gap"
         )
-        raise ModelError(message)
     outward = normal / length * (-1.0 if placement.of == "plus" else 1.0)
     along = np.asarray(placement.along, dtype=float)
     along = along - outward * (along @ outward)
     if not np.linalg.norm(along) > 1e-3 * np.linalg.norm(placement.along):
-        message = (
+        refuse_model(
             f"interface '{interface.name}': along = {list(placement.along)} points across the "
             "interface; give the direction in it where the scan's x points"
         )
-        raise ModelError(message)
     x = along / np.linalg.norm(along)
     away = interface.points - np.asarray(placement.origin, dtype=float)
     places: Matrix = away @ np.column_stack([x, np.cross(outward, x)])
@@ -195,11 +192,10 @@ def _filtered(places: Matrix, values: Vector, points: Matrix, cutoff: float) -> 
     shape = np.ceil((np.maximum(places.max(axis=0), points.max(axis=0)) - low) / cell).astype(int)
     shape += 2
     if shape.prod() > MOST_CELLS:
-        message = (
+        refuse_model(
             f"a cut-off of {cutoff:.3g} takes {shape.prod():.2g} cells; give a longer wavelength, "
             "or leave it to the mesh"
         )
-        raise ModelError(message)
     whole = np.floor((places - low) / cell).astype(int)
     part = (places - low) / cell - whole
     spread = ALPHA * cutoff / np.sqrt(2 * np.pi) / cell
@@ -265,11 +261,10 @@ def crown_gap(interface: Interface, crowns: Sequence[Crown]) -> Vector:
         direction = np.asarray(crown.along, dtype=float)
         length = float(np.linalg.norm(direction))
         if not length > 0:
-            message = (
+            refuse_model(
                 f"interface '{interface.name}': along = {list(crown.along)} is no direction; give "
                 "where the gap of the crown grows"
             )
-            raise ModelError(message)
         s = (interface.points - np.asarray(crown.origin)) @ direction / length
         total += crown.height * (np.abs(s) / crown.distance) ** crown.exponent
     return np.asarray(total - total.min())

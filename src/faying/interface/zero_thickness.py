@@ -7,7 +7,7 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix
 from faying.contact.laws import Law
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.interface.contact_points import ContactPoints, joined, on_facets
 from faying.interface.facets import (
     Rule,
@@ -51,8 +51,7 @@ def build_interface(
     entries, so Newton's third law, Eq. (15.4), holds to the last bit.
     """
     if not faces:
-        message = f"interface '{spec.name}' has no facets; pair the facets of its sides first"
-        raise ModelError(message)
+        refuse_model(f"interface '{spec.name}' has no facets; pair the facets of its sides first")
     nodes = assembly.mesh.nodes
     rules = [contact_rule(spec, entry.kind, law) for entry in faces]
     pairs, columns = _node_pairs(faces, len(nodes))
@@ -86,11 +85,10 @@ def contact_rule(spec: InterfaceSpec, kind: str, law: Law) -> Rule:
     if quadrature == "gauss":
         return gauss_rule(kind, spec.order)
     if spec.order is not None:
-        message = (
+        refuse_model(
             f"interface '{spec.name}': order {spec.order} is given but nodal quadrature has none; "
             "leave the order out or take quadrature = 'gauss'"
         )
-        raise ModelError(message)
     return nodal_rule(kind)
 
 
@@ -120,11 +118,10 @@ def _all_points(
         empty = np.flatnonzero(part.weights <= 0)
         if len(empty):
             x, y, z = middle[local[empty[0] // len(rule.weights)]].mean(axis=0)
-            message = (
+            refuse_model(
                 f"interface '{name}': a {kind} facet at ({x:g}, {y:g}, {z:g}) has no area; "
                 "repair the mesh there"
             )
-            raise ModelError(message)
         parts.append(part)
         at_pair.append(np.where(rule.nodes >= 0, local[:, rule.nodes], -1).ravel())
         first_face += len(local)

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, read_only
 from faying.contact.laws import Hard, Law, normal_law
-from faying.exceptions import ModelError, naming
+from faying.exceptions import naming, refuse_model
 from faying.interface.gap_pairing import declared_area
 from faying.interface.interface import Interface, stack
 from faying.interface.mortar import build_mortar_interface, find_couplings
@@ -95,8 +95,7 @@ def build_model(
     """
     model = _built(assembly, interfaces, bolts, boundaries, damping, units)
     if not model.interfaces:
-        message = "the model has no interface; name one, or let faying find it with 'auto'"
-        raise ModelError(message)
+        refuse_model("the model has no interface; name one, or let faying find it with 'auto'")
     return model
 
 
@@ -203,8 +202,7 @@ def _interfaces(
     for spec in specs:
         for name, interface in _found(assembly, dofs, spec):
             if name in joints:
-                message = f"two interfaces are called '{name}'; give each its own name"
-                raise ModelError(message)
+                refuse_model(f"two interfaces are called '{name}'; give each its own name")
             joints[name] = interface
     check_not_doubled(joints)
     return joints
@@ -239,8 +237,7 @@ def _law(assembly: Assembly, spec: InterfaceSpec, automatic: Callable[[], float]
     """Return the law that a spec names, with the penalty of the elements where it is automatic."""
     with naming(f"interface '{spec.name}'"):
         if spec.closure is not None and spec.penalty != "auto":
-            message = f"it has a penalty and closure '{spec.closure.name}'; give one of them"
-            raise ModelError(message)
+            refuse_model(f"it has a penalty and closure '{spec.closure.name}'; give one of them")
         normal: Law
         if spec.closure is not None:
             normal = spec.closure
@@ -257,11 +254,10 @@ def _boundary_components(assembly: Assembly, spec: BoundarySpec, movable: Mask) 
     rows = (6 * nodes[:, None] + np.arange(6)).ravel()
     free: Indices = rows[movable[rows]]
     if not len(free):
-        message = (
+        refuse_model(
             f"boundary '{spec.name}' takes no load: its node {assembly.mesh.node_ids[nodes[0]]} is "
             "fixed by supports in every component, or touches nothing; choose a node that can move"
         )
-        raise ModelError(message)
     return free
 
 
@@ -281,12 +277,11 @@ def _check_disjoint(
         for row in end.tolist():
             first_name = owner.setdefault(row, spec.name)
             if first_name != spec.name:
-                message = (
+                refuse_model(
                     f"boundaries '{first_name}' and '{spec.name}' share node "
                     f"{assembly.mesh.node_ids[row // 6]} ({FORCE_NAMES[row % 6]}); "
                     "let each node belong to one boundary"
                 )
-                raise ModelError(message)
 
 
 def _tightened(

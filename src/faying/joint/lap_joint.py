@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from faying._typing import Mask, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, refuse_model
 from faying.model.assembly import Assembly, Material, RigidCoupling, Spring, Support
 from faying.model.cells import CellBlock
 from faying.model.description import JointDescription
@@ -45,35 +45,30 @@ class LapGeometry:
         positive = ("element_size", "upper_element_size", "length", "width", "thickness", "overlap")
         for name in positive:
             if not 0 < getattr(self, name) < np.inf:
-                message = f"lap joint: {name} is {getattr(self, name):g}; it must be positive"
-                raise ModelError(message)
+                refuse_model(f"lap joint: {name} is {getattr(self, name):g}; it must be positive")
         count = self._count()
         if count > MOST_BRICKS:
-            message = (
+            refuse_model(
                 f"lap joint: elements of {min(self.element_size, self.upper_element_size):g} "
                 f"divide it into {count:.3g} bricks, and {MOST_BRICKS} are the most; enlarge "
                 "element_size or correct the measures"
             )
-            raise ModelError(message)
         if not self.overlap < self.length:
-            message = (
+            refuse_model(
                 f"lap joint: the overlap {self.overlap:g} is not shorter than the whole length "
                 f"{self.length:g}, so no plate would reach past it; shorten the overlap"
             )
-            raise ModelError(message)
         if not self.hole_radius >= 0:
             message = f"lap joint: hole_radius is {self.hole_radius:g}; give 0 or None for no hole"
             raise ModelError(message)
         if self.plates not in PLATE_NAMES:
-            message = f"lap joint: plates is {self.plates}; it must be 2 or 3"
-            raise ModelError(message)
+            refuse_model(f"lap joint: plates is {self.plates}; it must be 2 or 3")
         for x, y in self.bolt_positions:
             if abs(x) > self.overlap / 2 or abs(y) > self.width / 2:
-                message = (
+                refuse_model(
                     f"lap joint: the bolt at ({x:g}, {y:g}) lies outside the overlap, "
                     f"|x| <= {self.overlap / 2:g}, |y| <= {self.width / 2:g}"
                 )
-                raise ModelError(message)
 
     def _count(self) -> float:
         """Return about how many bricks there are, holes filled."""

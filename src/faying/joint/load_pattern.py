@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from faying._typing import Frozen, Mask, Matrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, refuse_model
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES, Boundary
 from faying.model.dofs import DofMap
@@ -55,16 +55,14 @@ def load_pattern(name: str, loads: NodalLoads, assembly: Assembly, dofs: DofMap)
     nodal = np.zeros((dofs.n_nodes, 6))
     np.add.at(nodal, loads.nodes, loads.forces)
     if not np.isfinite(nodal).all():
-        message = f"load '{name}' holds NaN or infinity; give finite forces"
-        raise ModelError(message)
+        refuse_model(f"load '{name}' holds NaN or infinity; give finite forces")
     _check_carried(name, nodal, assembly, dofs)
     forces = dofs.transformation.T @ nodal.ravel()
     if not forces.any():
-        message = (
+        refuse_model(
             f"load '{name}' moves nothing: it is zero, or all of it acts on supports; "
             "leave it out, or correct the deck"
         )
-        raise ModelError(message)
     return LoadPattern(name=name, forces=forces)
 
 
@@ -72,11 +70,10 @@ def check_pattern_name(name: str, boundaries: Mapping[str, Boundary]) -> None:
     """Refuse a name that a load on a boundary has already."""
     boundary, _, component = name.rpartition(".")
     if boundary in boundaries and component in FORCE_NAMES:
-        message = (
+        refuse_model(
             f"'{name}' is the load {component} on boundary '{boundary}' and cannot also be a load "
             "pattern; rename one of them"
         )
-        raise ModelError(message)
 
 
 def _check_carried(name: str, nodal: Matrix, assembly: Assembly, dofs: DofMap) -> None:

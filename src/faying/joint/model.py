@@ -10,7 +10,7 @@ from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
 from faying.contact.laws import Curve, Law
 from faying.display.facts import Shown, counted
-from faying.exceptions import ModelError, naming
+from faying.exceptions import naming, refuse_model
 from faying.interface.interface import Interface, stack
 from faying.interface.penalty import TangentialPenalty, with_friction
 from faying.joint.load_pattern import (
@@ -254,11 +254,10 @@ class Model(Shown):
         for name in stiffness:
             self._interface(name)
             if name not in coefficients:
-                message = (
+                refuse_model(
                     f"interface '{name}' has a tangential penalty and no coefficient of friction; "
                     "give both or none"
                 )
-                raise ModelError(message)
         changed = {}
         for name, coefficient in coefficients.items():
             interface = self._interface(name)
@@ -302,11 +301,10 @@ class Model(Shown):
         """Return a copy with bolts locked at other initial forces N₀."""
         unknown = set(initial_forces) - set(self.bolts)
         if unknown:
-            message = (
+            refuse_model(
                 f"the model has no bolt '{min(unknown)}'; its bolts are "
                 f"{', '.join(self.bolts) or 'none'}"
             )
-            raise ModelError(message)
         locked = {name: self.bolts[name].locked(force) for name, force in initial_forces.items()}
         copy = replace(self, bolts={**self.bolts, **locked})
         # Contact does not depend on what bolts are locked at: what was prepared for it serves on.
@@ -325,10 +323,9 @@ class Model(Shown):
         deck = self.assembly.loads
         for name in names:
             if name not in deck:
-                message = (
+                refuse_model(
                     f"the deck has no load '{name}'; its loads are {', '.join(deck) or 'none'}"
                 )
-                raise ModelError(message)
         return self.with_load_patterns({name: deck[name] for name in names})
 
     def with_load_patterns(self, loads: Mapping[str, NodalLoads]) -> "Model":
@@ -370,11 +367,10 @@ class Model(Shown):
 
     def _interface(self, name: str) -> Interface:
         if name not in self.interfaces:
-            message = (
+            refuse_model(
                 f"the model has no interface '{name}'; its interfaces are "
                 f"{', '.join(self.interfaces) or 'none'}"
             )
-            raise ModelError(message)
         return self.interfaces[name]
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Mask, SparseMatrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.interface.interface import Interface
 
 
@@ -16,11 +16,10 @@ def stuck_pairs(interface: Interface, pressure: Vector, threshold: float) -> Mas
     (every pair with pressure) up to but not including 1.
     """
     if not 0 <= threshold < 1:
-        message = (
+        refuse_model(
             f"interface '{interface.name}': the sticking threshold is {threshold:g}; give a "
             "fraction of the largest preload pressure, at least 0 and below 1"
         )
-        raise ModelError(message)
     average = interface.nodal_average(pressure)
     stuck: Mask = average > threshold * max(float(average.max()), 0.0)
     return stuck
@@ -63,11 +62,10 @@ def sticking_forces(interface: Interface, pairs: Mask, stiffness: float) -> Spar
     side does to the springs.
     """
     if not 0 < stiffness < np.inf:
-        message = (
+        refuse_model(
             f"interface '{interface.name}': the sticking stiffness is {stiffness:g}; give a "
             "positive number [force/length]"
         )
-        raise ModelError(message)
     difference = interface.motion_operator[np.repeat(pairs, 3)]
     normals = interface.pair_normals[pairs]
     tangential = stiffness * (np.eye(3) - normals[:, :, None] * normals[:, None, :])

@@ -14,7 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, refuse_model
 from faying.joint.diagnosis import REMEDY_BESIDE_SPRINGS, model_motions, unconstrained
 from faying.joint.model import Model
 from faying.joint.weak_support import WeakSupport
@@ -153,11 +153,10 @@ def _free_nodes(model: Model) -> Mask:
     """Return which nodes (n_node,) belong to what moves freely."""
     mechanisms = model_motions(model)
     if not mechanisms.searched:
-        message = (
+        refuse_model(
             "there are too many parts to find those that weak springs would hold; support them, "
             "or tie them to one another"
         )
-        raise ModelError(message)
     size = np.zeros(len(model.assembly.mesh.nodes))
     if mechanisms.motions.size:
         nodal = np.moveaxis(model.dofs.nodal(mechanisms.motions.T), 0, -1)

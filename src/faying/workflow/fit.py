@@ -13,7 +13,7 @@ from faying.assessment.backbone_band import BackboneBand, backbone_band
 from faying.assessment.identification import Identification, identify
 from faying.assessment.measured_curve import MeasuredCurve
 from faying.assessment.parameter import Parameter, design
-from faying.exceptions import StudyError
+from faying.exceptions import refuse_study
 from faying.execution.campaign import run_campaign
 from faying.execution.checkpoint import Checkpoint
 from faying.execution.executor import Executor
@@ -112,8 +112,7 @@ def band_of_study(
     """
     trials = design(_parameters(study), study.band.design, study.band.samples)
     if not any(case.kind == "backbone" for case in study.load_cases):
-        message = f'{study.path.name} has no [[load_case]] of kind = "backbone"; add one'
-        raise StudyError(message)
+        refuse_study(f'{study.path.name} has no [[load_case]] of kind = "backbone"; add one')
     measured, books = measured_curves(study), Books(progress)
     with _kept(out) as folder:
         with books.stage("samples", len(trials)) as advance:
@@ -139,8 +138,7 @@ def band_of_study(
 def _parameters(study: Study) -> list[Parameter]:
     """Return the parameters of a study, each starting at what the file has, if it is a number."""
     if not study.parameters:
-        message = f"{study.path.name} has no [[parameter]]; add one with its keys and range"
-        raise StudyError(message)
+        refuse_study(f"{study.path.name} has no [[parameter]]; add one with its keys and range")
     from tomllib import loads
 
     tables, parameters = loads(study.text), []

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from faying import __version__
 from faying.assessment.transient_error import EXACT
-from faying.exceptions import StudyError
+from faying.exceptions import refuse_study
 from faying.linalg.threads import one_thread
 from faying.reduction.method import Method
 from faying.reduction.methods import METHODS
@@ -77,11 +77,10 @@ def reduce_study(
     )
     alone = study.model_copy(update={"reduction": section})
     if chosen.trained and not section.training.box:
-        message = (
+        refuse_study(
             f"method '{chosen.name}' learns from training loads and {study.path.name} has none; "
             f"add [reduction.training] with a box, or take method '{EXACT}'"
         )
-        raise StudyError(message)
     books = Books(progress)
     joint = prepare_joint(alone, books)
     modes = normal_modes_of(joint)
@@ -120,6 +119,5 @@ def _method(name: str) -> Method:
     """Return a method that a file of one model can hold."""
     names = [method.name for method in METHODS.values() if method.forces is None]
     if name not in names:
-        message = f"method: {one_of(name, names)}"
-        raise StudyError(message)
+        refuse_study(f"method: {one_of(name, names)}")
     return METHODS[name]

@@ -14,7 +14,7 @@ from faying import __version__
 from faying.assessment.case_metrics import WEAK_SHARE, weak_warnings
 from faying.assessment.joint_verdict import joint_verdict, summarized
 from faying.assessment.requirements import Requirements, check_names
-from faying.exceptions import StudyError
+from faying.exceptions import refuse_study
 from faying.execution.checkpoint import results_in
 from faying.execution.executor import Executor
 from faying.files.atomic import write_text
@@ -84,8 +84,7 @@ def solve_loads(
     unknown = [name for name in chosen.named if name not in loads.names]
     if unknown:
         remedy = nearest(unknown[0], loads.names[:20])
-        message = f"there is no static case '{unknown[0]}' to keep; {remedy}"
-        raise StudyError(message)
+        refuse_study(f"there is no static case '{unknown[0]}' to keep; {remedy}")
     if tightening is None:
         rom.contact.check_frictionless(
             "so that what a load leaves depends on how the bolts were tightened, and nothing says "

@@ -13,7 +13,7 @@ from faying.assessment.growth import DEFAULT_INCREMENTS
 from faying.assessment.joint_record import CaseState
 from faying.assessment.requirements import Requirements
 from faying.assessment.strength.preload_ends import BoltStrengths, state_of
-from faying.exceptions import ConvergenceError, StudyError
+from faying.exceptions import ConvergenceError, refuse_study
 from faying.execution.campaign import run_campaign
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.execution.executor import Executor
@@ -296,11 +296,10 @@ class CaseSolver:
 def on_worker(solver: CaseSolver) -> Callable[[Piece], Arrays]:
     """Return what solves a piece on a worker."""
     if solver.loads.transients and not solver.checkpoint.folder.is_dir():
-        message = (
+        refuse_study(
             f"a worker does not see {solver.checkpoint.folder}, where it keeps what it finishes of "
             "loads over time; choose a folder that all machines share with --out"
         )
-        raise StudyError(message)
     return solver.piece
 
 

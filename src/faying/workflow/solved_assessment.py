@@ -19,7 +19,7 @@ from faying.assessment.strength.checks import with_threads
 from faying.assessment.strength.preload_ends import BoltStrengths, PreloadEnd
 from faying.assessment.strength.thread import fibre_stresses
 from faying.assessment.verdicts import ring_surface
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.joint.bolt_surroundings import pressed_near
 from faying.joint.tangential import TangentialRows
 from faying.reduction.reduced_model import ReducedModel
@@ -101,8 +101,7 @@ def solved_checks(
         at = cases.states(cases.deciding(options.worst))
         states |= {cases.named(name, row): state for row, state in at.items()}
     if not states:
-        message = "no case was solved, so there is nothing to judge"
-        raise ModelError(message)
+        refuse_model("no case was solved, so there is nothing to judge")
     openings: Mapping[str, Openings] = {}
     reserves: Mapping[str, SlipReserve] = {}
     if static is not None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from faying.assessment.strength.thread import tightening_stress
 from faying.assessment.strength.tightening import force_of_torque
-from faying.exceptions import StudyError
+from faying.exceptions import refuse_study
 from faying.files.csv_rows import write_rows
 from faying.linalg.threads import one_thread
 from faying.simulation.tightening_plan import TighteningPlan, tightening_plan
@@ -38,8 +38,7 @@ def plan_of_study(
         check_interfaces(study, loaded)
         targets = {name: force for name, force in loaded.preloads.items() if force > 0}
         if not targets:
-            message = f"{study.path.name}: no bolt has a preload to be brought to; give one"
-            raise StudyError(message)
+            refuse_study(f"{study.path.name}: no bolt has a preload to be brought to; give one")
         model = build_loaded(loaded).with_bolt_forces(loaded.initial_forces)
     with books.stage("compliance"):
         _ = model.static_contact

@@ -26,7 +26,7 @@ from faying.assessment.strength.thread import (
     tightening_stress,
     working_stress,
 )
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.units import units_of
 
 
@@ -316,8 +316,7 @@ def with_threads(
     unknown = sorted(set(threads) - set(found.bolts))
     if unknown:
         known = ", ".join(found.bolts)
-        message = f"threads: there is no bolt '{unknown[0]}'; there are {known}"
-        raise ModelError(message)
+        refuse_model(f"threads: there is no bolt '{unknown[0]}'; there are {known}")
     stressed = {
         name: replace(
             found.bolts[name],

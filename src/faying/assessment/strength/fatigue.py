@@ -11,7 +11,7 @@ from faying._typing import Matrix, Vector
 from faying.assessment.strength.grades import strength_of
 from faying.assessment.strength.thread import Thread
 from faying.digits import DECK_DIGITS
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.units import LENGTHS, pascals
 
 ENDURANCE_CYCLES = 2e6
@@ -25,8 +25,7 @@ def endurance(thread: Thread, units: str) -> float:
     """Return σ_ASV [force/length²]."""
     pascal, metre = pascals(units), LENGTHS.get(units.split("-")[0])
     if pascal is None or metre is None:
-        message = f"endurance is a stress in MPa, and what that is in {units} is not known"
-        raise ModelError(message)
+        refuse_model(f"endurance is a stress in MPa, and what that is in {units} is not known")
     return 0.85 * (150 / (thread.diameter * metre * 1e3) + 45) * 1e6 / pascal
 
 

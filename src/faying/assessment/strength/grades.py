@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 from typing import final
 
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.units import pascals
 
 PROOF = {
@@ -43,21 +43,19 @@ class BoltStrength:
 
     def __post_init__(self) -> None:
         if not 0 < self.proof <= self.yields <= self.ultimate:
-            message = (
+            refuse_model(
                 f"strengths are proof {self.proof:g}, yield {self.yields:g} and ultimate "
                 f"{self.ultimate:g}; give positive ones, each at least the one before"
             )
-            raise ModelError(message)
 
 
 def check_grade(grade: str) -> None:
     """Refuse a grade that is none."""
     if not GRADE.fullmatch(grade):
-        message = (
+        refuse_model(
             f"grade '{grade}' is none; give it as in '8.8' or '10.9', 'A2-70' or 'SAE 5', or the "
             "strengths themselves"
         )
-        raise ModelError(message)
 
 
 def strength_of(grade: str, units: str) -> BoltStrength:
@@ -70,8 +68,7 @@ def strength_of(grade: str, units: str) -> BoltStrength:
     check_grade(grade)
     pascal = pascals(units)
     if pascal is None:
-        message = f"a grade is a stress in MPa, and what that is in {units} is not known"
-        raise ModelError(message)
+        refuse_model(f"a grade is a stress in MPa, and what that is in {units} is not known")
     if grade.startswith("A"):
         yields, ultimate = STAINLESS[grade[-2:]]
         values, unit = (yields, yields, ultimate), 1e6

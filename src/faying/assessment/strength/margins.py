@@ -11,7 +11,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Vector
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 
 SHANK, THREAD = (2.5, 1.5), (1.2, 2.0)
 """Exponents of shear and tension in (20) and (22), by what is in the shear plane."""
@@ -109,8 +109,7 @@ def torque_tests(preloads: Vector, torque: float, diameter: float) -> TorqueTest
     10000.0
     """
     if len(preloads) < 2:
-        message = f"found {len(preloads)} measured preloads, and two are the least that scatter"
-        raise ModelError(message)
+        refuse_model(f"found {len(preloads)} measured preloads, and two are the least that scatter")
     nominal, deviation = float(preloads.mean()), float(preloads.std(ddof=1))
     listed = max(count for count in TOLERANCE_FACTORS if count <= len(preloads))
     return TorqueTests(

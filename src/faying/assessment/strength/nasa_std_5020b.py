@@ -24,7 +24,7 @@ from faying.assessment.strength.margins import (
 from faying.assessment.strength.preload_ends import LEAST, MOST, initial_forces_at
 from faying.assessment.strength.thread import SHEAR, Thread
 from faying.assessment.strength.tightening import PreloadRange
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import contact_areas
 from faying.joint.smooth_joint import smooth_joint
@@ -126,8 +126,7 @@ def margin_checks(
     Four solutions a load case, without friction.
     """
     if not loads:
-        message = "margins are of static load cases, and there is none; add one"
-        raise ModelError(message)
+        refuse_model("margins are of static load cases, and there is none; add one")
     scatter = {name: ranges.get(name, PreloadRange()) for name in preloads}
     most = {name: scatter[name].most(force) for name, force in preloads.items()}
     sharing = 1 if factors.separation_critical else len(preloads)

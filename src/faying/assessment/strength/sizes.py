@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import final
 
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, refuse_model
 
 MILLIMETRE, INCH = 1e-3, 0.0254
 """In metres."""
@@ -100,8 +100,7 @@ def size_named(name: str, head: str = HEADS[0]) -> Size:
     """Return a size by its name, as ``"M8"``, ``"M8x1"`` or ``"3/8-24 UNF"``."""
     text = " ".join(name.split())
     if head not in HEADS:
-        message = f"head '{head}' is not known; give one of {', '.join(HEADS)}"
-        raise ModelError(message)
+        refuse_model(f"head '{head}' is not known; give one of {', '.join(HEADS)}")
     if metric := METRIC.fullmatch(text):
         return _metric(name, float(metric["diameter"]), metric["pitch"], head)
     if unified := UNIFIED.fullmatch(text):
@@ -123,15 +122,13 @@ def _metric(name: str, diameter: float, pitch: str | None, head: str) -> Size:
     listed = HEXAGON.get(diameter)
     if listed is None and pitch is None:
         sizes = ", ".join(f"M{d:g}" for d in HEXAGON)
-        message = f"the coarse pitch of '{name}' is not listed ({sizes}); add it, as in 'M7x1'"
-        raise ModelError(message)
+        refuse_model(f"the coarse pitch of '{name}' is not listed ({sizes}); add it, as in 'M7x1'")
     if listed is None:
         return Size(diameter=diameter * MILLIMETRE, pitch=float(pitch or 0) * MILLIMETRE)
     coarse, face, hole, washer = listed
     if head == "ISO 4762":
         if diameter not in SOCKET:
-            message = f"{head} lists no face of '{name}' here; give washer_radius and hole"
-            raise ModelError(message)
+            refuse_model(f"{head} lists no face of '{name}' here; give washer_radius and hole")
         face = SOCKET[diameter]
     bearing = washer if head == "ISO 7089" else face
     return Size(

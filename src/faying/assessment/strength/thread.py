@@ -13,7 +13,7 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.assessment.strength.grades import BoltStrength, check_grade, strength_of
 from faying.assessment.strength.sizes import size_named
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, refuse_model
 from faying.units import LENGTHS
 
 SHEAR = 0.6
@@ -80,19 +80,17 @@ class Thread:
 
     def __post_init__(self) -> None:
         if not (0 < self.pitch < self.diameter / 2):
-            message = (
+            refuse_model(
                 f"a thread of diameter {self.diameter:g} has the pitch {self.pitch:g}; give a "
                 "positive one, less than half the diameter"
             )
-            raise ModelError(message)
         if self.grade:
             check_grade(self.grade)
         if self.bearing is not None and not self.bearing[0] > self.bearing[1] >= 0:
-            message = (
+            refuse_model(
                 f"a head of diameter {self.bearing[0]:g} bears on nothing around a hole of "
                 f"{self.bearing[1]:g}; enlarge it, or make the hole smaller"
             )
-            raise ModelError(message)
 
     @classmethod
     def named(
@@ -201,8 +199,7 @@ def _metres(units: str) -> float:
     """Return how many metres the unit of length is."""
     length = units.split("-")[0]
     if length not in LENGTHS:
-        message = f"a size is a length, and what that is in {units} is not known"
-        raise ModelError(message)
+        refuse_model(f"a size is a length, and what that is in {units} is not known")
     return LENGTHS[length]
 
 

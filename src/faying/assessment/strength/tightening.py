@@ -12,14 +12,13 @@ from typing import final
 import numpy as np
 
 from faying.assessment.strength.thread import Thread, torsion_of
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, refuse_model
 
 
 def force_of_torque(thread: Thread, torque: float) -> float:
     """Return the preload F_M that a torque gives [force]."""
     if thread.friction is None or thread.head_friction is None:
-        message = "a torque gives a preload by friction; give thread_friction and head_friction"
-        raise ModelError(message)
+        refuse_model("a torque gives a preload by friction; give thread_friction and head_friction")
     ratio = thread.torque_per_force(np.array([thread.friction]), np.array([thread.head_friction]))
     return float(torque / ratio[0])
 
@@ -33,8 +32,7 @@ def force_of_utilisation(thread: Thread, utilisation: float, units: str) -> floa
         If the friction in the thread is not given, or the units are not known.
     """
     if thread.friction is None:
-        message = "how far tightening uses a bolt depends on friction; give thread_friction"
-        raise ModelError(message)
+        refuse_model("how far tightening uses a bolt depends on friction; give thread_friction")
     twisted = np.sqrt(3) * torsion_of(thread, 1.0)
     used = utilisation * thread.strengths(units).yields
     return float(used / np.hypot(1 / thread.stress_area, twisted))

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 
 from faying._typing import Vector
 from faying.contact.laws import Law
-from faying.exceptions import StudyError
+from faying.exceptions import refuse_study
 from faying.export.arrays import refuse_expanding_bolts, sparse_variables
 from faying.export.fmu.variable import Kind, seconds
 from faying.export.fmu.variables import FAMILIES
@@ -40,17 +40,15 @@ def joint_file(rom: ReducedModel, step_size: float) -> tuple[bytes, str]:
     refuse_expanding_bolts(rom)
     contact, residual = rom.contact, rom.contact.residual_compliance
     if contact.n_points > MOST_HARD_POINTS and not np.isfinite(contact.penalty).all():
-        message = (
+        refuse_study(
             f"hard contact at {contact.n_points} points is too large for an FMU, which takes "
             f"{MOST_HARD_POINTS}; use nodal quadrature or a penalty"
         )
-        raise StudyError(message)
     if rom.rigid_motions.shape[1]:
-        message = (
+        refuse_study(
             "nothing holds the joint, and an FMU begins with a state of rest that its supports "
             "bear; support it"
         )
-        raise StudyError(message)
     rows = sp.csr_array(contact.interpolation)
     shear = sp.csr_array(sparse_variables(rom)["T"])
     laws = [contact.laws[name] for name in contact.slices]

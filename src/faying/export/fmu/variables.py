@@ -7,7 +7,7 @@ import numpy as np
 
 from faying.contact.laws import Law
 from faying.contact.laws.coulomb import LARGEST_FRICTION
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.export.fmu.variable import (
     ANGLE,
     ENERGY,
@@ -44,11 +44,10 @@ def variables(rom: ReducedModel, step_size: float, *, arrays: bool) -> tuple[Var
     names = set()
     for variable in all_variables:
         if variable.name in names:
-            message = (
+            refuse_model(
                 f"two variables of the FMU are both called '{variable.name}'; give boundaries, "
                 "bolts, loads and interfaces different names"
             )
-            raise ModelError(message)
         names.add(variable.name)
     return all_variables
 

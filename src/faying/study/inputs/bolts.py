@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from faying.digits import DECK_DIGITS
-from faying.exceptions import StudyError
+from faying.exceptions import StudyError, refuse_study
 from faying.model.assembly import Assembly, NodalLoads
 from faying.model.description import JointDescription
 from faying.model.specs import BoltSpec
@@ -81,11 +81,10 @@ def check_distinct_bolts(study: Study, bolts: tuple[BoltSpec, ...]) -> None:
         for element in bolt.elements or ():
             owner_name = owner.setdefault(element, bolt.name)
             if owner_name != bolt.name:
-                message = (
+                refuse_study(
                     f"{study.path.name}: bolts '{owner_name}' and '{bolt.name}' both tighten "
                     f"element {element}; to change the preload of a deck's bolt, use its name"
                 )
-                raise StudyError(message)
 
 
 def check_no_second_preload(
@@ -106,13 +105,12 @@ def check_no_second_preload(
         for name in applied:
             pull = _pull(assembly.loads[name], nodes)
             if pull:
-                message = (
+                refuse_study(
                     f"{study.path.name}: deck load '{name}' pulls at both ends of bolt "
                     f"'{bolt.name}' with {pull:g}, which is the deck's own preload of it, and the "
                     f"bolt is tightened to {force:g} beside it: both would act. Take the pair of "
                     "forces out of the deck, or give the bolt preload = 0"
                 )
-                raise StudyError(message)
 
 
 def _nodes_of(assembly: Assembly, bolt: BoltSpec) -> list[int]:
@@ -171,15 +169,13 @@ def preloads(
             forces.pop(bolt.name, None)
             continue
         if bolt.name not in forces:
-            message = (
+            refuse_study(
                 f"{study.path.name}: bolt '{bolt.name}' of the model has no preload; add [[bolt]] "
                 f'with name = "{bolt.name}" and preload = its final force (0 is not tightened)'
             )
-            raise StudyError(message)
         if not forces[bolt.name] >= 0:
-            message = (
+            refuse_study(
                 f"{study.path.name}: bolt '{bolt.name}' has the preload {forces[bolt.name]:g}, "
                 "which presses it; give a positive final force in the deck or by [[bolt]]"
             )
-            raise StudyError(message)
     return forces

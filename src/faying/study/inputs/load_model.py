@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from faying.exceptions import StudyError, naming
+from faying.exceptions import naming, refuse_study
 from faying.interface.gap_field import read_gap_field, with_gap_offset, with_gap_rule
 from faying.interface.interface import Interface
 from faying.joint.build import build_model
@@ -184,11 +184,10 @@ def _with_gap(model: Model, name: str, offset: float | Path) -> Interface:
 def check_interfaces(study: Study, loaded: LoadedModel) -> None:
     """Refuse to compute a model in which nothing touches."""
     if not loaded.interfaces:
-        message = (
+        refuse_study(
             f"{study.path.name}: neither the study nor its source has a contact interface; add "
             '[[interface]] with a name, minus = "auto" and plus = "auto"'
         )
-        raise StudyError(message)
 
 
 def build(study: Study) -> Model:
@@ -259,15 +258,13 @@ def _with_materials(assembly: Assembly, study: Study) -> Assembly:
         if name not in names and name not in solids:
             targets = sorted(filter(None, names)) or list(solids)
             location = study.source.table(("material", name))
-            message = f"{location}: the deck has no material '{name}'; {nearest(name, targets)}"
-            raise StudyError(message)
+            refuse_study(f"{location}: the deck has no material '{name}'; {nearest(name, targets)}")
         if any(name in section.materials for section in assembly.shell_sections.values()):
             location = study.source.table(("material", name))
-            message = (
+            refuse_study(
                 f"{location}: shells are made of material '{name}' too, whose sections keep the "
                 "constants of the deck; change it there"
             )
-            raise StudyError(message)
 
     def chosen(material: Material, number: int) -> Material:
         section = study.materials.get(str(number), study.materials.get(material.name))

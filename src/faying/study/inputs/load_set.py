@@ -9,7 +9,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.assessment.growth import DEFAULT_INCREMENTS
-from faying.exceptions import StudyError
+from faying.exceptions import StudyError, refuse_study
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.integrators import ImplicitEuler, Integrator, named_integrator
 from faying.simulation.load import History, Load
@@ -101,19 +101,17 @@ def read_loads(
             raise StudyError(message)
         twice = [file for file, following in pairwise(files) if file.stem == following.stem]
         if twice:
-            message = (
+            refuse_study(
                 f"{path} has two tables of the name '{twice[0].stem}', which is that of their "
                 "results; rename or remove one"
             )
-            raise StudyError(message)
         tables = [read_load_table(file) for file in files]
         static = next((file for file in tables if file.times is None), None)
         if static is not None:
-            message = (
+            refuse_study(
                 f"{static.path.name} has no column 'time'; a folder holds loads over time, name a "
                 "table of static cases itself"
             )
-            raise StudyError(message)
         return _of_histories(rom, tables, step, integrator)
     if path.suffix in TABLES:
         table = read_load_table(path)
@@ -153,8 +151,7 @@ def _not_solved(case: LoadCaseSection) -> Iterator[str]:
 def _of_cases(cases: Sequence[LoadCaseSection], rom: ReducedModel) -> LoadSet:
     for case in cases:
         for why in _not_solved(case):
-            message = f"load case '{case.name}' {why}"
-            raise StudyError(message)
+            refuse_study(f"load case '{case.name}' {why}")
     static = [case for case in cases if case.kind == "static"]
     start = np.zeros(1)
     rows = [case_load(case).inputs(rom, start) for case in static]
@@ -190,11 +187,10 @@ def _of_histories(
         table_inputs(table, rom)  # refuses unknown columns, all at once
         locked = [name for name in table.columns if name.partition(".")[0] == FACTOR]
         if locked:
-            message = (
+            refuse_study(
                 f"{table.path.name}: column '{locked[0]}' cannot change over time, for bolts are "
                 "locked; remove it"
             )
-            raise StudyError(message)
         times = np.asarray(table.times)
         forces = {name: History(times, values) for name, values in table.columns.items()}
         loads.append(
@@ -224,11 +220,10 @@ def _checked(rom: ReducedModel, loads: Iterable[TimedLoad]) -> tuple[TimedLoad, 
     for load in checked:
         load.load.inputs(rom, np.zeros(1))
         if not (load.step >= SMALLEST and max(load.step, load.duration) <= LARGEST):
-            message = (
+            refuse_study(
                 f"{load.load.name}: the time step is {load.step:g} and the duration "
                 f"{load.duration:g}; expected both from {SMALLEST:g} to {LARGEST:g}"
             )
-            raise StudyError(message)
     return checked
 
 
@@ -236,9 +231,8 @@ def _period(case: LoadCaseSection, rom: ReducedModel) -> float:
     """Return the longest period of the full model, which a study may measure time by."""
     timed = case.steps_per_period is not None or case.periods is not None
     if timed and rom.period is None:
-        message = (
+        refuse_study(
             f"load case '{case.name}' measures time by the longest period, which this model does "
             "not know; give 'step' and 'duration', or make the model with faying reduce"
         )
-        raise StudyError(message)
     return rom.period or 1.0

@@ -10,7 +10,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.display.facts import MOST_SHOWN
-from faying.exceptions import StudyError
+from faying.exceptions import refuse_study
 from faying.files.contents import check_room
 from faying.files.number_table import check_times, read_numbers
 from faying.joint.system import Joint, boundary_slices, initial_bolt_forces
@@ -83,12 +83,11 @@ def read_load_table(path: Path) -> LoadTable:
     if names is not None:
         _check_names(path, names)
     if not set(table.names) - {TIME, REPETITIONS} or not len(table.values):
-        message = (
+        refuse_study(
             f"{path.name}: found {len(table.values)} rows of {', '.join(table.names) or 'nothing'};"
             " expected a header with columns of loads such as 'tip.Fz', and one row per load case "
             "or instant"
         )
-        raise StudyError(message)
     columns = dict(zip(table.names, np.ascontiguousarray(table.values.T), strict=True))
     _check_range(path, columns)
     times = columns.pop(TIME, None)
@@ -111,8 +110,7 @@ def table_inputs(table: LoadTable, joint: Joint) -> Matrix:
     ]
     if wrong:
         listed = "\n".join(f"  - {text}" for text in wrong[:MOST_SHOWN])
-        message = f"{table.path.name}: columns that the model does not have\n{listed}"
-        raise StudyError(message)
+        refuse_study(f"{table.path.name}: columns that the model does not have\n{listed}")
     places = boundary_slices(joint.boundaries)
     n_boundary = sum(len(boundary.dofs) for boundary in joint.boundaries.values())
     bolts, patterns = list(joint.bolts), list(joint.load_patterns)
@@ -161,12 +159,11 @@ def _check_factors(table: LoadTable, name: str) -> None:
     values = table.columns[name]
     wrong = np.flatnonzero(~((values >= 0) & (values <= MOST_PRELOAD_FACTOR)))
     if wrong.size:
-        message = (
+        refuse_study(
             f"{table.path.name}, row {wrong[0] + 1}: column '{name}' has {values[wrong[0]]:g}, "
             f"expected a factor from 0 to {MOST_PRELOAD_FACTOR:g} on the initial force of bolts; "
             "divide the force that is meant by the preload of the study"
         )
-        raise StudyError(message)
 
 
 def _check_range(path: Path, columns: Mapping[str, Vector]) -> None:
@@ -174,27 +171,24 @@ def _check_range(path: Path, columns: Mapping[str, Vector]) -> None:
     for name, values in columns.items():
         large = np.flatnonzero(np.abs(values) > LARGEST)
         if large.size:
-            message = (
+            refuse_study(
                 f"{path.name}, row {large[0] + 1}: column '{name}' has {values[large[0]]:g}, "
                 f"expected a magnitude up to {LARGEST:g}; correct it or use other units"
             )
-            raise StudyError(message)
 
 
 def _check_names(path: Path, names: Sequence[str]) -> None:
     """Refuse names that cannot be shown, or that two rows have."""
     for row, name in enumerate(names, start=1):
         if not name.isprintable() or len(name) > LONGEST_NAME:
-            message = (
+            refuse_study(
                 f"{path.name}, row {row}: the name {name[:40]!a} has {len(name)} characters, "
                 f"expected at most {LONGEST_NAME}, all of which can be shown; change it"
             )
-            raise StudyError(message)
     if len(set(names)) < len(names):
         in_order = sorted(names)
         twice = next(earlier for earlier, later in pairwise(in_order) if earlier == later)
-        message = f"{path.name}: two rows have the name '{twice}'; names of cases must differ"
-        raise StudyError(message)
+        refuse_study(f"{path.name}: two rows have the name '{twice}'; names of cases must differ")
 
 
 def _check_repetitions(path: Path, repeated: Vector, *, timed: bool) -> None:
@@ -203,8 +197,7 @@ def _check_repetitions(path: Path, repeated: Vector, *, timed: bool) -> None:
         found = "this table is one load over time"
         if wrong.size:
             found = f"row {wrong[0] + 1} has {repeated[wrong[0]]:g}"
-        message = (
+        refuse_study(
             f"{path.name}: column '{REPETITIONS}' counts how often static cases come, but {found}; "
             "give 0 or more to static cases, and to loads over time in a TOML file"
         )
-        raise StudyError(message)

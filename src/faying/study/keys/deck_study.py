@@ -5,7 +5,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from faying.exceptions import StudyError
+from faying.exceptions import StudyError, refuse_study
 from faying.sources import SOURCES
 from faying.study.keys.schema import parse_study, read_study
 from faying.study.keys.tables import Study
@@ -38,8 +38,7 @@ def study_or_deck(path: Path, ignore: Sequence[str] = ()) -> Study:
     """
     if not is_bare(path):
         if ignore:
-            message = f"{path}: a study says what to ignore itself; add it to its [model]"
-            raise StudyError(message)
+            refuse_study(f"{path}: a study says what to ignore itself; add it to its [model]")
         return read_study(path)
     lines = ["[model]", f'source = "{_source(path)}"', f"file = {quoted(path.name)}"]
     if ignore:
@@ -71,11 +70,10 @@ def _source(path: Path) -> str:
     suffix = path.suffix.lower()
     check_not_ansys(path)
     if suffix in MESHES:
-        message = (
+        refuse_study(
             f"{path}: a mesh says too little of a joint to be checked alone; faying init "
             f"{path.name} begins its study"
         )
-        raise StudyError(message)
     for source in SOURCES.values():
         if suffix in source.suffixes:
             return source.name

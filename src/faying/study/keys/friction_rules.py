@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Literal
 
 from faying.assessment.modal_cycles import boundary_and_component
-from faying.exceptions import FormatError, ModelError
+from faying.exceptions import FormatError, ModelError, refuse_model
 from faying.joint.model import Model
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.reduction.methods import METHODS
@@ -79,11 +79,9 @@ def _check_place(boundary: str | None, boundaries: list[str]) -> None:
         return
     _, name, component = boundary_and_component(boundary)
     if name not in boundaries:
-        message = f"there is no boundary '{name}'; {nearest(name, boundaries)}"
-        raise ModelError(message)
+        refuse_model(f"there is no boundary '{name}'; {nearest(name, boundaries)}")
     if component and component not in DISPLACEMENT_NAMES:
-        message = f"'{component}' is no component; they are {quoted(DISPLACEMENT_NAMES)}"
-        raise ModelError(message)
+        refuse_model(f"'{component}' is no component; they are {quoted(DISPLACEMENT_NAMES)}")
 
 
 KINDS = {

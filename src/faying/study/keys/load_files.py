@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from faying.exceptions import FormatError
+from faying.exceptions import refuse
 from faying.files.number_table import NumberTable, check_times, read_numbers
 from faying.simulation.load import History
 from faying.study.keys.errors import quoted
@@ -42,8 +42,7 @@ def read_load_factors(path: Path, loads: Sequence[str]) -> NumberTable:
     table = read_numbers(path, "load factors", largest=LARGEST)
     problems = list(_problems(table, loads))
     if problems:
-        message = f"{path}: {'; '.join(problems)}"
-        raise FormatError(message)
+        refuse(f"{path}: {'; '.join(problems)}")
     return table
 
 

@@ -11,7 +11,7 @@ from faying.assessment.backbone import Backbone
 from faying.assessment.measured_curve import MeasuredCurve, deviations
 from faying.assessment.response_curve import ResponseCurve
 from faying.assessment.single_mode import single_mode
-from faying.exceptions import FormatError, ModelError, naming
+from faying.exceptions import FormatError, ModelError, naming, refuse
 from faying.files.number_table import read_number_table
 from faying.study.keys.errors import Problem, nearest
 from faying.study.keys.frequency_table import FrequencySection
@@ -45,8 +45,7 @@ def read_response(path: Path, kind: Kind) -> tuple[Vector, ComplexVector]:
         else:
             response = columns["magnitude"] * np.exp(1j * columns["phase"])
     if not (frequency > 0).all():
-        message = f"{path}: frequencies must be positive"
-        raise FormatError(message)
+        refuse(f"{path}: frequencies must be positive")
     order = np.argsort(frequency, kind="stable")
     circular = 2 * np.pi * frequency[order]
     return frequency[order], response[order] / (1j * circular) ** ORDERS[kind]
@@ -66,8 +65,7 @@ def _uff(path: Path, kind: Kind) -> tuple[Vector, ComplexVector, Kind]:
     sets = sets if isinstance(sets, list) else [sets]
     responses = [entry for entry in sets if entry.get("type") == 58]
     if len(responses) != 1:
-        message = f"{path}: found {len(responses)} functions (data set 58), expected one; split it"
-        raise FormatError(message)
+        refuse(f"{path}: found {len(responses)} functions (data set 58), expected one; split it")
     (function,) = responses
     kind_known = UFF_KINDS.get(int(function.get("ordinate_spec_data_type", 0)), kind)
     return np.asarray(function["x"]), np.asarray(function["data"], dtype=complex), kind_known
@@ -144,8 +142,7 @@ def _columns(section: MeasurementSection) -> dict[str, Vector]:
         return dict(zip(COLUMNS[0], np.array(rows).T, strict=True))
     table = read_number_table(section.file, COLUMNS, "the measured curve")
     if (table.values <= 0).any():
-        message = f"{section.file}: amplitudes, frequencies and damping ratios must be positive"
-        raise FormatError(message)
+        refuse(f"{section.file}: amplitudes, frequencies and damping ratios must be positive")
     return dict(zip(table.names, table.values.T, strict=True))
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from faying.display.facts import MOST_SHOWN
-from faying.exceptions import StudyError
+from faying.exceptions import StudyError, refuse_study
 from faying.files.contents import check_room, file_size
 from faying.files.number_table import NumberTable
 
@@ -43,8 +43,7 @@ def parquet_table(path: Path, label: str) -> NumberTable:
         file = parquet.ParquetFile(path, read_dictionary=[label] if label in header else None)
         twice = [name for number, name in enumerate(header) if name in header[:number]]
         if twice:
-            message = f"{path.name}: column '{twice[0]}' is there twice; keep one"
-            raise StudyError(message)
+            refuse_study(f"{path.name}: column '{twice[0]}' is there twice; keep one")
         read = file.read([label]).column(label) if label in header else None
         names = None if read is None else _names(path, label, read)
         numeric = [name for name in header if name != label]
@@ -66,8 +65,7 @@ def parquet_table(path: Path, label: str) -> NumberTable:
         raise StudyError(message) from None
     if wrong:
         listed = "\n".join(f"  - {text}" for text in wrong[:MOST_SHOWN])
-        message = f"{path.name}: expected finite numbers\n{listed}"
-        raise StudyError(message)
+        refuse_study(f"{path.name}: expected finite numbers\n{listed}")
     return NumberTable(
         path=path,
         names=tuple(numeric),
@@ -80,8 +78,7 @@ def parquet_table(path: Path, label: str) -> NumberTable:
 def _names(path: Path, label: str, column: Any) -> tuple[str, ...]:
     if column.null_count:
         row = column.is_null().to_pylist().index(True)
-        message = f"{path.name}, row {row + 1}: column '{label}' is empty; name it"
-        raise StudyError(message)
+        refuse_study(f"{path.name}, row {row + 1}: column '{label}' is empty; name it")
     cells: list[str] = []
     for chunk in column.chunks:
         # Texts that repeat are there once, as they are in the file.

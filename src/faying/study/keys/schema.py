@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from faying.exceptions import ModelError, StudyError
+from faying.exceptions import ModelError, StudyError, refuse_study
 from faying.files.contents import file_text
 from faying.study.keys.consistency import inconsistencies
 from faying.study.keys.errors import Problem, StudySource, reject, translated
@@ -79,11 +79,10 @@ def read_load_cases(
         unknown = [key for key in tables if key not in allowed]
         if unknown:
             where = source.place((unknown[0],))
-            message = (
+            refuse_study(
                 f"unknown key {where}; a file of load cases has [[load_case]], [requirement] and a "
                 "title"
             )
-            raise StudyError(message)
         # A load case is checked as in a study, whose model is a file here.
         tables = {**tables, "model": {"source": "lap-joint"}}
     study = parse_tables(tables, source)

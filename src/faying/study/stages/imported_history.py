@@ -20,7 +20,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.digits import SOLVED
-from faying.exceptions import FormatError
+from faying.exceptions import FormatError, refuse
 from faying.files.hdf5 import open_hdf5
 from faying.files.number_table import check_times, read_numbers
 from faying.joint.system import Joint, boundary_slices, initial_bolt_forces
@@ -66,19 +66,16 @@ class ImportedHistory:
 def read_imported_history(path: Path, joint: Joint) -> ImportedHistory:
     """Read a modal or boundary-force history; the joint says which loads there can be."""
     if not path.is_file():
-        message = f"history {path} does not exist; give a .csv or .h5 file"
-        raise FormatError(message)
+        refuse(f"history {path} does not exist; give a .csv or .h5 file")
     readers = {".csv": _read_csv, ".h5": _read_hdf5, ".hdf5": _read_hdf5}
     if path.suffix.lower() not in readers:
-        message = f"{path}: cannot read a history from '{path.suffix}'; give a .csv or .h5 file"
-        raise FormatError(message)
+        refuse(f"{path}: cannot read a history from '{path.suffix}'; give a .csv or .h5 file")
     history = readers[path.suffix.lower()](path, joint)
     if history.coordinates is None and not history.loads:
-        message = (
+        refuse(
             f"{path} holds times only; give modal coordinates or boundary forces, as "
             f"{quoted(force_columns(joint)[:3]) or 'q1'}"
         )
-        raise FormatError(message)
     return history
 
 
@@ -118,14 +115,12 @@ def _check_header(path: Path, header: Sequence[str], loads: Sequence[str]) -> No
     columns = ["time", "q1", "v1", "a1", *loads, *FRAME]
     for name in header:
         if name not in columns and not MODAL_COLUMN.fullmatch(name):
-            message = (
+            refuse(
                 f"{path}: unknown column '{name}'; {nearest(name, columns)} (columns are time; q1, "
                 "q2, …, v1, …, a1, …; boundary forces; motion of the supports, as frame.ax)"
             )
-            raise FormatError(message)
     if "time" not in header:
-        message = f"{path} has no column 'time'; add it"
-        raise FormatError(message)
+        refuse(f"{path} has no column 'time'; add it")
 
 
 def _mode_counts(path: Path, header: Iterable[str]) -> dict[str, int]:
@@ -135,8 +130,7 @@ def _mode_counts(path: Path, header: Iterable[str]) -> dict[str, int]:
     counts = {letter: max(numbers) for letter, numbers in numbers_of.items() if numbers}
     largest = max(counts.values(), default=0)
     if counts and "q" not in counts:
-        message = f"{path} has modal columns but no coordinates; add q1 to q{largest}"
-        raise FormatError(message)
+        refuse(f"{path} has modal columns but no coordinates; add q1 to q{largest}")
     for letter in counts:
         missing = sorted(set(range(1, largest + 1)) - numbers_of[letter])
         if missing:
@@ -159,36 +153,30 @@ def _members(path: Path, file: h5py.File, joint: Joint) -> ImportedHistory:
     names = ["times", *MODAL.values(), "inputs", "frame"]
     for name in file:
         if name not in names:
-            message = f"{path}: unknown dataset '{name}'; {nearest(name, names)}"
-            raise FormatError(message)
+            refuse(f"{path}: unknown dataset '{name}'; {nearest(name, names)}")
     if "times" not in file:
-        message = f"{path} has no dataset 'times'; add it"
-        raise FormatError(message)
+        refuse(f"{path} has no dataset 'times'; add it")
     times = _array(path, file["times"])
     if times.ndim != 1:
-        message = f"{path}: 'times' has shape {times.shape}, expected one number per instant"
-        raise FormatError(message)
+        refuse(f"{path}: 'times' has shape {times.shape}, expected one number per instant")
     check_times(path, times, lambda row: f"{path}, row {row} of 'times'")
     modal = {name: _array(path, file[name]) for name in MODAL.values() if name in file}
     if modal and "coordinates" not in modal:
-        message = f"{path} has '{next(iter(modal))}' but no 'coordinates'; add them"
-        raise FormatError(message)
+        refuse(f"{path} has '{next(iter(modal))}' but no 'coordinates'; add them")
     shape = (len(times), modal["coordinates"].shape[-1]) if modal else ()
     for name, values in modal.items():
         if values.shape != shape:
-            message = (
+            refuse(
                 f"{path}: '{name}' has shape {values.shape}, expected {shape}: a row per time, a "
                 "column per coordinate"
             )
-            raise FormatError(message)
     loads = _hdf5_loads(path, file["inputs"], joint, len(times)) if "inputs" in file else {}
     frame = _array(path, file["frame"]) if "frame" in file else None
     if frame is not None and frame.shape != (len(times), len(FRAME)):
-        message = (
+        refuse(
             f"{path}: 'frame' has shape {frame.shape}, expected {(len(times), len(FRAME))}: "
             "acceleration, angular velocity and angular acceleration, three columns each"
         )
-        raise FormatError(message)
     return ImportedHistory(
         path=path,
         times=times,
@@ -201,17 +189,15 @@ def _members(path: Path, file: h5py.File, joint: Joint) -> ImportedHistory:
 def _array(path: Path, data: h5py.Dataset | h5py.Group) -> Matrix:
     name = str(data.name).lstrip("/")
     if not isinstance(data, h5py.Dataset) or data.dtype.kind not in "fiu":
-        message = f"{path}: '{name}' is no dataset of numbers"
-        raise FormatError(message)
+        refuse(f"{path}: '{name}' is no dataset of numbers")
     values = np.asarray(data[()], dtype=np.float64)
     wrong = np.argwhere(~np.isfinite(values))
     if len(wrong):
         index = ", ".join(map(str, wrong[0].tolist()))
-        message = (
+        refuse(
             f"{path}: '{name}' holds {values[tuple(wrong[0])]} at [{index}], expected finite "
             "numbers"
         )
-        raise FormatError(message)
     return values
 
 
@@ -224,12 +210,10 @@ def _hdf5_loads(
     names, loads = force_columns(joint), {}
     for name in data:
         if name not in names:
-            message = f"{path}: unknown boundary force '{name}'; {nearest(name, names)}"
-            raise FormatError(message)
+            refuse(f"{path}: unknown boundary force '{name}'; {nearest(name, names)}")
         values = _array(path, data[name])
         if values.shape != (n_time,):
-            message = f"{path}: '{name}' has shape {values.shape}, expected ({n_time},)"
-            raise FormatError(message)
+            refuse(f"{path}: '{name}' has shape {values.shape}, expected ({n_time},)")
         loads[name] = values
     return loads
 
@@ -242,18 +226,16 @@ def _component_loads(path: Path, inputs: Matrix, joint: Joint, n_time: int) -> d
     widths = (n_boundary, first, first + len(patterns))
     if inputs.shape not in [(n_time, width) for width in widths]:
         more = f" and {len(patterns)} factors of deck loads" if patterns else ""
-        message = (
+        refuse(
             f"{path}: 'inputs' has shape {inputs.shape}, expected {n_time} rows of {n_boundary} "
             f"boundary forces, or of these and {len(bolts)} initial bolt forces{more}"
         )
-        raise FormatError(message)
     pattern_values = inputs[:, n_boundary:first]
     if not np.allclose(pattern_values, bolts[: pattern_values.shape[1]], rtol=SOLVED, atol=0.0):
-        message = (
+        refuse(
             f"{path}: the bolt forces of 'inputs' are not those the bolts of this run are locked "
             f"at ({', '.join(f'{force:g}' for force in bolts)}); run a study with that preload"
         )
-        raise FormatError(message)
     loads: dict[str, Vector] = {}
     for name, boundary in joint.boundaries.items():
         components = inputs[:, places[name]]
@@ -264,11 +246,10 @@ def _component_loads(path: Path, inputs: Matrix, joint: Joint, n_time: int) -> d
             if np.abs(shares - even).max(initial=0.0) > SOLVED * np.abs(components).max(
                 initial=0.0
             ):
-                message = (
+                refuse(
                     f"{path}: 'inputs' do not share {FORCE_NAMES[component]} evenly over the nodes "
                     f"of boundary '{name}'; give its total in a group 'inputs'"
                 )
-                raise FormatError(message)
             if total.any():
                 loads[f"{name}.{FORCE_NAMES[component]}"] = total
     factors = dict(zip(patterns, inputs[:, first:].T, strict=False))  # the array may leave them out

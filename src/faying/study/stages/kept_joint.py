@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from faying._typing import Matrix
-from faying.exceptions import StudyError
+from faying.exceptions import refuse_study
 from faying.execution.checkpoint import Bundles
 from faying.joint.model import Model
 from faying.joint.structure import Structure
@@ -26,11 +26,10 @@ def check_same_joint(checkpoint: Bundles, model: Model) -> None:
         digest.update(array.tobytes())
     mark = np.array(f"{digest.hexdigest()} {dict(contact.laws)}")
     if checkpoint.bundle("joint", lambda: {"mark": mark})["mark"] != mark:
-        message = (
+        refuse_study(
             "what an interrupted run left belongs to another joint: a deck, mesh or matrix of the "
             "study has changed since; run without --resume to start afresh"
         )
-        raise StudyError(message)
 
 
 def keep_compliance(checkpoint: Bundles, key: str, structure: Structure) -> None:

@@ -15,7 +15,7 @@ from faying.assessment.imported_recovery import (
 )
 from faying.assessment.recovery import Recovered
 from faying.display.table import PRESSURE, Column, Table, described
-from faying.exceptions import StudyError
+from faying.exceptions import refuse_study
 from faying.interface.surface import nodal_average
 from faying.reduction.model_writer import MOST_PORTS
 from faying.reduction.reduced_model import ReducedModel
@@ -122,8 +122,7 @@ def results_of(folder: Path | str) -> Results:
     """
     path = Path(folder) / "results.h5"
     if not path.is_file():
-        message = f"{folder} holds no results.h5; name the folder of a finished 'faying run'"
-        raise StudyError(message)
+        refuse_study(f"{folder} holds no results.h5; name the folder of a finished 'faying run'")
     return read_results(path)
 
 
@@ -193,31 +192,27 @@ def reduced_model(results: Results, method: str, joint_modes: int | None = None)
         Which of those of the method; it may have one only unless given.
     """
     if not results.reduced:
-        message = (
+        refuse_study(
             f"the results of '{results.title}' hold no port compliance: they are of an older "
             f"version of faying, or the interfaces need more than {MOST_PORTS} ports; run the "
             "study again, or recover in Python with faying.recover_from_modal"
         )
-        raise StudyError(message)
     if method not in results.reduced:
-        message = (
+        refuse_study(
             f"the run has no reduced model '{method}'; "
             f"{nearest(method, results.reduced)} (it has {quoted(results.reduced)})"
         )
-        raise StudyError(message)
     sizes = results.reduced[method]
     if joint_modes is None and len(sizes) == 1:
         return next(iter(sizes.values()))
     counts = ", ".join(map(str, sizes))
     if joint_modes is None:
-        message = f"method '{method}' was run with {counts} joint modes; say with --joint-modes"
-        raise StudyError(message)
+        refuse_study(f"method '{method}' was run with {counts} joint modes; say with --joint-modes")
     if joint_modes not in sizes:
-        message = (
+        refuse_study(
             f"the run has no model '{method}' with {joint_modes} joint modes; it was run with "
             f"{counts}, not {joint_modes}: change --joint-modes"
         )
-        raise StudyError(message)
     return sizes[joint_modes]
 
 
@@ -227,16 +222,14 @@ def _from_modal(
     """Recover from coordinates; also say where derivatives come from."""
     for name in ("step", "integrator"):
         if getattr(options, name) is not None:
-            message = f"{history.path} is a modal history and is not simulated; remove --{name}"
-            raise StudyError(message)
+            refuse_study(f"{history.path} is a modal history and is not simulated; remove --{name}")
     q, kinds = np.asarray(history.coordinates), rom.basis.kinds
     if q.shape[1] != len(kinds):
         modes_text = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
-        message = (
+        refuse_study(
             f"{history.path} has {q.shape[1]} coordinates, but the basis of '{rom.method}' has "
             f"{len(kinds)} ({modes_text}); give all in this order, or name another --method"
         )
-        raise StudyError(message)
     v, a, derivatives = _derivatives(history, q, options)
     recovered = recover_from_modal(
         rom.recovery,
@@ -260,11 +253,10 @@ def _derivatives(
         return history.velocities, history.accelerations, "both from the history"
     way = options.derivatives or "spline"
     if len(q) < FEWEST[way]:
-        message = (
+        refuse_study(
             f"{history.path} has {len(q)} instants, too few to derive {' and '.join(missing)}; "
             f"give {FEWEST[way]} or more instants, or the derivatives"
         )
-        raise StudyError(message)
     text = f"{' and '.join(missing)} by {'a cubic spline' if way == 'spline' else 'differences'}"
     if way == "spline":
         return history.velocities, history.accelerations, text
@@ -281,20 +273,17 @@ def _from_loads(
 ) -> tuple[Recovered, str]:
     """Simulate under boundary forces, then recover."""
     if options.derivatives is not None:
-        message = f"{history.path} has boundary forces only; remove --derivatives"
-        raise StudyError(message)
+        refuse_study(f"{history.path} has boundary forces only; remove --derivatives")
     if history.frame is not None:
-        message = (
+        refuse_study(
             f"{history.path} has supports that move but no coordinates; give q1, q2, … too, for "
             "only supports at rest are simulated here"
         )
-        raise StudyError(message)
     if len(history.times) < 2 or history.times[0] != 0:
-        message = (
+        refuse_study(
             f"{history.path}: boundary forces need two or more instants, the first at time 0, "
             "when the joint rests under its bolts; add one"
         )
-        raise StudyError(message)
     recovered = recover_from_boundary_loads(
         rom,
         history.times,
