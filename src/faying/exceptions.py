@@ -1,6 +1,6 @@
 """Errors meant for people: one message that names what is wrong and the remedy."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import NoReturn
 
@@ -42,6 +42,15 @@ def refuse_model(text: str) -> NoReturn:
 def refuse_study(text: str) -> NoReturn:
     """Raise the error that a study does not fit together."""
     raise StudyError(text)
+
+
+def check_known(name: object, known: Iterable[object], what: str) -> None:
+    """Refuse a name that is none of those of its kind, as ``"bolt"``."""
+    names = list(known)
+    if name not in names:
+        several = f"{what[:-1]}ies" if what.endswith("y") else f"{what}s"
+        listed = ", ".join(map(str, names)) or "none"
+        refuse_model(f"there is no {what} '{name}'; the {several} are {listed}")
 
 
 @contextmanager

@@ -194,7 +194,7 @@ def test_interfaces_have_coefficients_of_their_own():
     assert half.interfaces["joint-1"].law.friction == 0
     half_path = fy.solve_path(half, [fy.Load()])
     assert not half_path.shear_forces[0][:, half.contact.slices["joint-1"]].any()
-    with pytest.raises(ModelError, match="no interface 'lap'; its interfaces are joint-1, joint-2"):
+    with pytest.raises(ModelError, match="no interface 'lap'; the interfaces are joint-1, joint-2"):
         joint.with_friction({"lap": 0.1})
 
 

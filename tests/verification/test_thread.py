@@ -69,5 +69,5 @@ def test_unknown_units_and_bolts_are_refused():
     with pytest.raises(ModelError, match="in furlong-stone-s is not known"):
         thread_stress(thread, 1.0, FORCES, None, "furlong-stone-s")
     joint = fy.preload(fy.lap_joint(element_size=5.0), {"bolt": 10e3})
-    with pytest.raises(ModelError, match="threads: there is no bolt 'M8'; there are bolt"):
+    with pytest.raises(ModelError, match="threads: there is no bolt 'M8'; the bolts are bolt"):
         fy.assess(joint, [fy.Load({"tip.Fz": -1.0})], paths=False, threads={"M8": thread})

@@ -19,7 +19,7 @@ import numpy as np
 
 from faying._typing import Frozen, Mask, Matrix, Vector
 from faying.assessment.flexibility import Flexibility, flexibility
-from faying.exceptions import refuse_model
+from faying.exceptions import check_known, refuse_model
 from faying.joint.system import Joint
 from faying.reduction.recovery import static_displacements
 from faying.simulation.load import Load
@@ -143,8 +143,7 @@ class Certificate(Frozen):
             "contact_force_error": self.contact_force_error,
             "max_relative_error": self.max_relative_error,
         }
-        if measure not in bounds:
-            refuse_model(f"there is no certified '{measure}'; choose one of {', '.join(bounds)}")
+        check_known(measure, bounds, "certified bound")
         return bounds[measure]
 
 

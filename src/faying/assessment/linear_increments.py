@@ -12,7 +12,7 @@ from faying.assessment.slip import slip_history
 from faying.contact.dense_points import SINGULAR_PIVOT
 from faying.contact.frictional import FrictionalContact
 from faying.digits import DECK_DIGITS
-from faying.exceptions import ModelError, refuse_model
+from faying.exceptions import ModelError, check_known, refuse_model
 from faying.joint.system import System, boundary_slices
 from faying.simulation.path import moved_alone
 from faying.simulation.solution import Solution
@@ -83,9 +83,8 @@ class Derivatives(Frozen):
             If there is no such interface.
         """
         slices = self.system.contact.slices
-        if interface is not None and interface not in slices:
-            message = f"there is no interface '{interface}'; the interfaces are {', '.join(slices)}"
-            raise ModelError(message)
+        if interface is not None:
+            check_known(interface, slices, "interface")
         points = slice(None) if interface is None else slices[interface]
         return np.asarray(self.contact_forces[..., points, :].sum(axis=-2))
 
@@ -98,9 +97,7 @@ class Derivatives(Frozen):
             If there is no such boundary.
         """
         columns = boundary_slices(self.system.boundaries)
-        if boundary not in columns:
-            message = f"there is no boundary '{boundary}'; the boundaries are {', '.join(columns)}"
-            raise ModelError(message)
+        check_known(boundary, columns, "boundary")
         return np.asarray(self.displacements[..., columns[boundary], :])
 
     def of(self, parameter: str) -> "Derivatives":

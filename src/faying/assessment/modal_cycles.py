@@ -10,7 +10,7 @@ from faying._typing import Indices, Matrix, Vector
 from faying.assessment.stuck_modes import StuckMode, stuck_modes
 from faying.contact.increment import IncrementSolver
 from faying.digits import DECK_DIGITS, ROUND_OFF
-from faying.exceptions import ModelError, refuse_model
+from faying.exceptions import ModelError, check_known, refuse_model
 from faying.joint.system import System, boundary_slices
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.simulation.cycles import repeat
@@ -60,11 +60,8 @@ def measured(system: System, mode: StuckMode, measured_at: str | None) -> tuple[
     before the name, as in ``"-tip.uz"``, to the other.
     """
     side, name, component = boundary_and_component(measured_at or "")
-    if measured_at is not None and name not in system.boundaries:
-        refuse_model(
-            f"there is no boundary '{name}'; the boundaries are "
-            f"{', '.join(system.boundaries) or 'none'}"
-        )
+    if measured_at is not None:
+        check_known(name, system.boundaries, "boundary")
     rows = [DISPLACEMENT_NAMES.index(component)] if component in DISPLACEMENT_NAMES else [0, 1, 2]
     if component and len(rows) > 1:
         refuse_model(

@@ -18,8 +18,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import cast
 
-from faying.exceptions import FormatError, StudyError, refuse, refuse_study
-from faying.files.atomic import moved
+from faying.exceptions import StudyError, refuse, refuse_study
+from faying.files.atomic import moved, writing
 from faying.files.names import file_names
 from faying.reduction.model_reader import read_reduced_model
 from faying.reduction.reduced_model import ReducedModel
@@ -212,15 +212,12 @@ def _write(
     rom: ReducedModel, run: Results | None, to: str, chosen: Format, path: Path
 ) -> tuple[Path, ...]:
     """Write aside, then move: a failure on the way leaves what was there before."""
-    try:
+    with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as aside:
             staging = Path(aside)
             files = _written(rom, run, to, chosen, staging / path.name)
             return tuple(_moved(file, path.parent / file.relative_to(staging)) for file in files)
-    except OSError as error:
-        message = f"cannot write {path}: {error.strerror}; check the folder and free space"
-        raise FormatError(message) from None
 
 
 def _written(

@@ -15,7 +15,8 @@ import h5py
 import numpy as np
 
 from faying._typing import Matrix
-from faying.exceptions import FayingError, FormatError, refuse, refuse_model
+from faying.exceptions import FayingError, refuse, refuse_model
+from faying.files.atomic import writing
 from faying.files.described import member_name
 from faying.files.hdf5 import check_hdf5, damaged
 from faying.joint.system import System
@@ -188,27 +189,22 @@ def stream_transient(
     }
     if resume and target.is_file() and target.stat().st_size:
         check_hdf5(target, HISTORY, ANEW, whole=False)
-    try:
-        with growing(target, new=not resume) as file:
-            restart = _resumed(file, system, began) if resume and len(file) else None
-            if restart is None:
-                file.attrs.update({**began, "load": load.name, "complete": False})
-            segments = transient_windows(
-                solver,
-                [load],
-                duration=duration,
-                length=STEPS_PER_WRITE,
-                restarts=None if restart is None else [restart],
-                progress=progress,
-            )
-            for (segment,), (end,) in segments:
-                _append(file, segment, columns)
-                _mark(file, end)
-            file.attrs["complete"] = True
-    except OSError as error:
-        reason = error.strerror or error
-        message = f"cannot write the history to {target}: {reason}; check the folder and free space"
-        raise FormatError(message) from None
+    with writing(target), growing(target, new=not resume) as file:
+        restart = _resumed(file, system, began) if resume and len(file) else None
+        if restart is None:
+            file.attrs.update({**began, "load": load.name, "complete": False})
+        segments = transient_windows(
+            solver,
+            [load],
+            duration=duration,
+            length=STEPS_PER_WRITE,
+            restarts=None if restart is None else [restart],
+            progress=progress,
+        )
+        for (segment,), (end,) in segments:
+            _append(file, segment, columns)
+            _mark(file, end)
+        file.attrs["complete"] = True
     return target
 
 

@@ -63,6 +63,17 @@ LEFT_OVER = re.compile(r"\.[^/]+(\.\w+)\.[a-z0-9_]{8}\1")
 
 
 @contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Say in words that something cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or error
+        message = f"cannot write {path}: {reason}; check the folder and free space"
+        raise FormatError(message) from None
+
+
+@contextmanager
 def replacing(path: Path) -> Iterator[Path]:
     """Yield a temporary path in the same folder that takes the place of ``path`` at the end.
 
@@ -73,13 +84,10 @@ def replacing(path: Path) -> Iterator[Path]:
     """
     temporary, handle = None, None
     try:
-        temporary, handle = _temporary(path)
-        yield temporary
-        moved(temporary, path)
-    except OSError as error:
-        reason = error.strerror or error
-        message = f"cannot write {path}: {reason}; check the folder and free space"
-        raise FormatError(message) from None
+        with writing(path):
+            temporary, handle = _temporary(path)
+            yield temporary
+            moved(temporary, path)
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)

@@ -152,9 +152,5 @@ def refuse_unwritten(assembly: Assembly) -> None:
 
 def write_whole(path: str | PathLike[str], text: str) -> None:
     """Write a deck, which appears complete or not at all."""
-    try:
-        with replacing(Path(path)) as temporary:
-            temporary.write_text(text, encoding="ascii", errors="replace")
-    except OSError as error:
-        message = f"'{path}' cannot be written: {error.strerror}"
-        raise FormatError(message) from error
+    with replacing(Path(path)) as temporary:
+        temporary.write_text(text, encoding="ascii", errors="replace")

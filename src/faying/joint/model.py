@@ -10,7 +10,7 @@ from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
 from faying.contact.laws import Curve, Law
 from faying.display.facts import Shown, counted
-from faying.exceptions import naming, refuse_model
+from faying.exceptions import check_known, naming, refuse_model
 from faying.interface.interface import Interface, stack
 from faying.interface.penalty import TangentialPenalty, with_friction
 from faying.joint.load_pattern import (
@@ -299,12 +299,8 @@ class Model(Shown):
 
     def with_bolt_forces(self, initial_forces: Mapping[str, float]) -> "Model":
         """Return a copy with bolts locked at other initial forces N₀."""
-        unknown = set(initial_forces) - set(self.bolts)
-        if unknown:
-            refuse_model(
-                f"the model has no bolt '{min(unknown)}'; its bolts are "
-                f"{', '.join(self.bolts) or 'none'}"
-            )
+        for name in initial_forces:
+            check_known(name, self.bolts, "bolt")
         locked = {name: self.bolts[name].locked(force) for name, force in initial_forces.items()}
         copy = replace(self, bolts={**self.bolts, **locked})
         # Contact does not depend on what bolts are locked at: what was prepared for it serves on.
@@ -322,10 +318,7 @@ class Model(Shown):
         """
         deck = self.assembly.loads
         for name in names:
-            if name not in deck:
-                refuse_model(
-                    f"the deck has no load '{name}'; its loads are {', '.join(deck) or 'none'}"
-                )
+            check_known(name, deck, "deck load")
         return self.with_load_patterns({name: deck[name] for name in names})
 
     def with_load_patterns(self, loads: Mapping[str, NodalLoads]) -> "Model":
@@ -366,11 +359,7 @@ class Model(Shown):
         )
 
     def _interface(self, name: str) -> Interface:
-        if name not in self.interfaces:
-            refuse_model(
-                f"the model has no interface '{name}'; its interfaces are "
-                f"{', '.join(self.interfaces) or 'none'}"
-            )
+        check_known(name, self.interfaces, "interface")
         return self.interfaces[name]
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.exceptions import refuse_model
+from faying.exceptions import check_known
 from faying.model.elements import SOLIDS
 
 
@@ -50,8 +50,7 @@ def shaped(bricks: Cells, shape: str) -> Cells:
         If the shape is not known.
     """
     shapes = [kind for kind, element_kind in SOLIDS.items() if element_kind.brick_cells]
-    if shape not in shapes:
-        refuse_model(f"there is no solid shape '{shape}'; choose one of {', '.join(shapes)}")
+    check_known(shape, shapes, "solid shape")
     element = SOLIDS[shape]
     cells = bricks.cells[:, element.brick_cells].reshape(-1, element.n_corners)
     result = Cells(kind=shape, nodes=bricks.nodes, cells=cells)

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Matrix, frozen
-from faying.exceptions import refuse_model
+from faying.exceptions import check_known, refuse_model
 from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS
 from faying.model.surface import WIDTH, Facets, padded, unique_rows
@@ -64,10 +64,7 @@ class Topology:
         """
         keys, kinds = [np.empty((0, 4), dtype=np.int64)], []
         for block in self.blocks:
-            if block.kind not in SOLIDS:
-                refuse_model(
-                    f"there is no solid element '{block.kind}'; known: {', '.join(SOLIDS)}"
-                )
+            check_known(block.kind, SOLIDS, "solid element")
             for face, local in SOLIDS[block.kind].faces:
                 corners = list(local[: face.n_corners])
                 key = np.full((len(block.ids), 4), -1, dtype=np.int64)

@@ -14,7 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
-from faying.exceptions import refuse_model
+from faying.exceptions import check_known, refuse_model
 from faying.model.assembly import Assembly
 from faying.model.elements.curved_shell import (
     CURVED_SHELLS,
@@ -197,9 +197,7 @@ def _integrator(
 
 
 def _check_kind(block: ShellBlock) -> None:
-    kinds = (*FLAT_SHELLS, *CURVED_SHELLS, PANEL)
-    if block.kind not in kinds:
-        refuse_model(f"there is no shell '{block.kind}'; known kinds are {', '.join(kinds)}")
+    check_known(block.kind, (*FLAT_SHELLS, *CURVED_SHELLS, PANEL), "shell")
 
 
 def _flat(assembly: Assembly, block: ShellBlock, part: slice) -> tuple[Matrix, Matrix]:

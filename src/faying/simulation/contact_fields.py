@@ -3,7 +3,7 @@
 import numpy as np
 
 from faying._typing import Matrix
-from faying.exceptions import ModelError
+from faying.exceptions import check_known
 from faying.joint.system import Joint
 
 
@@ -75,12 +75,7 @@ class ContactFields:
     def _points(self, interface: str | None) -> slice:
         if interface is None:
             return slice(None)
-        if interface not in self.system.contact.slices:
-            message = (
-                f"there is no interface '{interface}'; "
-                f"the interfaces are {', '.join(self.system.contact.slices)}"
-            )
-            raise ModelError(message)
+        check_known(interface, self.system.contact.slices, "interface")
         return self.system.contact.slices[interface]
 
 

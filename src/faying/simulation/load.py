@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from faying._typing import ComplexVector, Matrix, Vector, frozen
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, check_known, naming
 from faying.joint.system import Joint, System, boundary_slices, initial_bolt_forces
 
 
@@ -156,12 +156,8 @@ class Load:
                 factor, system.boundaries[boundary].pattern(component)
             )
         for name, force in self.bolt_forces.items():
-            if name not in bolts:
-                message = (
-                    f"load '{self.name}': there is no bolt '{name}'; "
-                    f"the bolts are {', '.join(bolts) or 'none'}"
-                )
-                raise ModelError(message)
+            with naming(f"load '{self.name}'"):
+                check_known(name, bolts, "bolt")
             inputs[:, n_boundary + bolts.index(name)] = force
         if not np.isfinite(inputs).all():
             message = f"load '{self.name}' holds NaN or infinity; give finite forces"

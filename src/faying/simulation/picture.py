@@ -8,7 +8,7 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.display.axes import draw_areas, new_axes
 from faying.display.plane import plane_of
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, check_known
 from faying.joint.system import System
 from faying.units import units_of
 
@@ -65,9 +65,7 @@ def plot_lines(
 
 def checked_quantity(quantity: str) -> str:
     """Return a quantity that can be drawn."""
-    if quantity not in QUANTITIES:
-        message = f"there is no picture of '{quantity}'; there are those of {', '.join(QUANTITIES)}"
-        raise ModelError(message)
+    check_known(quantity, QUANTITIES, "picture")
     return quantity
 
 

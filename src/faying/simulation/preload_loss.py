@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, check_known
 from faying.simulation.bolted_state import BoltedState
 
 
@@ -59,9 +59,7 @@ def loses(
     """
     names = list(state.joint.bolts)
     for name in losses:
-        if name not in names:
-            message = f"there is no bolt '{name}'; the bolts are {', '.join(names) or 'none'}"
-            raise ModelError(message)
+        check_known(name, names, "bolt")
     every = [losses.get(name, PreloadLoss()) for name in names]
     remaining = 1.0 - np.array([loss.relaxation for loss in every])
     relaxing = np.flatnonzero((remaining < 1.0) & (state.forces > 0.0))

@@ -9,7 +9,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.display.facts import Shown, with_unit
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, check_known
 from faying.joint.system import System, unstretched_bolt_forces
 from faying.model.bolt import Bolt
 from faying.simulation.contact_fields import ContactFields, no_tangent, shear_everywhere
@@ -208,12 +208,7 @@ class Solution(ContactFields, Shown):
         ModelError
             If there is no such boundary.
         """
-        if boundary not in self.system.boundaries:
-            message = (
-                f"there is no boundary '{boundary}'; "
-                f"the boundaries are {', '.join(self.system.boundaries) or 'none'}"
-            )
-            raise ModelError(message)
+        check_known(boundary, self.system.boundaries, "boundary")
         displacement: Matrix = self.states[..., self.system.boundaries[boundary].dofs]
         return displacement
 
@@ -275,9 +270,7 @@ class Solution(ContactFields, Shown):
         return seen + _each(pairs, residual)
 
     def _bolt(self, name: str) -> Bolt:
-        if name not in self.system.bolts:
-            message = f"there is no bolt '{name}'; the bolts are {', '.join(self.system.bolts)}"
-            raise ModelError(message)
+        check_known(name, self.system.bolts, "bolt")
         return self.system.bolts[name]
 
     def full_displacement(self) -> Matrix:

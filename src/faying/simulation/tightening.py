@@ -11,7 +11,7 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector
 from faying.contact.increment import Increment
 from faying.digits import DECK_DIGITS, SOLVED
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, check_known
 from faying.joint.system import Joint, System, initial_bolt_forces
 from faying.simulation.bolted_state import BoltedState
 from faying.simulation.bolts_by_force import BoltsByForce, forces_of_bolts
@@ -248,9 +248,7 @@ def checked_bolts(system: Joint, forces: Mapping[str, float]) -> list[str]:
 
 def _check(forces: Mapping[str, float], names: list[str]) -> None:
     for name, force in forces.items():
-        if name not in names:
-            message = f"there is no bolt '{name}'; the bolts are {', '.join(names) or 'none'}"
-            raise ModelError(message)
+        check_known(name, names, "bolt")
         if not (np.isfinite(force) and force > 0):
             message = f"bolt '{name}': the preload is {force:g}; give a positive force"
             raise ModelError(message)

@@ -119,9 +119,7 @@ def test_full_disk(rom, load, tmp_path, monkeypatch, capfd, more):
     resource.setrlimit(resource.RLIMIT_FSIZE, (SLACK + more, usual[1]))
     options = {"step": STEP, "duration": 100 * STEP, "fields": fields}
     try:
-        with pytest.raises(
-            FormatError, match=r"cannot write the history to .*long\.h5: File too l"
-        ):
+        with pytest.raises(FormatError, match=r"cannot write .*long\.h5: File too l"):
             fy.stream_transient(rom, load, path, **options)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, usual)

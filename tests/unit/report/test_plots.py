@@ -60,7 +60,7 @@ def test_transient_is_a_line_and_each_instant_a_map(moving):
 
 
 def test_what_cannot_be_drawn_is_named(static, moving):
-    with pytest.raises(ModelError, match="no picture of 'stress'; there are those of pressure, ga"):
+    with pytest.raises(ModelError, match="no picture 'stress'; the pictures are pressure, ga"):
         static.plot(quantity="stress")
     with pytest.raises(ModelError, match="no interface 'flange'; the interfaces are joint"):
         static.plot(interface="flange")

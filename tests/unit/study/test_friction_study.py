@@ -491,7 +491,7 @@ def test_interfaces_take_tangential_penalties_of_their_own():
     assert second == joint.with_friction({"joint-2": 0.1}).interfaces["joint-2"].law
     with pytest.raises(ModelError, match="'joint-1' has a tangential penalty and no coefficient"):
         joint.with_friction({"joint-2": 0.1}, tangential_penalty={"joint-1": 5e5})
-    with pytest.raises(ModelError, match="the model has no interface 'joint'"):
+    with pytest.raises(ModelError, match="there is no interface 'joint'"):
         joint.with_friction(0.1, tangential_penalty={"joint": 5e5})
 
 

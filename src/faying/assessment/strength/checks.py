@@ -26,7 +26,7 @@ from faying.assessment.strength.thread import (
     tightening_stress,
     working_stress,
 )
-from faying.exceptions import refuse_model
+from faying.exceptions import check_known, naming
 from faying.units import units_of
 
 
@@ -313,10 +313,9 @@ def with_threads(
     The load cases that were judged are given anew at the ends of the scatter of the preloads.
     Repetitions say how often a load case comes.
     """
-    unknown = sorted(set(threads) - set(found.bolts))
-    if unknown:
-        known = ", ".join(found.bolts)
-        refuse_model(f"threads: there is no bolt '{unknown[0]}'; there are {known}")
+    for name in threads:
+        with naming("threads"):
+            check_known(name, found.bolts, "bolt")
     stressed = {
         name: replace(
             found.bolts[name],

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from faying.exceptions import refuse_model
+from faying.exceptions import check_known, refuse_model
 from faying.model.cells import CellBlock
 from faying.model.elements.face_kind import FaceKind
 from faying.model.elements.hex8 import HEX8, HEX8_INCOMPATIBLE, HEX8_REDUCED, HEX8_REDUCED_ABAQUS
@@ -62,8 +62,7 @@ def solid_element(kind: str, formulation: str) -> SolidElement:
     if formulation not in HEX8_FORMULATIONS:
         choices = " or ".join(f"'{name}'" for name in HEX8_FORMULATIONS)
         refuse_model(f"the hex8 formulation is '{formulation}'; it must be {choices}")
-    if kind not in SOLIDS:
-        refuse_model(f"there is no solid element '{kind}'; known kinds are {', '.join(SOLIDS)}")
+    check_known(kind, SOLIDS, "solid element")
     return _VARIANTS.get((kind, formulation), SOLIDS[kind])
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from faying.exceptions import FormatError
+from faying.files.atomic import writing
 from faying.files.names import file_names
 from faying.report.style import house_style, save
 from faying.study.results.values import CaseResult, Results
@@ -87,19 +87,14 @@ class Album:
         """
         if self.folder is None:
             return []
-        try:
+        with writing(self.folder), house_style():
             self.folder.mkdir(parents=True, exist_ok=True)
-            with house_style():
-                return [
-                    _saved(drawn, self.folder / f"{stem}{drawn.stem}.png")
-                    for stem, subject in ([("", ())] if of is None else self._named(of))
-                    for draw in draws
-                    if (drawn := draw(self.results, *subject)) is not None
-                ]
-        except OSError as error:
-            folder, reason = self.folder, error.strerror
-            message = f"cannot write figures to {folder}: {reason}; check folder and free space"
-            raise FormatError(message) from None
+            return [
+                _saved(drawn, self.folder / f"{stem}{drawn.stem}.png")
+                for stem, subject in ([("", ())] if of is None else self._named(of))
+                for draw in draws
+                if (drawn := draw(self.results, *subject)) is not None
+            ]
 
     def _named(
         self, of: Iterable[CaseResult | str]

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import fields
 from typing import Any
 
-from faying.exceptions import ModelError
+from faying.exceptions import check_known
 from faying.simulation.integrators.energy_decaying import EnergyDecaying
 from faying.simulation.integrators.generalized_alpha import GeneralizedAlpha
 from faying.simulation.integrators.implicit_euler import ImplicitEuler
@@ -30,7 +30,5 @@ def named_integrator(name: str | None, rho_infinity: float | None = None) -> Int
     """
     if name is None:
         return ImplicitEuler()
-    if name not in INTEGRATORS:
-        message = f"there is no integrator '{name}'; they are {', '.join(INTEGRATORS)}"
-        raise ModelError(message)
+    check_known(name, INTEGRATORS, "integrator")
     return INTEGRATORS[name]() if rho_infinity is None else INTEGRATORS[name](rho_infinity)
