@@ -48,11 +48,13 @@ def judged(
     paths: Mapping[str, Openings] | None = None,
     reserves: Mapping[str, SlipReserve] | None = None,
     demands: Mapping[tuple[str, str], SlipDemand] | None = None,
+    opens: Mapping[str, CaseState] | None = None,
 ) -> Assessment:
     """Judge a joint whose load cases are solved already, static ones and those over time.
 
     Paths and slip reserves go with load cases: those that were followed, and those of joints with
     friction. Demands are the friction that static cases need, by interface and bolt, or no bolt.
+    ``opens`` are the load cases whose open area is told.
     """
     followed_paths, limits = paths or {}, requirements or Requirements()
     needed = demands or {}
@@ -69,6 +71,7 @@ def judged(
             _interface(surface, cases, clamps[name, ""]),
             slip=needed.get((name, ""), NO_DEMAND),
             opening=_openings(followed_paths, name),
+            opened=_opened(surface, preloaded, opens or {}),
         )
         for name, surface in surfaces.items()
     }
@@ -156,6 +159,21 @@ def _interface(
         closed_area=closed,
         closed_area_case=smallest,
     )
+
+
+def _opened(
+    surface: ContactSurface, preloaded: CaseState, cases: Mapping[str, CaseState]
+) -> dict[str, float]:
+    """Return the largest share of what the preload presses that is open, by load cases."""
+    points = slice(*surface.slice)
+    pressed = np.where(preloaded.pressure[0, points] > 0, surface.weights, 0.0)
+    if not pressed.any():
+        return {}
+    return {
+        name: 1.0 - float(((state.pressure[:, points] > 0) @ pressed).min()) / float(pressed.sum())
+        for name, state in cases.items()
+        if not state.retightened
+    }
 
 
 def _openings(paths: Mapping[str, Openings], area: str) -> dict[str, float]:

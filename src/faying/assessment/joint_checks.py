@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 
 from faying.assessment.check import Check, Outcome, worst_check
-from faying.assessment.extremes import find_least
+from faying.assessment.extremes import find_least, find_most
 from faying.assessment.joint_record import Assessment, BoltAssessment, InterfaceAssessment
 from faying.assessment.requirements import Verdict
 from faying.assessment.slip_reserve import SlipReserve
@@ -20,6 +20,9 @@ from faying.units import Units
 
 TIMES_LOAD = "× load"
 """Unit of load factors."""
+
+OF_AREA = "% of what the preload presses"
+"""Unit of open areas."""
 
 NO_THREAD = "add its size and grade"
 """Why nothing is known of the strength of a bolt."""
@@ -51,7 +54,8 @@ def joint_checks(
             for check in (*found.checks, *found.loosened)
             if (check.kind, check.part) == ("interface", name)
         ]
-        nominal = _interface_checks(name, interface, demands, reserves or {}, units)
+        opened = _opened(name, interface, found.open_below)
+        nominal = [*opened, *_interface_checks(name, interface, demands, reserves or {}, units)]
         checks += _worse_ends([*at_ends, *nominal])
     return tuple(checks)
 
@@ -178,6 +182,17 @@ def _interface_checks(
     elif interface.preload > 0 and interface.opening:
         yield _least_factor(opening, interface.opening, factors)
     yield from _slip(name, interface, demands, reserves)
+
+
+def _opened(name: str, interface: InterfaceAssessment, open_below: float) -> Iterator[Check]:
+    """Judge what opens in load cases that are not followed to the factor at which it does."""
+    opened = {
+        case: share for case, share in interface.opened.items() if case not in interface.opening
+    }
+    if opened:
+        case, share = find_most(opened)
+        check = Check(part=name, kind="interface", quantity="open area", case=case, unit=OF_AREA)
+        yield check.at_most(100 * share, 100 * (1 - open_below))
 
 
 def _slip(

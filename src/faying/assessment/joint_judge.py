@@ -4,6 +4,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from types import MappingProxyType
 from typing import Self
 
 import numpy as np
@@ -126,7 +127,10 @@ class JointJudge:
         demands: dict[tuple[str, str], SlipDemand] = {}
         with self.attempt("slip by sums"):
             demands = self._demands()
-        judged_cases = self._judged({**self._paths(self.followed), **self.openings}, demands)
+        paths = {**self._paths(self.followed), **self.openings}
+        # Cases that remember nothing are judged by the factors at which they open.
+        unfollowed = {n: state for n, state in self.cases.items() if n not in self.memoryless}
+        judged_cases = self._judged(paths, demands, unfollowed)
         spreads, scatter, threads = list[Spread](), self.scatter, self.strengths.threads
         if scatter is not None:
             with self.attempt("preload scatter"):
@@ -200,7 +204,10 @@ class JointJudge:
         return with_threads(judged_ends, histories, threads, units, ends, repetitions)
 
     def _judged(
-        self, paths: Mapping[str, Openings], demands: Mapping[tuple[str, str], SlipDemand]
+        self,
+        paths: Mapping[str, Openings],
+        demands: Mapping[tuple[str, str], SlipDemand],
+        opens: Mapping[str, CaseState] = MappingProxyType({}),
     ) -> Assessment:
         return judged(
             self.surfaces,
@@ -211,6 +218,7 @@ class JointJudge:
             paths,
             self.reserves,
             demands,
+            opens,
         )
 
     def _paths(

@@ -236,6 +236,9 @@ class InterfaceAssessment:
     opening : [1]
         Load case to the factor from which less than a share (``open_below``) of the area that the
         preload presses is pressed; infinite if it never is.
+    opened : [1]
+        Load case to the largest share of the area that the preload presses which is open in it; not
+        of those that tighten or loosen bolts, or that are followed to the factor at which it opens.
     """
 
     preload: float
@@ -255,6 +258,7 @@ class InterfaceAssessment:
     closed_area_case: str
     slip: SlipDemand = NO_DEMAND
     opening: Mapping[str, float] = field(default_factory=dict)
+    opened: Mapping[str, float] = field(default_factory=dict)
 
 
 @final

@@ -112,12 +112,13 @@ def render(album: Album, folder: Path) -> str:
             *results.doubts,
             *(text for text, is_serious in missing.values() if text and is_serious),
             *barely_held(results),
+            *(f"could not be computed: {text}" for text in results.omissions if _judges(text)),
             *(f"did not converge: {text}" for text in results.warnings if not _of_method(text)),
             *coarse_steps(results),
         ],
         folded=[
             *(text for text, is_serious in missing.values() if text and not is_serious),
-            *(f"could not be computed: {text}" for text in results.omissions),
+            *(f"could not be computed: {text}" for text in results.omissions if not _judges(text)),
             *(f"did not converge: {text}" for text in results.warnings if _of_method(text)),
         ],
         sections=questions(results, album),
@@ -220,6 +221,23 @@ def _missing(results: Results, name: str) -> tuple[str, bool]:
     share = kept_share(area, record.declared_area)
     decides = share is not None and share < 0.5
     return missing_contact(name, area, record.declared_area), decides
+
+
+JUDGING = (
+    "joint assessment",
+    "slip by sums",
+    "slip reserve",
+    "preload scatter",
+    "load factors of opening",
+    "strength of bolts",
+    "margins of bolts",
+)
+"""Parts of a run without which bolts or interfaces are judged by less, as omissions name them."""
+
+
+def _judges(omission: str) -> bool:
+    """Say whether what could not be computed would have judged the joint."""
+    return any(f"{part}: " in omission for part in JUDGING)
 
 
 def _of_method(warning: str) -> bool:

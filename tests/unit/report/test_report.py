@@ -295,14 +295,17 @@ def test_only_what_changes_a_decision_is_red():
         RESULTS,
         cases={name: held_by_springs(case, 0.02) for name, case in RESULTS.cases.items()},
         warnings=("LC1: not converged",),
+        omissions=("strength of bolts: nothing resists", "unseen loads: no"),
         interfaces=declared(1e4),
     )
     page = render(Album(doubtful), WHERE)
     # A sentence, not one for each load case.
     assert page.count("the weak springs upper-lower carry 0.02 of the contact force") == 1
     red = page[page.index('class="verdict doubt"') : page.index('id="joint"')]
-    for text in ("weak springs upper-lower", "converge: LC1: not converged", "7% of the declared"):
+    said = ("converge: LC1: not converged", "7% of the declared", "computed: strength of bolts: no")
+    for text in ("weak springs upper-lower", *said):
         assert text in red, text
+    assert "unseen loads" not in red
     heads = replace(
         RESULTS,
         cases={name: held_by_springs(case, 1e-6) for name, case in RESULTS.cases.items()},

@@ -35,7 +35,7 @@ from faying.study.results.store import read_results
 from faying.study.stages.path_cases import rest_state
 from faying.units import units_of
 from faying.workflow.run import run
-from small_study import NO_REPORT, reduction, tiny_joint
+from small_study import NO_REPORT, reduction, static, tiny_joint
 from table_cells import cells
 
 FIRST = "first point slips at [× load]"
@@ -669,6 +669,24 @@ def _check_what_friction_does(found, motion, out):
             group[name] = values
     with pytest.raises(FormatError, match="/cases/jump/reference/friction/traction' has shape"):
         read_results(out / "results.h5")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("friction", "quantity", "said"),
+    [("", "opening", "1 needed"), ("friction = 0.3", "open area", "70.00 of 50 % of what")],
+)
+def test_a_joint_that_opens_is_told_so_with_friction_too(tmp_path, friction, quantity, said):
+    """Half of what the preload presses, unless it is said; the joint was told to hold."""
+    text = tiny_joint(friction) + reduction("compliance") + static("bend", "Fz", -1600.0)
+    (tmp_path / "study.toml").write_text(text + NO_REPORT, encoding="utf-8")
+    verdict = run(read_study(tmp_path / "study.toml"), tmp_path / "out")["verdict"]
+    assert not verdict["holds"]
+    assert f"joint, {quantity} " in verdict["sentence"]
+    assert said in verdict["sentence"]
+    text = text.replace("[[load_case]]", "[requirement]\nopen_below = 0.2\n[[load_case]]")
+    (tmp_path / "study.toml").write_text(text + NO_REPORT, encoding="utf-8")
+    assert run(read_study(tmp_path / "study.toml"), tmp_path / "less")["verdict"]["holds"]
 
 
 def test_columns_that_are_nothing_are_refused(tmp_path):

@@ -12,7 +12,7 @@ from faying.display.quantities import number, percent, quantity
 from faying.display.style import heading, plain
 from faying.report.figures.album import Drawn
 from faying.report.style import REFERENCE, SMALLEST_DRAWN, colour, label, new_figure
-from faying.study.results.path_record import CycleRecord, SlipRecord
+from faying.study.results.path_record import CycleRecord, PathRecord, SlipRecord
 from faying.study.results.values import CaseResult, MethodResult, Response, Results
 from faying.units import Units
 
@@ -167,14 +167,23 @@ def path_figure(results: Results, case: CaseResult) -> Drawn | None:
     path = case.reference.path
     if path is None:
         return None
+    rubbing = any(surface.friction > 0 for surface in results.interfaces.values())
     steps = np.arange(1.0, len(path.factors) + 1)
-    figure = new_figure(11.5, 8.6)
-    loads, *panels = figure.subplots(4, 1, sharex=True)
+    figure = new_figure(11.5, 8.6 if rubbing else 6.8)
+    loads, *panels = figure.subplots(4 if rubbing else 3, 1, sharex=True)
     for name, values in zip(path.loads, path.factors.T, strict=True):
         loads.plot(steps, values, marker=".", label=plain(name))
     loads.set_ylabel("load factor")
     loads.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
-    taken = _plot_friction(path, path.pressure, steps, panels, results.unit_set, marker=".")
+    if rubbing:
+        taken = _plot_friction(path, path.pressure, steps, panels, results.unit_set, marker=".")
+        told = (
+            "largest pressure and traction, shares of the area that slip in an increment and "
+            f"stick, and the energy that friction has taken, {taken} at the end."
+        )
+    else:
+        _plot_forces(path, steps, panels, results.unit_set)
+        told = "largest pressure and forces of bolts."
     panels[-1].set_xlabel("increment")
     panels[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
     for row in np.flatnonzero(path.macroslip):
@@ -190,9 +199,7 @@ def path_figure(results: Results, case: CaseResult) -> Drawn | None:
         title=f"{case.name}: increments",
         caption=(
             f"The full model over the {len(steps)} increments of {case.name}, which begins at the "
-            "preloaded joint: load factors, largest pressure and traction, shares of the area "
-            "that slip in an increment and stick, and the energy that friction has taken, "
-            f"{taken} at the end.{slipped}"
+            f"preloaded joint: load factors, {told}{slipped}"
         ),
     )
 
@@ -251,6 +258,18 @@ def _plot_friction(
     energy.plot(along, np.cumsum(record.dissipation), color=colour("jim-a"), marker=marker)
     energy.set_ylabel(f"energy by friction\n[{units.of('force·length')}]")
     return quantity(float(record.dissipation.sum()), units.of("force·length"))
+
+
+def _plot_forces(path: PathRecord, along: Vector, panels: list[Axes], units: Units) -> None:
+    """Draw the largest pressure and the forces of bolts of a joint without friction."""
+    top, bolts = panels
+    top.plot(along, path.pressure.max(axis=1, initial=0.0), marker=".")
+    top.set_ylabel(f"largest pressure\nat a point [{units.pressure}]")
+    for name, forces in path.bolt_forces.items():
+        bolts.plot(along, forces, marker=".", label=plain(name))
+    bolts.set_ylabel(f"bolt force [{units.force}]")
+    if path.bolt_forces:
+        bolts.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
 def plot_loops(case: CaseResult, axes: Axes, units: Units) -> Axes:
