@@ -44,6 +44,11 @@ def refuse_study(text: str) -> NoReturn:
     raise StudyError(text)
 
 
+def refuse_value(text: str) -> NoReturn:
+    """Raise the error that a value cannot be, where what is read says to whom it belongs."""
+    raise ValueError(text)
+
+
 def check_known(name: object, known: Iterable[object], what: str) -> None:
     """Refuse a name that is none of those of its kind, as ``"bolt"``."""
     names = list(known)

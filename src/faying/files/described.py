@@ -23,7 +23,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import SparseMatrix
-from faying.exceptions import refuse
+from faying.exceptions import refuse, refuse_value
 from faying.files.atomic import replacing
 from faying.files.hdf5 import open_hdf5
 from faying.files.meanings import Meaning, Table
@@ -252,12 +252,10 @@ def numbers(
     data = member(group, name)
     _check_kind(data, "iub" if dtype is np.int64 else "fiub", "numbers")
     if shape is not None and data.shape != shape:
-        message = f"'{data.name}' has shape {data.shape}, expected {shape}"
-        raise ValueError(message)
+        refuse_value(f"'{data.name}' has shape {data.shape}, expected {shape}")
     values = np.asarray(data[()], dtype=dtype)
     if not np.isfinite(values).all():
-        message = f"'{data.name}' holds numbers that are not finite"
-        raise ValueError(message)
+        refuse_value(f"'{data.name}' holds numbers that are not finite")
     return values
 
 
@@ -357,5 +355,4 @@ def _check_kind(node: Node, kinds: str, expected: str, ndim: int | None = None) 
     """Refuse a member that is of another kind."""
     matches = not isinstance(node, Mapping) and node.dtype.kind in kinds
     if not matches or ndim not in (None, node.ndim):
-        message = f"'{getattr(node, 'name', '')}' does not hold {expected}"
-        raise ValueError(message)
+        refuse_value(f"'{getattr(node, 'name', '')}' does not hold {expected}")

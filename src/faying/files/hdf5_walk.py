@@ -13,6 +13,7 @@ from typing import Any
 
 import h5py
 
+from faying.exceptions import refuse_value
 from faying.files.contents import check_fits
 
 MOST_PACKED = 1100
@@ -61,8 +62,7 @@ def _check(file: h5py.File, path: Path, room: int | None, *, whole: bool) -> Non
                 raise ValueError(message)
             node = group[name]
             if h5py.h5o.get_info(node.id).rc > 1:
-                message = f"{entry} has a second name, so its groups may go round in circles"
-                raise ValueError(message)
+                refuse_value(f"{entry} has a second name, so its groups may go round in circles")
             dict(node.attrs)
             if isinstance(node, h5py.Group):
                 groups.append(node)
@@ -75,20 +75,17 @@ def _check(file: h5py.File, path: Path, room: int | None, *, whole: bool) -> Non
 
 def _require_own_data(node: h5py.Dataset | h5py.Datatype, entry: str) -> None:
     if not isinstance(node, h5py.Dataset) or node.is_virtual or node.external:
-        message = f"{entry} is no dataset that holds its own data"
-        raise ValueError(message)
+        refuse_value(f"{entry} is no dataset that holds its own data")
 
 
 def _size(node: h5py.Dataset, entry: str, path: Path, room: int | None) -> int:
     """Bytes of a dataset in memory."""
     announced, stored = node.size * node.dtype.itemsize, node.id.get_storage_size()
     if announced > MOST_PACKED * stored:
-        message = f"{entry} says shape {node.shape}, {announced:.3g} bytes, and holds {stored}"
-        raise ValueError(message)
+        refuse_value(f"{entry} says shape {node.shape}, {announced:.3g} bytes, and holds {stored}")
     text = h5py.check_string_dtype(node.dtype)
     if (text is None and node.dtype.kind not in "fiub") or (text is not None and node.ndim > 1):
-        message = f"{entry} holds neither numbers nor a list of texts"
-        raise ValueError(message)
+        refuse_value(f"{entry} holds neither numbers nor a list of texts")
     if text is None or text.length is not None:
         return int(announced)
     return int(announced) + _text_size(node, path, room)

@@ -15,6 +15,7 @@ import scipy.sparse as sp
 from numpy.lib import format as npy
 
 from faying._typing import SparseMatrix
+from faying.exceptions import refuse_value
 from faying.files.contents import check_room
 
 _PIECE = 2**22
@@ -93,11 +94,10 @@ def _size(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> int:
             message = f"'{member.filename}' holds pickled objects, which may run code as they load"
             raise ValueError(message)
         if file.tell() + n_bytes != member.file_size:
-            message = (
+            refuse_value(
                 f"'{member.filename}' says shape {shape} of {kind}, which is {n_bytes} bytes, and "
                 f"holds {member.file_size - file.tell()}"
             )
-            raise ValueError(message)
     return n_bytes
 
 
@@ -105,7 +105,6 @@ def _header(file: IO[bytes], name: str) -> tuple[tuple[int, ...], bool, np.dtype
     """Return shape, whether columns follow one another, and type."""
     version = npy.read_magic(file)
     if version not in _HEADERS:
-        message = f"'{name}' is no array as numpy.savez writes it"
-        raise ValueError(message)
+        refuse_value(f"'{name}' is no array as numpy.savez writes it")
     shape, by_columns, kind = _HEADERS[version](file)
     return shape, by_columns, kind

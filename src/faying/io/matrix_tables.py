@@ -16,7 +16,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix
-from faying.exceptions import FayingError, FormatError, refuse
+from faying.exceptions import FayingError, FormatError, refuse, refuse_value
 from faying.files.contents import (
     check_room,
     check_rows,
@@ -97,8 +97,7 @@ def _check_indices(matrix: Any) -> None:
 def read_npz(path: Path, name: str) -> LabelledMatrix:
     """Read a matrix from ``scipy.sparse.save_npz`` or ``numpy.savez``."""
     if not zipfile.is_zipfile(path):
-        message = "it is no .npz file"
-        raise ValueError(message)
+        refuse_value("it is no .npz file")
     arrays = read_matrices(path)
     if "format" in arrays and "data" in arrays:
         return LabelledMatrix(matrix=sp.load_npz(path))

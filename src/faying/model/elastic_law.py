@@ -11,6 +11,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.digits import DECK_DIGITS
+from faying.exceptions import refuse_value
 
 Law = tuple[tuple[float, ...], ...]
 
@@ -66,14 +67,12 @@ def orthotropic_law(moduli: Sequence[float], ratios: Sequence[float], shear: Mat
     """
     first, second, third = moduli
     if not min(*moduli, *shear) > 0:
-        message = "moduli must be positive"
-        raise ValueError(message)
+        refuse_value("moduli must be positive")
     compliance = np.diag([1 / first, 1 / second, 1 / third])
     for (i, j), ratio in zip(((0, 1), (0, 2), (1, 2)), ratios, strict=True):
         compliance[i, j] = compliance[j, i] = -ratio / moduli[i]
     if not np.linalg.eigvalsh(compliance * np.sqrt(np.outer(moduli, moduli)))[0] > 0:
-        message = "Poisson's ratios are too large for the moduli"
-        raise ValueError(message)
+        refuse_value("Poisson's ratios are too large for the moduli")
     law = np.diag([0.0, 0.0, 0.0, *shear])
     law[:3, :3] = np.linalg.inv(compliance)
     return law

@@ -6,7 +6,7 @@
 import numpy as np
 import scipy.linalg as la
 
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.joint.model import Model
 from faying.linalg.memory import require_room
 from faying.linalg.substitution import dense
@@ -78,11 +78,10 @@ def attachment_modes(
     """
     structure = model.structure
     if not structure.has_mass:
-        message = (
+        refuse_model(
             "attachment modes give inertia to the interface, and the structure has no mass; take "
             "the residual compliance, which statics do not distinguish, or give a density"
         )
-        raise ModelError(message)
     start = craig_bampton(model, normal_modes=normal_modes) if classic is None else classic
     inputs = len(structure.boundary) + len(model.load_patterns)
     n = len(start) + moments * inputs + structure.relative_operator.shape[0] + refined

@@ -10,7 +10,7 @@ import numpy as np
 from faying._typing import Frozen, Matrix, SparseMatrix
 from faying.digits import ROUND_OFF
 from faying.display.facts import Shown
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 
 SMALLEST_NEW_PART = 1e-8
 """A trial vector is dropped when this part of its energy norm, or less, is new."""
@@ -57,8 +57,7 @@ class Basis(Frozen, Shown):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.vectors.shape[1] != len(self.kinds):
-            message = f"{self.vectors.shape[1]} trial vectors but {len(self.kinds)} kinds"
-            raise ModelError(message)
+            refuse_model(f"{self.vectors.shape[1]} trial vectors but {len(self.kinds)} kinds")
 
     @property
     def facts(self) -> Mapping[str, str]:

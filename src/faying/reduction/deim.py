@@ -18,7 +18,7 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Frozen, Indices, Mask, Matrix, Vector
-from faying.exceptions import ConvergenceError, ModelError
+from faying.exceptions import ConvergenceError, refuse_model
 from faying.reduction.contact_reduction import AnyModel, ReducedContact, with_static_contact
 from faying.reduction.pod import pod
 
@@ -123,11 +123,10 @@ def with_deim(system: AnyModel, sampling: Deim) -> AnyModel:
     Static cases only. Pressures between the sampling points may be negative; see the module.
     """
     if len(sampling.interpolation) != system.contact.n_points:
-        message = (
+        refuse_model(
             f"the sampling interpolates to {len(sampling.interpolation)} contact points but the "
             f"model has {system.contact.n_points}; build it from this model's contact forces"
         )
-        raise ModelError(message)
     return with_static_contact(system, DeimContact(whole=system.static_contact, deim=sampling))
 
 

@@ -19,7 +19,7 @@ from scipy.optimize import nnls
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
 from faying.contact.dense_points import contact_problem
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.reduction.contact_reduction import AnyModel, ReducedContact, with_static_contact
 
 LARGEST_REMAINDER = 1e-10
@@ -45,8 +45,7 @@ class ForceBasis:
         vectors = np.asarray(self.vectors, dtype=float)
         total = vectors.sum(axis=0)
         if not (vectors >= 0).all() or not (total > 0).all():
-            message = "the vectors of a force basis must be nonnegative and none may vanish"
-            raise ModelError(message)
+            refuse_model("the vectors of a force basis must be nonnegative and none may vanish")
         object.__setattr__(self, "vectors", frozen(vectors / total))
 
     def __len__(self) -> int:
@@ -97,11 +96,10 @@ def with_force_basis(system: AnyModel, basis: ForceBasis) -> AnyModel:
     basis and one product with H for the gaps.
     """
     if len(basis.vectors) != system.contact.n_points:
-        message = (
+        refuse_model(
             f"the force basis has {len(basis.vectors)} rows but the model "
             f"{system.contact.n_points} contact points; build it from this model's contact forces"
         )
-        raise ModelError(message)
     return with_static_contact(system, ForceBasisContact(whole=system.static_contact, basis=basis))
 
 
@@ -178,15 +176,13 @@ def _unit_snapshots(contact_forces: Matrix) -> Matrix:
     """Return the snapshots with any force at all, each of unit length."""
     snapshots = np.asarray(contact_forces, dtype=float)
     if snapshots.ndim != 2 or not np.isfinite(snapshots).all() or (snapshots < 0).any():
-        message = (
+        refuse_model(
             f"a force basis needs finite contact forces ≥ 0, one snapshot a column; got shape "
             f"{snapshots.shape}"
         )
-        raise ModelError(message)
     norms = np.linalg.norm(snapshots, axis=0)
     pressed: Indices = np.flatnonzero(norms > 0)
     if not len(pressed):
-        message = "no snapshot has any contact force; train with loads that press the interface"
-        raise ModelError(message)
+        refuse_model("no snapshot has any contact force; train with loads that press the interface")
     unit: Matrix = snapshots[:, pressed] / norms[pressed]
     return unit

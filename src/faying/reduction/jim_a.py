@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.interface.interface import Interface
 from faying.joint.model import Model
 from faying.reduction.basis import Basis, ModeKind
@@ -20,8 +20,7 @@ def subareas(interface: Interface, count: int) -> Indices:
     Facets are not divided, so that there is at most one part per facet.
     """
     if count < 1:
-        message = f"{count} subareas asked for; give at least one"
-        raise ModelError(message)
+        refuse_model(f"{count} subareas asked for; give at least one")
     # Nodal points name one of their facets each, and some facets may be named by none.
     numbers, facet = np.unique(interface.face_of_point, return_inverse=True)
     n_facet = len(numbers)

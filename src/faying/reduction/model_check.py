@@ -7,6 +7,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.digits import DECK_DIGITS
+from faying.exceptions import refuse_value
 from faying.interface.surface import ContactSurface
 from faying.reduction.model_data import MeshShapes
 
@@ -20,8 +21,7 @@ def check_definite(matrix: Matrix, entry: str) -> None:
     if largest == 0:
         return
     if np.abs(matrix - matrix.T).max() > DECK_DIGITS * largest:
-        message = f"'{entry}' is not symmetric"
-        raise ValueError(message)
+        refuse_value(f"'{entry}' is not symmetric")
     diagonal = np.diag(matrix)
     # Coordinates have units of their own; a sign does not depend on them.
     scale = 1 / np.sqrt(np.where(diagonal > np.finfo(float).eps * largest, diagonal, largest))
@@ -40,8 +40,7 @@ def check_finite(group: h5py.Group) -> None:
             values = node[()]
             wrong = np.isnan(values) if name.endswith("penalty") else ~np.isfinite(values)
             if np.any(wrong):
-                message = f"'{node.name}' holds numbers that are not finite"
-                raise ValueError(message)
+                refuse_value(f"'{node.name}' holds numbers that are not finite")
 
     group.visititems(look)
 
@@ -49,25 +48,20 @@ def check_finite(group: h5py.Group) -> None:
 def check_distinct(indices: Indices, length: int, entry: str) -> None:
     """Refuse indices beyond a length, and one that is there twice."""
     if len(indices) and not 0 <= indices.min() <= indices.max() < length:
-        message = f"'{entry}' points beyond the {length} coordinates"
-        raise ValueError(message)
+        refuse_value(f"'{entry}' points beyond the {length} coordinates")
     if len(np.unique(indices)) < len(indices):
-        message = f"'{entry}' names a coordinate twice"
-        raise ValueError(message)
+        refuse_value(f"'{entry}' names a coordinate twice")
 
 
 def check_nodes(nodes: Indices, components: Indices, mesh: MeshShapes, entry: str) -> None:
     """Refuse degrees of freedom of nodes that are not there, of no component, or there twice."""
     missing = nodes[~np.isin(nodes, mesh.node_ids)]
     if len(missing):
-        message = f"'{entry}/nodes' names node {missing[0]}, which is not among the nodes"
-        raise ValueError(message)
+        refuse_value(f"'{entry}/nodes' names node {missing[0]}, which is not among the nodes")
     if len(components) and not 0 <= components.min() <= components.max() < MOST_COMPONENTS:
-        message = f"'{entry}/components' holds others than 0 to {MOST_COMPONENTS - 1}"
-        raise ValueError(message)
+        refuse_value(f"'{entry}/components' holds others than 0 to {MOST_COMPONENTS - 1}")
     if len(np.unique(np.stack([nodes, components]), axis=1).T) < len(nodes):
-        message = f"'{entry}' names a degree of freedom twice"
-        raise ValueError(message)
+        refuse_value(f"'{entry}' names a degree of freedom twice")
 
 
 def check_surfaces(interfaces: Mapping[str, ContactSurface], mesh: MeshShapes) -> None:
@@ -91,5 +85,4 @@ def check_surfaces(interfaces: Mapping[str, ContactSurface], mesh: MeshShapes) -
                 raise ValueError(message)
         nodes = surface.pairs
         if len(nodes) and not 0 <= nodes.min() <= nodes.max() < len(mesh.nodes):
-            message = f"'/interfaces/{interface}/pairs' points beyond {len(mesh.nodes)} nodes"
-            raise ValueError(message)
+            refuse_value(f"'/interfaces/{interface}/pairs' points beyond {len(mesh.nodes)} nodes")

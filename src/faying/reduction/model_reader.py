@@ -14,7 +14,7 @@ from faying._typing import Matrix, frozen
 from faying.contact.between_pairs import between
 from faying.contact.contact import Contact
 from faying.contact.laws import LAWS, Law
-from faying.exceptions import FormatError
+from faying.exceptions import FormatError, refuse_value
 from faying.files.described import (
     described_file,
     items,
@@ -307,8 +307,7 @@ def _law(group: h5py.Group) -> Law:
     """Return the contact law of an interface by its name and its parameters."""
     name = _text(group, "law")
     if name not in LAWS:
-        message = f"{group.name} names the contact law '{name}'; known are {', '.join(LAWS)}"
-        raise ValueError(message)
+        refuse_value(f"{group.name} names the contact law '{name}'; known are {', '.join(LAWS)}")
     parameters: dict[str, Any] = {}
     for parameter, hint in get_type_hints(LAWS[name]).items():
         value = member(group, parameter)
@@ -326,8 +325,7 @@ def _contact(group: h5py.Group, interfaces: Mapping[str, ContactSurface]) -> Con
     if [record.slice for record in records] != list(pairwise(ends)) or (
         interpolation.shape[0] != ends[-1]
     ):
-        message = f"the interfaces have {ends[-1]} points, {group.name} does not"
-        raise ValueError(message)
+        refuse_value(f"the interfaces have {ends[-1]} points, {group.name} does not")
     stated: dict[str, Any] = {}  # files of earlier versions state less
     if "dense_budget" in group:
         stated["dense_budget"] = int(numbers(group, "dense_budget", (), np.int64))

@@ -8,7 +8,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from faying._typing import Matrix, SparseMatrix, Vector
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.joint.structure import Structure
 from faying.linalg.factorization import Factorization
 from faying.linalg.substitution import dense
@@ -46,17 +46,15 @@ def fixed_interface_normal_modes(structure: Structure, count: int) -> NormalMode
     """
     inner = structure.interior
     if count > len(inner):
-        message = (
+        refuse_model(
             f"{count} normal modes asked for, but the structure has {len(inner)} degrees of "
             "freedom off its boundary; ask for fewer"
         )
-        raise ModelError(message)
     if count and not structure.has_mass:
-        message = (
+        refuse_model(
             f"{count} normal modes asked for, but the structure has no mass; ask for none, which "
             "statics do not need, or give its materials a density"
         )
-        raise ModelError(message)
     vectors = np.zeros((structure.n_dof, count))
     if count == 0:
         return NormalModes(vectors=vectors, frequencies=np.empty(0), next_frequency=np.inf)
@@ -77,8 +75,7 @@ def lowest_modes(
     Vectors (n, count) are mass-normalized.
     """
     if not M.diagonal().any():
-        message = f"{NO_MASS}, so it has no vibration modes; give its materials a density"
-        raise ModelError(message)
+        refuse_model(f"{NO_MASS}, so it has no vibration modes; give its materials a density")
     n = K.shape[0]
     if n <= 3 * count + 20 or not sp.issparse(K):  # Lanczos needs room, and sparse matrices
         # M may be singular (massless couplings), and K of what nothing holds: with M = L Lᵀ

@@ -7,7 +7,7 @@ import scipy.linalg as la
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.digits import ROUND_OFF
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, refuse_model
 from faying.linalg.sparse_compliance import Compliance
 
 
@@ -62,10 +62,9 @@ def pod(
     """
     Y = np.asarray(snapshots, dtype=float)
     if Y.ndim != 2 or not np.isfinite(Y).all() or not Y.any():
-        message = (
+        refuse_model(
             f"POD needs a finite, nonzero matrix with one snapshot a column; got shape {Y.shape}"
         )
-        raise ModelError(message)
     basis, triangle = la.qr(Y, mode="economic")
     if inner is not None:
         try:

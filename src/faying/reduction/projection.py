@@ -7,7 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, frozen
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.interface.surface import ContactSurface, contact_surface
 from faying.joint.model import Model
 from faying.joint.system import PortCompliance
@@ -272,11 +272,10 @@ def trial_vectors_of(rom: ReducedModel, model: Model) -> Matrix:
     """
     vectors = rom.trial_vectors
     if len(vectors) != model.structure.n_dof:
-        message = (
+        refuse_model(
             f"the trial vectors have {len(vectors)} rows but the model {model.structure.n_dof} "
             "degrees of freedom; give the model that was reduced"
         )
-        raise ModelError(message)
     return vectors
 
 

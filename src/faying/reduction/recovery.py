@@ -10,7 +10,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Frozen, Matrix
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.joint.model import Model
 from faying.joint.system import Joint, PortCompliance
 from faying.linalg.factorization import Factorization
@@ -101,11 +101,10 @@ def supported_operator(model: Model, basis: Basis) -> Recovery:
     structure, vectors = model.structure, basis.vectors
     law, dampers = model.damping, structure.matrices.dampers
     if vectors.shape[0] != structure.n_dof:
-        message = (
+        refuse_model(
             f"the basis has {vectors.shape[0]} rows but the model has {structure.n_dof} "
             "degrees of freedom; recover with the model the basis was made from"
         )
-        raise ModelError(message)
     inertia = at_ports(model, structure.solve(model.M @ vectors))
     damping = law.alpha * inertia + law.beta * at_ports(model, vectors)
     if dampers is not None:

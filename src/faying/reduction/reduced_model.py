@@ -13,7 +13,7 @@ from faying._typing import Matrix
 from faying.contact.condensed import CondensedContact, structure_between
 from faying.contact.contact import Contact
 from faying.display.facts import Shown, counted
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.joint.load_pattern import LoadPattern, pattern_forces
 from faying.joint.system import (
     Joint,
@@ -153,12 +153,11 @@ class ReducedModel(Shown, ModelData):
             If the compliance of the full model is not known.
         """
         if self.ports is None:
-            message = (
+            refuse_model(
                 f"the reduced model of '{self.name}' does not know the compliance of the full "
                 "model: the structure is not held without its boundary, or has too many ports for "
                 "a file; recover and certify with the full model"
             )
-            raise ModelError(message)
         return at_its_ports(self, self.ports)
 
     @cached_property
@@ -172,11 +171,10 @@ class ReducedModel(Shown, ModelData):
         """
         inertia, damping = self.recovery_inertia, self.recovery_damping
         if inertia is None or damping is None:
-            message = (
+            refuse_model(
                 f"the reduced model of '{self.name}' has no recovery matrices; make it with "
                 "faying.reduce from a structure that is held, or recover with the full model"
             )
-            raise ModelError(message)
         return Recovery(
             joint=self.joint, inertia=inertia, damping=damping, frame=self.recovery_frame
         )
@@ -195,11 +193,10 @@ class ReducedModel(Shown, ModelData):
         """
         vectors = self.trial_vectors
         if self.contact.residual_compliance is not None:
-            message = (
+            refuse_model(
                 "the trial vectors are not all that moves in a model with residual compliance; "
                 "take displacements with the full model, faying.full_displacement(model, solution)"
             )
-            raise ModelError(message)
         displacement: Matrix = states @ vectors.T
         return displacement
 
@@ -213,12 +210,11 @@ class ReducedModel(Shown, ModelData):
             If they were left behind.
         """
         if not len(self.basis.vectors):
-            message = (
+            refuse_model(
                 f"the reduced model of '{self.name}' came without its trial vectors, which "
                 "displacements of the full model need; take displacements at boundaries and gaps, "
                 "or save it with shapes=True"
             )
-            raise ModelError(message)
         return self.basis.vectors
 
     def with_bolt_forces(self, initial_forces: Mapping[str, float]) -> "ReducedModel":

@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 
 from faying._typing import Matrix
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.joint.system import System
 from faying.simulation.instants import runs_at_once
 from faying.simulation.integrators import Integrator
@@ -44,11 +44,10 @@ class LoadBox:
 
     def __post_init__(self) -> None:
         if not self.ranges or self.levels < 1 or not self.preload_factors:
-            message = (
+            refuse_model(
                 "a training box needs at least one load range, one level and one preload factor; "
                 "name them under [reduction.training]"
             )
-            raise ModelError(message)
 
     def static_loads(self, system: System) -> list[Load]:
         """Return all combinations of load levels and preload factors (15.3.4.1)."""

@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 
 from faying._typing import Matrix, SparseMatrix
+from faying.exceptions import refuse_value
 from faying.files.described import numbers, sparse_matrix
 from faying.linalg.sparse_compliance import Compliance, SparseCompliance
 from faying.linalg.sparse_stiffness import SparseStiffness
@@ -56,11 +57,10 @@ def read_compliance(group: h5py.Group, n_relative: int) -> SparseCompliance:
         If its parts do not fit together, or are those of a version that compressed it.
     """
     if "diagonal" in group:
-        message = (
+        refuse_value(
             f"'{group.name}' is compressed, as versions before sparse factors did; reduce the full "
             "model again"
         )
-        raise ValueError(message)
     matrix, ports = (sparse_matrix(group, name) for name in ("matrix", "ports"))
     shapes, core = numbers(group, "shapes"), numbers(group, "core")
     n = matrix.shape[0]
@@ -72,6 +72,5 @@ def read_compliance(group: h5py.Group, n_relative: int) -> SparseCompliance:
     )
     parts = (matrix.data, ports.data, shapes, core)
     if not fits or not all(np.isfinite(part).all() for part in parts):
-        message = f"the parts of '{group.name}' do not fit together, or are not finite"
-        raise ValueError(message)
+        refuse_value(f"the parts of '{group.name}' do not fit together, or are not finite")
     return SparseCompliance(stiffness=SparseStiffness.of(matrix, ports), shapes=shapes, core=core)

@@ -6,6 +6,7 @@ import h5py
 import numpy as np
 
 from faying._typing import Matrix
+from faying.exceptions import refuse_value
 from faying.files.described import member, member_name, numbers, read_member
 from faying.joint.system import boundary_dofs
 from faying.joint.tangential import TangentialRows
@@ -29,11 +30,10 @@ def tangential_of(file: h5py.File, joint: ReducedModel) -> tuple[TangentialRows,
         shapes = ((3, n_input), (3, n_relative))
         fits = bool(row.unknown) or (row.per_input.shape, row.per_pair.shape) == shapes
         if not (refers and fits) or (row.origin.shape, row.tangents.shape) != ((3,), (2, 3)):
-            message = (
+            refuse_value(
                 f"/ports/tangential of interface '{row.interface}', bolt '{row.bolt}' does not fit "
                 f"{n_input} inputs and {n_relative} pairs"
             )
-            raise ValueError(message)
     return rows
 
 
@@ -51,8 +51,7 @@ def rigid_motions_of(group: h5py.Group, n: int) -> Matrix:
         return np.zeros((n, 0))
     motions: Matrix = numbers(group, "rigid_motions")
     if motions.ndim != 2 or len(motions) != n or motions.shape[1] > 6:
-        message = f"'{group.name}/rigid_motions' has shape {motions.shape}, expected ({n}, 6)"
-        raise ValueError(message)
+        refuse_value(f"'{group.name}/rigid_motions' has shape {motions.shape}, expected ({n}, 6)")
     return motions
 
 
@@ -66,6 +65,5 @@ def weak_supports_of(group: h5py.Group, n: int) -> dict[str, WeakSupport]:
     for body, support in supports.items():
         shape = (3 * len(support.nodes), n)
         if support.forces.shape != shape or support.nodes.shape[1:] != (2,):
-            message = f"'{group.name}/weak_supports' of '{body}' do not fit {n} coordinates"
-            raise ValueError(message)
+            refuse_value(f"'{group.name}/weak_supports' of '{body}' do not fit {n} coordinates")
     return supports

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from faying.exceptions import refuse_value
 from faying.files.described import is_default
 from faying.files.meanings import Meaning, Table, tables_within
 from faying.interface.interface import FacePairs
@@ -119,14 +120,12 @@ def _fits(length: int, name: str, axes: Axes) -> bool:
 
 def _check_indices(values: np.ndarray[Any, Any], length: int, entry: str) -> None:
     if values.size and (values.min() < 0 or values.max() >= length):
-        message = f"'{entry}' holds indices from {values.min()} to {values.max()} into {length}"
-        raise ValueError(message)
+        refuse_value(f"'{entry}' holds indices from {values.min()} to {values.max()} into {length}")
 
 
 def _check_finite(values: np.ndarray[Any, Any], entry: str) -> None:
     if not np.isfinite(values).all():
-        message = f"'{entry}' holds numbers that are not finite"
-        raise ValueError(message)
+        refuse_value(f"'{entry}' holds numbers that are not finite")
 
 
 def _check_record(value: Any, axes: Axes, entry: str) -> None:
@@ -147,25 +146,21 @@ def _check_interface(record: InterfaceRecord, n_node: int, entry: str) -> None:
         message = f"'{entry}/face_coverage' has {len(record.face_coverage)} entries, not {n_face}"
         raise ValueError(message)
     if (record.weights < 0).any() or not ((record.penalty or 0) > 0 or record.closure):
-        message = f"'{entry}' has a negative weight or no positive penalty"
-        raise ValueError(message)
+        refuse_value(f"'{entry}' has a negative weight or no positive penalty")
     pairs = record.pairs[:, 0] * n_node + record.pairs[:, 1]
     for faces in record.faces:
         if not np.isin(faces.minus * n_node + faces.plus, pairs).all():
-            message = f"'{entry}/faces' names nodes that are no pair of the interface"
-            raise ValueError(message)
+            refuse_value(f"'{entry}/faces' names nodes that are no pair of the interface")
 
 
 def _check_width(nodes: np.ndarray[Any, Any], width: int, entry: str) -> None:
     if nodes.shape[1] != width:
-        message = f"'{entry}' has {nodes.shape[1]} nodes each, expected {width}"
-        raise ValueError(message)
+        refuse_value(f"'{entry}' has {nodes.shape[1]} nodes each, expected {width}")
 
 
 def _check_known(name: str, names: Collection[str], entry: str) -> None:
     if name not in names:
-        message = f"'{entry}' is '{name}', expected one of {', '.join(names)}"
-        raise ValueError(message)
+        refuse_value(f"'{entry}' is '{name}', expected one of {', '.join(names)}")
 
 
 def _check_names(results: Results) -> None:
@@ -175,8 +170,7 @@ def _check_names(results: Results) -> None:
         for method, sizes in case.methods.items():
             responses |= {f"methods/{method}/{n}": result.response for n, result in sizes.items()}
         if case.half_step is not None and (case.times is None) != (case.half_step_times is None):
-            message = f"'/cases/{name}/half_step' has no instants of its own"
-            raise ValueError(message)
+            refuse_value(f"'/cases/{name}/half_step' has no instants of its own")
         for what, response in responses.items():
             if response is not None:
                 _check_response(results, case, response, f"/cases/{name}/{what}")
@@ -189,14 +183,12 @@ def _check_response(results: Results, case: CaseResult, response: Response, entr
     _check_same(response.displacements, case.components, f"{entry}/displacements")
     for name, values in response.displacements.items():
         if np.shape(values)[-1:] != (len(case.components[name]),):
-            message = f"'{entry}/displacements/{name}' has shape {np.shape(values)}"
-            raise ValueError(message)
+            refuse_value(f"'{entry}/displacements/{name}' has shape {np.shape(values)}")
 
 
 def _check_same(names: Collection[str], expected: Collection[str], entry: str) -> None:
     if set(names) != set(expected):
-        message = f"'{entry}' is of {', '.join(names)}, expected {', '.join(expected)}"
-        raise ValueError(message)
+        refuse_value(f"'{entry}' is of {', '.join(names)}, expected {', '.join(expected)}")
 
 
 def _n_points(interfaces: Mapping[str, InterfaceRecord]) -> int:
