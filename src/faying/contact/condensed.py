@@ -137,7 +137,7 @@ class CondensedContact:
     def _for_forces(self, what: str, instead: str) -> IncrementSolver:
         """Return the solver of problems of forces, which refuses laws that remember."""
         contact = self.contact
-        if contact.forgets and contact.proportional:
+        if contact.unilateral:
             return PressingContact(contact=contact, between=self.between, space=self.space)
         forces = self.frictional
         contact.check_forgetful(what, instead)

@@ -207,6 +207,11 @@ class Contact:
         """Whether nothing is remembered from load to load: neither slip nor closure."""
         return self.components == 1 and not self.remembers
 
+    @property
+    def unilateral(self) -> bool:
+        """Whether each point is a spring that presses alone: no friction, nor any curve."""
+        return self.forgets and self.proportional
+
     def increments(self, asked: int) -> int:
         """Return how many increments a way takes: those asked for, or one if nothing remembers."""
         return 1 if self.forgets else asked

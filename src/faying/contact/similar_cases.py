@@ -34,7 +34,7 @@ def side_by_side(solver: IncrementSolver, count: int) -> TypeGuard[YieldingConta
         return False
     if count < solver.pairs.fewest_alike:
         return False
-    return solver.contact.forgets and solver.contact.proportional
+    return solver.contact.unilateral
 
 
 def solve_similar(

@@ -173,7 +173,7 @@ def compiled_steps(
     3000 steps of the cantilever and 30 of a flange of 3972 points.
     """
     P, contact = system.contact.relative_operator, system.contact
-    if not isinstance(P, np.ndarray) or not (contact.forgets and contact.proportional):
+    if not isinstance(P, np.ndarray) or not contact.unilateral:
         return None
     if not pairs_fit(len(P), contact.dense_budget):
         return None

@@ -145,12 +145,13 @@ def left_by(system: System, joint: Joint, inputs: Vector, step: PathStep, name: 
 
 def states_of(contact: Contact, steps: Sequence[PathStep]) -> ContactStates:
     """Return contact after the steps of a path."""
-    laws, along = LawsAtPoints(contact=contact), slice(contact.components - 1)
+    laws, n_tangent, n = LawsAtPoints(contact=contact), contact.components - 1, contact.n_points
+    forces = np.array([step.increment.forces for step in steps]).reshape(-1, 3, n)
     return ContactStates(
-        forces=np.array([step.increment.forces[0] for step in steps]),
-        gap=np.array([step.increment.gap(laws) for step in steps]),
-        shear_forces=np.array([step.increment.forces[1:][along] for step in steps]),
-        slip=np.array([step.slip[along] for step in steps]),
+        forces=forces[:, 0],
+        gap=np.array([step.increment.gap(laws) for step in steps]).reshape(-1, n),
+        shear_forces=forces[:, 1 : 1 + n_tangent],
+        slip=np.array([step.slip[:n_tangent] for step in steps]).reshape(len(steps), n_tangent, n),
         iterations=np.array([step.iterations for step in steps]),
         dissipation=np.array([step.dissipation for step in steps]),
         deepest=deepest_of(contact, steps),
@@ -282,7 +283,8 @@ def solve_ends(
     One back-substitution for each. Where contact remembers nothing the ends are cases, solved
     together.
     """
-    inputs = np.array([way[-1] for way in ways])
+    n_input = len(system.port_compliance.input_rows)
+    inputs = np.array([way[-1] for way in ways]).reshape(-1, n_input)
     if system.contact.forgets:
         return solve_static_inputs(system, inputs, name)
     step, solver = path_start(system, initial), system.static_contact.increments

@@ -19,7 +19,7 @@ from faying.simulation.bolts_by_force import BoltsByForce
 from faying.simulation.load import Load, StaticLoad
 from faying.simulation.path import solve_ramps, solve_static
 from faying.simulation.solution import Solution
-from faying.simulation.static import AT_REST, solve_static_inputs
+from faying.simulation.static import AT_REST
 
 LEAST, MOST = "P_p,min", "P_p,max"
 """What the ends of the scatter are called."""
@@ -156,9 +156,6 @@ def solved_end(
 
 def _states_at(system: System, inputs: Matrix, bent: Sequence[str]) -> list[CaseState]:
     """Return the joint as tightened, by the first of inputs (n_case, n_input), and the others."""
-    if system.contact.forgets:
-        solution = solve_static_inputs(system, inputs, ENDS)
-        return [state_of(solution, slice(row, row + 1), bent) for row in range(len(inputs))]
     tightened = inputs[0, system.port_compliance.bolts]
     bolts = dict(zip(system.bolts, tightened.tolist(), strict=True))
     rest = solve_static(system, Load(bolt_forces=bolts, name=ENDS))
