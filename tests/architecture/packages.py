@@ -17,6 +17,7 @@ ORDER = (
     "exceptions",
     "units",
     "digits",
+    "iterations",
     "display",
     "linalg",
     "files",

@@ -9,7 +9,8 @@ import pytest
 
 import faying as fy
 from faying.exceptions import FormatError, ModelError
-from faying.simulation.divided_steps import MOST_HALVINGS, SAFETY, divided_steps
+from faying.simulation.divided_steps import SAFETY, divided_steps
+from faying.simulation.path_steps import MOST_DIVISIONS
 from faying.simulation.restart import kept_restart, restart_from
 from faying.simulation.transient_windows import transient_windows
 
@@ -40,7 +41,7 @@ def apart(one, other):
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_the_tolerance_is_reached(rom, scheme):
     load, options = rising(0.1), {**TIMES, "integrator": scheme}
-    parts = 2 * 2**MOST_HALVINGS
+    parts = 2 * 2**MOST_DIVISIONS
     exact = fy.solve_transient(rom, load, **{**options, "step": STEP / parts}).pressure[::parts]
     assert apart(fy.solve_transient(rom, load, **options).pressure, exact) > 0.01
     for changes in (0.1, 0.03):
@@ -58,7 +59,7 @@ def test_the_tolerance_is_reached(rom, scheme):
 def test_what_is_said_is_on_the_safe_side(rom, part):
     """Of implicit Euler 1.9 times the sum of the changes was reached; what is said is 5 times."""
     load, options = rising(part), {**TIMES, "integrator": fy.ImplicitEuler()}
-    parts = 2 * 2**MOST_HALVINGS
+    parts = 2 * 2**MOST_DIVISIONS
     exact = fy.solve_transient(rom, load, **{**options, "step": STEP / parts}).pressure[::parts]
     for tolerance in (0.3, 0.03):
         found = fy.solve_transient(rom, load, **options, tolerance=tolerance)
@@ -79,7 +80,7 @@ def test_the_full_model_is_divided_alike(joint, rom):
 
 def test_what_no_division_reaches_is_said(rom):
     found = fy.solve_transient(rom, fy.Load(LOAD), **TIMES, tolerance=1e-6)
-    assert found.substeps.max() == 2**MOST_HALVINGS
+    assert found.substeps.max() == 2**MOST_DIVISIONS
     assert found.step_error.sum() > 1e-6
 
 
@@ -107,7 +108,7 @@ def test_given_steps_are_those_of_another_run(rom):
 @pytest.mark.long
 def test_a_stream_resumes_to_the_bit(rom, tmp_path, monkeypatch):
     options = {**TIMES, "tolerance": 0.02, "integrator": fy.EnergyDecaying(0.0)}
-    monkeypatch.setattr("faying.export.transient_stream.STEPS_PER_WRITE", 4)
+    monkeypatch.setattr("faying.export.transient_stream.STEPS_AT_ONCE", 4)
     whole = fy.stream_transient(rom, rising(0.1), tmp_path / "whole.h5", **options)
 
     done = []

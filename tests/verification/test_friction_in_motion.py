@@ -167,7 +167,7 @@ def test_contact_at_the_ends_of_steps_belongs_to_displacements(rom, scheme):
 @pytest.mark.long
 def test_pieces_go_on_to_the_bit(rom, tmp_path, monkeypatch):
     """Streamed, stopped and resumed."""
-    monkeypatch.setattr(transient_stream, "STEPS_PER_WRITE", 10)
+    monkeypatch.setattr(transient_stream, "STEPS_AT_ONCE", 10)
     for name, scheme in SCHEMES.items():
         options = {"step": STEP, "integrator": scheme, "fields": tuple(transient_stream.FIELDS)}
         paths = [tmp_path / f"{name}-{part}.h5" for part in ("whole", "parts")]

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 from faying.digits import SOLVED
 from faying.exceptions import ConvergenceError
+from faying.iterations import MOST_HALVINGS
 
 State = TypeVar("State")
 
@@ -23,9 +24,6 @@ alone.
 PRECISION, SMALLEST_WIDTH = 1e-3, 1e-6
 """Width of the interval in which a factor is found, over the factor: of what only happens or not,
 and of what a number says."""
-
-MOST_HALVINGS = 12
-"""Cuts of an increment: what happens below a four-thousandth of it happens at once."""
 
 DEFAULT_INCREMENTS = 10
 """Increments from the preload to a static load, and of a quarter of a cycle."""

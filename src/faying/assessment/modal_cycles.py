@@ -9,17 +9,13 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector
 from faying.assessment.stuck_modes import StuckMode, stuck_modes
 from faying.contact.increment import IncrementSolver
-from faying.digits import DECK_DIGITS, ROUND_OFF
+from faying.digits import DECK_DIGITS, ROUND_OFF, SHORT_DIGITS
 from faying.exceptions import ModelError, check_known, refuse_model
 from faying.joint.system import System, boundary_slices
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.simulation.cycles import repeat
 from faying.simulation.path_steps import PathStep, follow
 from faying.simulation.solution import Solution
-
-SAME_MOTION = 0.99
-"""Share of the largest displacement from which the first place that moves so far is measured:
-which of several alike moves most is round-off."""
 
 
 class StillModeError(ModelError):
@@ -73,7 +69,7 @@ def measured(system: System, mode: StuckMode, measured_at: str | None) -> tuple[
         refuse_model("the model has no boundary, where amplitudes are measured; give it one")
     moved = [_direction(system, name, rows, mode.shape) for name in names]
     sizes = np.array([np.linalg.norm(motion) for motion in moved])
-    best = _first(sizes, SAME_MOTION)
+    best = _first(sizes, 1 - SHORT_DIGITS)
     name, direction, unit = names[best], moved[best], float(sizes[best])
     moves = np.abs(mode.shape).max(initial=0.0)
     if not unit > DECK_DIGITS * moves:
@@ -103,7 +99,7 @@ def _direction(system: System, name: str, components: Sequence[int], shape: Vect
     moved = np.where(np.isin(boundary.components, components), shape[boundary.dofs], 0.0)
     nodes = np.unique(boundary.nodes)
     sizes = np.array([np.linalg.norm(moved[boundary.nodes == node]) for node in nodes])
-    return np.where(boundary.nodes == nodes[_first(sizes, SAME_MOTION)], moved, 0.0)
+    return np.where(boundary.nodes == nodes[_first(sizes, 1 - SHORT_DIGITS)], moved, 0.0)
 
 
 def _first(sizes: Vector, share: float) -> int:

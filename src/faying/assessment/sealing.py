@@ -14,10 +14,8 @@ from scipy.sparse.csgraph import connected_components
 from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import refuse_model
 from faying.interface.surface import ContactSurface, pair_facets
+from faying.linalg.pieces import pieces
 from faying.model.outline import bounding_edges
-
-MOST_NUMBERS = 2_000_000
-"""Numbers of all links and cases in memory at a time."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -82,9 +80,8 @@ def ring_pressure(ring: Ring, pressure: Matrix) -> Vector:
     until none changes: as many passes over all links as the longest such path has nodes.
     """
     nodal = np.asarray((ring.averaging @ pressure[:, ring.points].T).T)
-    parts = max(1, len(nodal) * len(ring.links) // MOST_NUMBERS)
-    barriers = [_least_barrier(ring, part) for part in np.array_split(nodal, parts)]
-    return np.concatenate(barriers)
+    parts = pieces(len(nodal), len(ring.links))
+    return np.concatenate([np.empty(0), *(_least_barrier(ring, nodal[part]) for part in parts)])
 
 
 def _least_barrier(ring: Ring, nodal: Matrix) -> Vector:

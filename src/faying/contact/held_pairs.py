@@ -22,10 +22,8 @@ from scipy.linalg import (
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.contact.point_springs import PointSprings
 from faying.digits import ROUND_OFF
+from faying.iterations import RETRIES
 from faying.linalg.cholesky import inverse
-
-MOST_ROUNDS = 3
-"""Times that points which the bolts pull apart are opened; the rest is left to Newton's method."""
 
 FREE, MOST_ANCHORS = 100.0, 100
 """Motion of a pair beside that of its springs, from which a point there is kept closed.
@@ -196,7 +194,7 @@ class NormalPairs:
         Forces between pairs pull them apart (n_felt,); what slips makes little difference.
         """
         pressed = every = np.ones(len(springs))
-        for _ in range(MOST_ROUNDS):
+        for _ in range(RETRIES):
             lifted = self.moved_by(pull, springs * pressed)
             if lifted is None:
                 break

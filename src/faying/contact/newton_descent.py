@@ -27,6 +27,7 @@ from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.point_springs import PointSprings
 from faying.digits import SOLVED
 from faying.exceptions import ConvergenceError
+from faying.iterations import MOST_STEPS
 
 ROUND_OFF = 2e-15
 """Residual over the largest force at which a problem is solved."""
@@ -49,9 +50,6 @@ Where weak springs hold bodies Σ and S agree to 1e-8, of which so much is left 
 
 SMALLEST_FORCE_SHARE = 1e-4
 """Part of what would hold all points closed below which the largest force is no measure."""
-
-MOST_STEPS = 80
-"""Newton steps; 5 to 15 are usual."""
 
 LARGEST_REMAINDER = 0.5
 """Part of slope or residual that a whole step may leave."""

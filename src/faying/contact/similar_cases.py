@@ -19,13 +19,13 @@ from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_descent import (
     FLAT,
     LARGEST_REMAINDER,
-    MOST_STEPS,
     MOST_TRIALS,
     SMALLEST_FORCE_SHARE,
     steps_ended,
 )
 from faying.contact.yielding import YieldingContact
 from faying.digits import SOLVED
+from faying.iterations import MOST_STEPS
 
 
 def side_by_side(solver: IncrementSolver, count: int) -> TypeGuard[YieldingContact]:

@@ -5,10 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.digits import SOLVED
-
-FLAT = 1e-3
-"""Points this far out of the best plane, over the extent, still make a flat surface."""
+from faying.digits import SHORT_DIGITS, SOLVED
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -64,7 +61,7 @@ def plane_of(points: Matrix, normals: Matrix, weights: Vector) -> Plane:
     return Plane(
         axes=np.stack([first, second]),
         labels=(names[0], names[1]),
-        flat=bool(np.abs(height).max() <= FLAT * extent),
+        flat=bool(np.abs(height).max() <= SHORT_DIGITS * extent),
     )
 
 

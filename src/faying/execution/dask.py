@@ -18,14 +18,8 @@ from types import TracebackType
 from typing import Any, Self
 
 from faying.exceptions import CampaignError
-from faying.execution.executor import (
-    FATAL_DEATHS,
-    Function,
-    LostTasksError,
-    Prepare,
-    Results,
-    results_of,
-)
+from faying.execution.executor import Function, LostTasksError, Prepare, Results, results_of
+from faying.iterations import RETRIES
 
 CONNECT_SECONDS = 15.0
 """How long a scheduler may take to answer."""
@@ -64,7 +58,7 @@ class DaskExecutor:
             config.set(
                 {
                     # Dask gives up a task when more workers than this have died.
-                    "distributed.scheduler.allowed-failures": FATAL_DEATHS - 1,
+                    "distributed.scheduler.allowed-failures": RETRIES - 1,
                     # And the place of a worker not back by then: on a busy machine that takes long.
                     "distributed.deploy.lost-worker-timeout": "10 minutes",
                 }

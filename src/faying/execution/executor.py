@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from faying.exceptions import CampaignError
+from faying.iterations import RETRIES
 
 Function = Callable[[Any], Any]
 """From a task to its result; both can be pickled."""
@@ -20,9 +21,6 @@ returns is not sent: factorizations, which do not pickle, may live in it.
 
 Results = Generator[tuple[int, Any], None, None]
 """Places of tasks and their results; closing it ends what still works on them."""
-
-FATAL_DEATHS = 3
-"""Workers a task may kill before it is given up."""
 
 
 class Executor(Protocol):
@@ -103,7 +101,7 @@ class LostTasksError(CampaignError):
         self.places = tuple(places)
         shown = ", ".join(str(task + 1) for task in self.places)
         message = (
-            f"every worker that tried task number {shown} died, {FATAL_DEATHS} at least; a worker "
+            f"every worker that tried task number {shown} died, {RETRIES} at least; a worker "
             "dies without a message where memory runs out: give each more of it"
         )
         super().__init__(message)

@@ -14,14 +14,8 @@ from threading import Thread
 from typing import Any
 
 from faying.exceptions import CampaignError
-from faying.execution.executor import (
-    FATAL_DEATHS,
-    Function,
-    LostTasksError,
-    Prepare,
-    Results,
-    results_of,
-)
+from faying.execution.executor import Function, LostTasksError, Prepare, Results, results_of
+from faying.iterations import RETRIES
 from faying.linalg.threads import limit_threads
 
 # Spawned, not forked: a fork copies the locks of threads that do not exist in the copy.
@@ -68,9 +62,9 @@ class ProcessExecutor:
             workers.count = 1
             for task in suspects:
                 deaths = 1
-                while deaths < FATAL_DEATHS and (yield from tried([task], together=1)):
+                while deaths < RETRIES and (yield from tried([task], together=1)):
                     deaths += 1
-                lost += [task] * (deaths == FATAL_DEATHS)
+                lost += [task] * (deaths == RETRIES)
         if lost:
             raise LostTasksError(lost)
 
@@ -101,7 +95,7 @@ class _Workers:
     def _replace(self) -> None:
         """Give up a pool in which a process died; refuse to go on where none is ever ready."""
         self.unprepared = 0 if self.ready.is_set() else self.unprepared + 1
-        if self.unprepared == FATAL_DEATHS:
+        if self.unprepared == RETRIES:
             message = (
                 f"{self.unprepared} worker processes died before they were ready (often for lack "
                 "of memory: use fewer); a script must call this below "

@@ -27,7 +27,7 @@ from faying.simulation.integrators import ImplicitEuler, Integrator
 from faying.simulation.load import Load
 from faying.simulation.restart import Restart, kept_restart, restart_from
 from faying.simulation.solution import Solution
-from faying.simulation.stepping import transient_solver
+from faying.simulation.stepping import STEPS_AT_ONCE, transient_solver
 from faying.simulation.transient_windows import Steps, transient_windows
 
 SLACK = 2**20
@@ -79,8 +79,6 @@ def _allocate(handle: int, offset: int, n_bytes: int) -> None:
 
 
 FORMAT = "faying transient"
-STEPS_PER_WRITE = 2000
-"""Steps between two writes: 15 MB for a thousand contact points, a second of computing or less."""
 
 HISTORY = "a history that fy.stream_transient wrote"
 ANEW = "start anew without resume"
@@ -197,7 +195,7 @@ def stream_transient(
             solver,
             [load],
             duration=duration,
-            length=STEPS_PER_WRITE,
+            length=STEPS_AT_ONCE,
             restarts=None if restart is None else [restart],
             progress=progress,
         )

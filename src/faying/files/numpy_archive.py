@@ -17,9 +17,7 @@ from numpy.lib import format as npy
 from faying._typing import SparseMatrix
 from faying.exceptions import refuse_value
 from faying.files.contents import check_room
-
-_PIECE = 2**22
-"""Bytes of a dense matrix from which on it is read by so many at once."""
+from faying.linalg.pieces import PIECE_NUMBERS
 
 _HEADERS = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
 
@@ -59,7 +57,7 @@ def read_matrices(path: Path) -> dict[str, npt.NDArray[Any] | SparseMatrix]:
             with archive.open(member) as file:
                 shape, by_columns, kind = _header(file, member.filename)
                 name = member.filename.removesuffix(".npy")
-                if size > _PIECE and len(shape) == 2 and kind.kind in "fiub":
+                if math.prod(shape) > PIECE_NUMBERS and len(shape) == 2 and kind.kind in "fiub":
                     matrix = _by_rows(file, shape[::-1] if by_columns else shape, kind, path)
                     arrays[name] = matrix.T.tocsr() if by_columns else matrix
                     continue
@@ -74,7 +72,7 @@ def _by_rows(
 ) -> SparseMatrix:
     parts, entries = [], 0
     width = shape[1] * kind.itemsize
-    rows = max(_PIECE // width, 1)
+    rows = max(PIECE_NUMBERS // shape[1], 1)
     for first in range(0, shape[0], rows):
         count = min(rows, shape[0] - first)
         check_room(16 * entries + 3 * width * count, path)

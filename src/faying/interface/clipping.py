@@ -6,9 +6,7 @@ Sutherland & Hodgman, Reentrant polygon clipping, Commun. ACM 17 (1974) 32-42.
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
-
-_ROUNDING = 1e-13
-"""Distance from a line, over the extent of a polygon, that is none."""
+from faying.digits import ROUND_OFF
 
 
 def clip(subject: Matrix, window: Matrix) -> tuple[Matrix, Indices]:
@@ -43,7 +41,7 @@ def _half_plane(
     # Corners on the line belong to both sides of it; rounding must not decide, or a side along
     # the line would cross it several times.
     reach = np.abs(np.where(used[..., None], away, 0.0)).max(axis=(1, 2))
-    rounding = _ROUNDING * np.linalg.norm(along, axis=1) * reach
+    rounding = ROUND_OFF * np.linalg.norm(along, axis=1) * reach
     left = np.where(np.abs(left) <= rounding[:, None], 0.0, left)
     next_left = np.take_along_axis(left, following, axis=1)
     next_corner = np.take_along_axis(polygons, following[..., None], axis=1)

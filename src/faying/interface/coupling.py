@@ -17,19 +17,22 @@ from scipy.spatial import cKDTree
 from faying._typing import Frozen, Indices, Matrix, SparseMatrix, Vector, read_only
 from faying.digits import DECK_DIGITS, SOLVED
 from faying.interface.curved_surface import corner_normals, standing_off
-from faying.interface.facets import Rule, gauss_rule, reference_nodes, shape_functions, surface
+from faying.interface.facets import (
+    LARGEST_ORDER,
+    Rule,
+    gauss_rule,
+    reference_nodes,
+    shape_functions,
+    surface,
+)
 from faying.interface.segment_points import FacetPoints, on_side
 from faying.interface.segments import Segments
+from faying.linalg.pieces import pieces
 from faying.model.elements import FACES
 from faying.model.surface import Facets, facet_normals, rows_by_kind
 
 _RATIONAL_DEGREES = 8
 """Degrees more where a facet is no parallelogram: its shape functions are then no polynomials."""
-
-_LARGEST_DEGREE = 12
-
-_AT_ONCE = 200_000
-"""Quadrature points in memory at a time."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -231,8 +234,8 @@ def _integrals(nodes: Matrix, segments: Segments) -> Iterator[_Integrals]:
         if not len(rows):
             continue
         rule = gauss_rule("tri3", _degree(nodes, segments, (minus_kind, plus_kind), rows))
-        for part in np.array_split(rows, 1 + len(rows) * len(rule.weights) // _AT_ONCE):
-            yield _of_kinds(nodes, segments, (minus_kind, plus_kind), part, rule, normals)
+        for part in pieces(len(rows), len(rule.weights)):
+            yield _of_kinds(nodes, segments, (minus_kind, plus_kind), rows[part], rule, normals)
 
 
 def _degree(nodes: Matrix, segments: Segments, kinds: tuple[str, str], rows: Indices) -> int:
@@ -242,7 +245,7 @@ def _degree(nodes: Matrix, segments: Segments, kinds: tuple[str, str], rows: Ind
     affine = _affine(nodes, segments.minus, segments.minus_of[rows])
     if affine and _affine(nodes, segments.plus, segments.plus_of[rows]):
         return degree
-    return min(degree + _RATIONAL_DEGREES, _LARGEST_DEGREE)
+    return min(degree + _RATIONAL_DEGREES, LARGEST_ORDER)
 
 
 def _of_kinds(

@@ -15,7 +15,7 @@ from faying.model.elements import FACES
 
 # skfem holds triangle rules well beyond this; no interface needs more, and the limit gives the
 # message below instead of one from another package.
-_LARGEST_ORDER = 12
+LARGEST_ORDER = 12
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -89,10 +89,10 @@ def gauss_rule(kind: str, order: int | None = None) -> Rule:
     with straight sides and evenly spaced nodes.
     """
     chosen = FACES[kind].gauss_order if order is None else order
-    if not 1 <= chosen <= _LARGEST_ORDER:
+    if not 1 <= chosen <= LARGEST_ORDER:
         refuse_model(
             f"quadrature order {chosen} for {kind} facets; "
-            f"give a whole number from 1 to {_LARGEST_ORDER}"
+            f"give a whole number from 1 to {LARGEST_ORDER}"
         )
     points, weights = (
         _square_gauss(chosen) if FACES[kind].n_corners == 4 else _triangle_gauss(chosen)

@@ -11,17 +11,13 @@ from faying.exceptions import refuse_model
 from faying.interface.cells import Cells
 from faying.interface.clipping import areas
 from faying.interface.mismatch import LARGEST_COSINE
+from faying.interface.selection import DEFAULT_TOLERANCE
+from faying.linalg.pieces import PIECE_NUMBERS
 from faying.model.mesh import Mesh
 from faying.model.surface import Facets, facet_centres, facet_normals
 
-_AT_ONCE = 200_000
-"""Places on rays in memory at a time."""
-
 _MOST_PLACES = 100_000_000
 """Places on all rays: ten thousand facets that look through ten thousand layers of others."""
-
-_SAME_LAYER = 1e-2
-"""Difference in distance over the size of a facet from which one facet may hide another."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -97,7 +93,7 @@ def _along_rays(below: Cells, above: Cells, reach: Reach) -> Iterator[tuple[Indi
     # Corners of the box of the upper side that lie least and most far along each normal.
     first = np.einsum("nd,nd->n", np.where(normals > 0, low, high) - centres, normals)
     last = np.einsum("nd,nd->n", np.where(normals > 0, high, low) - centres, normals)
-    slack = below.arcs + above.arcs.max(initial=0.0) + radii * _SAME_LAYER
+    slack = below.arcs + above.arcs.max(initial=0.0) + radii * DEFAULT_TOLERANCE
     first = np.maximum(first, -reach.minus[below.parents]) - slack
     last = np.minimum(last, reach.gap) + slack
     for members, largest in _by_size(_radii(above)):
@@ -110,7 +106,7 @@ def _along_rays(below: Cells, above: Cells, reach: Reach) -> Iterator[tuple[Indi
                 "see each other; correct the coordinates, or give a search distance"
             )
         count = steps.astype(np.int64)
-        for rows in np.array_split(np.arange(len(count)), 1 + int(count.sum()) // _AT_ONCE):
+        for rows in np.array_split(np.arange(len(count)), 1 + int(count.sum()) // PIECE_NUMBERS):
             ray_rows, number = np.repeat(rows, count[rows]), _numbered(count[rows])
             step = (last[ray_rows] - first[ray_rows]) / count[ray_rows]
             places = (
@@ -158,13 +154,14 @@ def hidden(
     _, group, members = np.unique(owners, return_inverse=True, return_counts=True)
     nearest = np.full(len(members), np.inf)
     np.minimum.at(nearest, group, distances)
-    layer = _SAME_LAYER * sizes
+    # What is closer to the nearest than surfaces that touch hides nothing.
+    layer = DEFAULT_TOLERANCE * sizes
     farther = np.flatnonzero(distances > nearest[group] + layer)
     order = np.argsort(group, kind="stable")
     starts = np.cumsum(members) - members
     middle = polygons.sum(axis=1) / np.maximum(counts, 1)[:, None]
     n_pair = int(members[group[farther]].sum())
-    for part in np.array_split(farther, 1 + n_pair // _AT_ONCE):
+    for part in np.array_split(farther, 1 + n_pair // PIECE_NUMBERS):
         n_neighbours = members[group[part]]
         polygon = np.repeat(part, n_neighbours)
         neighbour = order[starts[group[polygon]] + _numbered(n_neighbours)]

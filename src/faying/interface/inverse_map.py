@@ -5,17 +5,13 @@ from collections.abc import Callable
 import numpy as np
 
 from faying._typing import Matrix
+from faying.digits import ROUND_OFF, SOLVED
 from faying.exceptions import ModelError
 from faying.interface.facets import shape_functions, shape_gradients
+from faying.iterations import MOST_STEPS
 from faying.model.elements import FACES
 
 _Position = Callable[[Matrix], tuple[Matrix, Matrix]]
-
-_MOST_STEPS = 25
-"""Newton steps; a parallelogram takes one, a distorted facet four or five."""
-
-_SMALLEST_STEP = 1e-13
-"""Step in reference coordinates that ends the iteration."""
 
 
 def reference_coordinates(kind: str, nodes: Matrix, points: Matrix) -> Matrix:
@@ -45,17 +41,16 @@ def reference_coordinates(kind: str, nodes: Matrix, points: Matrix) -> Matrix:
     position = _bilinear(nodes) if kind == "quad4" else _interpolated(kind, nodes)
     # Components first: arrays of pairs are slow to work on.
     targets, coordinates = (np.ascontiguousarray(np.moveaxis(a, 2, 0)) for a in (points, first))
-    for _ in range(_MOST_STEPS):
+    for _ in range(MOST_STEPS):
         reached, tangents = position(coordinates)
         with np.errstate(divide="ignore", invalid="ignore"):
             step = _solved(tangents, targets - reached)
         coordinates = coordinates + step
         if not np.isfinite(coordinates).all():
             break
-        if np.abs(step).max(initial=0.0) < _SMALLEST_STEP:
+        if np.abs(step).max(initial=0.0) < ROUND_OFF:
             return np.moveaxis(coordinates, 0, 2)
-    largest = 1e3 * _SMALLEST_STEP
-    if np.isfinite(coordinates).all() and np.abs(step).max() < largest:
+    if np.isfinite(coordinates).all() and np.abs(step).max() < SOLVED:
         return np.moveaxis(coordinates, 0, 2)
     row = int(np.nan_to_num(np.abs(step), nan=np.inf).max(axis=(0, 2)).argmax())
     message = (

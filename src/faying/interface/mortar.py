@@ -4,7 +4,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix
 from faying.contact.laws import Law
-from faying.digits import SOLVED
+from faying.digits import SHORT_DIGITS, SOLVED
 from faying.exceptions import naming, refuse_model
 from faying.interface.coupling import Coupling, couple
 from faying.interface.facets import area_vectors, reference_nodes
@@ -24,9 +24,6 @@ from faying.model.dofs import DofMap
 from faying.model.elements import FACES
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import Facets, facet_area_vectors, rows_by_kind
-
-_LARGEST_EXCESS = 1e-3
-"""Share of a facet covered beyond the whole that cannot be rounding."""
 
 
 def find_couplings(assembly: Assembly, spec: InterfaceSpec) -> dict[str, Coupling]:
@@ -79,7 +76,7 @@ def _by_body(segments: Segments, facets: Facets, side: Indices) -> list[Segments
 
 
 def _check_once(assembly: Assembly, spec: InterfaceSpec, segments: Segments) -> None:
-    twice = np.flatnonzero(segments.covered > 1 + _LARGEST_EXCESS)
+    twice = np.flatnonzero(segments.covered > 1 + SHORT_DIGITS)
     if twice.size:
         refuse_model(
             f"interface '{spec.name}': {twice.size} facets of the minus side are covered more than "

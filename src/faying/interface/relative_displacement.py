@@ -4,11 +4,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
-from faying.digits import DECK_DIGITS
+from faying.digits import DECK_DIGITS, SOLVED
 from faying.model.dofs import DofMap
-
-SMALLEST_TILT = 1e-10
-"""Part of a normal that is no axis of its own; coordinates of 16 digits leave 1e-13."""
 
 
 def relative_displacement(dofs: DofMap, pairs: Indices) -> SparseMatrix:
@@ -75,11 +72,9 @@ def axes_of(shape: SparseMatrix, normals: Matrix, *, tangential: bool = False) -
         lengths = np.linalg.norm(remainder, axis=1)
         longest = np.maximum.reduceat(lengths, first) if len(first) else lengths
         # The first of equals, so that the axes do not depend on round-off.
-        candidates_near = np.flatnonzero(
-            lengths >= np.repeat(longest, counts) * (1 - SMALLEST_TILT)
-        )
+        candidates_near = np.flatnonzero(lengths >= np.repeat(longest, counts) * (1 - SOLVED))
         chosen = candidates_near[np.searchsorted(candidates_near, first)]
-        length = np.where(longest > SMALLEST_TILT, longest, np.inf)
+        length = np.where(longest > SOLVED, longest, np.inf)
         axis = remainder[chosen] / length[:, None]
         # What round-off of a short rest leaves along the axes before is taken out once more.
         for axis_before in axes:

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from faying._typing import Frozen, Indices, Mask, Matrix, Vector
-from faying.digits import DECK_DIGITS
+from faying.digits import DECK_DIGITS, SOLVED
 from faying.interface.cells import Cells, divided
 from faying.interface.clipping import areas, clip, fans
 from faying.interface.hidden_facets import Reach, facing_cells, hidden
@@ -22,9 +22,6 @@ from faying.model.surface import Facets, facet_area_vectors, facet_centres, face
 
 COVERED_SHARE = 1 - 1e-5
 """Share of a minus facet from which it counts as wholly covered: digits of coordinates."""
-
-_SLIVER = 1e-10
-"""Area of a segment over that of its smaller facet, below which clipping has made it."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -133,7 +130,7 @@ def find_segments(
     polygons, counts = clip(flat_corners[lower_cell], window)
     common = areas(polygons, counts)
     smaller = np.minimum(size[lower_cell], np.abs(areas(window, np.full(len(window), 4))))
-    common_enough = common > _SLIVER * smaller
+    common_enough = common > SOLVED * smaller
     middle = polygons.sum(axis=1) / np.maximum(counts, 1)[:, None]
     points = centres[first] + np.einsum("na,nad->nd", middle, frames[first, :2])
     height = _height(points, frames[first, 2], below, lower_cell, above, upper_cell)
@@ -161,7 +158,7 @@ def find_segments(
         plus_of=second[common_enough][owners],
         covered=covered,
     )
-    return segments.touched(segments.areas > _SLIVER * full[segments.minus_of])
+    return segments.touched(segments.areas > SOLVED * full[segments.minus_of])
 
 
 def _hidden(

@@ -108,6 +108,9 @@ def _unknown(assembly: Assembly, name: str) -> str:
 DEFAULT_TOLERANCE = 0.01
 """Default tolerance as a fraction of the smallest facet edge."""
 
+WHOLE_AREA = 0.99
+"""Share of a declared area from which all of it is in contact or tied: facets follow curves."""
+
 
 def candidates(assembly: Assembly, spec: InterfaceSpec) -> tuple[Facets, Indices]:
     """Return the facets that may touch and the side of each; lower sides are minus."""

@@ -7,12 +7,8 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix
-from faying.digits import ROUND_OFF
+from faying.digits import DECK_DIGITS, ROUND_OFF
 from faying.exceptions import ModelError, refuse_model
-
-# Programs write ten digits or more and sum element matrices in varying order; a difference of
-# 1e-8 of the largest entry is beyond both and means an unsymmetric matrix.
-_SYMMETRY = 1e-8
 
 
 class RowLabel:
@@ -67,7 +63,8 @@ def symmetric_matrix(name: str, matrix: SparseMatrix, label: RowLabel) -> Sparse
         return matrix
     worst = int(np.abs(difference.data).argmax())
     size = abs(float(difference.data[worst]))
-    if size <= _SYMMETRY * largest:
+    # Programs sum element matrices in varying order, and write six digits or more.
+    if size <= DECK_DIGITS * largest:
         return sp.csr_array((matrix + matrix.T) * 0.5)
     row, column = sorted((int(difference.row[worst]), int(difference.col[worst])))
     if sp.triu(matrix, 1).nnz == 0 or sp.tril(matrix, -1).nnz == 0:
@@ -101,10 +98,6 @@ def check_mass(mass: SparseMatrix, label: RowLabel) -> None:
             )
 
 
-_ROUNDING = 1e-6
-"""Force of a rigid motion over the forces it is made of, below which it is none."""
-
-
 def turning_nodes(K: SparseMatrix, nodes: Indices, components: Indices) -> Indices:
     """Find nodes whose rows, labelled as translations, are rotations.
 
@@ -128,7 +121,7 @@ def turning_nodes(K: SparseMatrix, nodes: Indices, components: Indices) -> Indic
     free = translation & np.isin(nodes, suspects)
     if not free.any():
         return suspects[:0]
-    still = np.abs(_relaxed(K, rigid, free)) < _ROUNDING
+    still = np.abs(_relaxed(K, rigid, free)) < DECK_DIGITS
     is_still = np.take_along_axis(still, np.minimum(components, 2)[:, None], axis=1)[:, 0]
     moving = nodes[free & ~is_still]
     turning = np.setdiff1d(suspects, moving)
@@ -143,7 +136,7 @@ def turning_nodes(K: SparseMatrix, nodes: Indices, components: Indices) -> Indic
 def _resisted(K: SparseMatrix, motions: Matrix) -> Mask:
     """Tell where K resists motions (n, k) by more than round-off."""
     force, size = K @ motions, abs(K) @ np.abs(motions)
-    resisted: Mask = np.abs(force) > _ROUNDING * size
+    resisted: Mask = np.abs(force) > DECK_DIGITS * size
     return resisted
 
 

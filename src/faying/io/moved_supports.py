@@ -12,14 +12,11 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Matrix
+from faying.digits import DECK_DIGITS
 from faying.exceptions import refuse_model
 from faying.model.assembly import Assembly, Bush, Spring
 from faying.model.constraints import constrain
 from faying.model.matrices import assemble_matrices, used_components
-
-STIFFNESS_FACTOR = 1e6
-"""Spring over the stiffness of what is moved, all else held: the displacement is off by a millionth
-at most, and K loses no more than six digits."""
 
 Place = tuple[int, int]
 """Node and component 0..5."""
@@ -69,10 +66,10 @@ def with_moved_supports(
         return assembly, list(forces)
     # Where nothing is, there is nothing to be moved.
     places = [dof for dof, is_free in zip(moved, there.tolist(), strict=True) if is_free]
-    # No stiffer than along the softest of what moves with it.
+    # No stiffer than along the softest of what moves with it, all else held.
     stiffnesses = diagonal[rows.indices] / rows.data**2
     softest = np.minimum.reduceat(stiffnesses, rows.indptr[:-1][there])
-    stiffness = STIFFNESS_FACTOR * np.where(softest > 0, softest, diagonal.max())
+    stiffness = np.where(softest > 0, softest, diagonal.max()) / DECK_DIGITS
     amounts = stiffness * np.array([moved[dof] for dof in places]).T
     nodes = np.array([node for node, _ in places])
     for load, amount in zip(forces, amounts, strict=True):
@@ -107,6 +104,6 @@ def _direction(dof: Place, axes: Mapping[int, Matrix]) -> Matrix:
 def moved_note(count: int, cause: str, loads: str) -> str:
     """Return what to say of displacements other than zero, and which loads apply them."""
     return (
-        f"{count} displacements other than zero by {cause}: springs of {STIFFNESS_FACTOR:g} times "
+        f"{count} displacements other than zero by {cause}: springs of {1 / DECK_DIGITS:g} times "
         f"the stiffness there, moved by {loads} (deck_load) and at zero without them"
     )

@@ -8,6 +8,7 @@ import numpy as np
 
 from faying._typing import Indices, Vector
 from faying.io.matrix_labels import damaged
+from faying.linalg.pieces import PIECE_NUMBERS
 
 REAL, COMPLEX = (1, 2), (3, 4)
 """Types of matrices, single and double."""
@@ -18,9 +19,6 @@ UNCHECKED_ROWS = 1_000_000
 BIG_ROWS = 65536
 """Rows from which Nastran writes strings in the BIGMAT form even where it does not say so; in the
 other form row and length share an integer, row + 65536 (words + 1)."""
-
-CHUNK = 1 << 20
-"""Values fetched at once."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,11 +102,11 @@ def spread(starts: Indices, counts: Indices) -> Indices:
 
 
 def chunks(counts: Indices) -> Iterator[slice]:
-    """Divide strings so that each part holds about :data:`CHUNK` values."""
+    """Divide strings so that each part holds about so many numbers as a piece."""
     ends = np.cumsum(counts)
     start = 0
     while start < len(ends):
         done = int(ends[start - 1]) if start else 0
-        stop = max(int(np.searchsorted(ends, done + CHUNK)), start + 1)
+        stop = max(int(np.searchsorted(ends, done + PIECE_NUMBERS)), start + 1)
         yield slice(start, stop)
         start = stop

@@ -17,15 +17,12 @@ from faying.interface.projection import nearest_places
 from faying.interface.relative_displacement import tangents_of
 from faying.interface.segment_points import on_side
 from faying.interface.segments import Segments
-from faying.interface.selection import candidates, select_facets
+from faying.interface.selection import WHOLE_AREA, candidates, select_facets
 from faying.model.assembly import Assembly, Bush, Equation
 from faying.model.elements import FACES
 from faying.model.mesh import Mesh
 from faying.model.specs import InterfaceSpec
 from faying.model.surface import rows_by_kind
-
-MOST_OF_IT = 0.99
-"""Share of the smaller surface from which on all of it is tied."""
 
 
 def moving_together(
@@ -46,7 +43,7 @@ def moving_together(
     for spec in specs:
         tied, share = _tied_equations(assembly, spec, first + len(equations))
         equations += tied
-        if share < MOST_OF_IT:
+        if share < WHOLE_AREA:
             partial.append((spec.name, share))
     return equations, partial
 

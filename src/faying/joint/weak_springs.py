@@ -14,6 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix
+from faying.digits import SHORT_DIGITS
 from faying.exceptions import ModelError, refuse_model
 from faying.joint.diagnosis import REMEDY_BESIDE_SPRINGS, model_motions, unconstrained
 from faying.joint.model import Model
@@ -34,9 +35,6 @@ NOTHING_ELASTIC = (
     "stiff it is; give the stiffness of a spring [force/length] as a number, far below what "
     "contact and the rest of the structure resist with"
 )
-
-SMALLEST_MOTION = 0.01
-"""Nodes that move by more than this fraction of the largest free motion belong to a free body."""
 
 
 def with_weak_springs(model: Model, stiffness: float | Literal["auto"] = "auto") -> Model:
@@ -161,7 +159,8 @@ def _free_nodes(model: Model) -> Mask:
     if mechanisms.motions.size:
         nodal = np.moveaxis(model.dofs.nodal(mechanisms.motions.T), 0, -1)
         size = np.linalg.norm(nodal[:, :3], axis=(1, 2))
-    free: Mask = size > SMALLEST_MOTION * size.max(initial=0.0)
+    # What stands still in all motions belongs to no free body.
+    free: Mask = size > SHORT_DIGITS * size.max(initial=0.0)
     return free
 
 

@@ -10,7 +10,7 @@ from scipy.linalg import lapack
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.linalg.singular import MECHANISM, SingularMatrixError
-from faying.linalg.substitution import ROWS, dense
+from faying.linalg.substitution import BLOCK, dense
 
 
 @final
@@ -77,9 +77,9 @@ def inverse(
         message = "the matrix is not positive definite"
         raise la.LinAlgError(message)
     whole: npt.NDArray[Any] = invert(lower, lower=1, overwrite_c=1)[0].T
-    for row in range(0, len(whole), ROWS):
-        strip = slice(row, row + ROWS)
-        whole[row + ROWS :, strip] = whole[strip, row + ROWS :].T
+    for row in range(0, len(whole), BLOCK):
+        strip = slice(row, row + BLOCK)
+        whole[row + BLOCK :, strip] = whole[strip, row + BLOCK :].T
         corner = whole[strip, strip]
         whole[strip, strip] = np.triu(corner) + np.triu(corner, 1).T
     whole.setflags(write=False)

@@ -7,19 +7,17 @@ import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix
 
-COLUMN_BLOCK = 256
-"""Most right-hand sides solved at once; more gain nothing."""
+BLOCK = 256
+"""Rows or columns of a dense matrix at once: more right-hand sides gain nothing, and turned around
+more leave the processor's cache."""
 
 BLOCK_BYTES = 2**27
 """Most memory of one dense block of right-hand sides."""
 
-ROWS = 256
-"""Rows that are turned around at once, so that they stay in the processor's cache."""
-
 
 def column_blocks(n_row: int, n_column: int) -> list[slice]:
     """Split columns of length ``n_row`` into blocks worth solving at once."""
-    width = min(COLUMN_BLOCK, max(16, BLOCK_BYTES // (8 * max(n_row, 1))))
+    width = min(BLOCK, max(16, BLOCK_BYTES // (8 * max(n_row, 1))))
     return [slice(start, start + width) for start in range(0, n_column, width)]
 
 
@@ -40,8 +38,8 @@ def dense(columns: SparseMatrix | Matrix) -> Matrix:
 
 def symmetrized(matrix: Matrix) -> Matrix:
     """Return (A + Aᵀ)/2 in the place of A, an eighth of the time that ``A += A.T`` takes."""
-    for start in range(0, len(matrix), ROWS):
-        rows, columns = matrix[start : start + ROWS, start:], matrix[start:, start : start + ROWS]
+    for start in range(0, len(matrix), BLOCK):
+        rows, columns = matrix[start : start + BLOCK, start:], matrix[start:, start : start + BLOCK]
         mean = (rows + columns.T) * 0.5
         rows[:], columns[:] = mean, mean.T
     return matrix

@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.linalg.pieces import pieces
 from faying.model.assembly import Assembly, Beam
 from faying.model.elastic_law import isotropic_law, prevented
 from faying.model.elements import block_element
@@ -51,8 +52,6 @@ UNSEEN = (
     "tightened; divide the shank in three beams or more, of which the middle one does not expand"
 )
 _ALL_DIRECTIONS = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
-_AT_ONCE = 20_000
-"""Elements in memory at a time."""
 
 
 def expansion_forces(
@@ -84,8 +83,8 @@ def expansion_forces(
                 )
                 stress = prevented(law, (directions or {}).get(number, _ALL_DIRECTIONS))
                 rows = np.flatnonzero(block.properties == number)
-                for part in np.array_split(rows, len(rows) // _AT_ONCE + 1):
-                    cells = block.nodes[part]
+                for part in pieces(len(rows), (3 * element.n_nodes) ** 2):
+                    cells = block.nodes[rows[part]]
                     initial_strains, final_strains = (
                         material[cells] @ shapes.T for material in (initial, final)
                     )

@@ -24,9 +24,6 @@ from faying.model.couplings.rows import Rows, dof_name, stacked
 from faying.model.couplings.support import fixed_components, inclined_rows
 from faying.model.dofs import DofMap
 
-# Share of the largest coefficient of an equation that is rounding after others are put into it.
-_REPEATED = 1e-11
-
 
 def constrain(assembly: Assembly, used: Mask, *, keep: Indices | Sequence[int] = ()) -> DofMap:
     """Eliminate all couplings, equations and supports.
@@ -170,7 +167,8 @@ def _turned(
 def _without_rounding(matrix: SparseMatrix, size: Vector) -> SparseMatrix:
     """Drop what is rounding beside the size of each row: equations that repeat others vanish."""
     rows = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
-    matrix.data[np.abs(matrix.data) <= _REPEATED * size[rows]] = 0.0
+    # What is left of coefficients after others were put into their equation.
+    matrix.data[np.abs(matrix.data) <= SOLVED * size[rows]] = 0.0
     matrix.eliminate_zeros()
     return matrix
 

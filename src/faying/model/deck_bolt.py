@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector, read_only
-from faying.digits import SOLVED
+from faying.digits import DECK_DIGITS, SOLVED
 from faying.exceptions import ModelError, refuse_model
 from faying.model.assembly import Assembly, Beam, Spring
 from faying.model.elements.beam import beam_frames, beam_matrices
@@ -18,10 +18,6 @@ from faying.model.specs import BoltSpec
 CUT_STIFFNESS = 1e4
 """Stiffness of the spring that closes a cut over E A / h of the layer of elements beside it: one
 part in ten thousand of one layer is added to the bolt's compliance, K loses four digits at most."""
-
-UNLOCKED_STIFFNESS = 1e-6
-"""Axial stiffness left of a bolt that pulls with a given force: its force changes by a millionth of
-what it would if it were locked, and K loses six digits at most."""
 
 
 def bolt_axis_element(assembly: Assembly, spec: BoltSpec) -> Beam | Spring:
@@ -52,19 +48,20 @@ def axial_stiffness(assembly: Assembly, element: Beam | Spring) -> float:
 def with_unlocked_bolts(assembly: Assembly, specs: Sequence[BoltSpec]) -> Assembly:
     """Let bolts pull with their initial force whatever their length: hardly any stiffness is left.
 
-    What is left holds a part that nothing but the bolt and contact hold.
+    Their force changes by a millionth of what it would if they were locked. What is left holds a
+    part that nothing but the bolt and contact hold.
     """
     ids = {bolt_axis_element(assembly, spec).id for spec in specs}
     return replace(
         assembly,
         beams=tuple(
-            replace(beam, section=replace(beam.section, axial_factor=UNLOCKED_STIFFNESS))
+            replace(beam, section=replace(beam.section, axial_factor=DECK_DIGITS))
             if beam.id in ids
             else beam
             for beam in assembly.beams
         ),
         springs=tuple(
-            replace(spring, stiffness=spring.stiffness * UNLOCKED_STIFFNESS / CUT_STIFFNESS)
+            replace(spring, stiffness=spring.stiffness * DECK_DIGITS / CUT_STIFFNESS)
             if spring.id in ids
             else spring
             for spring in assembly.springs

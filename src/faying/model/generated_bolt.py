@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
+from faying.digits import SHORT_DIGITS
 from faying.exceptions import refuse_model
 from faying.model.assembly import (
     Assembly,
@@ -28,8 +29,6 @@ __all__ = ["add_bolt", "bolt_axis_element", "bolt_section"]
 # are not.
 _SMALLEST_COSINE = 0.9
 _LARGEST_OFFSET = 0.2
-# A seat of another body (the next sheet of a thin stack) is farther away than rounding.
-_SAME_PLANE = 1e-3
 
 
 def add_bolt(assembly: Assembly, spec: BoltSpec) -> Assembly:
@@ -183,7 +182,8 @@ def _seat(mesh: Mesh, spec: BoltSpec, cosines: Vector, end: Vector, outward: Vec
     nodes, offset = nodes[under], offset[under]
     closest = np.full(labels.max() + 1, np.inf)
     np.minimum.at(closest, labels[nodes], offset)
-    closest_plane: Mask = closest <= closest.min() + _SAME_PLANE * radius
+    # A seat of another body, as the next sheet of a thin stack, is farther away than rounding.
+    closest_plane: Mask = closest <= closest.min() + SHORT_DIGITS * radius
     return nodes[closest_plane[labels[nodes]]]
 
 

@@ -1,6 +1,6 @@
 """Mass, damping and stiffness of an assembly on all 6 n_node degrees of freedom."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +8,7 @@ import scipy.sparse as sp
 
 from faying._typing import Frozen, Indices, Mask, Matrix, SparseMatrix, Vector, read_only
 from faying.exceptions import refuse_model
+from faying.linalg.pieces import pieces
 from faying.model.assembly import Assembly, Material, MatrixBlock
 from faying.model.cells import CellBlock
 from faying.model.elastic_law import isotropic_law, tensor
@@ -18,9 +19,6 @@ from faying.model.elements.geometry import check_shapes
 from faying.model.elements.stiffness import mass_coefficients, stiffness_blocks
 from faying.model.shell_matrices import NodePairs, shell_matrices
 from faying.model.solid_cells import check_nodes, mass_moments, materials_of
-
-# Numbers in one temporary array of a batch: small enough for the processor's cache.
-_BATCH_NUMBERS = 2**18
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -97,7 +95,7 @@ def mass_times(assembly: Assembly, motion: Matrix) -> Matrix:
         check_nodes(block, element, len(motion))
         materials, which = materials_of(assembly, block)
         density = np.array([m.density for m in materials])[which]
-        for part in _batches(len(block.ids), 3 * element.n_nodes):
+        for part in pieces(len(block.ids), (3 * element.n_nodes) ** 2):
             cells = block.nodes[part]
             coordinates = assembly.mesh.nodes[cells]
             check_shapes(element, coordinates, block.ids[part])
@@ -186,7 +184,7 @@ def solid_matrices(assembly: Assembly, block: CellBlock) -> tuple[SparseMatrix, 
     pattern = NodePairs.of(block.nodes, n_node)
     stiffness = np.zeros((pattern.n_pairs, 9))
     mass = np.zeros((pattern.n_pairs, 1))
-    for part in _batches(len(block.ids), 3 * element.n_nodes):
+    for part in pieces(len(block.ids), (3 * element.n_nodes) ** 2):
         coordinates = assembly.mesh.nodes[block.nodes[part]]
         check_shapes(element, coordinates, block.ids[part])
         laws = None if tensors is None else tensors[which[part]]
@@ -208,11 +206,6 @@ def _tensors(materials: Sequence[Material]) -> Matrix | None:
         for material in materials
     ]
     return np.stack([tensor(law) for law in laws])
-
-
-def _batches(n_cell: int, n_dof: int) -> Iterator[slice]:
-    size = max(1, _BATCH_NUMBERS // n_dof**2)
-    return (slice(start, min(start + size, n_cell)) for start in range(0, n_cell, size))
 
 
 def _discrete_matrices(assembly: Assembly) -> tuple[SparseMatrix, SparseMatrix]:

@@ -8,6 +8,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
+from faying.digits import ROUND_OFF, SOLVED
 from faying.linalg.factorization import MECHANISM
 from faying.model.assembly import Assembly
 from faying.model.dofs import DofMap
@@ -16,15 +17,6 @@ from faying.model.shells import ShellBlock
 
 MOST_UNKNOWNS = 2000
 """Unknowns of the dense eigenvalue problem above which it costs more than a minute."""
-
-SMALLEST_RESISTANCE = 1e-11
-"""Force against a rigid motion over those of all entries of its row; rounding leaves 1e-15.
-
-A grounded spring at one node resists by its stiffness over that of the elements there."""
-
-# Size of a rigid motion of a body, relative to its largest, below which its free nodes do not
-# show it: they lie on one line, say.
-_SMALLEST_MOTION = 1e-8
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -92,10 +84,11 @@ def whole_motions(points: Matrix, free: Indices, K: SparseMatrix) -> Matrix:
     _, size, ways = np.linalg.svd(np.linalg.qr(resisted, mode="r"))
     size = np.append(size, np.zeros(6))[:6]
     # Motions that are none, as turns about a line of nodes, meet no resistance either.
-    whole = motions @ ways[size < SMALLEST_RESISTANCE].T
+    # A grounded spring at one node resists by its stiffness over that of the elements there.
+    whole = motions @ ways[size < ROUND_OFF].T
     left, seen, _ = np.linalg.svd(whole, full_matrices=False)
     # Where all are, round-off is left of them: what counts is seen over motions of the structure.
-    distinct: Matrix = left[:, seen > _SMALLEST_MOTION * np.linalg.norm(motions)]
+    distinct: Matrix = left[:, seen > SOLVED * np.linalg.norm(motions)]
     return distinct
 
 
@@ -191,7 +184,8 @@ def _independent(points: Matrix, components: Indices) -> Matrix:
     left, size, _ = np.linalg.svd(
         motions / np.where(lengths > 0, lengths, 1.0), full_matrices=False
     )
-    independent: Matrix = left[:, size > _SMALLEST_MOTION * size[0]]
+    # Turns about a line that all nodes lie on are none.
+    independent: Matrix = left[:, size > SOLVED * size[0]]
     return independent
 
 

@@ -15,6 +15,7 @@ import scipy.sparse as sp
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector
 from faying.exceptions import check_known, refuse_model
+from faying.linalg.pieces import pieces
 from faying.model.assembly import Assembly
 from faying.model.elements.curved_shell import (
     CURVED_SHELLS,
@@ -147,9 +148,6 @@ def panel_matrices(local: Matrix, laws: ElementLaws, ids: Indices) -> tuple[Matr
 PANEL = "panel4"
 """A shear panel, the one kind without membrane or bending stiffness."""
 
-# Shells in one batch: their temporary arrays hold some thousand numbers each.
-_BATCH = 512
-
 
 def shell_matrices(assembly: Assembly, block: ShellBlock) -> tuple[SparseMatrix, SparseMatrix]:
     """Return mass and stiffness (6 n_node, 6 n_node) of a block of shells.
@@ -167,7 +165,7 @@ def shell_matrices(assembly: Assembly, block: ShellBlock) -> tuple[SparseMatrix,
     integrate = _integrator(block)
     pattern = NodePairs.of(block.nodes, len(assembly.mesh.nodes))
     M, K = np.zeros((pattern.n_pairs, 36)), np.zeros((pattern.n_pairs, 36))
-    for part in _batches(block):
+    for part in pieces(len(block.ids), (6 * block.nodes.shape[1]) ** 2):
         mass, stiffness = integrate(assembly, block, part)
         pattern.add(M, part, mass.reshape(-1, 36))
         pattern.add(K, part, stiffness.reshape(-1, 36))
@@ -178,16 +176,11 @@ def shell_stiffness(
     assembly: Assembly, block: ShellBlock
 ) -> Iterator[tuple[slice, Matrix, Matrix]]:
     """Yield shells, places (n, n_node, 3) of their surface and stiffness (n, node, node, 6, 6)."""
-    for part in _batches(block):
+    for part in pieces(len(block.ids), (6 * block.nodes.shape[1]) ** 2):
         places = assembly.mesh.nodes[block.nodes[part]]
         if block.kind in CURVED_SHELLS:
             places = places + block.offsets[part, None, None] * directors(block.kind, places)
         yield part, places, _integrator(block)(assembly, block, part)[1]
-
-
-def _batches(block: ShellBlock) -> Iterator[slice]:
-    for start in range(0, len(block.ids), _BATCH):
-        yield slice(start, min(start + _BATCH, len(block.ids)))
 
 
 def _integrator(

@@ -1,16 +1,14 @@
 """Cells of solids without their matrices: what is checked of them, and their rigid-body mass."""
 
-from collections.abc import Iterator
-
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import refuse_model
+from faying.linalg.pieces import pieces
 from faying.model.assembly import Assembly, Material
 from faying.model.cells import CellBlock
 from faying.model.elements import SolidElement, block_element
 from faying.model.elements.geometry import check_shapes, inverted_corners, volume_factors
-from faying.model.elements.orientation import BATCH
 from faying.model.elements.solid_element import mass_tables
 from faying.model.surface import unique_rows
 
@@ -50,7 +48,7 @@ def check_cells(assembly: Assembly) -> None:
         element = block_element(block, assembly.element)
         check_nodes(block, element, len(assembly.mesh.nodes))
         materials_of(assembly, block)
-        for part in _batches(len(block.ids)):
+        for part in pieces(len(block.ids), 9 * element.n_nodes):
             check_shapes(element, assembly.mesh.nodes[block.nodes[part]], block.ids[part])
     _check_once(assembly)
 
@@ -60,7 +58,7 @@ def tangled(assembly: Assembly) -> str:
     ids: list[int] = []
     for block in assembly.mesh.blocks:
         element = block_element(block, assembly.element)
-        for part in _batches(len(block.ids)):
+        for part in pieces(len(block.ids), 9 * element.n_nodes):
             inverted = inverted_corners(element, assembly.mesh.nodes[block.nodes[part]])
             ids += block.ids[part][inverted].tolist()
     named = ", ".join(map(str, ids[:8])) + (", …" if len(ids) > 8 else "")
@@ -105,7 +103,7 @@ def mass_moments(assembly: Assembly, origin: Vector) -> tuple[float, Vector, Mat
         density = np.array([m.density for m in materials])[which]
         values, gradients = mass_tables(element)
         weights = element.mass_quadrature().weights
-        for part in _batches(len(block.ids)):
+        for part in pieces(len(block.ids), 9 * element.n_nodes):
             coordinates = assembly.mesh.nodes[block.nodes[part]] - origin
             masses = weights[:, None] * volume_factors(gradients, coordinates) * density[part]
             points = np.ones((4, *masses.shape))
@@ -114,7 +112,3 @@ def mass_moments(assembly: Assembly, origin: Vector) -> tuple[float, Vector, Mat
             flat = points.reshape(4, -1)
             moments += (flat * masses.ravel()) @ flat.T
     return float(moments[0, 0]), moments[0, 1:], moments[1:, 1:]
-
-
-def _batches(n_cell: int) -> Iterator[slice]:
-    return (slice(start, start + BATCH) for start in range(0, n_cell, BATCH))

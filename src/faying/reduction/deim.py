@@ -19,11 +19,9 @@ import scipy.linalg as la
 
 from faying._typing import Frozen, Indices, Mask, Matrix, Vector
 from faying.exceptions import ConvergenceError, refuse_model
+from faying.iterations import MOST_STEPS
 from faying.reduction.contact_reduction import AnyModel, ReducedContact, with_static_contact
 from faying.reduction.pod import pod
-
-MOST_EXCHANGES = 100
-"""Exchanges of the points in contact before the sampled problem is given up."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -132,7 +130,7 @@ def with_deim(system: AnyModel, sampling: Deim) -> AnyModel:
 
 def _exchange(matrix: Matrix, gap: Vector, closed: Mask) -> tuple[Vector, int]:
     """Semismooth Newton for λ ≥ 0, matrix λ + gap ≥ 0, complementary."""
-    for iteration in range(1, MOST_EXCHANGES + 1):
+    for iteration in range(1, MOST_STEPS + 1):
         index = np.flatnonzero(closed)
         forces = np.zeros_like(gap)
         if len(index):

@@ -19,14 +19,10 @@ from scipy.optimize import nnls
 
 from faying._typing import Indices, Mask, Matrix, Vector, frozen
 from faying.contact.dense_points import contact_problem
+from faying.digits import SOLVED
 from faying.exceptions import refuse_model
+from faying.iterations import MOST_STEPS
 from faying.reduction.contact_reduction import AnyModel, ReducedContact, with_static_contact
-
-LARGEST_REMAINDER = 1e-10
-"""Part of a snapshot outside the cone below which it is round-off of the projection."""
-
-MOST_SWEEPS = 200
-"""Alternating sweeps of the nonnegative factorization; its residual changes little after."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -128,7 +124,7 @@ def cone_projected_greedy(contact_forces: Matrix, *, count: int) -> ForceBasis:
     while queue and len(picked) < count:
         bound, column, measured = heapq.heappop(queue)
         if measured == len(picked):
-            if -bound <= LARGEST_REMAINDER:
+            if -bound <= SOLVED:
                 break
             picked.append(column)
             continue
@@ -154,7 +150,7 @@ def nonnegative_factors(contact_forces: Matrix, *, count: int) -> ForceBasis:
     W = cone_projected_greedy(contact_forces, count=count).vectors.copy()
     W /= np.linalg.norm(W, axis=0)
     weights = np.maximum(np.linalg.lstsq(W, Y, rcond=None)[0], 0.0)
-    for _ in range(MOST_SWEEPS):
+    for _ in range(MOST_STEPS):
         weights = _sweep(weights.T, W.T @ W, Y.T @ W).T
         W = _sweep(W, weights @ weights.T, Y @ weights.T)
     return ForceBasis(vectors=W[:, W.any(axis=0)])

@@ -9,6 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from faying.digits import DECK_DIGITS
 from faying.exceptions import ConvergenceError
 from faying.joint.model import Model
 from faying.joint.structure import Structure
@@ -16,12 +17,6 @@ from faying.linalg.backends import count_negative
 from faying.linalg.memory import NotEnoughMemoryError
 from faying.linalg.singular import InertiaError
 from faying.reduction.normal_modes import NormalModes
-
-SMALLEST_GAP = 1e-6
-"""Relative distance of two frequencies from which on they count as apart.
-
-Round-off moves them by 1e-10 on meshes of 50 000 degrees of freedom.
-"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,7 +93,8 @@ def _last_gap(frequencies: list[float]) -> tuple[int, float] | None:
     """Return how many frequencies lie below the last gap between them, and its middle."""
     gaps = list(enumerate(pairwise(frequencies), start=1))
     for below, (lower, upper) in reversed(gaps):
-        if upper > lower * (1 + SMALLEST_GAP):
+        # Round-off moves frequencies by 1e-10 on meshes of 50 000 degrees of freedom.
+        if upper > lower * (1 + DECK_DIGITS):
             return below, (lower + upper) / 2 if np.isfinite(upper) else 1.1 * lower
     return None
 

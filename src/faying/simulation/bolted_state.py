@@ -9,11 +9,9 @@ from faying._typing import Indices, Mask, Matrix, Vector
 from faying.contact.increment import Increment
 from faying.digits import SOLVED
 from faying.exceptions import ConvergenceError
+from faying.iterations import MOST_TRIALS
 from faying.joint.system import Joint
 from faying.simulation.bolts_by_force import BoltsByForce, forces_of_bolts
-
-MOST_TRIALS = 30
-"""Sets of loose bolts that are tried for a turn; usually one or two."""
 
 
 @final

@@ -16,6 +16,7 @@ from faying.contact.glued_pairs import GluedPairs
 from faying.contact.point_springs import padded_rows
 from faying.contact.state import ContactState
 from faying.contact.yielding import YieldingContact
+from faying.iterations import RETRIES
 from faying.joint.system import System
 from faying.linalg.budget import pairs_fit
 from faying.linalg.factorization import Factorization
@@ -30,14 +31,8 @@ A new E takes n³ operations for n pairs, k changed points k³. Of 0.35 to 0.65,
 took least with 0.5, of 442 with 0.35 (15 % less), and of 148 with any.
 """
 
-MOST_RENEWALS = 3
-"""New E of one step."""
-
 MOST_SETS = 4
 """Sets of points whose E is at hand: those that transients from one state begin with."""
-
-MOST_FAILURES = 3
-"""Steps in a row that the loop could not do, after which it is not tried again."""
 
 LOOP = "faying.simulation.compiled_steps"
 
@@ -105,7 +100,7 @@ class CompiledSteps:
         loop: Any = import_loop()
         guess, closed = state.active.copy(), state.supported
         done, renewals = 0, 0
-        while done < len(applied) and renewals <= MOST_RENEWALS:
+        while done < len(applied) and renewals <= RETRIES:
             if done or closed is None or not self._near(closed, guess):
                 closed = guess.copy()
             instants = slice(first + done, first + len(applied))

@@ -19,15 +19,13 @@ import numba
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
+from faying.iterations import RETRIES
 
 MOST_SYSTEMS = 20
 """Linear systems after which exchanges of all wrong points are taken to lead nowhere."""
 
 LOOSE, ROUND_OFF = 1e-11, 1e-13
 """Wrong gaps over the largest free one that do not count, before forces are corrected and after."""
-
-MOST_CORRECTIONS = 3
-"""Of the forces; one is usual."""
 
 CLOSED = 1e-11
 """Force that an unclosed gap stands for, over the largest one, up to which a step is solved."""
@@ -251,7 +249,7 @@ def advance(
             if not settled:
                 continue
             left, exact = 1.0, False
-            for _ in range(MOST_CORRECTIONS):
+            for _ in range(RETRIES):
                 share_out(columns, values, forces, pairs)
                 np.dot(S, pairs, moved)
                 interpolate(columns, values, moved, slack)

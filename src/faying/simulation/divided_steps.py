@@ -17,15 +17,13 @@ from faying.joint.system import System
 from faying.simulation.instants import check_times
 from faying.simulation.integrators import ImplicitEuler, Integrator
 from faying.simulation.load import Load
+from faying.simulation.path_steps import MOST_DIVISIONS
 from faying.simulation.restart import Restart
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import joined, some_states
 from faying.simulation.start import begun
 from faying.simulation.stepping import TransientSolver
 from faying.simulation.transient_windows import transient_windows
-
-MOST_HALVINGS = 6
-"""Halvings of an interval at most: 64 steps between two instants."""
 
 SAFETY = 5.0
 """Error of a first-order transient over the sum of changes that halving its steps makes, at most.
@@ -35,13 +33,6 @@ neither length of step shows motions faster than both. The error was up to 4.2 t
 hub pressed on a shaft, and 2.1 on two lap joints and a flange; on a tee and a bracket that did not
 serve to find the factor 1.4 and 1.7. Schemes of second order, at most 0.7, take half the factor.
 """
-
-EASY_ERROR = 4.0
-"""Error over what is allowed below which the next interval takes half as many steps.
-
-Half the steps make the error of a scheme of second order four times as large.
-"""
-
 
 Tried = tuple[Solution, Restart]
 """An interval in some number of steps, and where the motion stands then."""
@@ -97,7 +88,7 @@ class DividedSteps:
 
     def begun(self, loads: Sequence[Load], starts: Sequence[Solution]) -> list[Restart]:
         """Return where responses stand that start from static solutions."""
-        finest = self.step / 2**MOST_HALVINGS
+        finest = self.step / 2**MOST_DIVISIONS
         return [
             replace(restart, peak=float(start.pressure.max(initial=0.0)))
             for restart, start in zip(
@@ -155,11 +146,11 @@ class DividedSteps:
         tried = {n: self._offered(load, restart, n) for n in (level - 1, level)}
         while (
             error := self._error(tried, level, restart.peak)
-        ) > allowed and level < MOST_HALVINGS:
+        ) > allowed and level < MOST_DIVISIONS:
             level += 1
             tried[level] = self._offered(load, restart, level)
         interval, end = tried[level] or self._tried(load, restart, level)
-        eased = level > 1 and EASY_ERROR * error <= allowed
+        eased = level > 1 and 2**self.scheme.order * error <= allowed
         level_after = level - 1 if eased else level
         ended = replace(end, level=level_after, peak=_peak(restart.peak, interval))
         return _ended(interval, level, error), ended
@@ -207,7 +198,7 @@ def divided_steps(
     scheme = ImplicitEuler() if integrator is None else integrator
     lengths = (
         TransientSolver(system=system, scheme=scheme, step=step / 2**level)
-        for level in range(MOST_HALVINGS + 1)
+        for level in range(MOST_DIVISIONS + 1)
     )
     return DividedSteps(
         system=system, scheme=scheme, step=step, tolerance=tolerance, lengths=tuple(lengths)

@@ -10,6 +10,7 @@ import scipy.sparse.linalg as spla
 
 from faying._typing import Mask, SparseMatrix, Vector
 from faying.exceptions import ConvergenceError
+from faying.iterations import MOST_STEPS
 from faying.joint.model import Model
 from faying.joint.system import input_forces
 from faying.linalg.factorization import SingularMatrixError, factorize
@@ -17,9 +18,6 @@ from faying.linalg.relief import balanced
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
 from faying.simulation.static import AT_REST
-
-MOST_ITERATIONS = 100
-"""Newton iterations; 5 to 20 are usual."""
 
 
 def solve_static_newton(model: Model, load: Load = AT_REST) -> Solution:
@@ -82,7 +80,7 @@ def _penalty(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
 
     u = factorize(model.structure.supported_stiffness).solve(external)
     level = energy(u)
-    for iteration in range(1, MOST_ITERATIONS):
+    for iteration in range(1, MOST_STEPS):
         active = contact.initial_gap + G @ u < 0
         target = _penalty_step(model, G, stiffness, active, external)
         settled = np.array_equal(contact.initial_gap + G @ target < 0, active)
@@ -93,7 +91,7 @@ def _penalty(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
         while (trial := energy(u + fraction * (target - u))) > level and fraction > 1e-6:
             fraction /= 2
         u, level = u + fraction * (target - u), trial
-    raise ConvergenceError(_unsettled(MOST_ITERATIONS))
+    raise ConvergenceError(_unsettled(MOST_STEPS))
 
 
 def _penalty_step(
@@ -113,7 +111,7 @@ def _hard(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
     K, flexibility = model.structure.supported_stiffness, contact.flexibility
     scale = float(K.diagonal().mean())  # brings the gap rows to the size of K
     active = contact.initial_gap + G @ factorize(K).solve(external) < 0
-    for iteration in range(1, MOST_ITERATIONS):
+    for iteration in range(1, MOST_STEPS):
         closed = scale * G[active]
         corner = sp.diags_array(-(scale**2) * flexibility[active])
         saddle = sp.block_array([[K, -closed.T], [-closed, corner]]).tocsc()
@@ -131,7 +129,7 @@ def _hard(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
         if np.array_equal(following, active):
             return u, forces, iteration
         active = following
-    raise ConvergenceError(_unsettled(MOST_ITERATIONS))
+    raise ConvergenceError(_unsettled(MOST_STEPS))
 
 
 def _undetermined(closed: int) -> str:

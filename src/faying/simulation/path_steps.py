@@ -13,7 +13,7 @@ from faying.exceptions import ConvergenceError
 from faying.linalg.threads import threads_for
 
 MOST_DIVISIONS = 6
-"""Times an increment is halved before its path is given up."""
+"""Times an increment, an interval or a step of Newton's method is halved: 64 parts of it."""
 
 TURNED = 1e-3
 """Part of the last step that an increment begins back of where it ended, as its load turns.

@@ -16,18 +16,14 @@ import scipy.linalg as la
 
 from faying._typing import Indices, Matrix, Vector
 from faying.exceptions import ConvergenceError
+from faying.iterations import MOST_TRIALS
 from faying.simulation.local_path import OffSprings
+from faying.simulation.path_steps import MOST_DIVISIONS
 from faying.simulation.periodic import PERIODS, Derivatives, Motion, PeriodicProblem
 
 ROUND_OFF, SOLVED = 1e-10, 1e-6
 """Next step of Newton's method over the unknowns at which a motion is solved, and at which it is
 accepted where round-off allows no less."""
-
-MOST_STEPS = 25
-"""Steps of Newton's method; 3 to 8 are usual."""
-
-LEAST_PART = 1 / 64
-"""Part of a step of Newton's method below which it is given up."""
 
 FAST_CONVERGENCE = 0.03
 """What a step may leave of the next one, over itself, for derivatives to serve once more: they take
@@ -120,7 +116,7 @@ def solve_motion(
         right = -np.append(problem.residual(reached), 0.0)
         return np.asarray(la.lu_solve(factors, right, check_finite=False))
 
-    for _ in range(MOST_STEPS):
+    for _ in range(MOST_TRIALS):
         change = step(motion)
         far, size = float(np.linalg.norm(change[:-1])), float(np.linalg.norm(x[:-1]))
         error = far / max(size, np.finfo(float).tiny)
@@ -128,7 +124,7 @@ def solve_motion(
             break
         point = CurvePoint(problem=problem, motion=motion, derivatives=derivatives, error=error)
         part, left, ends = LARGEST_STEP / max(error, LARGEST_STEP), np.inf, error <= ROUND_OFF
-        while not ends and part >= LEAST_PART:
+        while not ends and part >= 0.5**MOST_DIVISIONS:
             trial = x + part * change
             if trial[-1] > 0:
                 guess = problem.begun(motion, part * change, derivatives)
@@ -144,7 +140,7 @@ def solve_motion(
             if not len(_leaving(problem, x, guess)):
                 return point
             watching, rows, moved = _followed(problem, x, [guess])
-        elif part < LEAST_PART:
+        elif part < 0.5**MOST_DIVISIONS:
             break
         x, motion, problem, derivatives = trial, moved, watching, derivatives.at(rows)
         # Where round-off allows no less, other derivatives change nothing.

@@ -7,15 +7,10 @@ from typing import Any
 import numpy as np
 
 from faying._typing import Indices, Vector
+from faying.digits import DECK_DIGITS
 from faying.exceptions import ModelError
 from faying.joint.system import System, input_slices
 from faying.simulation.solution import Solution
-
-SAME_PLACE = 1e-6
-"""Distance of contact points over the extent of their interface, up to which they are the same.
-
-Points of another mesh are parts of an element apart; saved models repeat theirs to the bit.
-"""
 
 OF_EACH_STATE = (
     "states",
@@ -69,7 +64,8 @@ def check_points(system: System, state: Solution) -> None:
             if system.contact is state.system.contact:
                 continue
             mine, other = (joint.interfaces[name].points for joint in (system, state.system))
-            reach = SAME_PLACE * float(np.ptp(mine, axis=0).max(initial=0.0))
+            # Points of another mesh are parts of an element apart; saved models repeat theirs.
+            reach = DECK_DIGITS * float(np.ptp(mine, axis=0).max(initial=0.0))
             if mine is other or (np.abs(mine - other) <= reach).all():
                 continue
         message = (

@@ -11,16 +11,11 @@ from faying._typing import Matrix, SparseMatrix
 from faying.contact.condensed import CondensedContact, structure_between
 from faying.contact.state import ContactState
 from faying.exceptions import ConvergenceError
+from faying.iterations import RETRIES
 from faying.joint.system import System, input_forces
 from faying.linalg.factorization import Factorization, factorize
 from faying.linalg.threads import threads_for
-from faying.simulation.compiled import (
-    MOST_FAILURES,
-    CompiledSteps,
-    compiled_steps,
-    stacked,
-    unstacked,
-)
+from faying.simulation.compiled import CompiledSteps, compiled_steps, stacked, unstacked
 from faying.simulation.energy_guard import EnergyGuard
 from faying.simulation.instants import Instants, check_times, require_history_room
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
@@ -36,8 +31,9 @@ from faying.simulation.transient_windows import transient_windows
 SIDE_BY_SIDE = 16
 """Cases advanced together; more gain nothing more and spread over more memory."""
 
-AT_ONCE = 2000
-"""Steps of the compiled loop between two looks at progress and the keyboard: a second at most."""
+STEPS_AT_ONCE = 2000
+"""Steps between two looks at progress and the keyboard, and two writes of a stream: a second of
+computing at most, and 15 MB of a thousand contact points."""
 
 
 def transient_solver(
@@ -278,8 +274,8 @@ class TransientSolver:
         motion, state = stacked(here.motion), here.contact
         n, failures = 0, 0
         while n < len(external):
-            chunk, done = external[n : n + AT_ONCE], 0
-            if failures < MOST_FAILURES:
+            chunk, done = external[n : n + STEPS_AT_ONCE], 0
+            if failures < RETRIES:
                 done, state = compiled.advance(motion, state, chunk, history, first + n)
             failures = 0 if done else failures + 1
             if done < len(chunk):

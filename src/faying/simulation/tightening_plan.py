@@ -15,6 +15,7 @@ import numpy as np
 
 from faying._typing import Frozen, Indices, Matrix, Vector
 from faying.exceptions import ConvergenceError, ModelError
+from faying.iterations import MOST_TRIALS
 from faying.joint.smooth_joint import smooth_joint
 from faying.joint.system import Joint, initial_bolt_forces
 from faying.simulation.bolted_state import BoltedState, bolted_state
@@ -22,13 +23,8 @@ from faying.simulation.bolts_by_force import BoltsByForce
 from faying.simulation.tightening import checked_bolts
 
 TARGET_TOLERANCE = 1e-4
-"""Deviation of a bolt force from its target, over it, at which a plan with friction is enough."""
-
-MOST_SEQUENCES = 12
-"""Times that the sequence is followed; with friction 2 to 4 are usual."""
-
-TARGET_CHANGE = 1e-3
-"""Change of a target, over it, that tells how initial forces follow."""
+"""Deviation of a bolt force from its target, over it, at which a plan with friction is enough, and
+change of a target that tells how initial forces follow."""
 
 
 @final
@@ -189,14 +185,14 @@ class _Walk:
         With friction a quasi-Newton method that begins with the slope without.
         """
         reached, slope = self.followed(initial, shares), None
-        for _ in range(MOST_SEQUENCES):
+        for _ in range(MOST_TRIALS):
             miss = targets - reached[-1, self.bolts]
             if (np.abs(miss) <= TARGET_TOLERANCE * targets).all():
                 return initial, reached
             if slope is None:
                 columns = [
                     (self.solved(targets + nudge) - initial)[self.bolts] / nudge.sum()
-                    for nudge in np.diag(TARGET_CHANGE * targets)
+                    for nudge in np.diag(TARGET_TOLERANCE * targets)
                 ]
                 slope = np.column_stack(columns)
             change = slope @ miss

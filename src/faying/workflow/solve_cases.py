@@ -17,6 +17,7 @@ from faying.exceptions import ConvergenceError, refuse_study
 from faying.execution.campaign import run_campaign
 from faying.execution.checkpoint import Arrays, Checkpoint
 from faying.execution.executor import Executor
+from faying.linalg.pieces import PIECE_NUMBERS
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.energy_guard import MOST_GAIN, gain_message
 from faying.simulation.load import InputRow
@@ -31,9 +32,6 @@ from faying.study.keys.requirement_tables import MarginsSection
 from faying.study.results.metric_table import TableFormat
 from faying.study.stages.books import FAILED, Books
 from faying.workflow.solved_cases import Demanded, SolvedCases, arrays_of, factors_of
-
-PIECE_NUMBERS = 2**18
-"""Numbers of one field of all cases solved together: 2 MB, of which some twenty are at hand."""
 
 FEWEST, MOST = 16, 2000
 """Cases of a piece."""

@@ -29,7 +29,7 @@ def load():
 
 @pytest.fixture(autouse=True)
 def short_pieces(monkeypatch):
-    monkeypatch.setattr(transient_stream, "STEPS_PER_WRITE", 30)
+    monkeypatch.setattr(transient_stream, "STEPS_AT_ONCE", 30)
 
 
 def compare(path, solution, n_step):

@@ -10,7 +10,7 @@ from faying.joint.free_matrices import FreeMatrices
 from faying.joint.structure import Structure
 from faying.linalg.factorization import SingularMatrixError
 from faying.linalg.partial import port_compliance
-from faying.linalg.substitution import COLUMN_BLOCK
+from faying.linalg.substitution import BLOCK
 
 
 def chain(n, first=1.0):
@@ -101,7 +101,7 @@ def test_free_structure_with_one_boundary_is_found(seed):
 
 
 @pytest.mark.parametrize("form", [lambda P: P, lambda P: P.toarray()])
-@pytest.mark.parametrize("n_port", [0, 1, COLUMN_BLOCK + 7])
+@pytest.mark.parametrize("n_port", [0, 1, BLOCK + 7])
 def test_port_compliance(form, n_port):
     n = 400
     ports = sp.random_array((n_port, n), density=0.01, rng=np.random.default_rng(0)).tocsr()

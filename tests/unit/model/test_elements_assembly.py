@@ -166,7 +166,7 @@ def test_batches_do_not_change_the_matrices(monkeypatch):
     )
     mesh = Mesh(nodes=lattice, node_ids=np.arange(64), blocks=(block,))
     whole = assemble_matrices(assembly_of(mesh))
-    monkeypatch.setattr("faying.model.matrices._BATCH_NUMBERS", 4 * 24**2)
+    monkeypatch.setattr("faying.linalg.pieces.PIECE_NUMBERS", 4 * 24**2)
     pieces = assemble_matrices(assembly_of(mesh))
     assert abs(whole.K - pieces.K).max() < 1e-15 * abs(whole.K).max() * 8  # eight terms per entry
     assert abs(whole.M - pieces.M).max() < 1e-15 * abs(whole.M).max() * 8

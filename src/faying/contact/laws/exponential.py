@@ -7,12 +7,10 @@ import numpy as np
 
 from faying._typing import Vector
 from faying.contact.laws.curve import Curve, check_positive
+from faying.iterations import MOST_STEPS
 
 LAST_EXPONENT = 7.0
 """1 + c/c₀ beyond which the tangent goes on: 4466 times the named pressure, and e^s no overflow."""
-
-MOST_STEPS = 60
-"""Newton steps of the inverse; 4 to 8 are usual, for it is convex and they begin above it."""
 
 
 @final

@@ -8,6 +8,7 @@ from faying._typing import Indices
 from faying.exceptions import ModelError
 from faying.interface.facing import facing_bodies
 from faying.interface.mortar import find_couplings
+from faying.interface.selection import DEFAULT_TOLERANCE
 from faying.io.abaqus.contact import Pair
 from faying.io.abaqus.deck import Deck
 from faying.io.abaqus.interactions import Interaction
@@ -26,9 +27,6 @@ LISTED = (
     "general contact of listed surfaces: an interface for each pair, whose first surface has the "
     "contact points; what overlaps of them starts in contact without strain, as Abaqus adjusts it"
 )
-
-SEEN_ACROSS = 1.01
-"""Search distance over the largest gap that was found, so that none is lost by rounding."""
 
 
 def read_general_contact(
@@ -63,7 +61,7 @@ def read_general_contact(
             minus=f"body {pair.minus}",
             plus=f"body {pair.plus}",
             meshes="matching" if pair.matching else "non-matching",
-            search_distance=None if pair.touching else SEEN_ACROSS * pair.gap[1],
+            search_distance=None if pair.touching else (1 + DEFAULT_TOLERANCE) * pair.gap[1],
         )
         for pair in facing_bodies(assembly)
         if frozenset((pair.minus, pair.plus)) not in joined

@@ -13,11 +13,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
+from faying.digits import SHORT_DIGITS
 from faying.exceptions import FormatError
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.bushes import element_axes, orientation
 from faying.io.nastran.cards import Card, by_id, property_of, single
-from faying.io.nastran.fields import SHORT_DIGITS, components
+from faying.io.nastran.fields import components
 from faying.io.nastran.grids import BulkData, Grids
 from faying.io.nastran.sections import Property, turned_about, with_shear
 from faying.io.nastran.springs import springs_between

@@ -19,10 +19,9 @@ from typing import NamedTuple
 import numpy as np
 
 from faying._typing import Matrix, Vector
-from faying.digits import DECK_DIGITS, SOLVED
+from faying.digits import DECK_DIGITS, SHORT_DIGITS, SOLVED
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card, by_id, property_of
-from faying.io.nastran.fields import SHORT_DIGITS
 from faying.io.nastran.grids import BulkData, Grids
 from faying.model.assembly import Bush
 from faying.model.axes import any_across, axes_along

@@ -20,9 +20,6 @@ Fields = npt.NDArray[np.bytes_]
 ROW = 8
 """Data fields of a line in small or free field."""
 
-SHORT_DIGITS = 1e-3
-"""What eight columns leave of a number with sign and exponent, as -1.23-10."""
-
 _REAL = re.compile(r"[+-]?(?=\.?\d)\d*\.?\d*(?:[ED][+-]?\d+|[+-]\d+)?")
 _INTEGER = re.compile(r"[+-]?\d{1,18}")
 _BARE_EXPONENT = re.compile(r"(?<=[\d.])([+-])")

@@ -14,8 +14,8 @@ from math import pi
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
+from faying.digits import SHORT_DIGITS
 from faying.io.nastran.cards import Card, Cards, each
-from faying.io.nastran.fields import SHORT_DIGITS
 from faying.io.nastran.grids import BulkData, Grids
 from faying.io.nastran.pressures import Part, read_directed_loads, read_pressures
 from faying.io.nastran.sections import turned_properties

@@ -18,7 +18,7 @@ import numpy as np
 import scipy.linalg
 
 from faying._typing import Indices, Matrix, Vector
-from faying.digits import ROUND_OFF, SOLVED
+from faying.digits import ROUND_OFF, SHORT_DIGITS, SOLVED
 from faying.interface.facets import shape_functions
 from faying.io.nastran.cards import Card
 from faying.io.nastran.fields import ROW, components, frame_independent
@@ -223,9 +223,6 @@ def _scale(places: Sequence[Place], size: float) -> Vector:
 Mean = dict[int, float]
 """Nodes to the parts of a motion they make up."""
 
-_LARGEST_DISTANCE = 1e-3
-"""Distance from a face, in its size, that an edge of a shell may have."""
-
 
 def read_shell_to_solid(
     bulk: BulkData, solids: Sequence[CellBlock], shells: Sequence[ShellBlock]
@@ -316,9 +313,9 @@ def _on_face(nodes: Matrix, edge: list[int], face: Indices) -> list[tuple[int, M
     beside = (nodes[edge] - corners.mean(axis=0)).T
     places = np.linalg.lstsq(sides.T, beside, rcond=None)[0].T + 0.5
     apart = np.abs(shape_functions("quad4", places) @ corners - nodes[edge]).max()
-    if np.abs(places - 0.5).max() > 0.5 + _LARGEST_DISTANCE:
+    if np.abs(places - 0.5).max() > 0.5 + SHORT_DIGITS:
         return []
-    if apart > _LARGEST_DISTANCE * float(np.ptp(corners, axis=0).max()):
+    if apart > SHORT_DIGITS * float(np.ptp(corners, axis=0).max()):
         return []
     ends = np.stack([places, places])
     across = int(np.abs(places[1] - places[0]).argmin())

@@ -12,9 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from faying._typing import Vector
-from faying.digits import DECK_DIGITS
+from faying.digits import DECK_DIGITS, SHORT_DIGITS
 from faying.io.nastran.cards import Card, Cards, by_id, each
-from faying.io.nastran.fields import SHORT_DIGITS
 from faying.io.nastran.grids import BulkData
 from faying.io.nastran.walled_sections import ESTIMATED, SHAPES, walled_section
 from faying.model.assembly import BeamSection, Material

@@ -7,9 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from faying._typing import Matrix
-from faying.digits import SOLVED
+from faying.digits import SHORT_DIGITS, SOLVED
 from faying.io.nastran.cards import Card, by_id
-from faying.io.nastran.fields import SHORT_DIGITS
 from faying.io.nastran.grids import BulkData
 from faying.io.nastran.materials import SHELL_PROPERTIES, Layer, PlaneMaterial, layers
 from faying.model.shells import ShellSection, turned_law

@@ -3,15 +3,11 @@
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
-from faying.digits import ROUND_OFF
+from faying.digits import ROUND_OFF, SOLVED
 from faying.exceptions import refuse_model
 from faying.model.assembly import Assembly, AverageCoupling
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.model.couplings.rows import Rows, lever_arms, sparse_rows
-
-# Squared relative extent across a line below which nodes count as collinear: well above the
-# eight digits of a deck, well below any real part.
-_SINGULAR = 1e-10
 
 
 def average_rows(assembly: Assembly, existing: Mask) -> Rows:
@@ -100,7 +96,8 @@ def _motions(arms: Matrix, size: float) -> Matrix:
 def _inverse(gram: Matrix) -> tuple[Matrix, Matrix]:
     """Pseudo-inverse of a symmetric matrix, and its null vectors as columns."""
     values, vectors = np.linalg.eigh(gram)
-    firm = values > _SINGULAR * values[-1]
+    # Squared extents across a line: a deck leaves 1e-14 of them, any real part far more.
+    firm = values > SOLVED * values[-1]
     return (vectors[:, firm] / values[firm]) @ vectors[:, firm].T, vectors[:, ~firm]
 
 

@@ -5,6 +5,7 @@ from functools import reduce
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
+from faying.digits import ROUND_OFF, SOLVED
 from faying.exceptions import refuse_model
 from faying.model.elements.solid_element import (
     SolidElement,
@@ -13,11 +14,6 @@ from faying.model.elements.solid_element import (
     stiffness_gradients,
 )
 
-# A determinant this much smaller than the element's largest is a collapsed corner: rounding of
-# the coordinates leaves about 1e-15, while a usable corner has far more than a millionth.
-COLLAPSED = 1e-10
-# A largest determinant this much smaller than the cube of the element's extent is a flat element.
-FLAT = 1e-12
 CORNER = "a corner"
 
 
@@ -84,7 +80,9 @@ def check_shapes(element: SolidElement, coordinates: Matrix, ids: Indices) -> No
             continue
         seen.append(gradients)
         determinant = volume_factors(gradients, coordinates)
-        threshold = np.maximum(COLLAPSED * np.abs(determinant).max(axis=0), FLAT * extent**3)
+        # A corner is collapsed beside the largest determinant, of which a usable one has far more
+        # than a millionth; an element is flat beside the cube of its extent.
+        threshold = np.maximum(SOLVED * np.abs(determinant).max(axis=0), ROUND_OFF * extent**3)
         if location == CORNER:
             determinant[determinant < -threshold] = np.inf
         _check_above(threshold, determinant.min(axis=0), element, ids, location)
@@ -93,7 +91,7 @@ def check_shapes(element: SolidElement, coordinates: Matrix, ids: Indices) -> No
 def inverted_corners(element: SolidElement, coordinates: Matrix) -> Mask:
     """Say of elements at coordinates (n_cell, n_node, 3) whether a corner is inverted (n_cell,)."""
     determinant = volume_factors(corner_gradients(element), coordinates)
-    inverted: Mask = determinant.min(axis=0) < -COLLAPSED * np.abs(determinant).max(axis=0)
+    inverted: Mask = determinant.min(axis=0) < -SOLVED * np.abs(determinant).max(axis=0)
     return inverted
 
 

@@ -3,12 +3,10 @@
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix
+from faying.linalg.pieces import pieces
 from faying.model.elements import SOLIDS
 from faying.model.elements.geometry import volume_factors
 from faying.model.elements.solid_element import SolidElement, corner_gradients
-
-BATCH = 2048
-"""Cells whose few numbers at a point fill the processor's cache."""
 
 
 def right_side_out(kind: str, nodes: Indices, places: Matrix) -> tuple[Indices, Mask]:
@@ -21,8 +19,7 @@ def right_side_out(kind: str, nodes: Indices, places: Matrix) -> tuple[Indices, 
     element = SOLIDS[kind]
     turned: Mask = np.zeros(len(nodes), dtype=bool)
     with np.errstate(over="ignore", invalid="ignore"):
-        for start in range(0, len(nodes), BATCH):
-            part = slice(start, start + BATCH)
+        for part in pieces(len(nodes), 9 * element.n_nodes):
             determinant = volume_factors(corner_gradients(element), places[nodes[part]])
             turned[part] = (determinant < 0).all(axis=0)
     if not turned.any():

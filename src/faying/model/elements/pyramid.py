@@ -15,6 +15,7 @@ import numpy as np
 import scipy.special
 
 from faying._typing import Matrix, Vector, frozen
+from faying.digits import ROUND_OFF
 from faying.model.elements.elsewhere import Elsewhere
 from faying.model.elements.face_kind import QUAD4, TRI3
 from faying.model.elements.quadrature import Quadrature
@@ -23,8 +24,6 @@ from faying.model.elements.solid_element import SolidElement, mid_sided
 CORNERS = ((-1.0, -1.0, 0.0), (1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 BASE: Matrix = np.array(CORNERS)[:4, :2]
 """Signs of the two coordinates at the corners of the base."""
-
-_LEAST = 1e-14
 
 
 @cache
@@ -44,7 +43,7 @@ def pyramid(n: int) -> Quadrature:
 
 def below_apex(z: Vector) -> Vector:
     """Return 1 - z, kept from zero."""
-    return np.maximum(1 - z, _LEAST)
+    return np.maximum(1 - z, ROUND_OFF)
 
 
 def corner_functions(points: Matrix) -> tuple[Matrix, Matrix]:

@@ -6,13 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Mask, Matrix, Vector
+from faying.digits import DECK_DIGITS, SOLVED
 from faying.exceptions import refuse_model
 from faying.model.couplings.rows import lever_arms
-from faying.model.elements.geometry import COLLAPSED
 from faying.model.shells import ShellBlock, ShellSection, strain_rotation
-
-# A direction this close to the normal has no projection.
-_UPRIGHT = 1e-8
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -51,19 +48,19 @@ def flat_frames(coordinates: Matrix, ids: Indices) -> tuple[Matrix, Matrix]:
     normal = np.cross(coordinates[:, first] - coordinates[:, 0], coordinates[:, second] - start)
     extent = np.ptp(coordinates, axis=1).max(axis=1)
     size = np.linalg.norm(normal, axis=1)
-    check_area(size > COLLAPSED * extent**2, ids)
+    check_area(size > SOLVED * extent**2, ids)
     z = normal / size[:, None]
     side = coordinates[:, 1] - coordinates[:, 0]
     side = side - np.einsum("ei,ei->e", side, z)[:, None] * z
     length = np.linalg.norm(side, axis=1)
-    check_area(length > COLLAPSED * extent, ids)
+    check_area(length > SOLVED * extent, ids)
     x = side / length[:, None]
     frames = np.stack([x, np.cross(z, x), z], axis=1)
     centred = coordinates - coordinates.mean(axis=1, keepdims=True)
     local = np.einsum("eci,eni->enc", frames, centred)
     to_previous, to_next = np.roll(local, 1, axis=1) - local, np.roll(local, -1, axis=1) - local
     corner = to_next[..., 0] * to_previous[..., 1] - to_next[..., 1] * to_previous[..., 0]
-    check_area(corner.min(axis=1) > COLLAPSED * extent**2, ids)
+    check_area(corner.min(axis=1) > SOLVED * extent**2, ids)
     return frames, local
 
 
@@ -119,8 +116,9 @@ def laws_in(
     direction = np.repeat(block.directions[part], repeat, axis=0)
     directed = direction.any(axis=1)
     along = np.einsum("eci,ei->ec", frames[:, :2], direction)
+    # A direction along the normal has no projection but its last digits.
     upright = directed & ~(
-        np.linalg.norm(along, axis=1) > _UPRIGHT * np.linalg.norm(direction, axis=1)
+        np.linalg.norm(along, axis=1) > DECK_DIGITS * np.linalg.norm(direction, axis=1)
     )
     if upright.any():
         shell = np.repeat(block.ids[part], repeat)[upright][0]

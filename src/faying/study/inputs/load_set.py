@@ -9,6 +9,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.assessment.growth import DEFAULT_INCREMENTS
+from faying.digits import SHORT_DIGITS
 from faying.exceptions import StudyError, refuse_study
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.integrators import ImplicitEuler, Integrator, named_integrator
@@ -27,10 +28,6 @@ from faying.study.keys.tables import LoadCaseSection
 
 TABLES = (".csv", ".parquet")
 """Endings of files that are tables of loads."""
-
-
-INTERVAL_TOLERANCE = 1e-3
-"""Differences of intervals, over their mean, that come from the digits of a table."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -209,9 +206,9 @@ def _table_step(times: Vector) -> float:
     """Return the length of equal steps to the end of a table, as long as its intervals."""
     intervals, end = np.diff(times), float(times[-1])
     shortest, mean = float(intervals.min()), float(intervals.mean())
-    if np.ptp(intervals) <= INTERVAL_TOLERANCE * mean:
+    if np.ptp(intervals) <= SHORT_DIGITS * mean:
         return end / max(round(end / mean), 1)
-    return end / float(np.ceil(end / shortest * (1 - INTERVAL_TOLERANCE)))
+    return end / float(np.ceil(end / shortest * (1 - SHORT_DIGITS)))
 
 
 def _checked(rom: ReducedModel, loads: Iterable[TimedLoad]) -> tuple[TimedLoad, ...]:

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from faying.assessment.case_metrics import weak_warnings
+from faying.interface.selection import WHOLE_AREA
 from faying.joint.diagnosis import AS_A_WHOLE, suspension
 from faying.joint.model import Model
 from faying.model.assembly import Material
@@ -16,9 +17,6 @@ from faying.study.keys.threads import StudyBolts
 from faying.study.results.values import CaseResult, Results
 from faying.units import LENGTHS, MASSES, pascals, units_of
 
-ALMOST_ALL = 0.99
-"""Share of a declared area below which something of it was left out: facets follow curves."""
-
 
 def kept_share(area: float, declared_area: float | None) -> float | None:
     """Return the share of a declared area that is in contact; None where none was declared."""
@@ -28,7 +26,7 @@ def kept_share(area: float, declared_area: float | None) -> float | None:
 def missing_contact(name: str, area: float, declared_area: float | None) -> str:
     """Say of an interface what is missing of its declared area; nothing if it is all there."""
     share = kept_share(area, declared_area)
-    if share is None or share >= ALMOST_ALL:
+    if share is None or share >= WHOLE_AREA:
         return ""
     return (
         f"interface '{name}': {share:.0%} of the declared contact area is paired ({area:.6g} of "
