@@ -9,5 +9,8 @@ MOST_TRIALS = 40
 MOST_HALVINGS = 12
 """Halvings of a step: what happens below a four-thousandth of it happens at once."""
 
+MOST_SOLVED = 10_000
+"""Increments, points of a sweep, samples or corners: each is solved, one after the other."""
+
 RETRIES = 3
 """Times that something is tried which mostly does at once."""

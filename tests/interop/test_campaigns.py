@@ -83,7 +83,7 @@ def cluster():
         pytest.MonkeyPatch.context() as patch,
         DaskExecutor.local(2) as executor,
     ):
-        patch.setattr(dask, "WITHOUT_WORKERS", 600.0)
+        patch.setattr(dask, "STARTUP_SECONDS", 600.0)
         assert executor.n_workers == 2
         yield executor
     for name, level in levels.items():

@@ -18,7 +18,6 @@ from scipy.optimize import brentq
 
 from faying._typing import ComplexMatrix, ComplexVector, Vector
 from faying.assessment.backbone import Backbone
-from faying.assessment.modal_analysis import SMALLEST_COMPANION
 from faying.assessment.response_curve import (
     FrequencyResponse,
     ResponseCurve,
@@ -26,7 +25,8 @@ from faying.assessment.response_curve import (
     rows_of,
 )
 from faying.assessment.stuck_modes import StuckModes, stuck_modes
-from faying.digits import SOLVED
+from faying.digits import CURVE_POINTS, SOLVED
+from faying.display.facts import WORTH_SAYING
 from faying.exceptions import ModelError, refuse_model
 from faying.joint.system import System, input_forces
 from faying.simulation.load import Load, harmonic_inputs
@@ -35,9 +35,6 @@ from faying.simulation.solution import Solution
 
 MODE_RANGE = 2.0
 """Modes are linear ones of their own up to this multiple of the highest frequency."""
-
-POINTS_PER_SIDE = 150
-"""Points of a curve on each side of its peak."""
 
 HONEST = (
     "on a small lap joint peaks were 1 to 3 % off where friction took less than half of the loss, "
@@ -137,7 +134,7 @@ def backbone_response(
     return FrequencyResponse(
         load=dict(load),
         curves=tuple(curves),
-        linear=linear.curve(1.0, np.linspace(low, high, 2 * POINTS_PER_SIDE), {}),
+        linear=linear.curve(1.0, np.linspace(low, high, 2 * CURVE_POINTS), {}),
         remarks=(
             "from the backbone of one mode: blind to other modes that a multiple of the frequency "
             "meets",
@@ -211,7 +208,7 @@ class LinearResponse:
         others = np.abs(self.swung(level, frequency[at : at + 1])[0]) / np.abs(swing[at])
         others[mode - 1] = 0.0
         other = int(others.argmax())
-        if others[other] > SMALLEST_COMPANION:
+        if others[other] > WORTH_SAYING:
             yield (
                 f"level {level:g}: at the peak mode {other + 1} of "
                 f"{self.circular[other] / (2 * np.pi):.5g} swings by {others[other]:.0%} of this "
@@ -316,7 +313,7 @@ class _Estimate:
                 "is cut there: give the backbone larger ones"
             )
         # Close to the peak both sides part like a root.
-        share = np.sin(np.linspace(0, np.pi / 2, POINTS_PER_SIDE))
+        share = np.sin(np.linspace(0, np.pi / 2, CURVE_POINTS))
         q = np.exp(np.log(grid[0]) + share * np.log(top / grid[0]))
         circular, damping, _ = self.at(q)
         middle = circular**2 * (1 - 2 * damping**2)

@@ -11,6 +11,7 @@ from faying._typing import Matrix, Vector
 from faying.assessment.certificate import Certificate
 from faying.assessment.sealing import Ring, ring_pressure
 from faying.assessment.slip_demand import area_sums
+from faying.digits import SHOWN_DIGITS
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import contact_areas, surroundings
 from faying.joint.system import System
@@ -267,14 +268,6 @@ def bent_bolts(bolts: Mapping[str, Bolt]) -> list[str]:
     return [name for name, bolt in bolts.items() if bolt.bending is not None]
 
 
-LARGEST_WEAK_SHARE = 1e-4
-"""Share of the contact force up to which weak springs may be forgotten.
-
-Springs that friction lets carry nothing have 1e-6 of it; those that carry the load have as much of
-the clamp force as it has, some percent.
-"""
-
-
 def weak_share(solution: Solution, bodies: str) -> Matrix:
     """Return what the weak springs between two bodies carry over the total contact force (...).
 
@@ -296,11 +289,12 @@ def weak_warnings(shares: Mapping[str, Mapping[str, float]]) -> list[str]:
 
     Shares are the largest of a load case between two bodies that are named.
     """
+    # Springs that friction lets carry nothing have 1e-6 of it; those that carry the load some percent.
     worst = [
         (share, bodies, case)
         for bodies, of_case in shares.items()
         for share, case in [max((share, case) for case, share in of_case.items())]
-        if share > LARGEST_WEAK_SHARE
+        if share > SHOWN_DIGITS
     ]
     if not worst:
         return []

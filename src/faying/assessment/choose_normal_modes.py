@@ -19,6 +19,7 @@ from faying.assessment.transient_error import (
     stepped,
     transient_error,
 )
+from faying.digits import CURVE_POINTS
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.model import Model
 from faying.joint.system import System
@@ -39,9 +40,6 @@ FEWEST_MODES, MOST_MODES = 5, 320
 
 LARGEST_RATIO = 1.25
 """Estimated error over the least of all from which on fewer modes are not as good as more."""
-
-N_FREQUENCIES = 200
-"""At which loads are looked at, evenly by their logarithm over four decades."""
 
 
 @final
@@ -250,7 +248,7 @@ def excited_frequency(
     peaks = np.abs(inputs).max(axis=0)
     forces = inputs[:, peaks > 0] / peaks[peaks > 0]
     resolved = 1.0 / (2 * np.pi * step)
-    for frequency in resolved * np.geomspace(1.0, 1e-4, N_FREQUENCIES):
+    for frequency in resolved * np.geomspace(1.0, 1e-4, CURVE_POINTS):
         if _beside_static(forces, times, frequency) > tolerance:
             return float(frequency)
     return 0.0

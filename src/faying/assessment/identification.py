@@ -15,6 +15,7 @@ from faying.assessment.measured_curve import MeasuredCurve
 from faying.assessment.parameter import Parameter, values_at
 from faying.display.facts import Shown
 from faying.exceptions import ModelError, refuse_model
+from faying.simulation.cycles import STATIONARY
 
 STEP = 0.02
 """Share of a range by which derivatives differ.
@@ -22,10 +23,6 @@ STEP = 0.02
 Cycles repeat to 1e-3 of their energy, which is the noise of a damping ratio: a step that changes it
 by a few percent keeps that noise to a few percent of the derivative.
 """
-
-SMALLEST_CHANGE = 1e-3
-"""Change of the sum of squares, over it, and of shares of ranges, at which a search ends: less than
-the noise of cycles tells apart."""
 
 Compute = Callable[[Sequence[Mapping[str, float]]], Sequence[Mapping[str, Backbone]]]
 """From values of the parameters, one mapping a trial, to backbones by the name of the curve."""
@@ -160,8 +157,8 @@ def identify(
         start,
         comparison.derivatives,
         bounds=(0.0, 1.0),
-        ftol=SMALLEST_CHANGE,
-        xtol=SMALLEST_CHANGE,
+        ftol=STATIONARY,  # less than what cycles leave, which repeat to as much, is their noise
+        xtol=STATIONARY,
     )
     return _judged(comparison, ended.x, ended.fun, ended.jac, free)
 
@@ -274,7 +271,7 @@ def _judged(
         if not half * spread < 0.5
     ]
     for name, share in zip(names, shares, strict=True):
-        if min(share, 1.0 - share) < SMALLEST_CHANGE:
+        if min(share, 1.0 - share) < STATIONARY:
             remarks.append(
                 f"'{name}' ends at the {'lower' if share < 0.5 else 'upper'} end of its "
                 "range; better values may lie outside"

@@ -21,8 +21,9 @@ AT_LEAST = (
 )
 """What checks whose value must not be below the limit begin with."""
 
-NAMED = 3
-"""Most checks that the sentence names; the table has all."""
+MOST_NAMED = 3
+"""Worst checks that the sentence names, of all that the table has, and worst cases that the full
+model confirms where it is not the reference of all."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -233,9 +234,9 @@ def _several(checks: Sequence[Check], verdict: JointVerdict) -> str:
     said = [
         f"{check.part}, {shown_quantity(check, verdict.interfaces)} "
         f"{amount_of(check) or 'not met'}{_where(check, verdict.units)}"
-        for check in checks[:NAMED]
+        for check in checks[:MOST_NAMED]
     ]
-    more = len(checks) - NAMED
+    more = len(checks) - MOST_NAMED
     return "; ".join(said) + (f"; and {more} more below" if more > 0 else "")
 
 

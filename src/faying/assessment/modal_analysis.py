@@ -28,16 +28,13 @@ from faying.assessment.modal_cycles import (
 )
 from faying.assessment.stuck_modes import StuckMode, stuck_mode
 from faying.digits import DECK_DIGITS
-from faying.display.facts import with_unit
+from faying.display.facts import WORTH_SAYING, with_unit
 from faying.exceptions import ModelError, naming
 from faying.joint.system import System
 from faying.simulation.cycles import MOST_CYCLES
 from faying.simulation.load import Load
 from faying.simulation.path import path_start, solve_path
 from faying.simulation.solution import Solution
-
-SMALLEST_COMPANION = 0.05
-"""Velocity of another mode over that of the one that is loaded, from which it is said."""
 
 
 @final
@@ -302,10 +299,10 @@ def _remarks(
             "cycles of one mode are a rough picture"
         )
     largest = np.max([row.met for row in rows], axis=0)
-    if largest.size and largest.max() > SMALLEST_COMPANION:
+    if largest.size and largest.max() > WORTH_SAYING:
         k, n = np.unravel_index(int(np.argmax(largest)), largest.shape)
         others = swing.neighbours
-        reached = min(row.reached for row in rows if row.met[k, n] > SMALLEST_COMPANION)
+        reached = min(row.reached for row in rows if row.met[k, n] > WORTH_SAYING)
         remarks.append(
             f"{MULTIPLES[k]} times the frequency meets mode {others.modes[n]} of "
             f"{others.circular[n] / (2 * np.pi):.5g}, which friction makes swing from "

@@ -10,9 +10,7 @@ from scipy.stats import qmc
 
 from faying._typing import Matrix, Vector
 from faying.exceptions import refuse_model
-
-MOST_CORNERS = 10
-"""Parameters whose corners are computed: a thousand of them."""
+from faying.iterations import MOST_SOLVED
 
 
 @final
@@ -109,10 +107,10 @@ def design(
     n = len(parameters)
     if not n or kind not in ("corners", "quasi-random"):
         refuse_model(f"found design '{kind}' of {n} parameters; give 'corners' or 'quasi-random'")
-    if kind == "corners" and n > MOST_CORNERS:
+    if kind == "corners" and 2**n > MOST_SOLVED:
         refuse_model(
             f"{n} parameters have {2**n} corners; take design 'quasi-random' with a number of "
-            f"samples, or corners of {MOST_CORNERS} at most"
+            f"samples, or corners of {int(np.log2(MOST_SOLVED))} at most"
         )
     shares: Matrix
     if kind == "corners":

@@ -9,7 +9,7 @@ import scipy.sparse as sp
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.laws_at_points import LawsAtPoints
-from faying.digits import DECK_DIGITS
+from faying.digits import DECK_DIGITS, SHOWN_DIGITS
 from faying.joint.model import Model
 from faying.joint.system import System
 from faying.linalg.backends import count_negative
@@ -19,9 +19,6 @@ from faying.reduction.normal_modes import lowest_modes
 from faying.simulation.path import last_of, solve_static
 from faying.simulation.solution import Solution
 from faying.simulation.solution_parts import check_points
-
-MISSED_MASS = 1e-4
-"""Part of the mass of a motion that shapes may miss: its frequency is then 5e-5 too high."""
 
 
 @final
@@ -136,7 +133,8 @@ def with_released_modes(
     basis = np.column_stack([system.rigid_motions, shapes])
     outside = released - basis @ (basis.T @ (system.M @ released))
     mass, ways = la.eigh(outside.T @ (system.M @ outside))
-    joins = mass > MISSED_MASS
+    # A frequency is too high by half the share of mass that its shape misses.
+    joins = mass > SHOWN_DIGITS
     return np.column_stack([shapes, outside @ ways[:, joins] / np.sqrt(mass[joins])])
 
 

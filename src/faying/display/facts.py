@@ -53,5 +53,8 @@ def counted(names: Mapping[str, object]) -> str:
     return f"{len(names)} ({', '.join(shown)}{more})" if shown else "0"
 
 
+WORTH_SAYING = 0.05
+"""Share of a quantity from which it is said what else there is beside it."""
+
 MOST_SHOWN = 8
 """Names, mistakes or files that are written out; the others are counted."""

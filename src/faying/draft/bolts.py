@@ -10,7 +10,8 @@ from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Mask, Vector
 from faying.assessment.strength.sizes import size_named, size_through
-from faying.draft.cylinders import ROUND, Cylinders
+from faying.display.plane import ROUND
+from faying.draft.cylinders import Cylinders
 from faying.exceptions import ModelError
 from faying.model.assembly import Assembly, Spring
 from faying.model.clamping import check_clamping, element_seats
@@ -24,11 +25,12 @@ PARALLEL = 1 - 1e-4
 ASIDE = 0.25
 """Largest distance of two axes that are one, over the smaller radius."""
 
-SIMILAR = 1.5
-"""Ratio of the radii of holes of one bolt: a thread's is smaller than the one it comes through."""
-
 ACROSS = np.sqrt(0.5)
 """Cosine between a spring and the normal of a face above which it is across rather than along."""
+
+WASHER = 1.5
+"""Radius of a washer over that of the hole. Holes of one bolt differ by less, as a thread's from the
+one it comes through: a wider one would let the washer through."""
 
 DIAMETER = 0.9
 """Diameter of a bolt over that of its hole, of holes that no size is listed for."""
@@ -149,7 +151,7 @@ def holes_in_line(cylinders: Cylinders) -> list[Hole]:
     if len(holes) < 2:
         return []
     sizes = cylinders.radii[holes]
-    comparable = sizes[:, None] <= SIMILAR * sizes[None]
+    comparable = sizes[:, None] <= WASHER * sizes[None]
     linked = _in_line(cylinders, holes, holes) & comparable & comparable.T
     _, label = connected_components(sp.csr_array(linked), directed=False)
     lines = []

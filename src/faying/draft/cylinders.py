@@ -7,6 +7,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Frozen, Indices, Mask, Matrix, Vector
+from faying.display.plane import ROUND
 from faying.model.mesh import Mesh
 from faying.model.surface import Facets, facet_area_vectors
 
@@ -18,9 +19,6 @@ AXIAL_SHARE = 0.03
 
 STEPS = 8
 """Of Gauss and Newton from an axis estimated by normals to that of the nodes."""
-
-ROUND = 0.02
-"""Largest distance of a node from the circle, and difference of radii that are one, over them."""
 
 FULL_CIRCLE_SUM = 0.05
 """Largest sum of the normals over their number in a full circle; half a one has 0.6."""

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from faying._typing import Indices, Mask, Vector
+from faying.digits import DECK_DIGITS
 from faying.draft.bolts import Hole, bolt_diameter, clamping_lines, holes_in_line, pattern
 from faying.draft.cylinders import cylinders
 from faying.draft.model_file import (
@@ -44,10 +45,6 @@ from faying.study.keys.schema import parse_study
 
 LOAD_SHARE = 0.05
 """Load that stands where none is said, over the sum of the preloads."""
-
-UNBOLTED_LOAD_SHARE = 1e-7
-"""The same over E times the extent squared, where there are no bolts."""
-
 
 Direction = tuple[float, float, float]
 
@@ -203,7 +200,8 @@ def _loaded(findings: Findings, contact: Indices, along: Direction) -> Findings:
         *(entry.preload or 0.0 for entry in findings.bolts),
     ]
     extent = float(np.ptp(mesh.nodes, axis=0).max())
-    force = LOAD_SHARE * sum(preloads) or UNBOLTED_LOAD_SHARE * _modulus(assembly) * extent**2
+    # Where no bolt tells, a stress over the extent squared that strains by a millionth.
+    force = LOAD_SHARE * sum(preloads) or DECK_DIGITS * _modulus(assembly) * extent**2
     by_name = [
         entry
         for entry in named(mesh, LOADED)

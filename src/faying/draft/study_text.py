@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from faying.display.facts import MOST_SHOWN
-from faying.draft.bolts import DIAMETER, Hole, size_of
+from faying.draft.bolts import DIAMETER, WASHER, Hole, size_of
 from faying.draft.model_file import ModelFile, Pin
 from faying.interface.facing import Facing
 from faying.interface.interface import Interface
@@ -24,9 +24,6 @@ DECIDE = "DECIDE:"
 
 STRAIN = 1.5e-3
 """Strain of the shank by the preload that stands where none is said."""
-
-WASHER = 1.5
-"""Radius of a washer over that of the hole."""
 
 GRADE = "8.8"
 """Of a bolt until it is decided."""

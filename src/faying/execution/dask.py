@@ -19,13 +19,11 @@ from typing import Any, Self
 
 from faying.exceptions import CampaignError
 from faying.execution.executor import Function, LostTasksError, Prepare, Results, results_of
+from faying.files.child_python import STARTUP_SECONDS
 from faying.iterations import RETRIES
 
 CONNECT_SECONDS = 15.0
 """How long a scheduler may take to answer."""
-
-WITHOUT_WORKERS = 120.0
-"""Seconds a cluster of this machine may be without workers; a restart takes 2 to 20."""
 
 
 class DaskExecutor:
@@ -144,7 +142,7 @@ class DaskExecutor:
         """Wait as long as there are workers, or may be."""
         if self._patient or self._client.nthreads():
             self._seen = perf_counter()
-        if perf_counter() - self._seen > WITHOUT_WORKERS:
+        if perf_counter() - self._seen > STARTUP_SECONDS:
             message = (
                 "all Dask workers of this machine have died and were not replaced; "
                 "one that runs out of memory dies like this, use fewer"

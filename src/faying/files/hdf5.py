@@ -17,18 +17,17 @@ from typing import Any
 import h5py
 
 from faying.exceptions import FayingError, FormatError
-from faying.files.child_python import python_command, python_environment
+from faying.files.child_python import (
+    SLOWEST_READING,
+    STARTUP_SECONDS,
+    python_command,
+    python_environment,
+)
 from faying.files.contents import reason_of
 from faying.linalg.memory import free_memory
 
 STALLED_SECONDS = 20.0
 """Seconds of a processor after which a file counts as damaged, where the system counts them."""
-
-LONGEST_WAIT = 120.0
-"""Seconds by the clock, of which a busy machine may need some to begin."""
-
-SLOWEST_READING = 1e7
-"""Bytes a second below which looking counts as stalled; a healthy file takes a hundredth."""
 
 _LOCK = threading.Lock()
 _WATCHES: dict[int, "subprocess.Popen[str]"] = {}
@@ -44,7 +43,7 @@ def look_through(path: Path, *, whole: bool = True) -> None:
     file = {"path": str(path.resolve()), "room": free_memory()}
     request = {**file, "whole": whole, "seconds": seconds}
     with _LOCK:
-        answer = _asked(json.dumps(request), LONGEST_WAIT + extra)
+        answer = _asked(json.dumps(request), STARTUP_SECONDS + extra)
     if answer is None:
         message = "the HDF5 library crashes or stalls on it"
         raise OSError(message)

@@ -12,6 +12,7 @@ from faying._typing import Matrix, Vector
 from faying.exceptions import ModelError, refuse_model
 from faying.interface.interface import Interface
 from faying.interface.surface_scan import Scan
+from faying.linalg.memory import require_room
 
 EDGES_PER_WAVE = 4.0
 """Edges of facets that a wave takes at least: fewer show it as another one."""
@@ -24,9 +25,6 @@ Where they lie changes a bump twice as wide by 3e-4 of its height.
 
 ALPHA = float(np.sqrt(np.log(2) / np.pi))
 """Of the Gaussian filter of ISO 16610-21: waves of the cut-off keep half of their height."""
-
-MOST_CELLS = 50_000_000
-"""Of the filter's grid."""
 
 LARGEST_HOLE = 0.2
 """Share of an interface without samples from which on a scan is taken for another one's."""
@@ -189,13 +187,13 @@ def _filtered(places: Matrix, values: Vector, points: Matrix, cutoff: float) -> 
     """Return the weighted Gaussian mean of samples at points (n_point,)."""
     cell = cutoff / CELLS_PER_WAVE
     low = np.minimum(places.min(axis=0), points.min(axis=0)) - cell
-    shape = np.ceil((np.maximum(places.max(axis=0), points.max(axis=0)) - low) / cell).astype(int)
-    shape += 2
-    if shape.prod() > MOST_CELLS:
-        refuse_model(
-            f"a cut-off of {cutoff:.3g} takes {shape.prod():.2g} cells; give a longer wavelength, "
-            "or leave it to the mesh"
-        )
+    cells = np.ceil((np.maximum(places.max(axis=0), points.max(axis=0)) - low) / cell) + 2
+    require_room(
+        48.0 * cells.prod(),  # six grids at once: sums, weights, and each of them blurred in turn
+        f"the cells of a filter with a cut-off of {cutoff:.3g}",
+        "give a longer wavelength, or leave it to the mesh",
+    )
+    shape = cells.astype(int)
     whole = np.floor((places - low) / cell).astype(int)
     part = (places - low) / cell - whole
     spread = ALPHA * cutoff / np.sqrt(2 * np.pi) / cell

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from faying._typing import Indices, Matrix
 from faying.exceptions import refuse
+from faying.io.deck_lines import LONGEST_WORD
 from faying.model.elements import SOLIDS
 
 Names = npt.NDArray[np.str_]
@@ -38,10 +39,6 @@ _CELLS = re.compile(r"(?:HEXA|PENTA|TETRA|PYRAM|TRIA|QUAD|SEG|POI)(\d+)")
 _HEADER = re.compile(r"\b(NOM|NBOBJ|NOBJ|NBLIGE|NBLIGT|NUMIN|NUMAX|AUTEUR|DATE)[ \t]*=[ \t]*(\S*)")
 _END = re.compile(r"^[ \t]*FIN[ \t]*$", re.MULTILINE)
 _GROUPS = ("GROUP_MA", "GROUP_NO")
-
-LONGEST_WORD = 80
-"""Characters of a name, which code_aster ends at 24, or of a number: all words of a section take as
-much memory as the longest."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -200,6 +200,10 @@ def _places_of(word: bytes, data: bytes) -> Indices:
 
 
 _PLACED = re.compile(r"^\S.*:\d+: ")
+LONGEST_WORD = 80
+"""Characters of a name or a number; more are a mistake, and all fields of a table take as much
+memory as the longest."""
+
 MOST_FILES = 1000
 """Files of one deck, each counted as often as it is included: of twenty files that each include the
 next one twice there are a million."""

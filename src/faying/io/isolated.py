@@ -13,14 +13,13 @@ import numpy as np
 import numpy.typing as npt
 
 from faying.exceptions import FormatError, refuse
-from faying.files.child_python import python_command, python_environment
+from faying.files.child_python import (
+    SLOWEST_READING,
+    STARTUP_SECONDS,
+    python_command,
+    python_environment,
+)
 from faying.linalg.memory import free_memory, gigabytes, physical_memory
-
-SLOWEST_READING = 1e6
-"""Bytes a second below which a read counts as stalled; a healthy one does a hundred times that."""
-
-STARTUP = 120.0
-"""Seconds that importing a reader may take on a busy machine."""
 
 ROOM = 10**9
 """Bytes of addresses that the libraries of a reader may take, beside the memory that is free.
@@ -54,7 +53,7 @@ def read_isolated(
         refuse(f"{what}: '{path}' is not there; check the path")
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "arrays.npz"
-        limit = STARTUP + path.stat().st_size / SLOWEST_READING
+        limit = STARTUP_SECONDS + path.stat().st_size / SLOWEST_READING
         room = ROOM + (free_memory() or physical_memory())
         limited = _LIMITED.format(room=room) + script
         command = python_command("-c", limited, str(path.resolve()), str(target))

@@ -8,6 +8,7 @@ import scipy.linalg as la
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
 from faying.digits import DECK_DIGITS
+from faying.display.facts import MOST_SHOWN
 from faying.exceptions import ModelError
 from faying.joint.model import Model
 from faying.model.assembly import Assembly
@@ -32,10 +33,6 @@ REMEDY_BESIDE_SPRINGS = (
     "another body, and those of a stiffness below round-off nothing at all"
 )
 """Where weak springs were asked for."""
-
-
-MOST_NODES = 4
-"""Loose nodes that are named."""
 
 
 def check_held(model: Model, remedy: str = REMEDY) -> None:
@@ -101,8 +98,8 @@ def free_parts(model: Model) -> FreeParts:
         parts[_body(model.assembly, members)] = ways
     loose = model.assembly.mesh.node_ids[moving & (free.labels < 0)].tolist()
     if loose:
-        shown = ", ".join(map(str, loose[:MOST_NODES]))
-        more = f" and {len(loose) - MOST_NODES} more" if len(loose) > MOST_NODES else ""
+        shown = ", ".join(map(str, loose[:MOST_SHOWN]))
+        more = f" and {len(loose) - MOST_SHOWN} more" if len(loose) > MOST_SHOWN else ""
         parts[f"node {shown}{more}"] = "of beams, springs or couplings, can move"
     return FreeParts(count=count, parts=parts, whole=whole.shape[1])
 

@@ -10,6 +10,7 @@ from faying.linalg.backends import chosen_backend, estimate_memory
 from faying.linalg.budget import DENSE_COPIES, SPARSE_FACTORS
 from faying.linalg.memory import FactorMemory
 from faying.linalg.pardiso import FEW_PORTS
+from faying.linalg.pieces import pieces
 from faying.model.assembly import Assembly
 from faying.model.elements import block_element
 from faying.model.elements.geometry import volume_factors
@@ -26,20 +27,12 @@ _LEAF_NODES = 64
 
 _OVER_PLANES = 1.8
 """Entries that PARDISO stores over those of planes: 1.5 to 2.1 measured on cubes, plates and bars
-of 47 000 to 1.6 million degrees of freedom, of hex8 and of tet10."""
-
-_PEAK_MEMORY = 1.07
-"""Its peak over what it holds then, 1.04 to 1.12 in the same measurements."""
+of 47 000 to 1.6 million degrees of freedom, of hex8 and of tet10, and as much of the peak with the
+compliance over the entries of the bordered matrix. Its peak is 1.04 to 1.12 of what it holds."""
 
 _SEPARATORS = 2.0
 """Unknowns that a pair meets in the factor of the bordered matrix, over n^⅔ of n unknowns: 1.5 to
 2.0 measured on the roof, the flange and lap joints of 33 000 to 49 000 degrees of freedom."""
-
-_BORDERED = 1.7
-"""Peak of that factor with the compliance, over its entries: 1.5 to 2.1 in these measurements."""
-
-_SAMPLE_CELLS = 10_000
-"""Cells whose mean volume is taken for that of all."""
 
 
 def expected_memory(model: Model) -> FactorMemory:
@@ -64,9 +57,7 @@ def expected_memory(model: Model) -> FactorMemory:
         return estimate_memory(sp.csr_array((n_dof, n_dof)), backend=backend)
     spacing = (_volume(model.assembly) / len(places)) ** (1 / 3)
     factor = int(_OVER_PLANES * 9 * 8 * dissected(places, spacing))
-    factors = FactorMemory(
-        backend=backend, order=n_dof, factor=factor, peak=int(_PEAK_MEMORY * factor), counted=False
-    )
+    factors = FactorMemory(backend=backend, order=n_dof, factor=factor, peak=factor, counted=False)
     if not model.structure.is_kept_whole:
         return factors.beside(SPARSE_FACTORS)
     return factors.with_ports(*_between_pairs(model.structure, factor))
@@ -79,7 +70,7 @@ def _between_pairs(structure: Structure, factor: int) -> tuple[float, float]:
     if n_relative <= FEW_PORTS:
         return 0.0, dense
     border = n_relative * (n_relative / 2 + _SEPARATORS * structure.n_dof ** (2 / 3))
-    return float(_BORDERED * (factor + 8 * border)), dense
+    return float(_OVER_PLANES * (factor + 8 * border)), dense
 
 
 def dissected(places: Matrix, spacing: float) -> float:
@@ -109,12 +100,12 @@ def dissected(places: Matrix, spacing: float) -> float:
 
 
 def _volume(assembly: Assembly) -> float:
-    """Volume of the solids, by that of some of their cells."""
+    """Volume of the solids."""
     total = 0.0
     for block in assembly.mesh.blocks:
         element = block_element(block, assembly.element)
-        sample = block.nodes[:: 1 + len(block.ids) // _SAMPLE_CELLS]
-        factors = volume_factors(stiffness_gradients(element), assembly.mesh.nodes[sample])
-        weights = element.stiffness_quadrature().weights
-        total += float((weights @ factors).mean()) * len(block.ids)
+        gradients, weights = stiffness_gradients(element), element.stiffness_quadrature().weights
+        for part in pieces(len(block.ids), 9 * element.n_nodes):
+            factors = volume_factors(gradients, assembly.mesh.nodes[block.nodes[part]])
+            total += float((weights @ factors).sum())
     return total

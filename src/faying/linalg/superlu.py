@@ -44,7 +44,7 @@ def nested_dissection(A: SparseMatrix) -> Indices | None:
     return order_of_rows
 
 
-BYTES_PER_ENTRY = 12
+BYTES_PER_ENTRY = np.dtype(np.float64).itemsize + np.dtype(np.intc).itemsize
 """A number and its row."""
 
 FILL, FILL_EXPONENT = 4.35, 1.484

@@ -9,6 +9,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Matrix, frozen
+from faying.digits import LARGEST
 from faying.exceptions import check_known, refuse_model
 from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS
@@ -89,10 +90,6 @@ class Topology:
         )
 
 
-LARGEST_COORDINATE = 1e30
-"""Largest coordinate: products of several measures must stay within double precision."""
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Mesh:
     """Nodes and solid elements.
@@ -126,12 +123,12 @@ class Mesh:
             refuse_model(
                 f"{len(self.node_ids)} node ids but coordinates of shape {self.nodes.shape}"
             )
-        far = np.flatnonzero(~(np.abs(self.nodes) <= LARGEST_COORDINATE).all(axis=1))
+        far = np.flatnonzero(~(np.abs(self.nodes) <= LARGEST).all(axis=1))
         if len(far):
             position = ", ".join(f"{x:g}" for x in self.nodes[far[0]])
             refuse_model(
                 f"node {self.node_ids[far[0]]} is at ({position}); coordinates are at most "
-                f"{LARGEST_COORDINATE:g}, for volumes must stay within double precision; correct it"
+                f"{LARGEST:g}, for volumes must stay within double precision; correct it"
             )
 
         if self.topology.blocks is not self.blocks:

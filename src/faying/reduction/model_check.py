@@ -9,10 +9,8 @@ from faying._typing import Indices, Matrix
 from faying.digits import DECK_DIGITS
 from faying.exceptions import refuse_value
 from faying.interface.surface import ContactSurface
+from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.reduction.model_data import MeshShapes
-
-MOST_COMPONENTS = 6
-"""Displacement components of a node: three translations, three rotations."""
 
 
 def check_definite(matrix: Matrix, entry: str) -> None:
@@ -58,8 +56,8 @@ def check_nodes(nodes: Indices, components: Indices, mesh: MeshShapes, entry: st
     missing = nodes[~np.isin(nodes, mesh.node_ids)]
     if len(missing):
         refuse_value(f"'{entry}/nodes' names node {missing[0]}, which is not among the nodes")
-    if len(components) and not 0 <= components.min() <= components.max() < MOST_COMPONENTS:
-        refuse_value(f"'{entry}/components' holds others than 0 to {MOST_COMPONENTS - 1}")
+    if len(components) and not 0 <= components.min() <= components.max() < len(DISPLACEMENT_NAMES):
+        refuse_value(f"'{entry}/components' holds others than 0 to {len(DISPLACEMENT_NAMES) - 1}")
     if len(np.unique(np.stack([nodes, components]), axis=1).T) < len(nodes):
         refuse_value(f"'{entry}' names a degree of freedom twice")
 

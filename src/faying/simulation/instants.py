@@ -13,8 +13,9 @@ from faying.simulation.integrators import Motion
 from faying.simulation.path_steps import PathStep
 from faying.simulation.solution import Solution
 
-MOST_STEPS = 10**9
-"""Steps of a response; even instants alone are eight gigabytes of them."""
+MOST_TIME_STEPS = 100_000_000
+"""Steps of a response: at a microsecond each, the least that a step takes, two minutes; at the
+milliseconds of a full model, days."""
 
 
 def check_times(step: float, duration: float) -> None:
@@ -25,10 +26,10 @@ def check_times(step: float, duration: float) -> None:
             "the step must be positive and no longer than the duration"
         )
         raise ModelError(message)
-    if not duration / step <= MOST_STEPS:
+    if not duration / step <= MOST_TIME_STEPS:
         message = (
             f"the duration {duration:g} takes {duration / step:.4g} steps of {step:g}, and "
-            f"{MOST_STEPS} are the most; enlarge the step"
+            f"{MOST_TIME_STEPS} are the most; enlarge the step"
         )
         raise ModelError(message)
 

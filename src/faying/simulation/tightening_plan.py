@@ -14,6 +14,7 @@ from typing import final
 import numpy as np
 
 from faying._typing import Frozen, Indices, Matrix, Vector
+from faying.digits import SHOWN_DIGITS
 from faying.exceptions import ConvergenceError, ModelError
 from faying.iterations import MOST_TRIALS
 from faying.joint.smooth_joint import smooth_joint
@@ -21,10 +22,6 @@ from faying.joint.system import Joint, initial_bolt_forces
 from faying.simulation.bolted_state import BoltedState, bolted_state
 from faying.simulation.bolts_by_force import BoltsByForce
 from faying.simulation.tightening import checked_bolts
-
-TARGET_TOLERANCE = 1e-4
-"""Deviation of a bolt force from its target, over it, at which a plan with friction is enough, and
-change of a target that tells how initial forces follow."""
 
 
 @final
@@ -187,12 +184,12 @@ class _Walk:
         reached, slope = self.followed(initial, shares), None
         for _ in range(MOST_TRIALS):
             miss = targets - reached[-1, self.bolts]
-            if (np.abs(miss) <= TARGET_TOLERANCE * targets).all():
+            if (np.abs(miss) <= SHOWN_DIGITS * targets).all():
                 return initial, reached
             if slope is None:
                 columns = [
                     (self.solved(targets + nudge) - initial)[self.bolts] / nudge.sum()
-                    for nudge in np.diag(TARGET_TOLERANCE * targets)
+                    for nudge in np.diag(SHOWN_DIGITS * targets)
                 ]
                 slope = np.column_stack(columns)
             change = slope @ miss

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from faying.assessment.joint_verdict import MOST_NAMED
 from faying.assessment.transient_error import EXACT, REMEDY
 from faying.execution.checkpoint import results_in
 from faying.execution.executor import Executor
@@ -35,9 +36,6 @@ from faying.study.stages.reference import reference_of
 from faying.study.stages.run_assessment import assess_run
 from faying.study.stages.validation import validate
 from faying.study.stages.worker_tasks import compute_pieces
-
-CONFIRMED_CASES = 3
-"""Static cases that the full model confirms where it is not the reference of all."""
 
 Solved = dict[str, tuple[CaseResult, list[str]]]
 """Load case name to its result, and what did not converge."""
@@ -135,7 +133,7 @@ def _confirmed(study: Study, runner: CaseRunner, solved: Solved) -> Solved:
         for case in study.load_cases
         if case.kind == "static"
     }
-    worst = sorted(bounds, key=lambda name: -bounds[name])[:CONFIRMED_CASES]
+    worst = sorted(bounds, key=lambda name: -bounds[name])[:MOST_NAMED]
     return {
         case.name: runner.solve(case, confirmed=True)
         for case in study.load_cases

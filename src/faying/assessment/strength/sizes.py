@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import final
 
+from faying.display.plane import ROUND
 from faying.exceptions import ModelError, refuse_model
 
 MILLIMETRE, INCH = 1e-3, 0.0254
@@ -61,10 +62,6 @@ SOCKET: dict[float, float] = {
 }  # fmt: skip
 """d to the face under a socket head [mm]."""
 
-HOLE_TOLERANCE = 0.02
-"""Of a hole's diameter in a mesh, whose nodes lie on a circle that was rounded somewhere; holes of
-listed sizes differ by 5 % or more."""
-
 HEADS = ("ISO 4014", "ISO 4762", "ISO 7089")
 """Hexagon head, socket head, and a hexagon head on a plain washer."""
 
@@ -114,7 +111,7 @@ def size_named(name: str, head: str = HEADS[0]) -> Size:
 def size_through(hole: float) -> str | None:
     """Return the metric size whose clearance hole has a diameter [m]; None where none has."""
     nearest = min(HEXAGON, key=lambda size: abs(HEXAGON[size][2] * MILLIMETRE - hole))
-    fits = abs(HEXAGON[nearest][2] * MILLIMETRE / hole - 1) < HOLE_TOLERANCE
+    fits = abs(HEXAGON[nearest][2] * MILLIMETRE / hole - 1) < ROUND
     return f"M{nearest:g}" if fits else None
 
 

@@ -14,14 +14,13 @@ import numpy.typing as npt
 
 from faying._typing import Indices, Mask, Vector
 from faying.io.abaqus.keyword import Keyword
+from faying.io.deck_lines import LONGEST_WORD
 
 Fields = npt.NDArray[np.bytes_]
 
 _REAL = re.compile(r"[+-]?(?=\.?\d)\d*\.?\d*(?:[ED][+-]?\d+)?", re.IGNORECASE)
 _INTEGER = re.compile(r"[+-]?\d{1,15}")
 _COMMA, _NEWLINE = ord(","), ord("\n")
-# No number needs more; a longer field is a mistake and would widen the whole table.
-_LONGEST = 64
 
 
 def _mask(characters: bytes) -> Mask:
@@ -112,7 +111,7 @@ def table(keyword: Keyword) -> Table:
     newline = letters[places] == _NEWLINE
     lengths = np.diff(places, prepend=-1, append=len(letters)) - 1
     row = np.concatenate([[0], np.cumsum(newline)]).astype(np.int64)
-    if lengths.max() > _LONGEST:
+    if lengths.max() > LONGEST_WORD:
         long = int(lengths.argmax())
         keyword.refuse(
             f"a field of {lengths[long]} characters is no number or label", int(row[long])

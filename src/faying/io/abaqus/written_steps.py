@@ -19,6 +19,7 @@ from faying.interface.pairing import find_interfaces
 from faying.interface.penalty import automatic_penalty, with_friction
 from faying.io.abaqus.written_nodes import Term, WrittenNodes, real_text
 from faying.model.assembly import Assembly, Beam, NodalLoads
+from faying.model.deck_bolt import CUT_STIFFNESS
 from faying.model.description import JointDescription
 from faying.model.elements import SOLIDS
 from faying.model.elements.beam import beam_frames, beam_properties, local_stiffness
@@ -27,7 +28,7 @@ from faying.model.surface import triangular
 
 # Where along the beam its nodes are drawn: both sides of the cut, and the far side of the spring.
 _DRAWN = (0.3, 0.4, 0.5)
-CUT_OVER_BOLT = 1e4 * (_DRAWN[1] - _DRAWN[0])
+CUT_OVER_BOLT = CUT_STIFFNESS * (_DRAWN[1] - _DRAWN[0])
 """Young's modulus of the beam element in a cut over that of its bolt: adds 1e-4 to the compliance.
 
 CalculiX takes the element out; Abaqus and faying keep it.

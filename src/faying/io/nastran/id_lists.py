@@ -6,9 +6,6 @@ from faying._typing import Indices
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.cards import Card
 
-# A range of ids that must all exist is spelled out; a longer one is a slip of the pen.
-_LONGEST = 10_000_000
-
 
 def id_list(card: Card, fields: list[str], known_ids: Indices | None = None) -> list[int]:
     """Return ids from fields with single numbers and ranges ``a THRU b``, with BY and EXCEPT.
@@ -69,7 +66,7 @@ def _range(card: Card, first: int, texts: list[str], known_ids: Indices | None) 
         step = numbers.integer("".join(texts[3:])) or 0
         if step < 1:
             card.refuse(f"'BY {' '.join(texts[3:])}' is no positive step between ids")
-    longest = _LONGEST if known_ids is None else 10**18
+    longest = numbers.LONGEST_RANGE if known_ids is None else 10**18
     if last is None or not first <= last <= first + longest:
         card.refuse(f"'{first} THRU {texts[1]}' is not an ascending range of ids")
     if known_ids is None:

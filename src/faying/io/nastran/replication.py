@@ -12,8 +12,6 @@ from faying.io.nastran.fields import ROW
 
 _TIMES = re.compile(rb"=(?:\((\d+)\)|(\d+))")
 _STEP = re.compile(rb"\*(?:\(([^()]+)\)|([^()]+))")
-_MOST_CARDS = 1_000_000
-"""Cards that one line may make: a slip in the number shall not fill the memory."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,8 +88,10 @@ def _repeated(row: list[bytes], above: _Above, where: str) -> tuple[list[bytes],
         fields, steps = _derived(row, above, where)
         return [b",".join(fields)], _Above(fields=fields, steps=steps)
     count = int(times[1] or times[2])
-    if not above.steps or count > _MOST_CARDS:
-        wrong = f"it may up to {_MOST_CARDS} times" if above.steps else "there is none above"
+    if not above.steps or count > numbers.LONGEST_RANGE:
+        wrong = (
+            f"it may up to {numbers.LONGEST_RANGE} times" if above.steps else "there is none above"
+        )
         refuse(f"{where}: '{_shown(row[0])}' repeats a line that adds to a field (*d); {wrong}")
     cards = []
     fields = above.fields

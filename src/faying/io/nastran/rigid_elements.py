@@ -25,6 +25,7 @@ from faying.io.nastran.fields import ROW, components, frame_independent
 from faying.io.nastran.grids import BulkData, Grids
 from faying.io.nastran.id_lists import id_list
 from faying.model.assembly import Equation, RigidCoupling
+from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS
 from faying.model.matrices import rigid_body_motions
@@ -32,8 +33,6 @@ from faying.model.shells import ShellBlock
 
 Place = tuple[int, int]
 """Node index and component 0..5 in the node's displacement system."""
-
-_RIGID = 6
 
 
 def read_rigid_elements(bulk: BulkData) -> tuple[list[RigidCoupling], list[Equation]]:
@@ -139,7 +138,7 @@ def rigid_equations(
 ) -> Iterator[Equation]:
     """Yield an equation for each dependent (tied) component of a rigid body by independent ones."""
     nodes = np.array([node for node, _ in free], dtype=np.int64)
-    if not 0 < len(free) <= _RIGID or not tied:
+    if not 0 < len(free) <= len(DISPLACEMENT_NAMES) or not tied:
         card.refuse(
             f"{len(free)} independent and {len(tied)} dependent components; expected up to six, "
             "and some"

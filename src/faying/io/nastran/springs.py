@@ -13,6 +13,7 @@ from faying.io.nastran.fields import components
 from faying.io.nastran.grids import BulkData, Grids
 from faying.io.nastran.rigid_elements import rigid_motions
 from faying.model.assembly import Assembly, Bush, PointMass, ScalarMass, Spring
+from faying.model.boundary import DISPLACEMENT_NAMES
 
 Place = tuple[int, int]
 
@@ -301,10 +302,6 @@ def _mass(card: Card, grids: Grids, factor: float) -> PointMass:
     )
 
 
-_ROTATIONS = 3
-"""First component that is one."""
-
-
 def without_rotation(
     masses: Sequence[PointMass], assembly: Assembly, ignored: list[str]
 ) -> tuple[PointMass, ...]:
@@ -316,18 +313,19 @@ def without_rotation(
     turning = [item for item in masses if np.any(item.inertia) or any(item.offset)]
     if not turning:
         return tuple(masses)
+    first_rotation = DISPLACEMENT_NAMES.index("rx")
     resisted = np.zeros(len(assembly.mesh.nodes), dtype=bool)
     for block in assembly.shells:
         resisted[block.nodes] = True
     for rigid in assembly.rigid_couplings:
-        resisted[rigid.nodes] |= max(rigid.components) >= _ROTATIONS
+        resisted[rigid.nodes] |= max(rigid.components) >= first_rotation
     resisted[[item.reference for item in assembly.rigid_couplings]] = True
     resisted[[item.reference for item in assembly.average_couplings]] = True
     ends = [item.nodes for item in assembly.beams] + [item.nodes for item in assembly.bushes]
     resisted[[node for nodes in ends for node in nodes]] = True
     places = [dof for spring in assembly.springs for dof in spring.ends]
     places += [(node, c) for item in assembly.equations for node, c, _ in item.terms]
-    resisted[[node for node, c in places if c >= _ROTATIONS]] = True
+    resisted[[node for node, c in places if c >= first_rotation]] = True
     loose = {item.id for item in turning if not resisted[item.node]}
     if loose:
         ignored.append(

@@ -19,6 +19,7 @@ from faying.display.plane import Plane as Plane
 from faying.display.plane import Unrolled as Unrolled
 from faying.display.plane import plane_of, unrolled
 from faying.display.style import heading, plain
+from faying.interface.mismatch import LARGEST_COSINE
 from faying.interface.surface import pair_facets
 from faying.model.elements import FACES
 from faying.model.outline import outline_of
@@ -36,21 +37,13 @@ def best_plane(record: InterfaceRecord) -> Map:
     return plane if plane.flat else unrolled(record.pair_points, record.normals) or plane
 
 
-FACING = 0.9
-"""Cosine of a normal and that of a map from which a face lies along the map."""
-
-
 def looks_both_ways(record: InterfaceRecord) -> bool:
     """Say whether faces lie over each other in a map, as those of both sides of a plate."""
     plane = best_plane(record)
     if isinstance(plane, Unrolled):
         return False
     across = record.normals @ np.cross(*plane.axes)
-    return bool((across > FACING).any() and (across < -FACING).any())
-
-
-RASTER = 700
-"""Pixels along the longer side of a map of contact points."""
+    return bool((across > -LARGEST_COSINE).any() and (across < LARGEST_COSINE).any())
 
 
 Panel = Callable[[str, InterfaceRecord, Axes], str]
@@ -179,7 +172,8 @@ def _draw_points(
     polygons = covered(record, plane)
     corners = np.concatenate(polygons)
     low, high = corners.min(axis=0), corners.max(axis=0)
-    step = max((high - low).max() / RASTER, 1e-300)
+    # As many points as pixels of the panel.
+    step = max((high - low).max() / max(axes.bbox.size), 1e-300)
     count = np.maximum(np.ceil((high - low) / step).astype(int), 1)
     x, y = (low[i] + (np.arange(count[i]) + 0.5) * (high - low)[i] / count[i] for i in (0, 1))
     nearest = _nearest(record, plane, np.stack(np.meshgrid(x, y), axis=-1))

@@ -7,13 +7,10 @@ import numpy as np
 
 from faying.simulation.load import History
 from faying.study.inputs.loads import case_load
-from faying.study.keys.tables import LoadCaseSection
+from faying.study.keys.tables import DEFAULT_INSTANTS, LoadCaseSection
 
 SUDDEN = 0.5
 """Part of a load's largest value that comes or goes within the window, from which on it jumps."""
-
-WINDOW = 0.01
-"""Part of the longest period within which a load jumps, where time steps are shorter than that."""
 
 RISE = 0.25
 """Part of the longest period over which a load may rise without exciting much above it.
@@ -57,15 +54,15 @@ def load_jumps(
     """Return the jumps of a transient load case, the largest one of each load.
 
     Static load cases have none. The step [time] is that of the time integration, the period [time]
-    the longest one of the structure, as far as they are known. Within the longer of a step and a
-    hundredth of the period a load jumps; without either only what begins with a value other than
-    zero.
+    the longest one of the structure, as far as they are known. A load jumps within the longer of
+    the step and that by default, a hundredth of the period; without either only what begins with a
+    value other than zero does.
     """
     if not case.transient:
         return []
     if period == np.inf:
         period = None  # a structure without mass has none
-    window = max(step or 0.0, WINDOW * (period or 0.0))
+    window = max(step or 0.0, (period or 0.0) / DEFAULT_INSTANTS)
     rise = None if period is None else RISE * period
     return list(_jumps(case, window, rise))
 

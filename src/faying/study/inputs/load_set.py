@@ -9,7 +9,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.assessment.growth import DEFAULT_INCREMENTS
-from faying.digits import SHORT_DIGITS
+from faying.digits import LARGEST, SHORT_DIGITS, SMALLEST
 from faying.exceptions import StudyError, refuse_study
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.integrators import ImplicitEuler, Integrator, named_integrator
@@ -23,7 +23,6 @@ from faying.study.inputs.load_table import (
 from faying.study.inputs.loads import case_load, time_span, time_step
 from faying.study.keys.requirement_tables import RequirementSection
 from faying.study.keys.schema import read_load_cases
-from faying.study.keys.section import LARGEST, SMALLEST
 from faying.study.keys.tables import LoadCaseSection
 
 TABLES = (".csv", ".parquet")

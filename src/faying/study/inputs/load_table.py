@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from faying._typing import Matrix, Vector
+from faying.digits import LARGEST
 from faying.display.facts import MOST_SHOWN
 from faying.exceptions import refuse_study
 from faying.files.contents import check_room
@@ -17,7 +18,7 @@ from faying.joint.system import Joint, boundary_slices, initial_bolt_forces
 from faying.model.boundary import FORCE_NAMES
 from faying.study.keys.errors import nearest
 from faying.study.keys.parquet_files import parquet_table
-from faying.study.keys.section import LARGEST, LONGEST_NAME, MOST_PRELOAD_FACTOR
+from faying.study.keys.section import LONGEST_NAME, MOST_PRELOAD_FACTOR
 
 NAME = "case"
 """Column with the names of static cases; without it they are numbered from 1."""

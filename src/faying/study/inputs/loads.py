@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from faying.digits import CURVE_POINTS
 from faying.exceptions import ModelError
 from faying.joint.model import Model
 from faying.reduction.methods import METHODS
@@ -62,15 +63,11 @@ def case_load(case: LoadCaseSection) -> Load:
     return Load(forces, name=case.name)
 
 
-RISE_SAMPLES = 200
-"""Of a rise: between them it is linear, and off half a cosine by 3e-5 of the load."""
-
-
 def _rising(value: float | History, rise_time: float) -> float | History:
     """Let a constant load rise by half a cosine, and stay."""
     if isinstance(value, History):
         return value
-    part = np.linspace(0.0, 1.0, RISE_SAMPLES + 1)
+    part = np.linspace(0.0, 1.0, CURVE_POINTS + 1)
     return History(rise_time * part, value * (0.5 - 0.5 * np.cos(np.pi * part)))
 
 

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from faying.assessment.case_metrics import weak_warnings
+from faying.display.facts import WORTH_SAYING
 from faying.interface.selection import WHOLE_AREA
 from faying.joint.diagnosis import AS_A_WHOLE, suspension
 from faying.joint.model import Model
@@ -158,9 +159,6 @@ SEAT_LEVER = 0.28
 Measured: 0.21 to 0.28 at 0.8 and 1.5 mm and 0.1 at 0.3 mm on a flange of eight M12 with 24 to 31
 nodes under a head (``docs/how-to/judged_by_hand.md``); 0.04 at 0.6 mm on a lug of two M8 with 35.
 """
-LARGEST_BENT = 0.05
-"""Bending stress over that of the preload from which it is told: 0.02 to 0.03 is left on that
-flange with twice as many nodes around a hole."""
 
 
 def uneven_seats(loaded: LoadedModel) -> Iterator[str]:
@@ -172,7 +170,8 @@ def uneven_seats(loaded: LoadedModel) -> Iterator[str]:
     }
     # σ_b/σ = (F k e / W) / (F / A) of a round bar.
     bent = {name: 8 * SEAT_LEVER * off / size for name, (off, size) in offsets.items()}
-    many = [name for name, share in bent.items() if share > LARGEST_BENT]
+    # 0.02 to 0.03 is left on that flange with twice as many nodes around a hole.
+    many = [name for name, share in bent.items() if share > WORTH_SAYING]
     if many:
         worst = max(many, key=bent.__getitem__)
         length = loaded.study.unit_set.length

@@ -8,6 +8,7 @@ from faying.exceptions import FormatError
 from faying.interface.gap_field import read_gap_table
 from faying.model.assembly import Assembly
 from faying.reduction.methods import METHODS
+from faying.simulation.instants import MOST_TIME_STEPS
 from faying.simulation.integrators import DAMPED
 from faying.sources import SOURCES, Source
 from faying.study.keys.bolt_rules import bolt_problems, margin_problems
@@ -23,7 +24,7 @@ from faying.study.keys.load_files import read_history
 from faying.study.keys.loadings import loadings, repeated_loads, temperature_problems
 from faying.study.keys.measurements import measurement_problems
 from faying.study.keys.parameter_rules import parameter_problems
-from faying.study.keys.section import LARGEST_COUNT, MOST_STEPS
+from faying.study.keys.section import LARGEST_COUNT
 from faying.study.keys.tables import LoadCaseSection, Study, Timed
 
 
@@ -211,8 +212,8 @@ def _number_of_steps(study: Study, location: Location, timed: Timed) -> Iterator
     pairs = ((timed.duration, 1 / (timed.step or 1e30)), (timed.periods, timed.steps_per_period))
     for length, rate in pairs:
         count = (length or 0.0) * (rate or 0)
-        if count > MOST_STEPS:
-            text = f"found {count:.4g} time steps, expected at most {MOST_STEPS}; enlarge the step"
+        if count > MOST_TIME_STEPS:
+            text = f"found {count:.4g} time steps, expected at most {MOST_TIME_STEPS}; enlarge the step"
             yield study.in_table(location, text)
 
 

@@ -6,8 +6,9 @@ import numpy as np
 from pydantic import Field
 
 from faying._typing import Vector
+from faying.iterations import MOST_SOLVED
 from faying.study.keys.loading_table import Loading
-from faying.study.keys.section import MOST_SOLVED, Count, Name, Number, Positive, Section
+from faying.study.keys.section import Count, Name, Number, Positive, Section
 
 MOST_HARMONICS = 50
 """Harmonics: each adds as many unknowns as modes take part."""

@@ -5,6 +5,7 @@ from typing import Literal
 
 from faying.assessment.modal_cycles import boundary_and_component
 from faying.exceptions import FormatError, ModelError, refuse_model
+from faying.iterations import MOST_SOLVED
 from faying.joint.model import Model
 from faying.model.boundary import DISPLACEMENT_NAMES
 from faying.reduction.methods import METHODS
@@ -12,7 +13,7 @@ from faying.sources import SOURCES
 from faying.study.keys.errors import Location, Problem, nearest, quoted, reject
 from faying.study.keys.frequency_rules import frequencies_of
 from faying.study.keys.load_files import ALL, read_load_factors
-from faying.study.keys.section import MOST_PRELOAD_FACTOR, MOST_SOLVED
+from faying.study.keys.section import MOST_PRELOAD_FACTOR
 from faying.study.keys.tables import LoadCaseSection, Study
 from faying.study.keys.threads import thread_of
 

@@ -3,11 +3,12 @@
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from faying.digits import LARGEST
 from faying.exceptions import refuse
 from faying.files.number_table import NumberTable, check_times, read_numbers
 from faying.simulation.load import History
 from faying.study.keys.errors import quoted
-from faying.study.keys.section import LARGEST, LARGEST_COUNT
+from faying.study.keys.section import LARGEST_COUNT
 
 
 def read_history(path: Path) -> History:

@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from faying.assessment.preload_scatter import PreloadScatter
+from faying.iterations import MOST_SOLVED
 from faying.study.keys.section import (
-    MOST_SOLVED,
     Count,
     Name,
     NotNegative,

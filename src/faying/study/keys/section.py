@@ -25,6 +25,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError, PydanticUndefined
 
+from faying.digits import LARGEST, SMALLEST
 from faying.study.keys.errors import (
     OF_TABLE,
     OWN_TYPE,
@@ -37,26 +38,14 @@ from faying.study.keys.errors import (
     shown,
 )
 
-SMALLEST, LARGEST = 1e-30, 1e30
-"""Magnitudes of measures: products of several, as a stiffness times an area times a length, must
-stay between 1e-308 and 1e308, where double precision ends."""
-
 LARGEST_COUNT = 1_000_000
 """Modes, levels, steps per period or loads: no memory holds a vector of a structure for each."""
-
-MOST_SOLVED = 10_000
-"""Increments, points of a sweep or samples: each is solved with what was found before it."""
 
 LARGEST_ID = int(2 / sys.float_info.epsilon)
 """Ids of nodes and elements: whole numbers that tables of numbers hold exactly."""
 
 LONGEST_NAME = 200
 """Characters of a name: it becomes part of file names, which end at 255 bytes, and of tables."""
-
-MOST_STEPS = 100_000_000
-"""Time steps of a response: at a microsecond each, the least that a step takes, two minutes; at the
-milliseconds of a full model, days."""
-
 
 MOST_PRELOAD_FACTOR = 10.0
 """Initial force of a bolt over that it was tightened to: bolts that are tightened at all yield long

@@ -12,6 +12,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, PrivateAttr, model_
 
 from faying.assessment.growth import DEFAULT_INCREMENTS
 from faying.assessment.transient_error import LARGE_ERROR
+from faying.iterations import MOST_SOLVED
 from faying.reduction.methods import METHODS
 from faying.simulation.integrators import INTEGRATORS
 from faying.study.keys.errors import Location, Problem, StudySource, refusal, shown
@@ -32,7 +33,6 @@ from faying.study.keys.model_tables import (
 from faying.study.keys.parameter_tables import BandSection, ParameterSection
 from faying.study.keys.requirement_tables import RequirementSection, ScatterSection
 from faying.study.keys.section import (
-    MOST_SOLVED,
     Count,
     CountOrAuto,
     CountOrNone,
