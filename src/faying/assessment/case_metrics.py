@@ -289,7 +289,7 @@ def weak_warnings(shares: Mapping[str, Mapping[str, float]]) -> list[str]:
 
     Shares are the largest of a load case between two bodies that are named.
     """
-    # Springs that friction lets carry nothing have 1e-6 of it; those that carry the load some percent.
+    # Springs that friction lets carry nothing have 1e-6 of it; those that carry loads some percent.
     worst = [
         (share, bodies, case)
         for bodies, of_case in shares.items()

@@ -20,7 +20,6 @@ import scipy.linalg as la
 
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.exceptions import ConvergenceError
-from faying.iterations import MOST_STEPS
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -94,6 +93,9 @@ class Balance:
 
 BLOCK_ATTEMPTS = 5
 """Exchanges of the whole active set without progress before interior points take over."""
+
+MOST_INTERIOR = 100
+"""Newton steps through interior points; 15 to 45 are usual."""
 
 INSIDE = 0.995
 """Share of the way to the bounds that a step through interior points goes at most."""
@@ -229,7 +231,7 @@ def _through_interior(
     root = np.sqrt(np.maximum(space.diagonal, EPSILON * space.diagonal.max()))
     scale = float((np.abs(g_free - b @ initial) / root).max())
     forces, slack = scale / root, scale * root
-    for _ in range(MOST_STEPS):
+    for _ in range(MOST_INTERIOR):
         pulled = g_free - b @ initial
         wrong = space.product(forces) + delta * forces + pulled - slack
         missed = balance.elongations - b.T @ forces - balance.yields @ initial

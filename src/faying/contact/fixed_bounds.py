@@ -26,7 +26,6 @@ from faying._typing import Matrix
 from faying.contact.forced_laws import Admitting
 from faying.contact.newton_descent import FLAT
 from faying.contact.newton_steps import NewtonSteps, at_least
-from faying.iterations import MOST_STEPS, MOST_TRIALS
 
 LEAST_YIELD = 1e-6
 """Least that points yield, over what the structure yields at them.
@@ -34,6 +33,12 @@ LEAST_YIELD = 1e-6
 Newton steps to tighten three plates, copies perturbed by 1e-14 in the mean: with 1e-8 83 where
 they are rigid and 54 with a penalty, with 1e-6 36 and 66, with 1e-4 22 and 274.
 """
+
+MOST_STEPS = 60
+"""Newton steps; 2 to 15 are usual."""
+
+MOST_TRIALS = 40
+"""Lengths of a step that are tried."""
 
 SOLVED_RESIDUAL = 1e-6
 """Residual over the largest force at which it is solved; the step to it leaves far less."""

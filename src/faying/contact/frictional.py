@@ -23,7 +23,7 @@ import scipy.sparse as sp
 from faying._typing import Matrix, SparseMatrix, Vector, read_only
 from faying.contact.active_set import ROUND_OFF
 from faying.contact.contact import Contact
-from faying.contact.fixed_bounds import FixedBounds
+from faying.contact.fixed_bounds import MOST_STEPS, FixedBounds
 from faying.contact.forced_laws import Admitting, ForcedLaws
 from faying.contact.forced_springs import ForcedSprings
 from faying.contact.increment import Increment, displaced
@@ -31,7 +31,9 @@ from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_steps import NewtonSteps
 from faying.digits import SOLVED
 from faying.exceptions import ConvergenceError
-from faying.iterations import MOST_HALVINGS, MOST_STEPS
+
+MOST_HALVINGS = 12
+"""Halvings of a Newton step."""
 
 STEPS_TO_FALL = 5
 """Steps among which the residual must fall where it cannot fall in every one.
@@ -53,6 +55,9 @@ LARGEST_RISE = 1e3
 
 SOFTEST, MOST_PROXIMAL = 1.0, 40
 """First yield of proximal points over that of the structure, and how many of them are tried."""
+
+MOST_STIFFENED = 12
+"""Times that what points yield is divided by ten."""
 
 MOST_BOUNDS = 40
 """Fixed friction bounds tried where Newton's method on Coulomb's law stalls.
@@ -297,7 +302,7 @@ class FrictionalContact:
         solution near those of penalties, and rise with the penalty where it has none.
         """
         steps, x = 0, np.zeros_like(x)
-        for added in SOFTEST * 10.0 ** -np.arange(MOST_HALVINGS):
+        for added in SOFTEST * 10.0 ** -np.arange(MOST_STIFFENED):
             x, more, left = self._newton(z_free, x, None, STEPS_TO_FALL, added=added)
             candidate, last, exact = self._newton(z_free, x, None)
             steps += more + last

@@ -84,8 +84,9 @@ def _unit(vector: Vector) -> Vector:
 
 
 ROUND = 0.02
-"""Distance of points from a circle, over its radius, up to which a surface is one, and difference of
-diameters that are one: chords, and nodes that were rounded. Holes of listed sizes differ by 5 %."""
+"""Distance of points from a circle, over its radius, up to which a surface is one, and difference
+of diameters that are one: chords, and nodes that were rounded. Holes of listed sizes differ by
+5 %."""
 
 ACROSS = 0.05
 """Root mean square of the normals' component along an axis that they go round."""

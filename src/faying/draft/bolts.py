@@ -29,8 +29,8 @@ ACROSS = np.sqrt(0.5)
 """Cosine between a spring and the normal of a face above which it is across rather than along."""
 
 WASHER = 1.5
-"""Radius of a washer over that of the hole. Holes of one bolt differ by less, as a thread's from the
-one it comes through: a wider one would let the washer through."""
+"""Radius of a washer over that of the hole. Holes of one bolt differ by less, as a thread's from
+the one it comes through: a wider one would let the washer through."""
 
 DIAMETER = 0.9
 """Diameter of a bolt over that of its hole, of holes that no size is listed for."""

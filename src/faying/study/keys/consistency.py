@@ -213,7 +213,10 @@ def _number_of_steps(study: Study, location: Location, timed: Timed) -> Iterator
     for length, rate in pairs:
         count = (length or 0.0) * (rate or 0)
         if count > MOST_TIME_STEPS:
-            text = f"found {count:.4g} time steps, expected at most {MOST_TIME_STEPS}; enlarge the step"
+            text = (
+                f"found {count:.4g} time steps, expected at most {MOST_TIME_STEPS}; "
+                "enlarge the step"
+            )
             yield study.in_table(location, text)
 
 
