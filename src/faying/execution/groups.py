@@ -11,17 +11,15 @@ from typing import TypeVar
 from faying.exceptions import CampaignError
 
 FEWEST_TOGETHER = 4
-"""Side by side unless told. A response then costs half of what it costs alone."""
+"""Side by side unless told, and groups that are left before more than these go together.
+
+A response then costs half of what it costs alone. Of as many groups two workers have several each;
+with more workers the time that larger groups save outweighs idle ones: eight side by side take a
+third to a half longer than four.
+"""
 
 MOST_TOGETHER = 8
 """Side by side at most unless told, for 0.35 to 0.45; 16 save a fifth of that, for more memory."""
-
-GROUPS = 4
-"""Groups that are left, where there are tasks for as many, before more than the fewest go together.
-
-Two workers have several each; with more workers the time that larger groups save outweighs idle
-ones: eight side by side take a third to a half longer than four.
-"""
 
 T = TypeVar("T")
 
@@ -41,7 +39,7 @@ def grouped(tasks: Mapping[str, T], size: int | None = None) -> list[dict[str, T
         If the size is not positive.
     """
     if size is None:
-        size = min(MOST_TOGETHER, max(FEWEST_TOGETHER, len(tasks) // GROUPS))
+        size = min(MOST_TOGETHER, max(FEWEST_TOGETHER, len(tasks) // FEWEST_TOGETHER))
     if size < 1:
         message = f"the number of tasks side by side is {size}; give at least one"
         raise CampaignError(message)

@@ -12,11 +12,13 @@ Array = np.ndarray[Any, np.dtype[Any]]
 
 COMPONENTS = ("ux", "uy", "uz", "rx", "ry", "rz")
 FORCES = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
-ROUND_OFF = 1e-13
+ROUND_OFF = 1e-11
+"""Gaps over the largest that tell nothing: where more is left at closed points, the inverse is
+formed anew."""
 EPSILON = float(np.finfo(float).eps)
 SMALLEST_FLEXIBILITY = 1e-6
-LARGEST_DRIFT = 1e-11
-"""Gap left at closed points, over the largest, from which the inverse is formed anew."""
+"""Of contact at a point over that of the joint there: it tells forces apart, and gaps are a
+millionth off."""
 
 
 class CoupledPoints:
@@ -45,7 +47,7 @@ class CoupledPoints:
         for _ in range(50 * len(gap) + 200):
             forces = -(self.inverse(active) @ gap)
             slack = self.flexibility @ forces + gap
-            if np.abs(slack[active]).max(initial=0.0) > LARGEST_DRIFT * largest:
+            if np.abs(slack[active]).max(initial=0.0) > ROUND_OFF * largest:
                 self._held = np.zeros_like(active)
                 self._inverse[:] = 0.0
                 forces = -(self.inverse(active) @ gap)

@@ -13,9 +13,8 @@ from faying._typing import Frozen, Indices, Matrix, Vector
 from faying.exceptions import refuse_model
 from faying.model.elements import FACES
 
-# skfem holds triangle rules well beyond this; no interface needs more, and the limit gives the
-# message below instead of one from another package.
 LARGEST_ORDER = 12
+"""Of quadrature on facets: skfem holds more, and no interface needs them."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

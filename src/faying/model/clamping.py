@@ -14,8 +14,9 @@ from faying.model.links import joined_nodes
 from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 
-# A body in the plane of a seat touches it, but is not between the seats.
 _SMALLEST_DEPTH = 1e-2
+"""Distance from a seat over the length of a bolt below which a node is not between the seats: bodies
+in the plane of a seat touch it, and seats are up to a percent from plane."""
 
 
 def check_clamping(mesh: Mesh, spec: BoltSpec, seats: tuple[Indices, Indices]) -> None:

@@ -25,10 +25,10 @@ MOST_SYSTEMS = 20
 """Linear systems after which exchanges of all wrong points are taken to lead nowhere."""
 
 LOOSE, ROUND_OFF = 1e-11, 1e-13
-"""Wrong gaps over the largest free one that do not count, before forces are corrected and after."""
+"""Wrong gaps over the largest free one that do not count, before forces are corrected and after.
 
-CLOSED = 1e-11
-"""Force that an unclosed gap stands for, over the largest one, up to which a step is solved."""
+The first also of the force that an unclosed gap stands for, over the largest force.
+"""
 
 RENEWAL = 1_000_000
 """What a new E costs beside its n³ multiplications, in multiplications."""
@@ -261,7 +261,7 @@ def advance(
                     strongest = max(strongest, abs(forces[i]))
                 previous = left
                 left = missing / max(strongest, missing) if missing > 0.0 else 0.0
-                if left > CLOSED:
+                if left > LOOSE:
                     if not move(model, held, slack, changed, active, met, moved):
                         return step
                     interpolate(columns, values, moved, at_points)
@@ -269,7 +269,7 @@ def advance(
                         slack[i] += at_points[i]
                         if active[i]:
                             forces[i] -= slack[i] * springs[i]
-                if left <= CLOSED or left * left / previous <= CLOSED:
+                if left <= LOOSE or left * left / previous <= LOOSE:
                     exact = True
                     break
             if not exact:

@@ -21,6 +21,7 @@ from faying.reduction.reduced_model import ReducedModel
 MAGIC = int.from_bytes(b"FYJOINT1", "little")
 TOKEN_LENGTH = 64
 N_HEADER = 16
+"""Bytes of the token and words of the header, as ``sources/joint.c`` reads them."""
 
 MOST_HARD_POINTS = 8192
 """Points of hard contact, which is solved between points: two dense matrices, 1 GB."""

@@ -145,6 +145,7 @@ def _at_angle(places: Matrix, angle: Vector) -> Matrix:
 
 
 _FULL = 1.01
+"""F1 up to which a panel carries all of its normal stress along its sides (MSC's number)."""
 
 
 def read_panel_sides(bulk: BulkData, first: int) -> list[Beam]:
