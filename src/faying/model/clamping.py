@@ -15,8 +15,10 @@ from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 
 _SMALLEST_DEPTH = 1e-2
-"""Distance from a seat over the length of a bolt below which a node is not between the seats: bodies
-in the plane of a seat touch it, and seats are up to a percent from plane."""
+"""Distance from a seat, over the length of a bolt, below which a node is not between the seats.
+
+Bodies in the plane of a seat touch it, and seats are up to a percent from plane.
+"""
 
 
 def check_clamping(mesh: Mesh, spec: BoltSpec, seats: tuple[Indices, Indices]) -> None:

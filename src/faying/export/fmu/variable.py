@@ -75,7 +75,7 @@ def _factor(units: Units, quantity: str, exponents: tuple[int, int, int, int]) -
 
 
 INDEX_BITS = 20
-"""Of a value reference that number a variable of its kind, as ``sources/variables.c`` reads them."""
+"""Of a value reference that number a variable of its kind, as in ``sources/variables.c``."""
 WHOLE_ARRAY = 2**INDEX_BITS - 1
 """Index that means all of an array."""
 
