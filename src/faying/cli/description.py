@@ -9,7 +9,7 @@ from rich.table import Table
 from faying.cli.load_rows import case_rows, frequency_rows
 from faying.cli.tables import text_table
 from faying.contact.laws import Penalty
-from faying.display.facts import MOST_SHOWN
+from faying.display.facts import MOST_SHOWN, listed
 from faying.interface.interface import Interface
 from faying.joint.diagnosis import AS_A_WHOLE, FreeParts
 from faying.joint.expected_memory import expected_memory
@@ -272,8 +272,7 @@ def _tightened(spec: BoltSpec) -> str:
     """Say what a bolt is made of."""
     if spec.elements is not None:
         ids = list(spec.elements)
-        shown = ", ".join(map(str, ids[:MOST_SHOWN])) + (", ..." if len(ids) > MOST_SHOWN else "")
-        return f"element{'s' * (len(ids) > 1)} {shown}"
+        return f"element{'s' * (len(ids) > 1)} {listed(ids)}"
     if spec.nodes is not None:
         return f"nodes {spec.nodes[0]}, {spec.nodes[1]}"
     ends = " to ".join(_point(end) for end in spec.axis or ())

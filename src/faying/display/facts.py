@@ -1,7 +1,7 @@
 """A value in a line of text, and as a small table in a notebook."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from html import escape
 
 
@@ -38,6 +38,19 @@ def with_unit(value: float, unit: str) -> str:
     ('105.4 MPa', 'inf')
     """
     return f"{value:.4g} {unit}".rstrip()
+
+
+def listed(names: Iterable[object]) -> str:
+    """Return what things are called, and how many there are besides the first few.
+
+    Examples
+    --------
+    >>> listed([3, 5]), listed(range(1, 11))
+    ('3, 5', '1, 2, 3, 4, 5, 6, 7, 8 and 2 more')
+    """
+    every = list(map(str, names))
+    more = len(every) - MOST_SHOWN
+    return ", ".join(every[:MOST_SHOWN]) + (f" and {more} more" if more > 0 else "")
 
 
 def counted(names: Mapping[str, object]) -> str:

@@ -15,6 +15,7 @@ import numpy as np
 
 from faying import __version__, exceptions
 from faying._typing import Matrix
+from faying.display.facts import listed
 from faying.exceptions import CampaignError, FayingError
 from faying.execution.checkpoint import Arrays, Bundles, Checkpoint
 from faying.execution.executor import Executor, LostTasksError, Prepare, SerialExecutor
@@ -268,8 +269,7 @@ def _raised(failures: Mapping[str, Failure], names: Sequence[str]) -> FayingErro
     first, others = names[0], names[1:]
     more = ""
     if others:
-        shown = ", ".join(f"'{name}'" for name in others[:5])
-        more = f"; {len(others)} more failed: {shown}{', …' if len(others) > 5 else ''}"
+        more = f"; {len(others)} more failed: {listed(map(repr, others))}"
     return _error(failures[first], f"task '{first}': ", more)
 
 

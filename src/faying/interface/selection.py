@@ -5,7 +5,7 @@ from difflib import get_close_matches
 import numpy as np
 
 from faying._typing import Indices, Matrix
-from faying.display.facts import MOST_SHOWN
+from faying.display.facts import listed
 from faying.exceptions import ModelError, naming, refuse_model
 from faying.model.assembly import Assembly
 from faying.model.specs import InterfaceSpec, Selection
@@ -67,9 +67,9 @@ def _by_number(assembly: Assembly, numbers: Indices) -> Facets:
             return exterior.taken(np.isin(owner, numbers))
     missing = numbers[~np.isin(numbers, elements)]
     message = (
-        f"there is no solid element with id {', '.join(map(str, missing[:MOST_SHOWN]))}, nor do "
+        f"there is no solid element with id {listed(missing)}, nor do "
         f"all of the given numbers name properties of solids; properties are "
-        f"{', '.join(map(str, np.unique(properties)[:MOST_SHOWN])) or 'not defined'}"
+        f"{listed(np.unique(properties)) or 'not defined'}"
     )
     raise ModelError(message)
 
@@ -97,9 +97,7 @@ def _unknown(assembly: Assembly, name: str) -> str:
     if alike:
         hint = f"did you mean {' or '.join(map(repr, alike))}?"
     elif names:
-        hint = (
-            f"known names are {', '.join(repr(alternative) for alternative in names[:MOST_SHOWN])}"
-        )
+        hint = f"known names are {listed(map(repr, names))}"
     else:
         hint = "the model has no named sets"
     return f"no face set, node set, element set or body is called {name!r}; {hint}"

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from faying._typing import Indices, Matrix, SparseMatrix
+from faying.display.facts import listed
 from faying.exceptions import ModelError, naming, refuse, refuse_model
 from faying.io.deck_lines import ABAQUS, NASTRAN
 from faying.io.matrix_checks import (
@@ -291,18 +292,17 @@ def _rowless(mesh: Mesh, name: str, faces: FaceSet, present: Indices) -> str:
     missing = mesh.node_ids[np.setdiff1d(faces.nodes, present)]
     if not len(missing):
         return ""
-    shown = ", ".join(map(str, missing[:5].tolist())) + (", …" if len(missing) > 5 else "")
-    return f"{len(missing)} nodes of face set '{name}' without rows, taken as held: {shown}"
+    nodes = listed(missing)
+    return f"{len(missing)} nodes of face set '{name}' without rows, taken as held: {nodes}"
 
 
 def _turning(mesh: Mesh, nodes: Indices) -> str:
     """Say that rows labelled as displacements were taken as rotations."""
     if not len(nodes):
         return ""
-    shown = ", ".join(map(str, mesh.node_ids[nodes][:5].tolist())) + (", …" * (len(nodes) > 5))
     return (
         f"rows 1 to 3 of {len(nodes)} nodes, taken as their rotations 4 to 6, for a translation of "
-        f"the structure does not move them: {shown}"
+        f"the structure does not move them: {listed(mesh.node_ids[nodes])}"
     )
 
 

@@ -8,7 +8,7 @@ import scipy.linalg as la
 
 from faying._typing import Indices, Mask, Matrix, SparseMatrix, Vector
 from faying.digits import DECK_DIGITS
-from faying.display.facts import MOST_SHOWN
+from faying.display.facts import listed
 from faying.exceptions import ModelError
 from faying.joint.model import Model
 from faying.model.assembly import Assembly
@@ -98,9 +98,7 @@ def free_parts(model: Model) -> FreeParts:
         parts[_body(model.assembly, members)] = ways
     loose = model.assembly.mesh.node_ids[moving & (free.labels < 0)].tolist()
     if loose:
-        shown = ", ".join(map(str, loose[:MOST_SHOWN]))
-        more = f" and {len(loose) - MOST_SHOWN} more" if len(loose) > MOST_SHOWN else ""
-        parts[f"node {shown}{more}"] = "of beams, springs or couplings, can move"
+        parts[f"node {listed(loose)}"] = "of beams, springs or couplings, can move"
     return FreeParts(count=count, parts=parts, whole=whole.shape[1])
 
 

@@ -10,6 +10,7 @@ from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Matrix, frozen
 from faying.digits import LARGEST
+from faying.display.facts import listed
 from faying.exceptions import check_known, refuse_model
 from faying.model.cells import CellBlock
 from faying.model.elements import SOLIDS
@@ -184,9 +185,9 @@ class Mesh:
         index: Indices = order[np.minimum(position, len(order) - 1)]
         missing = ids[self.node_ids[index] != ids]
         if missing.size:
-            shown = ", ".join(map(str, missing[:5]))
             refuse_model(
-                f"the model has no node with id {shown}; check the id in the study or deck"
+                f"the model has no node with id {listed(missing)}; check the id in the study or "
+                "deck"
             )
         return index
 

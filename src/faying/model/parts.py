@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
 
 from faying._typing import Indices, Mask
-from faying.display.facts import MOST_SHOWN
+from faying.display.facts import listed
 from faying.exceptions import refuse_model
 from faying.model.assembly import Assembly, FaceSet, NodalLoads, RigidCoupling, Support
 from faying.model.bodies import body_names
@@ -186,10 +186,9 @@ class _Cut:
         """Refuse what ties a node that remains to one that is left out."""
         ties = np.flatnonzero(self.crossing)
         if ties.size:
-            shown = ", ".join(self.links.names[i] for i in ties[:MOST_SHOWN].tolist())
-            more = f" and {ties.size - MOST_SHOWN} more" if ties.size > MOST_SHOWN else ""
+            shown = listed(self.links.names[i] for i in ties.tolist())
             refuse_model(
-                f"{shown}{more}: these hold together what remains and what parts and without of "
+                f"{shown}: these hold together what remains and what parts and without of "
                 "[model] leave out; keep both sides, or leave them out too by an element set"
             )
 

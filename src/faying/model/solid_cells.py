@@ -3,6 +3,7 @@
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
+from faying.display.facts import listed
 from faying.exceptions import refuse_model
 from faying.linalg.pieces import pieces
 from faying.model.assembly import Assembly, Material
@@ -61,9 +62,8 @@ def tangled(assembly: Assembly) -> str:
         for part in pieces(len(block.ids), 9 * element.n_nodes):
             inverted = inverted_corners(element, assembly.mesh.nodes[block.nodes[part]])
             ids += block.ids[part][inverted].tolist()
-    named = ", ".join(map(str, ids[:8])) + (", …" if len(ids) > 8 else "")
     return (
-        f"{len(ids)} solid elements are inside out at a corner ({named}): matrices are "
+        f"{len(ids)} solid elements are inside out at a corner ({listed(ids)}): matrices are "
         "formed, as elsewhere, but stresses and contact near them are not to be trusted; remesh"
         if ids
         else ""

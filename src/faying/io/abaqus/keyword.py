@@ -8,6 +8,7 @@ from typing import NoReturn, TypeVar
 import numpy as np
 
 from faying._typing import Matrix
+from faying.display.facts import listed
 from faying.exceptions import FormatError
 from faying.io.abaqus.left_out import KEYWORDS
 from faying.io.deck_lines import Lines
@@ -277,8 +278,7 @@ def named(
     for key in scoped_names(keyword, label):
         if key in table:
             return table[key]
-    names = ", ".join([*table][:8]) or "none"
-    message = f"there is no {what} '{label}'; known are {names}"
+    message = f"there is no {what} '{label}'; known are {listed(table) or 'none'}"
     raise keyword.error(message, row)
 
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from faying._typing import Matrix
+from faying.display.facts import listed
 from faying.exceptions import ModelError
 from faying.io.nastran import fields as numbers
 from faying.io.nastran.card_table import FIELDS
@@ -159,21 +160,16 @@ def read_materials(bulk: BulkData) -> tuple[dict[int, Material], dict[int, float
         bulk.ignored.append(f"structural damping GE of {damped} MAT1 (give [damping] in the study)")
     if contradicting := unusual.get("contradicting"):
         bulk.ignored.append(
-            f"E, G and NU of MAT1 {_listed(contradicting)} contradict each other by more than 1 %: "
+            f"E, G and NU of MAT1 {listed(contradicting)} contradict each other by more than 1 %: "
             "as in Nastran solids and membranes of shells have E and NU, transverse shear and "
             "torsion of lines G"
         )
     if single := unusual.get("E alone"):
         bulk.ignored.append(
-            f"MAT1 {_listed(single)} with E alone: as in Nastran NU is 0, and G is 0 for torsion "
+            f"MAT1 {listed(single)} with E alone: as in Nastran NU is 0, and G is 0 for torsion "
             "and shear of lines"
         )
     return materials, factors
-
-
-def _listed(numbers: list[int]) -> str:
-    shown = ", ".join(map(str, numbers[:5]))
-    return shown if len(numbers) <= 5 else f"{shown} and {len(numbers) - 5} more"
 
 
 def _constants(card: Card, only_lines: bool, of_shells: bool) -> tuple[float, float, float, str]:

@@ -7,6 +7,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from faying._typing import Frozen, Indices, Mask, Matrix, SparseMatrix, Vector
+from faying.display.facts import listed
 from faying.model.assembly import Assembly
 from faying.model.boundary import DISPLACEMENT_NAMES
 
@@ -41,9 +42,8 @@ class Rows(Frozen):
         )
 
     def names(self, which: Mask | Indices) -> str:
-        """Name the couplings of some equations, at most five."""
-        owners = list(dict.fromkeys(self.labels[i] for i in self.owner[which].tolist()))
-        return ", ".join(owners[:5]) + (", …" if len(owners) > 5 else "")
+        """Name the couplings of some equations, a few of them."""
+        return listed(dict.fromkeys(self.labels[i] for i in self.owner[which].tolist()))
 
 
 def stacked(parts: Sequence[Rows]) -> Rows:

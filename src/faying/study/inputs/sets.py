@@ -7,6 +7,7 @@ from typing import get_args
 import numpy as np
 
 from faying._typing import Indices, frozen
+from faying.display.facts import listed
 from faying.exceptions import ModelError, StudyError
 from faying.model.assembly import Assembly, PointMass
 from faying.model.mesh import Mesh
@@ -87,8 +88,7 @@ def _from_ids(assembly: Assembly, study: Study, name: str, named: NamedSet) -> A
 def _check_ids(study: Study, name: str, what: str, ids: Sequence[int], existing: Indices) -> None:
     missing = np.setdiff1d(ids, existing)
     if missing.size:
-        shown = ", ".join(map(str, missing[:5].tolist()))
-        _refuse(study, name, f"the model has no {what} with id {shown}; correct the list")
+        _refuse(study, name, f"the model has no {what} with id {listed(missing)}; correct the list")
 
 
 def _with_elements(mesh: Mesh, study: Study, name: str, elements: Indices) -> Mesh:
