@@ -1,7 +1,7 @@
 """A value in a line of text, and as a small table in a notebook."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 
 
@@ -51,6 +51,19 @@ def listed(names: Iterable[object]) -> str:
     every = list(map(str, names))
     more = len(every) - MOST_SHOWN
     return ", ".join(every[:MOST_SHOWN]) + (f" and {more} more" if more > 0 else "")
+
+
+def bulleted(mistakes: Sequence[str]) -> str:
+    """Return mistakes one a line, and how many there are besides the first few.
+
+    Examples
+    --------
+    >>> print(bulleted(["no column 'tip'", "no column 'end'"]))
+      - no column 'tip'
+      - no column 'end'
+    """
+    lines, more = [f"  - {text}" for text in mistakes[:MOST_SHOWN]], len(mistakes) - MOST_SHOWN
+    return "\n".join([*lines, f"  ... and {more} more"] if more > 0 else lines)
 
 
 def counted(names: Mapping[str, object]) -> str:

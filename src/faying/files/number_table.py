@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
-from faying.display.facts import MOST_SHOWN
+from faying.display.facts import bulleted
 from faying.exceptions import FormatError, refuse
 from faying.files.contents import file_text
 from faying.files.csv_rows import csv_rows
@@ -213,11 +213,9 @@ def _wrong_cells(
     every = ((line, _cells(path, line, text)) for line, text in rows)
     wrong = [text for line, row in every for text in _wrong(names, line, row, label, largest)]
     limit = f" up to {largest:g} in magnitude" if largest < inf else ""
-    listed = "\n".join(f"  - {text}" for text in wrong[:MOST_SHOWN])
-    more = f"\n  ... and {len(wrong) - MOST_SHOWN} more" if len(wrong) > MOST_SHOWN else ""
     return FormatError(
         f"{path}: expected finite numbers{limit}, with decimal points and separated by commas\n"
-        f"{listed}{more}"
+        f"{bulleted(wrong)}"
     )
 
 

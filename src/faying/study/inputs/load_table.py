@@ -10,7 +10,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.digits import LARGEST
-from faying.display.facts import MOST_SHOWN
+from faying.display.facts import bulleted
 from faying.exceptions import refuse_study
 from faying.files.contents import check_room
 from faying.files.number_table import check_times, read_numbers
@@ -110,8 +110,7 @@ def table_inputs(table: LoadTable, joint: Joint) -> Matrix:
         if name not in targets
     ]
     if wrong:
-        listed = "\n".join(f"  - {text}" for text in wrong[:MOST_SHOWN])
-        refuse_study(f"{table.path.name}: columns that the model does not have\n{listed}")
+        refuse_study(f"{table.path.name}: columns that the model does not have\n{bulleted(wrong)}")
     places = boundary_slices(joint.boundaries)
     n_boundary = sum(len(boundary.dofs) for boundary in joint.boundaries.values())
     bolts, patterns = list(joint.bolts), list(joint.load_patterns)

@@ -11,7 +11,7 @@ from typing import Any, Final, Literal
 
 from pydantic_core import PydanticCustomError
 
-from faying.display.facts import MOST_SHOWN
+from faying.display.facts import bulleted
 from faying.exceptions import StudyError
 
 Location = tuple[str | int, ...]
@@ -185,15 +185,9 @@ def reject(source: StudySource, problems: Sequence[Problem]) -> None:
     """Raise one :class:`StudyError` for all problems; return if there are none."""
     if not problems:
         return
-    lines = list(map(source.told, problems[:MOST_SHOWN]))
-    if len(problems) > MOST_SHOWN:
-        lines.append(f"... and {len(problems) - MOST_SHOWN} more")
-    if len(lines) > 1:
-        lines = [
-            f"{source.path.name}: {len(problems)} mistakes",
-            *(f"  - {line}" for line in lines),
-        ]
-    raise StudyError("\n".join(lines))
+    lines = list(map(source.told, problems))
+    several = f"{source.path.name}: {len(lines)} mistakes\n{bulleted(lines)}"
+    raise StudyError(several if len(lines) > 1 else lines[0])
 
 
 def translated(error: Mapping[str, Any]) -> Problem:

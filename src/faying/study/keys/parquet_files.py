@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from faying.display.facts import MOST_SHOWN
+from faying.display.facts import bulleted
 from faying.exceptions import StudyError, refuse_study
 from faying.files.contents import check_room, file_size
 from faying.files.number_table import NumberTable
@@ -64,8 +64,7 @@ def parquet_table(path: Path, label: str) -> NumberTable:
         message = f"cannot read the loads {path}: {reason}; save it again as Parquet, or as csv"
         raise StudyError(message) from None
     if wrong:
-        listed = "\n".join(f"  - {text}" for text in wrong[:MOST_SHOWN])
-        refuse_study(f"{path.name}: expected finite numbers\n{listed}")
+        refuse_study(f"{path.name}: expected finite numbers\n{bulleted(wrong)}")
     return NumberTable(
         path=path,
         names=tuple(numeric),
