@@ -13,9 +13,9 @@ from faying.simulation.integrators import Motion
 from faying.simulation.path_steps import PathStep
 from faying.simulation.solution import Solution
 
-MOST_TIME_STEPS = 100_000_000
-"""Steps of a response: at a microsecond each, the least that a step takes, two minutes; at the
-milliseconds of a full model, days."""
+MOST_TIME_STEPS = 10**9
+"""Steps of a response: at a microsecond each, the least that a step takes, 20 minutes; the instants
+alone are eight gigabytes of them."""
 
 
 def check_times(step: float, duration: float) -> None:

@@ -16,7 +16,7 @@ from faying.joint.system import System, input_forces
 from faying.linalg.factorization import Factorization, factorize
 from faying.linalg.threads import threads_for
 from faying.simulation.compiled import CompiledSteps, compiled_steps, stacked, unstacked
-from faying.simulation.energy_guard import SIDE_BY_SIDE, EnergyGuard
+from faying.simulation.energy_guard import EnergyGuard
 from faying.simulation.instants import Instants, check_times, require_history_room
 from faying.simulation.integrators import ImplicitEuler, Integrator, Motion
 from faying.simulation.load import Load
@@ -27,6 +27,9 @@ from faying.simulation.start import begun, starting_states
 from faying.simulation.static import relative_forces
 from faying.simulation.step_contact import StepContact
 from faying.simulation.transient_windows import transient_windows
+
+SIDE_BY_SIDE = 16
+"""Cases advanced together; more gain nothing more and spread over more memory."""
 
 STEPS_AT_ONCE = 2000
 """Steps between two looks at progress and the keyboard, and two writes of a stream: a second of

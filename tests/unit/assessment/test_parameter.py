@@ -38,7 +38,7 @@ def test_quasi_random_points_fill_the_ranges_alike_every_time():
         (lambda: Parameter(name="p", low=1.0, high=1.0), "the smaller one first"),
         (lambda: Parameter(name="p", low=1.0, high=2.0, start=3.0), "start within"),
         (lambda: design([FRICTION], "random"), "give 'corners' or 'quasi-random'"),
-        (lambda: design([FRICTION] * 11), "2048 corners"),
+        (lambda: design([FRICTION] * 14), "16384 corners"),
     ],
 )
 def test_what_is_wrong_is_said(call, match):

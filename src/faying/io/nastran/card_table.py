@@ -4,9 +4,10 @@
 that is not read. Behind the last name a card goes on with lists or rows that its reader knows.
 """
 
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
+
+import numpy as np
 
 from faying.io.left_out import Handling
 
@@ -159,9 +160,13 @@ FIELDS: Mapping[str, tuple[Field, ...]] = {
 _UNKNOWN = Field(name="")
 
 
+_BEYOND = int(np.iinfo(np.int32).max)
+"""A field no card reaches."""
+
+
 def place_of(card: str, name: str) -> int:
     """Return the number of a field by its name; one that no card reaches where it has none."""
-    return next((i for i, field in enumerate(FIELDS[card]) if field.name == name), sys.maxsize)
+    return next((i for i, field in enumerate(FIELDS[card]) if field.name == name), _BEYOND)
 
 
 def field_of(card: str, number: int) -> Field:

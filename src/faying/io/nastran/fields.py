@@ -187,7 +187,7 @@ def frame_independent(numbers: tuple[int, ...]) -> bool:
     return all(len(set(numbers) & group) in (0, 3) for group in ({0, 1, 2}, {3, 4, 5}))
 
 
-LONGEST_RANGE = 10_000_000
+LONGEST_RANGE = 1_000_000
 """Ids that a range spells out, or cards that one line repeats: more are a slip of the pen, which
 shall not fill the memory."""
 

@@ -12,7 +12,7 @@ from faying.joint.model import Model
 from faying.joint.system import System
 from faying.linalg.memory import require_room
 from faying.simulation.divided_steps import DividedSteps, divided_steps
-from faying.simulation.energy_guard import SIDE_BY_SIDE
+from faying.simulation.energy_guard import AT_ONCE
 from faying.simulation.instants import runs_at_once
 from faying.simulation.integrators import Integrator, named_integrator
 from faying.simulation.solution import Solution
@@ -26,7 +26,7 @@ from faying.study.results.responses import Seen, respond, seen_of
 from faying.study.results.values import Response
 from faying.study.stages.offline import PreparedJoint
 
-INSTANTS_AT_ONCE = SIDE_BY_SIDE
+INSTANTS_AT_ONCE = AT_ONCE
 """Instants computed at a time: as many as the energy guard looks at together."""
 
 
