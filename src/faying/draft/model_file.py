@@ -19,7 +19,7 @@ from faying.sources import SOURCES, SourceKeys
 from faying.study.judgement.model_warnings import doubts
 from faying.study.keys.deck_study import STUDY, check_not_ansys
 
-UNITS = ("mm-t-s", "m-kg-s", "mm-kg-ms", "in-slinch-s")
+UNITS = ("mm-t-s", "m-kg-s", "mm-kg-s", "mm-kg-ms", "in-slinch-s")
 """Unit sets that are tried, the usual one first."""
 
 METRES = 2.0
@@ -41,7 +41,10 @@ class ModelFile:
     source
         As studies name it.
     units
-        The first of :data:`UNITS` in which the materials are those of solids.
+        The first of :data:`UNITS` in which the materials are those of solids, or that suits the
+        size; the first of all where none does.
+    suits
+        Whether one does.
     separate
         Volume groups of a mesh that share nodes with others, taken as parts that touch.
     stand_in
@@ -52,6 +55,7 @@ class ModelFile:
     source: str
     described: JointDescription
     units: str
+    suits: bool = True
     ignore: tuple[str, ...] = ()
     separate: tuple[str, ...] = ()
     stand_in: Material | None = None
@@ -86,7 +90,8 @@ def read_model_file(path: Path, ignore: Sequence[str] = ()) -> ModelFile:
                 path=path,
                 source=source.name,
                 described=described,
-                units=units,
+                units=units or UNITS[0],
+                suits=units is not None,
                 ignore=tuple(ignore),
             )
     if ignore:
@@ -94,9 +99,9 @@ def read_model_file(path: Path, ignore: Sequence[str] = ()) -> ModelFile:
     return _mesh(path)
 
 
-def _unit_set(materials: Mapping[int, Material]) -> str:
-    """Return the first of :data:`UNITS` in which materials can be those of solids."""
-    return next((units for units in UNITS if not [*doubts(materials, units)]), UNITS[0])
+def _unit_set(materials: Mapping[int, Material]) -> str | None:
+    """Return the first of :data:`UNITS` in which materials can be those of solids, if any."""
+    return next((units for units in UNITS if not [*doubts(materials, units)]), None)
 
 
 def _mesh(path: Path) -> ModelFile:
@@ -118,7 +123,8 @@ def _mesh(path: Path) -> ModelFile:
         path=path,
         source="mesh",
         described=JointDescription(assembly=assembly),
-        units=units,
+        units=units or UNITS[0],
+        suits=units is not None,
         separate=apart,
         stand_in=stand_in,
     )

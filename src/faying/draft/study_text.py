@@ -124,7 +124,8 @@ def _comment(text: str) -> list[str]:
 def _head(findings: Findings, target: Path) -> Iterator[str]:
     file, mesh = findings.file, findings.file.mesh
     yield f"title = {quoted(file.path.stem)}"
-    yield f'units = "{file.units}"  # {DECIDE} the file does not say; suits its materials or size'
+    suits = "suits its materials or size" if file.suits else "none tried suits its materials"
+    yield f'units = "{file.units}"  # {DECIDE} the file does not say; {suits}'
     yield ""
     yield "[model]"
     yield f'source = "{file.source}"'

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from faying.assessment.strength.sizes import size_through
 from faying.cli import app
 from faying.draft import first_study as first
 from faying.draft.cylinders import cylinders
@@ -15,6 +16,8 @@ from faying.draft.first_study import first_study
 from faying.draft.study_text import DECIDE
 from faying.exceptions import FayingError, StudyError
 from faying.interface.facing import facing_bodies
+from faying.io.nastran import write_deck
+from faying.joint.lap_joint import lap_joint_assembly
 from faying.model.assembly import Assembly, Material
 from faying.model.generate import Cells
 from faying.study.inputs.load_model import build
@@ -60,6 +63,35 @@ def written(folder, mesh):
 def said(path):
     study = first_study(path, path.with_suffix(".toml"))
     return study, tomllib.loads(study.text)
+
+
+@pytest.mark.parametrize(("hole", "size"), [(14.0, "M12"), (18.0, "M16"), (12.2, None)])
+def test_holes_of_pipe_flanges_have_a_size(hole, size):
+    """EN 1092: M12 in 14 mm, M16 in 18; between those of M10 and M12 is none."""
+    assert size_through(1e-3 * hole) == size
+
+
+@pytest.mark.parametrize(
+    ("factor", "units", "why"),
+    [
+        (1.0, "mm-t-s", "suits its materials"),
+        (1e3, "mm-kg-s", "suits its materials"),  # mN and kPa
+        (1e7, "mm-t-s", "none tried suits its materials"),
+    ],
+)
+def test_units_are_those_in_which_the_materials_can_be(tmp_path, factor, units, why):
+    plates = lap_joint_assembly(element_size=10.0).assembly
+    heavy = {
+        number: replace(
+            steel, youngs_modulus=factor * steel.youngs_modulus, density=factor * steel.density
+        )
+        for number, steel in plates.materials.items()
+    }
+    write_deck(replace(plates, materials=heavy), tmp_path / "plates.bdf")
+    study, tables = said(tmp_path / "plates.bdf")
+    assert tables["units"] == units
+    (line,) = [line for line in study.text.splitlines() if line.startswith("units")]
+    assert why in line
 
 
 def test_two_rings_become_a_bolted_joint(tmp_path):
