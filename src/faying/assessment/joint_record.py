@@ -114,6 +114,10 @@ def _largest(moments: Matrix) -> float:
     return float(np.linalg.norm(moments, axis=-1).max())
 
 
+REST = "at rest"
+"""What the preloaded joint is called among load cases, of studies that load it by nothing else."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CaseState:
     """One load case as the assessment sees it, one row per instant.

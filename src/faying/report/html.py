@@ -48,7 +48,7 @@ from faying.report.questions import questions
 from faying.report.trust import trust
 from faying.report.view.scene import own, scene, three
 from faying.study.judgement.model_warnings import barely_held, kept_share, missing_contact
-from faying.study.judgement.remarks import remedies
+from faying.study.judgement.remarks import remedies, vibrations
 from faying.study.judgement.verdict import run_verdict
 from faying.study.results.mode_choice import mode_sentences
 from faying.study.results.values import Results
@@ -121,6 +121,7 @@ def render(album: Album, folder: Path) -> str:
             *(f"could not be computed: {text}" for text in results.omissions if not _judges(text)),
             *(f"did not converge: {text}" for text in results.warnings if _of_method(text)),
         ],
+        vibrations=vibrations(results),
         sections=questions(results, album),
         methods=any(case.methods for case in results.cases.values()),
         headline=headline(verdicts(results), results),

@@ -12,6 +12,7 @@ import faying as fy
 from faying.assessment.backbone import Backbone
 from faying.assessment.modal_cycles import Swing
 from faying.cli.outcome import show_outcome
+from faying.display.facts import with_unit
 from faying.display.quantities import number, percent
 from faying.exceptions import ModelError, StudyError
 from faying.report.errors import error_table
@@ -45,6 +46,22 @@ STUDY = (
     + RING
     + NO_REPORT
 )
+
+
+def test_vibrations_are_told_first_and_no_fatigue_is_judged_by_the_joint_at_rest(tmp_path):
+    sized = STUDY.replace("preload = 5e3", 'preload = 5e3\nsize = "M6"\ngrade = "8.8"')
+    (tmp_path / "study.toml").write_text(sized.replace("[2, 1]", "[1]"), encoding="utf-8")
+    summary = run(read_study(tmp_path / "study.toml"), tmp_path / "out")
+    curve = read_results(tmp_path / "out/results.h5").cases["ring"].reference.backbones["1"]
+    (said,) = [line for line in summary["remarks"] if line.startswith("ring, mode 1 at tip")]
+    for value in (curve.frequency[0], curve.amplitude[-1], curve.amplitude[0]):
+        assert with_unit(value, "") in said
+    assert f"damping ratio {percent(curve.damping_ratio[-1])}" in said
+    assert summary["verdict"]["sentence"].startswith("The joint holds as far as it is judged")
+    (question,) = summary["verdict"]["open_questions"]
+    assert question.startswith("fatigue of bolt: ")
+    checks = [check for part in summary["verdict"]["parts"] for check in part["checks"]]
+    assert {check["case"] for check in checks if check["quantity"] == "yield"} == {"at rest"}
 
 
 class Bars:

@@ -8,7 +8,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.assessment.check import Check
-from faying.assessment.joint_record import Assessment, CaseState
+from faying.assessment.joint_record import REST, Assessment, CaseState
 from faying.assessment.strength.fatigue import (
     ENDURANCE_CYCLES,
     EXPONENT,
@@ -197,6 +197,7 @@ def _stripping_check(bolt: str, thread: Thread, ends: Sequence[PreloadEnd], unit
 FATIGUE = "σ_a over σ_ASV = 0.85 (150/d + 45) (VDI symbols)"
 UNRATED = "endurance is known of steels of 8.8 to 12.9"
 UNCOUNTED = "give the load cases 'repetitions'"
+UNLOADED = "the joint is judged at rest: give its harmonic load as [[frequency]], or load cases"
 MINER = "Miner's sum, rainflow by ASTM E1049, σ_ASV = 0.85 (150/d + 45)"
 
 
@@ -211,6 +212,9 @@ def _fatigue_checks(
     limit = endurance(thread, units)
     if not is_rated(thread, units):
         yield Check(part=bolt, kind="bolt", quantity="fatigue", reason=UNRATED)
+        return
+    if set(ends[0].cases) == {REST}:
+        yield Check(part=bolt, kind="bolt", quantity="fatigue", reason=UNLOADED)
         return
     sums = [_damage(bolt, thread, end, repetitions, limit) for end in ends]
     if any(case in repetitions for case in ends[0].cases):

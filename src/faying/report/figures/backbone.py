@@ -59,7 +59,7 @@ def plot_damping(
             axes.plot(test.amplitude, test.damping_ratio, "^k", mfc="none", label=test.name)
     if largest > 0:
         axes.set_yscale("log")
-    axes.set_xscale("log")
+    _over_amplitudes(axes)
     axes.set_ylabel("damping ratio")
     axes.legend()
     return axes
@@ -248,12 +248,17 @@ def draw_band(band: BackboneBand, measured: Sequence[MeasuredCurve]) -> Figure:
     return _with_tests(upper, lower, measured)
 
 
+def _over_amplitudes(axes: Axes) -> None:
+    """Make the abscissa logarithmic, its labels few enough to be read."""
+    axes.set_xscale("log")
+    axes.xaxis.set_major_formatter(FuncFormatter(_label))
+    axes.xaxis.set_minor_formatter(FuncFormatter(_label))
+
+
 def _axes(measured_at: str, units: str) -> tuple[Axes, Axes]:
     figure = new_figure(6.5, 6.2)
     upper, lower = figure.subplots(2, 1, sharex=True)
-    upper.set_xscale("log")
-    lower.xaxis.set_major_formatter(FuncFormatter(_label))
-    lower.xaxis.set_minor_formatter(FuncFormatter(_label))
+    _over_amplitudes(upper)
     upper.set_ylabel(f"frequency [1/{units_of(units).time}]")
     lower.set_ylabel("damping ratio [%]")
     lower.set_xlabel(f"amplitude at {measured_at} [{amplitude_unit(measured_at, units)}]")

@@ -28,7 +28,7 @@ def remarks(results: Results) -> list[str]:
     steps = {name: step_choice(case) for name, case in results.cases.items()}
     return [
         *(f"Note: {text}" for text in results.notes),
-        *_peaks(results),
+        *vibrations(results),
         *_backbones(results),
         *_estimates(results),
         *(choice_sentence(name, choice) for name, choice in steps.items() if choice is not None),
@@ -77,6 +77,28 @@ def hint(results: Results) -> str:
             error /= case.tolerance or LARGE_ERROR
             worst[name] = max(error, worst.get(name, 0.0))
     return remedy_hint(worst)
+
+
+def vibrations(results: Results) -> list[str]:
+    """Say how the joint vibrates: modes with their damping, and peaks under harmonic loads."""
+    return [*_modes(results), *_peaks(results)]
+
+
+def _modes(results: Results) -> Iterator[str]:
+    """Say what the frequency and damping of each backbone are at its ends."""
+    rate = f"1/{results.unit_set.time}"
+    for name, case in results.cases.items():
+        for mode, curve in case.reference.backbones.items():
+            unit = amplitude_unit(curve.measured_at, results.units)
+            size = results.unit_set.of("force·length") if curve.over == "energy" else unit
+            ends = dict.fromkeys((0, len(curve.frequency) - 1))
+            levels = curve.energy if curve.over == "energy" else curve.amplitude
+            told = (
+                f"{with_unit(curve.frequency[end], rate)} with damping ratio "
+                f"{percent(curve.damping_ratio[end])} at {with_unit(levels[end], size)}"
+                for end in ends
+            )
+            yield f"{name}, mode {mode} at {curve.measured_at}: {', '.join(told)}"
 
 
 def _peaks(results: Results) -> Iterator[str]:

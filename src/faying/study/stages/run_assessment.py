@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from faying.assessment.check import Check
 from faying.assessment.joint_judge import JointJudge, rest_of
-from faying.assessment.joint_record import Assessment, CaseState
+from faying.assessment.joint_record import REST, Assessment, CaseState
 from faying.assessment.slip_reserve import followed_openings
 from faying.joint.model import Model
 from faying.reduction.reduced_model import ReducedModel
@@ -43,7 +43,9 @@ def assess_run(
     study, books = joint.study, joint.books
     with books.stage("joint assessment"), books.attempt("joint assessment"):
         loads = [case_load(case) for case in study.load_cases if case.kind == "static"]
-        states = {name: state_of_case(case) for name, case in cases.items()} | vibrating
+        loaded = {n: state_of_case(case) for n, case in cases.items() if case.kind != "backbone"}
+        # Pressures and bolt forces of backbones are those of the preloaded joint.
+        states = loaded | vibrating or {REST: state_of_case(next(iter(cases.values())))}
         reserves = {n: case.reserve for n, case in cases.items() if case.reserve is not None}
         scatter = study.preload_scatter
         judge = JointJudge(
