@@ -9,7 +9,7 @@ from faying._typing import Matrix, Vector
 from faying.contact.contact import Contact
 from faying.contact.increment import IncrementSolver
 from faying.digits import ROUND_OFF
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.joint.system import System, input_forces
 from faying.simulation.load import Load
 from faying.simulation.path import (
@@ -108,11 +108,10 @@ def solve_cycles(
     (True, True)
     """
     if not 0 < amplitude < np.inf or increments < 1:
-        message = (
+        refuse_model(
             f"found an amplitude of {amplitude:g} and {increments} increments; give a positive "
             "factor of the load and one or more"
         )
-        raise ModelError(message)
     rise = np.arange(1, increments + 1) / increments
     steps = np.arange(1, 2 * increments + 1) / increments
     factors = amplitude * np.concatenate([1 - steps, steps - 1])

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from faying._typing import ComplexVector, Matrix, Vector, frozen
-from faying.exceptions import ModelError, check_known, naming
+from faying.exceptions import ModelError, check_known, naming, refuse_model
 from faying.joint.system import Joint, System, boundary_slices, initial_bolt_forces
 
 
@@ -37,11 +37,10 @@ class History:
         object.__setattr__(self, "times", frozen(self.times))
         object.__setattr__(self, "values", frozen(self.values))
         if self.times.shape != self.values.shape or len(self.times) == 0:
-            message = (
+            refuse_model(
                 f"a history needs one value per time; found {len(self.times)} times and "
                 f"{len(self.values)} values"
             )
-            raise ModelError(message)
         if not (np.diff(self.times) > 0).all():
             row = int(np.argmin(np.diff(self.times) > 0)) + 1
             message = f"the times of a history must increase; sample {row} is not after the last"
@@ -160,8 +159,7 @@ class Load:
                 check_known(name, bolts, "bolt")
             inputs[:, n_boundary + bolts.index(name)] = force
         if not np.isfinite(inputs).all():
-            message = f"load '{self.name}' holds NaN or infinity; give finite forces"
-            raise ModelError(message)
+            refuse_model(f"load '{self.name}' holds NaN or infinity; give finite forces")
         return inputs
 
     def scaled(self, factor: float) -> "Load":
@@ -175,8 +173,7 @@ class Load:
         forces: dict[str, float | History] = {}
         for key, value in self.forces.items():
             if isinstance(value, History):
-                message = f"load '{self.name}': {key} is a history; give a constant force"
-                raise ModelError(message)
+                refuse_model(f"load '{self.name}': {key} is a history; give a constant force")
             forces[key] = factor * value
         return Load(forces, name=self.name, bolt_forces=self.bolt_forces)
 
@@ -185,12 +182,11 @@ def _split(key: str, system: Joint, load: str) -> tuple[str, str]:
     boundary, _, component = key.rpartition(".")
     if boundary not in system.boundaries:
         what = f"boundary '{boundary}' (in '{key}')" if boundary else f"boundary load '{key}'"
-        message = (
+        refuse_model(
             f"load '{load}': there is no {what} and no load pattern of that name; "
             f"the boundaries are {', '.join(system.boundaries) or 'none'}, "
             f"the load patterns {', '.join(system.load_patterns) or 'none'}"
         )
-        raise ModelError(message)
     return boundary, component
 
 
@@ -200,8 +196,7 @@ def harmonic_inputs(system: System, load: Mapping[str, complex]) -> ComplexVecto
     The load is ``"boundary.component"``, or the name of a load pattern, to its complex amplitude.
     """
     if not any(load.values()):
-        message = "the harmonic load is zero; give an amplitude, as {'tip.Fz': 1.0}"
-        raise ModelError(message)
+        refuse_model("the harmonic load is zero; give an amplitude, as {'tip.Fz': 1.0}")
     start = np.zeros(1)
     still = Load().inputs(system, start)[0]
 

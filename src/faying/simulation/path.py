@@ -11,7 +11,7 @@ from faying._typing import Matrix, Vector
 from faying.contact.contact import Contact
 from faying.contact.increment import Increment, displaced
 from faying.contact.laws_at_points import LawsAtPoints
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.joint.system import Joint, System
 from faying.linalg.memory import require_room
 from faying.linalg.threads import threads_for
@@ -113,8 +113,7 @@ def contact_along(system: Joint, relative: Matrix, begun: Callable[[], PathStep]
 def path_inputs(system: System, loads: Sequence[StaticLoad]) -> Matrix:
     """Return the inputs of a sequence of loads (n_load, n_input)."""
     if not loads:
-        message = "the path has no loads; give at least one, fy.Load() for the bolts alone"
-        raise ModelError(message)
+        refuse_model("the path has no loads; give at least one, fy.Load() for the bolts alone")
     start = np.zeros(1)
     return np.concatenate([load.inputs(system, start) for load in loads])
 

@@ -8,7 +8,7 @@ import numpy as np
 from faying._typing import Matrix, Vector
 from faying.display.axes import draw_areas, new_axes
 from faying.display.plane import plane_of
-from faying.exceptions import ModelError, check_known
+from faying.exceptions import check_known, refuse_model
 from faying.joint.system import System
 from faying.units import units_of
 
@@ -73,6 +73,5 @@ def _checked_interface(system: System, interface: str | None) -> str:
     names = list(system.interfaces)
     if not names or (interface is not None and interface not in names):
         subject = "interface to draw" if interface is None else f"interface '{interface}'"
-        message = f"there is no {subject}; the interfaces are {', '.join(names) or 'none'}"
-        raise ModelError(message)
+        refuse_model(f"there is no {subject}; the interfaces are {', '.join(names) or 'none'}")
     return names[0] if interface is None else interface

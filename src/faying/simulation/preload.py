@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import scipy.sparse as sp
 
 from faying._typing import Mask
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.joint.model import Model
 from faying.joint.sticking import sticking_stiffness, stuck_pairs
 from faying.simulation.path import solve_static
@@ -39,11 +39,10 @@ class Sticking:
 
     def __post_init__(self) -> None:
         if not (0 <= self.threshold < 1 and self.stiffness > 0):
-            message = (
+            refuse_model(
                 f"sticking: threshold {self.threshold:g} must lie in [0, 1) and stiffness "
                 f"{self.stiffness:g} must be positive"
             )
-            raise ModelError(message)
 
 
 def preload(

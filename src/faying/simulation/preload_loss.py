@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from faying.exceptions import ModelError, check_known
+from faying.exceptions import check_known, refuse_model
 from faying.simulation.bolted_state import BoltedState
 
 
@@ -36,11 +36,10 @@ class PreloadLoss:
 
     def __post_init__(self) -> None:
         if not all(0 <= face < np.inf for face in self.embedding) or not 0 <= self.relaxation < 1:
-            message = (
+            refuse_model(
                 f"embedding {self.embedding} must be lengths that are not negative, and relaxation "
                 f"{self.relaxation:g} a share below 1"
             )
-            raise ModelError(message)
 
 
 def loses(

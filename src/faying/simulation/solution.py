@@ -9,7 +9,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix, SparseMatrix, Vector, frozen
 from faying.display.facts import Shown, with_unit
-from faying.exceptions import ModelError, check_known
+from faying.exceptions import check_known, refuse_model
 from faying.joint.system import System, unstretched_bolt_forces
 from faying.model.bolt import Bolt
 from faying.simulation.contact_fields import ContactFields, no_tangent, shear_everywhere
@@ -150,8 +150,7 @@ class Solution(ContactFields, Shown):
             lines: Axes = plot_lines(self.system, values, quantity, interface, self.times, axes)
             return lines
         if values.ndim > 1 and not -len(values) <= (at or 0) < len(values):
-            message = f"there is no state {at}; there are {len(values)}, counted from 0"
-            raise ModelError(message)
+            refuse_model(f"there is no state {at}; there are {len(values)}, counted from 0")
         shown = values[at] if values.ndim > 1 else values
         drawn: Axes = plot_map(self.system, shown, quantity, interface, axes)
         return drawn
@@ -234,11 +233,10 @@ class Solution(ContactFields, Shown):
         """
         bolt_of_name = self._bolt(bolt)
         if bolt_of_name.bending is None:
-            message = (
+            refuse_model(
                 f"bending of bolt '{bolt}' is not known: it is no beam, or came with a file that "
                 "does not tell; model its shank by beams with bending stiffness"
             )
-            raise ModelError(message)
         moments = self._told_by(bolt_of_name.bending, bolt_of_name.residual_bending)
         return moments.reshape(*moments.shape[:-1], 2, 2)
 
@@ -253,8 +251,7 @@ class Solution(ContactFields, Shown):
         supports = self.system.weak_supports
         if bodies not in supports:
             names = ", ".join(supports) or "none"
-            message = f"there are no weak springs '{bodies}'; those there are hold {names}"
-            raise ModelError(message)
+            refuse_model(f"there are no weak springs '{bodies}'; those there are hold {names}")
         support = supports[bodies]
         forces = _each(self.states, support.forces)
         at_pairs = np.linalg.norm(forces.reshape(*forces.shape[:-1], -1, 3), axis=-1)

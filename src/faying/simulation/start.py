@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from faying.contact.state import ContactState
-from faying.exceptions import ModelError
+from faying.exceptions import ModelError, refuse_model
 from faying.joint.smooth_joint import smooth_joint
 from faying.joint.system import System, input_forces
 from faying.linalg.factorization import factorize
@@ -58,11 +58,10 @@ def starting_states(
 def _checked(system: System, start: Solution, moves: bool) -> Solution:
     """Refuse what a transient of this system cannot start from."""
     if moves:
-        message = (
+        refuse_model(
             f"a transient cannot start from the end of another ('{start.name}'), for it starts at "
             "rest; give a static solution or a path, or solve the longer transient"
         )
-        raise ModelError(message)
     system.contact.check_slip(start.shear_slip, start.name)
     return start if start.system is system else _carried(system, start)
 

@@ -11,7 +11,7 @@ import numpy as np
 from faying._typing import Indices, Matrix, Vector
 from faying.contact.increment import Increment
 from faying.digits import DECK_DIGITS, SOLVED
-from faying.exceptions import ModelError, check_known
+from faying.exceptions import check_known, refuse_model
 from faying.joint.system import Joint, System, initial_bolt_forces
 from faying.simulation.bolted_state import BoltedState
 from faying.simulation.bolts_by_force import BoltsByForce, forces_of_bolts
@@ -250,8 +250,7 @@ def _check(forces: Mapping[str, float], names: list[str]) -> None:
     for name, force in forces.items():
         check_known(name, names, "bolt")
         if not (np.isfinite(force) and force > 0):
-            message = f"bolt '{name}': the preload is {force:g}; give a positive force"
-            raise ModelError(message)
+            refuse_model(f"bolt '{name}': the preload is {force:g}; give a positive force")
 
 
 def _check_stiffness(system: Joint) -> None:
@@ -264,12 +263,11 @@ def _check_stiffness(system: Joint) -> None:
         row = ports.n_boundary + number
         flexibility = float(ports.input_rows[row, row])
         if bolt.stiffness * flexibility > 1 + DECK_DIGITS:
-            message = (
+            refuse_model(
                 f"bolt '{bolt.name}': its stiffness {bolt.stiffness:g} is not contained in K, "
                 f"which resists its elongation with {1 / flexibility:.6g} in all; give EA/L of "
                 "what K holds between its nodes"
             )
-            raise ModelError(message)
 
 
 def _check_clamping(system: Joint, forces: Mapping[str, float]) -> None:
@@ -279,8 +277,7 @@ def _check_clamping(system: Joint, forces: Mapping[str, float]) -> None:
         row = ports.n_boundary + list(system.bolts).index(name)
         closing = system.contact.interpolation @ ports.contact_columns[row]
         if closing.max(initial=0.0) <= SOLVED * ports.input_rows[row, row]:
-            message = (
+            refuse_model(
                 f"bolt '{name}' clamps nothing: its tension closes no interface; check that head "
                 "and nut are on the far sides of one, and that its direction is not reversed"
             )
-            raise ModelError(message)
