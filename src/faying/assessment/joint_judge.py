@@ -43,9 +43,9 @@ from faying.joint.tangential import TangentialRows, tangential_rows
 from faying.reduction.projection import contact_surfaces
 from faying.reduction.reduced_model import ReducedModel
 from faying.simulation.load import Load, NamedLoad
-from faying.simulation.path import contact_along, moved_alone, solve_static, unstressed
+from faying.simulation.path import contact_at_ends, moved_alone, solve_static, unstressed
 from faying.simulation.solution import Solution
-from faying.simulation.static import AT_REST, solve_static_cases, solved_cases
+from faying.simulation.static import AT_REST, solve_static_cases
 from faying.units import units_of
 
 UNTOLD = "the file does not tell what is carried along it; reduce the study again"
@@ -287,11 +287,8 @@ def _forces_without_friction(joint: Joint, rest: Matrix, inputs: Matrix) -> Matr
 
     Inputs of the rest are (1, n_input), of the loads (n_load, n_input).
     """
-    if joint.contact.forgets:
-        return solved_cases(joint, moved_alone(joint, inputs)).forces
-    start = partial(unstressed, joint)
     ways = [moved_alone(joint, np.vstack([rest, load])) for load in inputs]
-    return np.array([contact_along(joint, way, start).forces[-1] for way in ways])
+    return contact_at_ends(joint, ways, partial(unstressed, joint)).forces
 
 
 def surfaces_of(system: Model | ReducedModel) -> Mapping[str, ContactSurface]:

@@ -23,8 +23,8 @@ from faying.simulation.static import (
     AT_REST,
     ContactStates,
     port_forces,
+    require_states,
     solution_of,
-    solve_static_inputs,
     solved_cases,
 )
 
@@ -108,6 +108,24 @@ def contact_along(system: Joint, relative: Matrix, begun: Callable[[], PathStep]
         with threads_for(contact.n_points):
             return solved_cases(system, relative)
     return states_of(contact, list(follow(system.static_contact.increments, relative, begun())))
+
+
+def contact_at_ends(
+    system: Joint, ways: Sequence[Matrix], begun: Callable[[], PathStep]
+) -> ContactStates:
+    """Return contact at the ends of paths whose loads alone move the pairs (n_load, n_relative).
+
+    As :func:`contact_along`, which each path is. Where contact remembers nothing the ends are
+    cases, solved together.
+    """
+    if system.contact.forgets:
+        ends = np.array([way[-1] for way in ways])
+        return contact_along(system, ends.reshape(-1, system.port_compliance.n_relative), begun)
+    start, solver = begun(), system.static_contact.increments
+    steps: list[PathStep] = []
+    for way in ways:
+        steps += deque(follow(solver, way, start), maxlen=1)
+    return states_of(system.contact, steps)
 
 
 def path_inputs(system: System, loads: Sequence[StaticLoad]) -> Matrix:
@@ -279,15 +297,11 @@ def solve_ends(
 ) -> Solution:
     """Solve many paths of inputs (n_load, n_input) from one state; the end of each.
 
-    One back-substitution for each. Where contact remembers nothing the ends are cases, solved
-    together.
+    One back-substitution for each.
     """
+    require_states(system, len(ways))
     n_input = len(system.port_compliance.input_rows)
     inputs = np.array([way[-1] for way in ways]).reshape(-1, n_input)
-    if system.contact.forgets:
-        return solve_static_inputs(system, inputs, name)
-    step, solver = path_start(system, initial), system.static_contact.increments
-    ends: list[PathStep] = []
-    for way in ways:
-        ends += deque(follow(solver, moved_alone(system, way), step), maxlen=1)
-    return assembled(system, inputs, ends, name)
+    relative = [moved_alone(system, way) for way in ways]
+    contact = contact_at_ends(system, relative, partial(path_start, system, initial))
+    return solution_of(system, inputs, contact, name)

@@ -46,12 +46,17 @@ def solve_static_cases(system: System, loads: Sequence[Load], name: str = "cases
 
 def solve_static_inputs(system: System, inputs: Matrix, name: str = "cases") -> Solution:
     """Solve many load cases given as inputs (n_case, n_input)."""
+    require_states(system, len(inputs))
+    return solved_inputs(system, system, inputs, name)
+
+
+def require_states(system: System, count: int) -> None:
+    """Refuse more states than memory holds, before they are solved."""
     require_room(
-        8.0 * len(inputs) * (2 * system.K.shape[0] + 4 * system.contact.n_points),
-        f"solutions of {len(inputs)} load cases",
+        8.0 * count * (2 * system.K.shape[0] + 4 * system.contact.n_points),
+        f"solutions of {count} load cases",
         "solve fewer at a time",
     )
-    return solved_inputs(system, system, inputs, name)
 
 
 def solved_inputs(system: System, touching: Joint, inputs: Matrix, name: str) -> Solution:
