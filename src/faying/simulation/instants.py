@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from faying._typing import Indices, Matrix
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.joint.system import System
 from faying.linalg.memory import require_room
 from faying.simulation.integrators import Motion
@@ -21,17 +21,15 @@ alone are eight gigabytes of them."""
 def check_times(step: float, duration: float) -> None:
     """Refuse steps that are none."""
     if not 0 < step <= duration:
-        message = (
+        refuse_model(
             f"the time step is {step:g} and the duration {duration:g}; "
             "the step must be positive and no longer than the duration"
         )
-        raise ModelError(message)
     if not duration / step <= MOST_TIME_STEPS:
-        message = (
+        refuse_model(
             f"the duration {duration:g} takes {duration / step:.4g} steps of {step:g}, and "
             f"{MOST_TIME_STEPS} are the most; enlarge the step"
         )
-        raise ModelError(message)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

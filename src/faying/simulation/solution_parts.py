@@ -8,7 +8,7 @@ import numpy as np
 
 from faying._typing import Indices, Vector
 from faying.digits import DECK_DIGITS
-from faying.exceptions import ModelError
+from faying.exceptions import refuse_model
 from faying.joint.system import System, input_slices
 from faying.simulation.solution import Solution
 
@@ -68,11 +68,10 @@ def check_points(system: System, state: Solution) -> None:
             reach = DECK_DIGITS * float(np.ptp(mine, axis=0).max(initial=0.0))
             if mine is other or (np.abs(mine - other) <= reach).all():
                 continue
-        message = (
+        refuse_model(
             f"the state '{state.name}' is of another joint: its contact points of interface "
             f"'{name}' are others; give one of a joint with the same interfaces"
         )
-        raise ModelError(message)
 
 
 def carried_inputs(system: System, state: Solution) -> Vector:
@@ -88,11 +87,10 @@ def carried_inputs(system: System, state: Solution) -> Vector:
         if to.stop - to.start == len(values):
             result[to] = values
         elif values.any():
-            message = (
+            refuse_model(
                 f"the state '{state.name}' carries {kind} '{name}', which the joint does not have "
                 "like that; give the joint that too, or a state without it"
             )
-            raise ModelError(message)
     return result
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from faying._typing import Frozen, Indices, Matrix, Vector
 from faying.digits import SHOWN_DIGITS
-from faying.exceptions import ConvergenceError, ModelError
+from faying.exceptions import ConvergenceError, refuse_model
 from faying.iterations import MOST_TRIALS
 from faying.joint.smooth_joint import smooth_joint
 from faying.joint.system import Joint, initial_bolt_forces
@@ -131,8 +131,7 @@ def tightening_plan(
     """
     names = checked_bolts(system, forces)
     if not forces or passes < 1 or increments < 1:
-        message = "a plan takes one bolt to tighten, one pass and one increment at least"
-        raise ModelError(message)
+        refuse_model("a plan takes one bolt to tighten, one pass and one increment at least")
     chosen = np.array([names.index(name) for name in forces], dtype=np.int64)
     targets = np.array(list(forces.values()))
     walk = _Walk(system=system, bolts=chosen, increments=increments)
