@@ -1,6 +1,7 @@
 """[[frequency]] in studies: read, computed, kept, resumed, told, refused."""
 
 import csv
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from faying.exceptions import StudyError
 from faying.files.flattening import flattened, restored
 from faying.report.figures.frequency import frequency_figure
 from faying.report.slip import measured_table
+from faying.study.judgement.remarks import vibrations
 from faying.study.judgement.summary import summarize
 from faying.study.keys.schema import parse_study, read_study
 from faying.study.results.store import read_results
@@ -122,6 +124,16 @@ def test_a_run_keeps_its_levels_and_resumes(folder, monkeypatch):
     assert record.backbone.mode == 1
     small, large = record.response.curves
     assert {640.0, 660.0} <= set(small.frequency.round(9))
+    assert [peak.at_end for peak in record.peaks()] == [False, False]
+    assert "peaks at" in "".join(vibrations(kept))
+    *_, highest = record.peaks()
+    rise = slice(highest.index + 1)
+    rising = replace(
+        large, frequency=large.frequency[rise], harmonics=large.harmonics[rise], contact=None
+    )
+    cut = replace(record, response=replace(record.response, curves=(rising,)))
+    (said,) = vibrations(replace(kept, frequencies={"shaker": replace(cut, checks=())}))
+    assert "is largest, without a peak between 'from' and 'to', at" in said
     again = restored(ResponseCurve, flattened(large))
     np.testing.assert_array_equal(again.harmonics, large.harmonics)
     np.testing.assert_array_equal(again.contact.load_work, large.contact.load_work)

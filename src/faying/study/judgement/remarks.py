@@ -110,8 +110,11 @@ def _peaks(results: Results) -> Iterator[str]:
             peak, damping = level.peak, level.there("damping_ratio")
             ratio = "" if damping is None else f", damping ratio {damping:.2%}"
             missed = len(level.curve.missed)
+            highest = (
+                "is largest, without a peak between 'from' and 'to'," if level.at_end else "peaks"
+            )
             yield (
-                f"{name}, level {peak.level:g}: {record.at} peaks at "
+                f"{name}, level {peak.level:g}: {record.at} {highest} at "
                 f"{with_unit(peak.frequency, rate)} with {with_unit(peak.amplitude, size)}{ratio}"
                 f"{f', {missed} frequencies without a motion' if missed else ''}"
             )

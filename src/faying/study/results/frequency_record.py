@@ -35,6 +35,11 @@ class LevelPeak:
     index: int
     expected: Peak | None
 
+    @property
+    def at_end(self) -> bool:
+        """Whether the curve is highest where it begins or ends, so that no peak lies in it."""
+        return self.index in (0, len(self.curve.frequency) - 1)
+
     def there(self, name: str) -> float | None:
         """Return what contact does there, by its name; None where contact is not looked at."""
         contact = self.curve.contact
