@@ -9,9 +9,9 @@ that points exert beside their springs B (F10), an increment is
 with the slip s since the joint was at rest: (F8) of a structure with the stiffness T₀⁻¹ and points
 that answer beside their springs. The steps dg of :mod:`~faying.contact.newton_descent` have
 I + A T₀ to solve with, A = Gᵀ Δ G, Δ = K − B, in which only the rows a of A take part that do not
-vanish, about points that slip or are open, and the columns c. Of what is left of g, ρ, these make
+vanish, about points that slip or are open. Of what is left of g, ρ, these make
 
-    x_a = (I + A_ac T_ca)⁻¹ (ρ_a − A_ac T_co ρ_o),  x_o = ρ_o.
+    x_a = (I + A_a T_a)⁻¹ (ρ_a − A_a T_o ρ_o),  x_o = ρ_o.
 """
 
 from collections.abc import Sequence
@@ -108,7 +108,7 @@ def follow_local(
             starts = [solved[before] + guess[number] - guess[before] for guess in begun]
             starts, off = starts or [solved[before]], factors[before] or off
         else:
-            starts = [guess[number] for guess in begun] + [excess]
+            starts = [guess[number] for guess in begun] or [excess]
             off = (kept[number] if kept else None) or off
         if number:
             starts += [excess + guess[number] - guess[number - 1] for guess in begun]
@@ -196,30 +196,28 @@ class OffSprings:
     ----------
     acting : (n_acting,)
         a: slip leaves the forces along normals as they are.
-    feeling : (n_feeling,)
-        c.
-    block : (n_acting, n_feeling)
-        A_ac.
+    block : (n_acting, n_coordinate)
+        A_a.
     lu
-        Of I + A_ac T_ca.
+        Of I + A_a T_a.
     """
 
     acting: Indices
-    feeling: Indices
     block: SparseMatrix
     lu: LU | None
 
     @classmethod
     def of(cls, local: LocalContact, change: Matrix, T: npt.NDArray[Any]) -> "OffSprings":
         """Return them for Δ (n_point, components, components), in the precision of T."""
-        acting, feeling = local.shares.touched(change)
-        block = local.shares.between_pairs(change)[acting][:, feeling].astype(T.dtype)
+        acting, _ = local.shares.touched(change)
+        block = local.shares.between_pairs(change)[acting]
+        block.data = block.data.astype(T.dtype)
         lu = None
         if len(acting):
-            core = block @ T[feeling].take(acting, axis=1)
+            core = block @ T.take(acting, axis=1)
             core.flat[:: len(core) + 1] += 1.0
             lu = LU.of(core)
-        return cls(acting=acting, feeling=feeling, block=block, lu=lu)
+        return cls(acting=acting, block=block, lu=lu)
 
     def step(self, local: LocalContact, left: Vector) -> Vector:
         """Return what (I + A T)⁻¹ makes of forces that are left (n_coordinate,)."""
@@ -230,7 +228,7 @@ class OffSprings:
         result[self.acting] = 0.0
         if np.abs(result).max() > NEGLIGIBLE * np.abs(left).max():
             T = local.for_steps
-            right = right - self.block @ symmetric_product(T, result.astype(T.dtype))[self.feeling]
+            right = right - self.block @ symmetric_product(T, result.astype(T.dtype))
         result[self.acting] = self.lu.solve(right)
         return result
 
