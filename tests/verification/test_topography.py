@@ -118,3 +118,11 @@ def test_scans_are_read_from_csv_and_xyz(tmp_path):
     (tmp_path / "b.csv").write_text("x,y,height\n1,2,3\n")
     with pytest.raises(FormatError, match="a scan has x, y and z"):
         read_scan(tmp_path / "b.csv")
+
+
+def test_a_filter_that_takes_more_than_the_memory_is_refused(monkeypatch):
+    """Waves of half a millimetre over 50: five million cells."""
+    monkeypatch.setenv("FAYING_MEMORY", "1e6")
+    short = replace(ON_GAP, wavelength=0.5)
+    with pytest.raises(ModelError, match=r"cut-off of 0.5 take .* give a longer wavelength"):
+        gap_of(np.zeros(X.size), short)
