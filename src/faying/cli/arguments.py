@@ -19,6 +19,10 @@ StudyPath = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study
 Resume = Annotated[
     bool, typer.Option("--resume", help="Keep what an interrupted call has finished.")
 ]
+Ignored = Annotated[
+    list[str] | None,
+    typer.Option(metavar="WORD", help="Leave out of a deck: plastic, friction, temperature."),
+]
 Scheduler = Annotated[
     str | None,
     typer.Option(metavar="ADDRESS|FILE", help="Dask cluster in place of such processes."),

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from faying.cli.arguments import usable_folder
+from faying.cli.arguments import Ignored, usable_folder
 
 if TYPE_CHECKING:
     from faying.joint.model import Model
@@ -21,10 +21,7 @@ StudyOrDeck = Annotated[
 def check(
     study: StudyOrDeck,
     out: Annotated[Path | None, typer.Option(help="Folder for pictures of the model.")] = None,
-    ignore: Annotated[
-        list[str] | None,
-        typer.Option(metavar="WORD", help="Leave out of a deck: plastic, friction, temperature."),
-    ] = None,
+    ignore: Ignored = None,
 ) -> None:
     """Read and check a study or a deck; print mass, bodies, constraints, interfaces and loads."""
     from rich.console import Console

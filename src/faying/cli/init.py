@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from faying.cli.arguments import Ignored
+
 
 def init(
     deck: Annotated[Path, typer.Argument(metavar="DECK", help="A deck or a mesh.")],
@@ -19,10 +21,7 @@ def init(
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Replace a study that is there.")
     ] = False,
-    ignore: Annotated[
-        list[str] | None,
-        typer.Option(metavar="WORD", help="Leave out of a deck: plastic, friction, temperature."),
-    ] = None,
+    ignore: Ignored = None,
 ) -> None:
     """Look at a deck or mesh and write a commented study that runs where the file allows it."""
     from faying.draft.first_study import first_study
