@@ -5,10 +5,11 @@ formed where something asks for it. Where dense matrices have no room, sparse fa
 of both.
 """
 
+import threading
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol, TypeAlias, final
+from typing import Any, Protocol, TypeAlias, final
 
 import numpy as np
 from scipy.linalg import LinAlgError, lapack
@@ -90,6 +91,62 @@ class BetweenPairs(Protocol):
         ...
 
 
+@dataclass(eq=False)
+class _Latest:
+    """The pairs on springs that were formed last, and what they are of."""
+
+    key: tuple[SparseMatrix, Matrix, Vector | None] | None = None
+    pairs: GluedPairs | None = None
+    turn: threading.RLock = field(default_factory=threading.RLock)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Leave pairs behind, which are formed in less time than their memory is written."""
+        return _Latest, ()
+
+    def are_of(self, G: SparseMatrix, springs: Matrix, held: Vector | None) -> bool:
+        """Say whether pairs were formed of the same rows, springs and pressed points."""
+        if self.key is None:
+            return False
+        before, *rest = self.key
+        parts = (before.shape, before.indptr, before.indices, before.data, *rest)
+        return all(
+            map(np.array_equal, parts, (G.shape, G.indptr, G.indices, G.data, springs, held))
+        )
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Stiffness:
+    """Σ of a structure, which models of it share with the pairs on springs that follow from it.
+
+    Attributes
+    ----------
+    stiffness : (n_relative, n_relative) [force/length]
+        Σ.
+    """
+
+    stiffness: Matrix
+
+    @property
+    def compliance_for_steps(self) -> Matrix:
+        """S with the digits that weak springs leave of Σ, in a third of the time."""
+        return inverse(self.stiffness)
+
+    @cached_property
+    def _latest(self) -> _Latest:
+        return _Latest()
+
+    def on_springs(self, G: SparseMatrix, springs: Matrix, pressed: Pressed) -> GluedPairs:
+        """Return what solves Newton steps, by inverses that are formed once for all who ask."""
+        held, latest = None if pressed is None else pressed(), self._latest
+        with latest.turn:
+            if latest.pairs is None or not latest.are_of(G, springs, held):
+                latest.pairs = None  # before others take as much memory
+                latest.pairs = GluedPairs.of(G, springs, self, lambda: held)
+                latest.key = G, springs, held
+            return latest.pairs
+
+
 @final
 @dataclass(frozen=True, eq=False)
 class ByCompliance:
@@ -99,9 +156,12 @@ class ByCompliance:
     ----------
     compliance : (n_relative, n_relative) [length/force]
         S.
+    known
+        Σ, where it need not be formed of S.
     """
 
     compliance: Matrix
+    known: Stiffness | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "compliance", frozen(self.compliance))
@@ -118,6 +178,8 @@ class ByCompliance:
     @cached_property
     def stiffness(self) -> Matrix:
         """Σ."""
+        if self.known is not None:
+            return self.known.stiffness
         return inverse(self.compliance, REGULAR)
 
     def moved_by(self, forces: Vector) -> Vector:
@@ -141,6 +203,8 @@ class ByCompliance:
 
     def on_springs(self, G: SparseMatrix, springs: Matrix, pressed: Pressed) -> GluedPairs:
         """Return what solves Newton steps, by inverses."""
+        if self.known is not None:
+            return self.known.on_springs(G, springs, pressed)
         return GluedPairs.of(G, springs, self, pressed)
 
 
@@ -151,27 +215,27 @@ class ByStiffness:
 
     Attributes
     ----------
-    stiffness : (n_relative, n_relative) [force/length]
+    known
         Σ.
     moved_by
-        Returns S p (n_relative,) [length] of forces between the pairs, by substitution.
+        Returns S p (n_relative,) [length] of forces between the pairs.
     form_compliance
         Returns S.
     """
 
-    stiffness: Matrix
+    known: Stiffness
     moved_by: Callable[[Vector], Vector]
     form_compliance: Callable[[], Matrix]
+
+    @property
+    def stiffness(self) -> Matrix:
+        """Σ."""
+        return self.known.stiffness
 
     @cached_property
     def compliance(self) -> Matrix:
         """S."""
         return self.form_compliance()
-
-    @property
-    def compliance_for_steps(self) -> Matrix:
-        """S with the digits that weak springs leave of Σ, in a third of the time."""
-        return inverse(self.stiffness)
 
     def __matmul__(self, forces: Matrix) -> Matrix:
         """Return S P."""
@@ -182,8 +246,8 @@ class ByStiffness:
         return ByCompliance(self.compliance).softened(residual)
 
     def alone(self) -> ByCompliance:
-        """Return it by its compliance."""
-        return ByCompliance(self.compliance)
+        """Return it by both matrices."""
+        return ByCompliance(self.compliance, self.known)
 
     def spanned(self) -> Matrix:
         """Return Y (n_relative, rank)."""
@@ -191,7 +255,7 @@ class ByStiffness:
 
     def on_springs(self, G: SparseMatrix, springs: Matrix, pressed: Pressed) -> GluedPairs:
         """Return what solves Newton steps, by inverses."""
-        return GluedPairs.of(G, springs, self, pressed)
+        return self.known.on_springs(G, springs, pressed)
 
 
 @final

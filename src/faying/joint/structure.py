@@ -9,7 +9,7 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Frozen, Indices, Matrix, SparseMatrix, Vector, frozen
-from faying.contact.between_pairs import BetweenPairs, ByStiffness, between
+from faying.contact.between_pairs import BetweenPairs, ByStiffness, Stiffness, between
 from faying.digits import ROUND_OFF
 from faying.joint.free_matrices import FreeMatrices
 from faying.joint.system import PortCompliance
@@ -363,7 +363,8 @@ class Structure(Frozen):
             return np.asarray(plus(self.held_compliance, *smooth))
 
         if (stiffness := self._free_stiffness) is not None:
-            return ByStiffness(stiffness, lambda p: P @ self.solve(P.T @ p), form_compliance)
+            known = Stiffness(stiffness)
+            return ByStiffness(known, lambda p: P @ self.solve(P.T @ p), form_compliance)
         if not self.is_kept_whole:
             _log.info(
                 "dense matrices between %d relative displacements exceed the dense budget of %.2g "

@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 
 from faying._typing import Frozen, Indices, Matrix, SparseMatrix, Vector, frozen
-from faying.contact.between_pairs import BetweenPairs, ByCompliance
+from faying.contact.between_pairs import BetweenPairs, ByCompliance, Stiffness
 from faying.contact.condensed import CondensedContact, ContactSolver
 from faying.contact.contact import Contact
 from faying.joint.load_pattern import LoadPattern, pattern_forces
@@ -94,11 +94,19 @@ class PortCompliance(Frozen):
 
 
 def port_compliance_of(
-    matrix: Matrix, n_relative: int, n_boundary: int, n_pattern: int = 0
+    matrix: Matrix,
+    n_relative: int,
+    n_boundary: int,
+    n_pattern: int = 0,
+    stiffness: Matrix | None = None,
 ) -> PortCompliance:
-    """Return the port compliance of one symmetric matrix (n_port, n_port)."""
+    """Return the port compliance of one symmetric matrix (n_port, n_port).
+
+    Where the stiffness between the pairs (n_relative, n_relative) is known it is not formed anew.
+    """
+    known = None if stiffness is None else Stiffness(frozen(stiffness))
     return PortCompliance(
-        pairs=ByCompliance(frozen(matrix[:n_relative, :n_relative])),
+        pairs=ByCompliance(frozen(matrix[:n_relative, :n_relative]), known),
         contact_columns=matrix[n_relative:, :n_relative],
         input_rows=matrix[n_relative:, n_relative:],
         n_boundary=n_boundary,

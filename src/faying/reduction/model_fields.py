@@ -114,6 +114,12 @@ OWN_ROOT: Table = {
 """Of a file of one reduced model."""
 
 OWN_PORTS: Table = {
+    "relative_stiffness": Meaning(
+        "force between the pairs per relative displacement, the inverse of what compliance has of "
+        "them; absent where it was not formed",
+        "force/length",
+        "(n_relative, n_relative)",
+    ),
     "relative_compliance": Meaning(
         "relative displacements per force between the pairs, not formed; in place of compliance "
         "where interfaces are too large for that"

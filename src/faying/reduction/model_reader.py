@@ -182,10 +182,10 @@ def _ports(
 ) -> PortCompliance | None:
     """Return the compliance of all ports, that of the pairs formed or not."""
     n_relative = int(contact.relative_operator.shape[0])
-    whole = _optional(group, "compliance", (n_port, n_port))
-    if whole is not None:
+    if (whole := _optional(group, "compliance", (n_port, n_port))) is not None:
         check_definite(whole, f"{group.name}/compliance")
-        return port_compliance_of(whole, n_relative, n_boundary, n_pattern)
+        stiffness = _optional(group, "relative_stiffness", (n_relative, n_relative))
+        return port_compliance_of(whole, n_relative, n_boundary, n_pattern, stiffness)
     relative = _compliance(group, "relative_compliance", contact)
     if relative is None:
         return None

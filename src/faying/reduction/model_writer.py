@@ -16,7 +16,7 @@ import h5py
 import numpy as np
 
 from faying._typing import Indices, Matrix
-from faying.contact.between_pairs import BySubstitution
+from faying.contact.between_pairs import ByCompliance, BySubstitution
 from faying.contact.laws import Law
 from faying.files.described import Format, new_file, new_group, write_members
 from faying.files.meanings import Meaning
@@ -129,11 +129,14 @@ def _law(law: Law) -> dict[str, Any]:
 
 def _port_compliance(ports: PortCompliance | None) -> dict[str, Any]:
     """Return the members of :data:`PORTS` and :data:`OWN_PORTS` that make up the compliance."""
-    none = dict.fromkeys(("compliance", "relative_compliance", "contact_columns", "input_rows"))
+    names = "compliance", "relative_stiffness", "relative_compliance", "contact_columns"
+    none = dict.fromkeys((*names, "input_rows"))
     if ports is None:
         return none
     if not isinstance(ports.pairs, BySubstitution):
-        return {**none, "compliance": ports.whole}
+        known = ports.pairs.known if isinstance(ports.pairs, ByCompliance) else None
+        stiffness = None if known is None else known.stiffness
+        return {**none, "compliance": ports.whole, "relative_stiffness": stiffness}
     return {
         **none,
         "relative_compliance": stored(ports.pairs.total),

@@ -140,7 +140,12 @@ class ReducedModel(Shown, ModelData):
 
     @cached_property
     def static_contact(self) -> CondensedContact:
-        """The static contact problem of the reduced model."""
+        """The static contact problem of the reduced model.
+
+        With residual compliance it is that of the full model, whose inverses it shares.
+        """
+        if self.ports is not None and self.contact.residual_compliance is not None:
+            return self.joint.static_contact
         return static_contact_of(self)
 
     @cached_property

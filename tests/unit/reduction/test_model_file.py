@@ -126,6 +126,22 @@ def test_friction_comes_back(tmp_path):
     assert_same_bits(there, rom)
 
 
+def test_inverses_of_the_full_model_serve_its_reduced_ones(tmp_path):
+    """Whoever forms them, also what a file or another process has of the model, finds the same."""
+    model = fy.lap_joint(element_size=5.0, penalty=1e5).with_bolt_forces({"bolt": 8e3})
+    model = model.with_friction(0.3)
+    rom = fy.reduce(model, fy.craig_bampton(model, normal_modes=3), compliance=True)
+    pairs = rom.static_contact.increments.pairs
+    assert pairs is model.static_contact.increments.pairs
+    assert rom.with_bolt_forces({"bolt": 9e3}).static_contact.increments.pairs is pairs
+    rom.save(tmp_path / "joint.h5")
+    there = fy.read_reduced_model(tmp_path / "joint.h5")
+    elsewhere = pickle.loads(pickle.dumps(rom))
+    for alike in (there, elsewhere):
+        assert alike.static_contact.increments.pairs is not pairs
+        assert_same_solution(fy.solve_path(alike, [LOAD]), fy.solve_path(rom, [LOAD]))
+
+
 def test_recovery_knows_enough_of_the_full_model(damped, before):
     """With the reduced model alone as with the full one: the same matrices."""
     for name in ("classic", "compliance", "joint modes"):
