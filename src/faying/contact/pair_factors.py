@@ -164,20 +164,25 @@ class Factors:
     def updated(self, K: Matrix, rows: Indices, points: PointSprings) -> "Factors | None":
         """Return factors of K at some rows and more; None where new ones take no longer.
 
-        By Woodbury's formula for the rows that points feel whose K is another.
+        By Woodbury's formula for the rows that points feel whose K is another, or for these points
+        where they are fewer, as those that lie alone.
         """
         if np.isin(rows, self.system.rows).all() and not _beyond(K, self.K).any():
             return self
         base, change = self.first_system, _beyond(K, self.first)
         added, (acting, feeling) = np.setdiff1d(rows, base.rows), points.touched(change)
-        if len(acting) + len(added) > MOST_UPDATED * len(base.rows):
+        components = points.components_of(change)
+        if min(len(acting), len(components)) + len(added) > MOST_UPDATED * len(base.rows):
             return None
         together, compliance = np.concatenate([base.rows, added]), self.reference.compliance
         coupling = base.block @ compliance[np.ix_(base.columns, added)]
-        block = points.between_pairs(change)[acting][:, feeling]
-        felt = block @ compliance[np.ix_(feeling, together)]
-        order = np.argsort(together)
-        places = order[np.searchsorted(together, acting, sorter=order)]
+        if len(acting) <= len(components):
+            places = (together[:, None] == acting).astype(np.float32)
+            block = points.between_pairs(change)[acting]
+        else:
+            places = points.transposed[together][:, components].toarray().astype(np.float32)
+            block = points.felt_along(components, change)
+        felt = block[:, feeling] @ compliance[np.ix_(feeling, together)]
         update = Update(self.lu, places, coupling.astype(np.float32), felt.astype(np.float32))
         return replace(self, K=K, system=replace(self.system, rows=together), update=update)
 
@@ -191,8 +196,8 @@ class Update:
     ----------
     lu
         The factors.
-    places : (n_acting,)
-        Which rows points feel whose K is another.
+    places : (n_row + n_more, n_acting)
+        How what changes acts on the rows: as one of them, or as a component at a point.
     coupling : (n_row, n_more)
         ΔB U between the rows of the factors and the others.
     felt : (n_acting, n_row + n_more)
@@ -200,7 +205,7 @@ class Update:
     """
 
     lu: LU
-    places: Indices
+    places: npt.NDArray[np.float32]
     coupling: npt.NDArray[np.float32]
     felt: npt.NDArray[np.float32]
 
@@ -218,9 +223,7 @@ class Update:
     @cached_property
     def _answers(self) -> npt.NDArray[np.float32]:
         """What forces at the places move, once the change is felt."""
-        units = np.zeros((self.felt.shape[1], len(self.places)), dtype=np.float32)
-        units[self.places, np.arange(len(self.places))] = 1.0
-        answers = self._before(units)
+        answers = self._before(self.places)
         core = self.felt @ answers
         core.flat[:: len(core) + 1] += 1.0
         return np.asarray(answers @ np.linalg.inv(core))

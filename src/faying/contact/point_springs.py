@@ -70,6 +70,16 @@ class PointSprings:
         acting, feeling = (K.any(axis=axis).ravel(order="F") for axis in (2, 1))
         return np.flatnonzero(self._pattern @ acting), np.flatnonzero(self._pattern @ feeling)
 
+    def components_of(self, K: Matrix) -> Indices:
+        """Return the rows of G along which springs K act."""
+        return np.flatnonzero(K.any(axis=2).ravel(order="F"))
+
+    def felt_along(self, components: Indices, K: Matrix) -> SparseMatrix:
+        """Return K G (n_acting, n_relative) along some rows of G."""
+        (along, at), n = np.divmod(components, len(K)), len(K)
+        felt = [sp.diags_array(K[at, along, j]) @ self.G[j * n + at] for j in range(K.shape[1])]
+        return sp.csr_array(sum(felt))
+
     @cached_property
     def _pattern(self) -> SparseMatrix:
         """Which displacements of pairs a component at a point feels (n_relative, k n_point)."""

@@ -14,7 +14,7 @@ from few_points import ELASTIC, PAIRS, N, joint
 
 @pytest.mark.parametrize("seed", range(4))
 def test_factors_are_updated_to_other_points_and_more_pairs(seed, monkeypatch):
-    """Those that the first ones know, others, and both."""
+    """Those that the first ones know, others, and both; by fewer components at points, or pairs."""
     monkeypatch.setattr("faying.contact.pair_factors.MOST_UPDATED", 9.0)
     monkeypatch.setattr("faying.contact.pair_factors.STIFFNESS_CHANGE", 0.0)
     plain, _ = joint(seed, ELASTIC)
@@ -34,9 +34,10 @@ def test_factors_are_updated_to_other_points_and_more_pairs(seed, monkeypatch):
     K, rows, system = changed([0])
     first = Factors.of(glued, K, system(rows), pairs.room)
     assert len(rows) < 3 * PAIRS
-    for points in ([0], [0, N - 1], [N - 1], range(N)):
+    for points, acting in (([0], 3), ([0, N - 1], 6), ([N - 1], 6), (range(N), 3 * PAIRS)):
         K, rows, system = changed(list(points))
         factors = first.updated(K, rows, pairs.points)
+        assert factors.update.places.shape[1] == acting
         right = random.normal(size=len(factors.system.rows))
         product = system(factors.system.rows).times(factors.solve(right))
         # Single precision.
