@@ -11,7 +11,7 @@ from faying._typing import Matrix, Vector
 from faying.assessment.certificate import Certificate
 from faying.assessment.sealing import Ring, ring_pressure
 from faying.assessment.slip_demand import area_sums
-from faying.digits import SHOWN_DIGITS
+from faying.digits import SHOWN_DIGITS, SOLVED
 from faying.interface.surface import ContactSurface
 from faying.joint.bolt_surroundings import contact_areas, surroundings
 from faying.joint.system import System
@@ -204,9 +204,12 @@ def _of_interface(name: str, surface: ContactSurface, *, certified: bool) -> Gro
         solution, points = cases.solution, slice(*surface.slice)
         pressure, gap = solution.pressure[:, points], solution.gap[:, points]
         bounds = cases.certificate
+        largest = pressure.max(axis=1)
+        # Of points that mirror each other the first, whatever last digits say.
+        where = (pressure >= (1 - SOLVED) * largest[:, None]).argmax(axis=1)
         return [
-            pressure.max(axis=1),
-            *surface.points[pressure.argmax(axis=1)].T,
+            largest,
+            *surface.points[where].T,
             surface.nodal_average(pressure.T).max(axis=0),
             np.asarray(solution.contact_force(name)),
             *([] if bounds is None else bounds.contact_force[name].T),
