@@ -15,7 +15,6 @@ import numpy as np
 import scipy.special
 
 from faying._typing import Matrix, Vector, frozen
-from faying.digits import ROUND_OFF
 from faying.model.elements.elsewhere import Elsewhere
 from faying.model.elements.face_kind import QUAD4, TRI3
 from faying.model.elements.quadrature import Quadrature
@@ -43,7 +42,7 @@ def pyramid(n: int) -> Quadrature:
 
 def below_apex(z: Vector) -> Vector:
     """Return 1 - z, kept from zero."""
-    return np.maximum(1 - z, ROUND_OFF)
+    return np.maximum(1 - z, np.finfo(float).eps)
 
 
 def corner_functions(points: Matrix) -> tuple[Matrix, Matrix]:
