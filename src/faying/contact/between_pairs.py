@@ -142,7 +142,9 @@ class Stiffness:
         with latest.turn:
             if latest.pairs is None or not latest.are_of(G, springs, held):
                 latest.pairs = None  # before others take as much memory
-                latest.pairs = GluedPairs.of(G, springs, self, lambda: held)
+                # Not of itself, which it would keep in a circle until memory is searched for those.
+                apart = Stiffness(self.stiffness)
+                latest.pairs = GluedPairs.of(G, springs, apart, lambda: held)
                 latest.key = G, springs, held
             return latest.pairs
 
