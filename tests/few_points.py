@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
+from faying.contact.augmented import AugmentedContact
+from faying.contact.between_pairs import ByCompliance
 from faying.contact.contact import Contact
-from faying.contact.frictional import FrictionalContact
 from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.digits import SOLVED
 
@@ -49,7 +50,7 @@ def joint(seed=0, laws=LAWS):
         slices=PLACES,
     )
     G[1:, 3] = 0.0  # without friction nothing is known of tangential displacements
-    return FrictionalContact(contact=contact, S=S), G
+    return AugmentedContact(contact=contact, between=ByCompliance(S)), G
 
 
 def check_forces(x, z):
@@ -107,4 +108,4 @@ def apart(count, compliance=0.0):
         slices={"all": slice(0, count)},
         shear=sp.vstack([each[rows[:, 1]], each[rows[:, 2]]]).tocsr(),
     )
-    return FrictionalContact(contact=contact, S=compliance * np.eye(3 * count))
+    return AugmentedContact(contact=contact, between=ByCompliance(compliance * np.eye(3 * count)))

@@ -6,9 +6,9 @@ import numpy as np
 import scipy.sparse as sp
 
 import faying as fy
+from faying.assessment.natural_map import NaturalMap
 from faying.contact.condensed import CondensedContact
 from faying.contact.contact import Contact
-from faying.contact.frictional import FrictionalContact
 from faying.contact.increment import Increment
 from faying.contact.laws import Coulomb, Hard, Penalty
 from faying.exceptions import ConvergenceError
@@ -46,7 +46,7 @@ class Joints:
         law, rule = random_law(rng), "gauss" if rng.random() < 0.6 else "nodal"
         model = self.models[rule]
         contact = replace(model.contact, laws={"joint": law})
-        solver = FrictionalContact(contact=contact, S=model.static_contact.total)
+        solver = NaturalMap(contact=contact, S=model.static_contact.total)
         ports = model.port_compliance
         inputs = np.tile(fy.Load().inputs(model, np.zeros(1)), (INCREMENTS, 1))
         corner = rng.uniform(-1, 1, 6) * [3e3, 8e2, 8e2, 3e4, 3e4, 3e4]
@@ -95,11 +95,11 @@ def small_path(rng):
     )
     way = 10 ** rng.uniform(-5, -2) * rng.standard_normal((2, 3 * n_pair))
     steps = np.array([[1.0, 0.0], [1.0, 0.5], [1.0, 1.0], [1.0, -0.3], [0.2, -1.0]])
-    return "few points", FrictionalContact(contact=contact, S=S), steps @ way
+    return "few points", NaturalMap(contact=contact, S=S), steps @ way
 
 
 def solver_of(plain):
-    """The solver that paths take: for displacements where every point yields, else for forces."""
+    """The solver that paths take: by stages where some point is hard."""
     return CondensedContact(contact=plain.contact, compliance=plain.S).increments
 
 
@@ -112,11 +112,11 @@ def unstressed(solver):
     return PathStep(relative=moved, increment=nothing, slip=np.zeros((2, n)))
 
 
-def outcomes(index, joints, *, by_forces=False):
+def outcomes(index, joints):
     """Solve the path of an index, and judge every increment by the law written out again."""
     rng = np.random.default_rng(index)
     kind, plain, relatives = joints.path(rng) if rng.random() < 0.5 else small_path(rng)
-    solver, here = plain if by_forces else solver_of(plain), unstressed(plain)
+    solver, here = solver_of(plain), unstressed(plain)
     for target in relatives:
         before = here
         try:

@@ -7,7 +7,7 @@ import pytest
 from pressed_layers import STEEL
 
 import faying as fy
-from faying.contact.frictional import FrictionalContact
+from faying.contact.augmented import AugmentedContact
 from faying.contact.pressing import PressingContact
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.build import build_model
@@ -78,8 +78,7 @@ def two_bolts():
 )
 def test_hard_joints_take_one_contact_problem_a_stage(friction, quadrature, monkeypatch):
     """Locked at the initial forces that are found, the joint has the bolt forces asked for."""
-    solver = FrictionalContact if friction else PressingContact
-    inner = "solve_slack" if friction else "_solved"
+    solver, inner = (AugmentedContact, "staged") if friction else (PressingContact, "_solved")
     solve, solved = getattr(solver, inner), []
 
     def counted(*arguments):
@@ -108,7 +107,7 @@ def test_hard_friction_that_is_not_solved_says_what_tightening_can_do(monkeypatc
     """As where friction alone holds a part."""
     parts = {"element_size": 10.0, "hole_radius": 0.0, "washer_radius": 11.0}
     hard = fy.lap_joint(**parts, penalty="hard").with_friction(0.2)
-    monkeypatch.setattr("faying.contact.frictional.SOLVED", -1.0)  # nothing is solved to this
+    monkeypatch.setattr("faying.contact.augmented.SETTLED", -1.0)  # nothing is solved to this
     with pytest.raises(ConvergenceError, match="friction_during_preload = false"):
         fy.tighten(hard, {"bolt": 1e3})
 

@@ -9,11 +9,11 @@ import scipy.sparse.linalg as spla
 from test_reference_cantilever import AXIAL, generated, node_map, reference_pressure
 
 import faying as fy
+from faying.assessment.natural_map import NaturalMap
 from faying.assessment.stuck_modes import stuck_mode
 from faying.contact import newton_descent
-from faying.contact.active_set import ROUND_OFF
+from faying.contact.augmented import AugmentedContact
 from faying.contact.between_pairs import ByCompliance
-from faying.contact.frictional import FrictionalContact
 from faying.contact.yielding import YieldingContact
 from faying.digits import SOLVED
 from faying.exceptions import ConvergenceError, ModelError, StudyError
@@ -25,12 +25,16 @@ from faying.simulation.path import moved_alone, path_inputs
 FRICTION, TANGENTIAL = 0.2, 8e5
 
 
+def by_stages(contact, S):
+    return AugmentedContact(contact=contact, between=ByCompliance(S))
+
+
 def by_displacements(contact, S):
     return YieldingContact.of(contact, ByCompliance(S))
 
 
 SOLVERS = (
-    pytest.param(lambda contact, S: FrictionalContact(contact=contact, S=S), id="forces"),
+    pytest.param(by_stages, id="stages"),
     pytest.param(by_displacements, id="displacements"),
 )
 LOADS = {
@@ -269,15 +273,17 @@ def test_turning_the_tangents_changes_nothing(gauss, solver_of):
 def test_increments_by_displacements_obey_the_law_of_forces(coarse, friction):
     """Natural residual of random increments, each from the one before; the last is far away."""
     rubbing, rng = coarse.with_friction(friction), np.random.default_rng(3)
-    plain, solver = rubbing.static_contact.frictional, rubbing.static_contact.increments
+    equations, solver = NaturalMap.of(rubbing), rubbing.static_contact.increments
     assert isinstance(solver, YieldingContact)
-    n, still = rubbing.contact.n_points, np.zeros(len(plain.S))
+    n, still = rubbing.contact.n_points, np.zeros(len(solver.S))
     found = solver.solve(still, np.vstack([np.full((1, n), -1e-3), np.zeros((2, n))]))
     for _ in range(20):
         move = 3e-4 * (rng.standard_normal((3, 1)) + rng.standard_normal((3, n)))
         z_free = move - np.array([[1e-3], [0], [0]])
         found = solver.solve(still, z_free, found)
-        wrong = plain._residual(found.forces, plain._slack(found.forces, z_free), None)
+        slack = equations.moved(found.forces) + equations.laws.closure(found.forces)[0] + z_free
+        tried = found.forces - equations.scale * slack
+        wrong = found.forces - equations.laws.admissible(tried)
         assert np.abs(wrong).max() <= SOLVED * np.abs(found.forces).max()
 
 
@@ -287,26 +293,11 @@ def test_a_path_without_loads_is_refused(coarse):
 
 
 def test_tightening_that_is_not_solved_says_what_to_do(coarse, monkeypatch):
-    for solver in ("frictional", "newton_descent"):
-        monkeypatch.setattr(f"faying.contact.{solver}.SOLVED", 0.0)  # nothing is solved to this
+    # Nothing is solved to this.
+    monkeypatch.setattr("faying.contact.augmented.SETTLED", -1.0)
+    monkeypatch.setattr("faying.contact.newton_descent.SOLVED", 0.0)
     with pytest.raises(ConvergenceError, match="friction_during_preload = false"):
         fy.solve_path(coarse, [fy.Load()])
-
-
-def test_a_newton_step_is_that_of_the_derivative(coarse):
-    """The derivative of the natural residual by differences along the step."""
-    solver = coarse.static_contact.frictional
-    rng = np.random.default_rng(0)
-    x = 10 * np.abs(rng.standard_normal((3, coarse.contact.n_points)))
-    z_free = 1e-3 * rng.standard_normal(x.shape)
-    z = solver._slack(x, z_free)
-    for pressing in (None, x[0].copy()):
-        start = solver._residual(x, z, pressing)
-        step = solver._step(x, z, start, pressing)
-        ahead = x + 1e-9 * step
-        change = (solver._residual(ahead, solver._slack(ahead, z_free), pressing) - start) / 1e-9
-        # Round-off of the difference quotient; the step is a thousand times the forces.
-        assert np.abs(change + start).max() < 1e-4 * np.abs(start).max()
 
 
 def test_the_preloaded_joint_vibrates_with_its_closed_points_stuck(gauss):
@@ -424,12 +415,7 @@ def test_what_knows_no_friction_refuses_it(coarse):
 
 @pytest.mark.long
 @pytest.mark.parametrize(
-    ("solver_of", "round_off"),
-    [
-        (lambda contact, S: FrictionalContact(contact=contact, S=S), ROUND_OFF),
-        (by_displacements, newton_descent.ROUND_OFF),
-    ],
-    ids=["forces", "displacements"],
+    ("solver_of", "round_off"), [(by_stages, 1e-11), (by_displacements, newton_descent.ROUND_OFF)]
 )
 def test_increments_are_solved_to_round_off(gauss, solver_of, round_off):
     solver = solver_of(gauss.contact, gauss.static_contact.total)

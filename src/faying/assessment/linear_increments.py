@@ -8,9 +8,9 @@ import numpy as np
 import scipy.linalg as la
 
 from faying._typing import Frozen, Indices, Matrix, Vector
+from faying.assessment.natural_map import NaturalMap
 from faying.assessment.slip import slip_history
 from faying.contact.dense_points import SINGULAR_PIVOT
-from faying.contact.frictional import FrictionalContact
 from faying.digits import DECK_DIGITS
 from faying.exceptions import ModelError, check_known, refuse_model
 from faying.joint.system import System, boundary_slices
@@ -135,7 +135,7 @@ class LinearIncrement:
 
     Attributes
     ----------
-    solver
+    equations
         Of the increment.
     forces, slack : (3, n_point)
         x and z of (F1).
@@ -149,7 +149,7 @@ class LinearIncrement:
         Of the system (F6) between the points in contact.
     """
 
-    solver: FrictionalContact
+    equations: NaturalMap
     forces: Matrix
     slack: Matrix
     tried: Matrix
@@ -160,10 +160,10 @@ class LinearIncrement:
 
     def changes(self, dz: Matrix, friction: Matrix) -> Matrix:
         """Solve (F6) for the changes of the forces (3, n_point, n_parameter)."""
-        closed, k, tried = self.closed, self.solver.contact.components, self.tried
+        closed, k, tried = self.closed, self.equations.contact.components, self.tried
         right = -np.einsum("pij,jpq->ipq", self.slope[closed], self.scaled(dz)[:, closed])
         size = np.hypot(tried[1], tried[2])[closed]
-        slips = size > self.solver.friction[closed] * tried[0, closed]
+        slips = size > self.equations.contact.coefficients[closed] * tried[0, closed]
         pressed = np.where(slips, tried[0, closed] / np.where(size > 0, size, 1.0), 0.0)
         right[1:] += (pressed * tried[1:, closed])[:, :, None] * friction[closed]
         dx = np.zeros(dz.shape)
@@ -175,22 +175,19 @@ class LinearIncrement:
 
     def scaled(self, dz: Matrix) -> Matrix:
         """Return r δz (3, n_point, n_parameter)."""
-        return np.asarray(self.solver.scale[:, :, None] * dz)
+        return np.asarray(self.equations.scale[:, :, None] * dz)
 
     def yielded(self, dx: Matrix) -> Matrix:
         """Return H δx (3, n_point, n_parameter)."""
-        solver = self.solver
-        columns = dx.reshape(3 * dx.shape[1], dx.shape[2])
-        moved = solver.G @ (solver.S @ (solver.steps.transposed @ columns))
-        compliance = solver.laws.closure(self.forces)[1]
-        return np.asarray(moved.reshape(dx.shape) + compliance[:, :, None] * dx)
+        compliance = self.equations.laws.closure(self.forces)[1]
+        return np.asarray(self.equations.moved(dx) + compliance[:, :, None] * dx)
 
     def reach(self, rate: Matrix, friction: Matrix) -> tuple[Vector, Vector]:
         """Return changes of the parameters at which a first point changes its state.
 
         Rates (3, n_point, n_parameter) are those of what is projected.
         """
-        coefficients, tried = self.solver.friction, self.tried
+        coefficients, tried = self.equations.contact.coefficients, self.tried
         rubbing = self.closed[coefficients[self.closed] > 0]
         size = np.hypot(tried[1, rubbing], tried[2, rubbing])
         way = tried[1:, rubbing] / np.where(size > 0, size, 1.0)
@@ -215,7 +212,7 @@ def linear_increments(solution: Solution, initial: Solution | None) -> Iterator[
         If an increment was divided, or its derivative is not unique.
     """
     system = solution.system
-    contact, solver = system.contact, system.static_contact.frictional
+    contact, equations = system.contact, NaturalMap.of(system)
     n = contact.n_points
     slips = slip_history(solution, initial)
     relative = moved_alone(system, np.atleast_2d(solution.inputs))
@@ -224,10 +221,10 @@ def linear_increments(solution: Solution, initial: Solution | None) -> Iterator[
     for number, (moved, slip) in enumerate(zip(relative, slips[:-1], strict=True)):
         x = np.zeros((3, n))
         x[: contact.components] = acting[number]
-        closure, compliance = solver.laws.closure(x)
-        z = solver.steps.moved(x) + closure + contact.free_slack(moved, slip)
-        tried = x - solver.scale * z
-        residual = np.abs(x - solver.laws.admissible(tried, None)).max()
+        closure, compliance = equations.laws.closure(x)
+        z = equations.moved(x) + closure + contact.free_slack(moved, slip)
+        tried = x - equations.scale * z
+        residual = np.abs(x - equations.laws.admissible(tried)).max()
         # Far above SOLVED, to which increments are accepted.
         if residual > DECK_DIGITS * np.abs(x).max():
             refuse_model(
@@ -235,22 +232,22 @@ def linear_increments(solution: Solution, initial: Solution | None) -> Iterator[
                 "it was divided, or the path began elsewhere; give smaller increments, or the "
                 "state it began from as initial"
             )
-        slope = solver.laws.derivative(tried, None)
+        slope = equations.laws.derivative(tried)
         closed = np.flatnonzero(tried[0] > 0)
-        lu, pivots = _factors(solver, slope, compliance, closed)
-        yield LinearIncrement(solver, x, z, tried, closed, slope, lu, pivots)
+        lu, pivots = _factors(equations, slope, compliance, closed)
+        yield LinearIncrement(equations, x, z, tried, closed, slope, lu, pivots)
 
 
 def _factors(
-    solver: FrictionalContact, slope: Matrix, compliance: Matrix, closed: Indices
+    equations: NaturalMap, slope: Matrix, compliance: Matrix, closed: Indices
 ) -> tuple[Matrix, Indices]:
     """Factorize I − J + J r H between the points in contact, component by component."""
-    n, k = solver.contact.n_points, solver.contact.components
+    n, k = equations.contact.n_points, equations.contact.components
     size, count = k * len(closed), len(closed)
     rows = (np.arange(k)[:, None] * n + closed).ravel()
-    G = solver.G[rows]
-    H = np.asarray(G @ (G @ solver.S).T) + np.diag(compliance[:k, closed].ravel())
-    scale = solver.scale[:k, closed]
+    G = equations.G[rows]
+    H = np.asarray(G @ (G @ equations.S).T) + np.diag(compliance[:k, closed].ravel())
+    scale = equations.scale[:k, closed]
     local = slope[closed][:, :k, :k]
     scaled = (scale.ravel()[:, None] * H).reshape(k, count, size)
     system = np.einsum("pij,jpq->ipq", local, scaled).reshape(size, size)

@@ -236,9 +236,7 @@ class Sensitivity:
         ports = self.system.port_compliance
         signed = np.array(change)
         signed[ports.bolts] *= -1.0
-        pairs = self.system.static_contact.frictional.steps.transposed @ dx.reshape(
-            3 * dx.shape[1], dx.shape[2]
-        )
+        pairs = self.system.contact.at_pairs(dx[0].T, np.moveaxis(dx[1:], 2, 0))
         return np.asarray(ports.input_rows @ signed + ports.contact_columns @ pairs)
 
 

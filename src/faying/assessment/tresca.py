@@ -18,6 +18,7 @@ import numpy as np
 
 from faying._typing import Indices, Matrix, Vector
 from faying.assessment.flexibility import Flexibility, flexibility
+from faying.assessment.natural_map import NaturalMap
 from faying.assessment.slip import slip_history
 from faying.digits import ROUND_OFF
 from faying.exceptions import refuse_model
@@ -91,22 +92,22 @@ def certify_increments(
             "points of the model; give a result of solve_path, of the model or one reduced from it"
         )
     contact.check_proportional()
-    solver, n = model.static_contact.frictional, contact.n_points
+    equations, n = NaturalMap.of(model), contact.n_points
     free = static_displacements(model.port_compliance, np.atleast_2d(path.inputs))
     free = free[:, : model.port_compliance.n_relative]
     slip = slip_history(path, initial)[:-1]
     z_free = np.array([contact.free_slack(*row) for row in zip(free, slip, strict=True)])
     shear = path.shear_forces.reshape(-1, 2, n)
     forces_given = np.concatenate([np.atleast_2d(path.contact_forces)[:, None], shear], axis=1)
-    forces = np.array([solver.laws.admissible(force, None) for force in forces_given])
-    slack = np.array([solver.steps.moved(x) + solver.laws.closure(x)[0] for x in forces]) + z_free
-    tried = forces - solver.scale * slack
-    wrong = forces - np.array([solver.laws.admissible(force, None) for force in tried])
+    forces = np.array([equations.laws.admissible(force) for force in forces_given])
+    slack = np.array([equations.moved(x) + equations.laws.closure(x)[0] for x in forces]) + z_free
+    tried = forces - equations.scale * slack
+    wrong = forces - np.array([equations.laws.admissible(force) for force in tried])
     largest = np.maximum(np.abs(forces).max(axis=(1, 2)), np.finfo(float).tiny)
     used = np.concatenate([np.arange(n), n + contact.rubbing, 2 * n + contact.rubbing])
-    half = solver.G[used] @ solver.S
-    H = np.asarray(half @ solver.G[used].T) + np.diag(solver.D.ravel()[used])
-    bound = solver.friction[contact.rubbing] * forces[:, 0, contact.rubbing]
+    half = equations.G[used] @ equations.S
+    H = np.asarray(half @ equations.G[used].T) + np.diag(equations.yields.ravel()[used])
+    bound = contact.friction * forces[:, 0, contact.rubbing]
     energy = tresca_gap(flexibility((H + H.T) / 2), forces, slack, contact.rubbing, bound)
     stored = forces.reshape(len(forces), -1)[:, used]
     norm = np.sqrt(np.maximum(((stored @ H) * stored).sum(axis=1), 0.0))

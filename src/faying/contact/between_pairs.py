@@ -9,7 +9,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Protocol, TypeAlias, final
+from typing import Any, NoReturn, Protocol, TypeAlias, final
 
 import numpy as np
 from scipy.linalg import LinAlgError, lapack
@@ -53,6 +53,17 @@ class BetweenPairs(Protocol):
         ------
         ModelError
             If it has no room.
+        LinAlgError
+            If S is not positive definite beyond round-off.
+        """
+        ...
+
+    @property
+    def own_stiffness(self) -> Vector:
+        """Diagonal of Σ (n_relative,) [force/length], or not below it.
+
+        Raises
+        ------
         LinAlgError
             If S is not positive definite beyond round-off.
         """
@@ -184,6 +195,11 @@ class ByCompliance:
             return self.known.stiffness
         return inverse(self.compliance, REGULAR)
 
+    @property
+    def own_stiffness(self) -> Vector:
+        """Diagonal of Σ."""
+        return np.diag(self.stiffness)
+
     def moved_by(self, forces: Vector) -> Vector:
         """Return S p."""
         return self.compliance @ forces
@@ -239,6 +255,11 @@ class ByStiffness:
         """S."""
         return self.form_compliance()
 
+    @property
+    def own_stiffness(self) -> Vector:
+        """Diagonal of Σ."""
+        return np.diag(self.stiffness)
+
     def __matmul__(self, forces: Matrix) -> Matrix:
         """Return S P."""
         return self.compliance @ forces
@@ -286,6 +307,11 @@ class BySubstitution:
     def stiffness(self) -> Matrix:
         """Refused."""
         refuse_dense(self.total.shape[0])
+
+    @property
+    def own_stiffness(self) -> Vector:
+        """Diagonal of Σ, or not below it."""
+        return self.total.stiffness.diagonal
 
     def moved_by(self, forces: Vector) -> Vector:
         """Return S p."""
@@ -359,7 +385,12 @@ class ByShapes:
         """Return Y (n_relative, k)."""
         return np.asarray(self.shapes @ np.linalg.cholesky(self.core))
 
-    def on_springs(self, *_: object) -> GluedPairs:
+    @property
+    def own_stiffness(self) -> NoReturn:
+        """Refuse: S is not regular."""
+        self.on_springs()
+
+    def on_springs(self, *_: object) -> NoReturn:
         """Refuse: S is not regular."""
         message = "fewer shapes than pairs"
         raise LinAlgError(message)

@@ -10,10 +10,10 @@ import scipy.linalg as la
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.active_set import ActiveSetSpace
+from faying.contact.augmented import AugmentedContact
 from faying.contact.between_pairs import BetweenPairs, ByCompliance, ByShapes, BySubstitution
 from faying.contact.contact import Contact
 from faying.contact.dense_points import DensePoints
-from faying.contact.frictional import FrictionalContact
 from faying.contact.glued_pairs import factorized_whole
 from faying.contact.held_pairs import NormalPairs
 from faying.contact.increment import IncrementSolver, check_flexibility
@@ -34,13 +34,13 @@ class ContactSolver(Protocol):
     """What a system's contact problem offers to solvers: exact, or itself reduced."""
 
     @property
-    def flexibility(self) -> Matrix:
-        """H = S + D (n_point, n_point)."""
+    def between(self) -> BetweenPairs:
+        """The structure between pairs; refused where contact is itself reduced."""
         ...
 
     @property
-    def frictional(self) -> FrictionalContact:
-        """Increments as problems of forces; refused where contact is itself reduced."""
+    def flexibility(self) -> Matrix:
+        """H = S + D (n_point, n_point)."""
         ...
 
     @property
@@ -92,16 +92,8 @@ class CondensedContact:
         return DensePoints(H=check_flexibility(self.flexibility))
 
     @cached_property
-    def frictional(self) -> FrictionalContact:
-        """Increments as problems of forces (F1)."""
-        return FrictionalContact(contact=self.contact, S=check_flexibility(self.total))
-
-    @cached_property
     def increments(self) -> IncrementSolver:
-        """The solver of increments: for displacements, or for forces.
-
-        For forces where some point is hard, or far stiffer than the structure.
-        """
+        """The solver of increments: by stages where some point is hard or far stiffer than it."""
         # On as many threads wherever it is asked for first, so that digits do not depend on that.
         with threads_for(self.contact.n_points):
             return self._solver()
@@ -109,14 +101,23 @@ class CondensedContact:
     def _solver(self) -> IncrementSolver:
         """Return the solver of increments."""
         if not self.contact.yields:
-            return self._for_forces("joints with hard contact", "a penalty there")
+            return self._staged()
         try:
-            return YieldingContact.of(self.contact, self.between, self._pressed)
+            return YieldingContact.of(self.contact, self.between, self._pressed, self._by_stages)
         except la.LinAlgError:
-            return self._for_forces(
-                "solutions for forces, as where the compliance between pairs is singular,",
-                "the full model or compliance=True",
-            )
+            return self._staged()
+
+    def _staged(self) -> IncrementSolver:
+        """Return the solver of points that may be hard."""
+        contact = self.contact
+        if contact.unilateral:
+            return PressingContact(contact=contact, between=self.between, space=self.space)
+        contact.check_forgetful("joints with hard contact", "a penalty there")
+        return self._by_stages
+
+    @property
+    def _by_stages(self) -> AugmentedContact:
+        return AugmentedContact(contact=self.contact, between=self.between)
 
     def _pressed(self) -> Vector | None:
         """Return ones at points (n_point,) that the bolts press on at rest, where they tell it.
@@ -133,15 +134,6 @@ class CondensedContact:
         stiffness = rest.between.stiffness
         normal = NormalPairs.of(points, stiffness)
         return normal.pressed(springs[0], (stiffness @ rest.pulled)[normal.felt])
-
-    def _for_forces(self, what: str, instead: str) -> IncrementSolver:
-        """Return the solver of problems of forces, which refuses laws that remember."""
-        contact = self.contact
-        if contact.unilateral:
-            return PressingContact(contact=contact, between=self.between, space=self.space)
-        forces = self.frictional
-        contact.check_forgetful(what, instead)
-        return forces
 
     @property
     def order(self) -> int:

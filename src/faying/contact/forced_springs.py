@@ -37,6 +37,12 @@ class ForcedSprings:
     between: Matrix
     stiffness: Vector
 
+    @classmethod
+    def of_none(cls, n_relative: int) -> "ForcedSprings":
+        """Return no springs."""
+        none = np.zeros((0, n_relative))
+        return cls(columns=none, between=none[:, :0], stiffness=none[:, 0])
+
     @property
     def yields(self) -> Matrix:
         """1/k − ι (n_spring, n_spring)."""

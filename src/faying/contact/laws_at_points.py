@@ -47,19 +47,19 @@ class LawsAtPoints:
     def springs(self) -> Matrix:
         """Stiffness of points that are closed and stick (components, n_point) [force/length]."""
         springs = np.zeros((self.components, self.contact.n_points))
-        for law, points in self._members:
+        for law, points in self.members:
             law_springs = law.springs(self.contact.weights[points])
             springs[: len(law_springs), points] = law_springs
         return springs
 
     def respond(self, moved: Matrix) -> tuple[Matrix, Matrix]:
         """Return forces (components, n_point) at displacements, and their stiffness −∂λ/∂moved."""
-        if len(self._members) == 1:
-            law, _ = self._members[0]
+        if len(self.members) == 1:
+            law, _ = self.members[0]
             return law.respond(moved, self.contact.weights)
         forces = np.zeros_like(moved)
         stiffness = np.zeros((moved.shape[1], len(moved), len(moved)))
-        for law, points in self._members:
+        for law, points in self.members:
             n = law.components
             answer = law.respond(moved[:n, points], self.contact.weights[points])
             forces[:n, points], stiffness[points, :n, :n] = answer
@@ -68,7 +68,7 @@ class LawsAtPoints:
     def side_by_side(self, gaps: Matrix) -> tuple[Matrix, Matrix]:
         """Return normal forces at gaps (n_point, n_case), and −∂λ/∂gap, of the same shape."""
         forces, stiffness = np.empty_like(gaps), np.empty_like(gaps)
-        for law, points in self._members:
+        for law, points in self.members:
             weights = np.repeat(self.contact.weights[points], gaps.shape[1])
             answer, slope = law.normal.respond(gaps[points].reshape(1, -1), weights)
             forces[points] = answer.reshape(-1, gaps.shape[1])
@@ -90,38 +90,38 @@ class LawsAtPoints:
     @cached_property
     def _compliance(self) -> Matrix | None:
         """What is in proportion to force at every point need not be asked again."""
-        if not all(law.proportional for law, _ in self._members):
+        if not all(law.proportional for law, _ in self.members):
             return None
         return self._asked(np.zeros((3, self.contact.n_points)))[1]
 
     def _asked(self, forces: Matrix) -> tuple[Matrix, Matrix]:
         closed, compliance = np.zeros_like(forces), np.zeros_like(forces)
-        for law, points in self._members:
+        for law, points in self.members:
             block = slice(law.components), points
             closed[block], compliance[block] = law.closure(
                 forces[block], self.contact.weights[points]
             )
         return closed, compliance
 
-    def admissible(self, forces: Matrix, pressing: Vector | None) -> Matrix:
+    def admissible(self, forces: Matrix) -> Matrix:
         """Return the admissible forces (3, n_point) nearest to given ones."""
         result = np.zeros_like(forces)
-        for law, points in self._members:
+        for law, points in self.members:
             block = slice(law.components), points
-            bounds = None if pressing is None else pressing[points]
-            result[block] = law.admissible(forces[block], bounds)
+            result[block] = law.admissible(forces[block])
         return result
 
-    def derivative(self, forces: Matrix, pressing: Vector | None) -> Matrix:
+    def derivative(self, forces: Matrix) -> Matrix:
         """Return the derivative of the admissible forces (n_point, 3, 3)."""
         result = np.zeros((forces.shape[1], 3, 3))
-        for law, points in self._members:
-            n, bounds = law.components, None if pressing is None else pressing[points]
-            result[points, :n, :n] = law.derivative(forces[:n, points], bounds)
+        for law, points in self.members:
+            n = law.components
+            result[points, :n, :n] = law.derivative(forces[:n, points])
         return result
 
     @cached_property
-    def _members(self) -> list[tuple[Law, slice]]:
+    def members(self) -> list[tuple[Law, slice]]:
+        """Each law, and its points."""
         laws = self.contact.laws
         if self.deepest is not None:
             laws = {n: laws[n].after(self.deepest[at]) for n, at in self.contact.slices.items()}

@@ -7,23 +7,59 @@ from typing import final
 import numpy as np
 from scipy.linalg import LinAlgError
 
-from faying._typing import Matrix, Vector
+from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.between_pairs import BetweenPairs, ByCompliance, Pressed
 from faying.contact.contact import Contact
 from faying.contact.forced_springs import ForcedSprings
-from faying.contact.frictional import FrictionalContact
 from faying.contact.glued_pairs import GluedPairs
-from faying.contact.increment import Increment, check_gaps, displaced
+from faying.contact.increment import (
+    ForcedContact,
+    Increment,
+    IncrementSolver,
+    check_gaps,
+    displaced,
+)
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_descent import solve_yielding
 from faying.contact.sparse_pairs import SparsePairs
-from faying.exceptions import ConvergenceError, ModelError
+from faying.exceptions import ConvergenceError
 
 STIFFEST = 1e4
 """Stiffness of contact at a pair over the structure's up to which displacements tell forces.
 
 At 10 E/h it is about ten; at 1e8 gaps were off by a quarter of themselves.
 """
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Across:
+    """A structure without some springs across its pairs, which are known by their forces.
+
+    With z = Σ c and M = 1/k − ι + cᵀ Σ c, (T1a) is
+
+        Σ (y − y₀) + z N₀ = Gᵀ λ,   zᵀ (y − y₀) + M N₀ = T/k − e₀,                           (T1)
+
+    so that Σ becomes Σ − z M⁻¹ zᵀ: a change of rank one for each spring.
+
+    Attributes
+    ----------
+    pairs
+        Of that.
+    columns, shapes : (n_spring, n_unknown)
+        c and z.
+    yields : (n_spring, n_spring) [length/force]
+        M.
+    """
+
+    pairs: GluedPairs | SparsePairs
+    columns: Matrix
+    shapes: Matrix
+    yields: Matrix
+
+    def taken(self, elongations: Vector) -> Vector:
+        """Return initial forces M⁻¹ e (n_spring,) of elongations."""
+        return np.asarray(np.linalg.solve(self.yields, elongations), dtype=float)
 
 
 @final
@@ -42,12 +78,15 @@ class YieldingContact:
     shapes : (n_relative, rank) or None
         Y of a singular S = Y Yᵀ: the unknowns are then q of y = y_f + Y q, whose Σ is one and G
         is G Y.
+    otherwise
+        Solver where Newton's method goes astray.
     """
 
     contact: Contact
     between: BetweenPairs
     pairs: GluedPairs | SparsePairs
     shapes: Matrix | None = None
+    otherwise: IncrementSolver | None = None
 
     @classmethod
     def of(
@@ -55,6 +94,7 @@ class YieldingContact:
         contact: Contact,
         between: BetweenPairs,
         pressed: Pressed = None,
+        otherwise: IncrementSolver | None = None,
     ) -> "YieldingContact":
         """Return the solver of a structure; what is pressed is as of :meth:`.GluedPairs.of`.
 
@@ -64,23 +104,27 @@ class YieldingContact:
             If points are so stiff that displacements have too few digits to tell forces.
         """
         springs = LawsAtPoints(contact=contact).springs
+        solver = cls.on_springs(contact, between, springs, pressed)
+        contact_stiffness = solver.pairs.points.of_diagonal(springs).diagonal()
+        if (contact_stiffness > STIFFEST * solver.pairs.own_stiffness).any():
+            message = "contact is far stiffer than the structure"
+            raise LinAlgError(message)
+        return replace(solver, otherwise=otherwise)
+
+    @classmethod
+    def on_springs(
+        cls, contact: Contact, between: BetweenPairs, springs: Matrix, pressed: Pressed = None
+    ) -> "YieldingContact":
+        """Return the solver of points on springs (components, n_point), however stiff."""
         try:
             pairs = between.on_springs(contact.rows, springs, pressed)
         except LinAlgError:
-            return cls._of_singular(contact, springs, between)
-        _check_stiffness(pairs.points.of_diagonal(springs).diagonal(), pairs.own_stiffness)
+            # Rigid bodies, or a basis of fewer modes than pairs.
+            shapes = between.spanned()
+            G = np.asarray(contact.rows @ shapes)
+            few = GluedPairs.of(G, springs, ByCompliance(np.eye(shapes.shape[1])))
+            return cls(contact=contact, between=between, pairs=few, shapes=shapes)
         return cls(contact=contact, between=between, pairs=pairs)
-
-    @classmethod
-    def _of_singular(
-        cls, contact: Contact, springs: Matrix, between: BetweenPairs
-    ) -> "YieldingContact":
-        """Return the solver of rigid bodies, or of a basis of fewer modes than pairs."""
-        shapes = between.spanned()
-        G = np.asarray(contact.rows @ shapes)
-        _check_stiffness(springs.ravel() * (G * G).sum(axis=1), 1.0)
-        pairs = GluedPairs.of(G, springs, ByCompliance(np.eye(shapes.shape[1])))
-        return cls(contact=contact, between=between, pairs=pairs, shapes=shapes)
 
     @property
     def S(self) -> Matrix:
@@ -114,29 +158,32 @@ class YieldingContact:
 
         Notes
         -----
-        For displacements, and for forces where Newton's method goes astray there: a body that
-        slides far as a whole turns tangential forces more than a step can tell, and points far
-        stiffer than the structure leave displacements too few digits.
+        By stages where Newton's method goes astray: a body that slides far as a whole turns
+        tangential forces more than a step can tell.
         """
         check_gaps(free)
         try:
             increment = self._solved(self.pairs, free, offset, start)
-        except ConvergenceError as error:
-            return self._for_forces(error).solve(free, offset, start)
+        except ConvergenceError:
+            if self.otherwise is None or not self.contact.proportional:
+                raise
+            return self.otherwise.solve(free, offset, start)
         return replace(increment, moved=displaced(self, free, increment.forces))
 
     def loosened(self, springs: ForcedSprings) -> "LoosenedContact":
         """Return the solver with springs that are known by their forces."""
         return LoosenedContact(solver=self, springs=springs)
 
-    def _for_forces(self, error: ConvergenceError) -> FrictionalContact:
-        """Return the solver for forces where this one failed, and there is memory and room."""
-        if self.contact.remembers:
-            raise error
-        try:
-            return FrictionalContact(contact=self.contact, S=self.S)
-        except ModelError:  # there is no room for it
-            raise error from None
+    def across(self, springs: ForcedSprings) -> Across:
+        """Return the pairs less springs that are known by their forces."""
+        columns = springs.columns
+        if self.shapes is not None:
+            columns = _coordinates(self.shapes, columns.T).T
+        shapes = np.array([self.pairs.resisted(column) for column in columns])
+        shapes = shapes.reshape(columns.shape)
+        yields = springs.yields + columns @ shapes.T
+        pairs = self.pairs.loosened(shapes, yields) if len(columns) else self.pairs
+        return Across(pairs=pairs, columns=columns, shapes=shapes, yields=yields)
 
     def _solved(
         self,
@@ -167,27 +214,19 @@ class YieldingContact:
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LoosenedContact:
-    """The same with springs that are known by their forces.
-
-    With z = Σ c and M = 1/k − ι + cᵀ Σ c, (T1a) is
-
-        Σ (y − y₀) + z N₀ = Gᵀ λ,   zᵀ (y − y₀) + M N₀ = T/k − e₀,                           (T1)
-
-    so that Σ becomes Σ − z M⁻¹ zᵀ: a change of rank one for each spring.
-    """
+    """The same with springs that are known by their forces (T1)."""
 
     solver: YieldingContact
     springs: ForcedSprings
 
     @cached_property
-    def _loosened(self) -> tuple[GluedPairs | SparsePairs, Matrix, Matrix]:
-        """The pairs without the springs, z and M."""
-        pairs, columns, shapes = self.solver.pairs, self.springs.columns, self.solver.shapes
-        if shapes is not None:
-            columns = _coordinates(shapes, columns.T).T
-        z = np.array([pairs.resisted(column) for column in columns])
-        yields = self.springs.yields + columns @ z.T
-        return pairs.loosened(z, yields), z, yields
+    def _across(self) -> Across:
+        return self.solver.across(self.springs)
+
+    @cached_property
+    def _otherwise(self) -> ForcedContact | None:
+        solver = self.solver.otherwise
+        return None if solver is None else solver.loosened(self.springs)
 
     def solve(
         self,
@@ -199,15 +238,16 @@ class LoosenedContact:
     ) -> tuple[Increment, Vector]:
         """Solve one increment; see :meth:`.ForcedContact.solve`."""
         check_gaps(free)
-        pairs, z, yields = self._loosened
-        pull, shapes = z.T @ np.linalg.solve(yields, elongations), self.solver.shapes
+        across, shapes = self._across, self.solver.shapes
+        pull = across.shapes.T @ across.taken(elongations)
         try:
-            increment = self.solver._solved(pairs, free, offset, start, pull)
-        except ConvergenceError as error:
-            by_forces = self.solver._for_forces(error).loosened(self.springs)
-            return by_forces.solve(free, offset, elongations, about, start)
+            increment = self.solver._solved(across.pairs, free, offset, start, pull)
+        except ConvergenceError:
+            if self._otherwise is None or not self.solver.contact.proportional:
+                raise
+            return self._otherwise.solve(free, offset, elongations, about, start)
         moved = increment.moved if shapes is not None else increment.moved - free
-        initial = np.asarray(np.linalg.solve(yields, elongations - z @ moved), dtype=float)
+        initial = across.taken(elongations - across.shapes @ moved)
         if shapes is not None:
             increment = replace(increment, moved=free + shapes @ moved)
         return increment, initial
@@ -218,8 +258,10 @@ def _coordinates(shapes: Matrix, moved: Matrix) -> Matrix:
     return np.asarray(np.linalg.lstsq(shapes, moved)[0], dtype=float)
 
 
-def _check_stiffness(contact: Vector, structure: Vector | float) -> None:
-    """Refuse contact that is far stiffer than the structure."""
-    if (contact > STIFFEST * structure).any():
-        message = "contact is far stiffer than the structure"
-        raise LinAlgError(message)
+def moved_singly(rows: SparseMatrix, between: BetweenPairs) -> Vector:
+    """Return what a force moves at its point (n_row,), if pairs move singly [length/force]."""
+    try:
+        own = between.own_stiffness
+    except LinAlgError:
+        return np.asarray((rows @ between.spanned()) ** 2).sum(axis=1)
+    return np.asarray(rows.multiply(rows) @ (1.0 / own))

@@ -96,11 +96,11 @@ class ReducedContact:
         raise ModelError(message)
 
     @property
-    def frictional(self) -> NoReturn:
-        """Refuse: reduced sets of normal forces know no tangential ones."""
+    def between(self) -> NoReturn:
+        """Refuse: forces of a reduced set do not solve the contact between pairs."""
         message = (
-            "a reduced set of normal contact forces (DEIM, force bases) knows no friction; take "
-            "another method"
+            "contact forces of a reduced set (DEIM, force bases) do not solve the contact between "
+            "pairs, which is asked for here; take another method"
         )
         raise ModelError(message)
 

@@ -126,7 +126,7 @@ class MeanContact:
             end = self._law.solve(still, z_free, begun)
             return replace(end, iterations=mean.iterations + end.iterations)
         stuck = np.divide(-z_free, D, out=none, where=D > 0)
-        elastic = np.where(hard, 0.5 * mean.forces, self._laws.admissible(stuck, None))
+        elastic = np.where(hard, 0.5 * mean.forces, self._laws.admissible(stuck))
         return replace(mean, forces=elastic, slack=z_free + self._laws.closure(elastic)[0])
 
     def _obeyed(self, forces: Matrix) -> bool:

@@ -34,22 +34,20 @@ def test_laws_hold_at_their_own_points(third):
     plain, _ = joint(0, laws)
     at_points = LawsAtPoints(contact=plain.contact)
     random = np.random.default_rng(1)
-    for pressing in (None, random.uniform(0.0, 2.0, N)):
-        forces = random.normal(size=(3, N))
-        closed, compliance = np.zeros((2, 3, N))
-        admissible, slope = np.zeros((3, N)), np.zeros((N, 3, 3))
-        for name, law in laws.items():
-            at, n = PLACES[name], law.components
-            own, held = forces[:n, at], None if pressing is None else pressing[at]
-            closed[:n, at], compliance[:n, at] = law.closure(own, WEIGHTS[at])
-            admissible[:n, at] = law.admissible(own, held)
-            slope[at, :n, :n] = law.derivative(own, held)
-        found = at_points.closure(forces)
-        np.testing.assert_array_equal(found[0], closed)
-        np.testing.assert_array_equal(found[1], compliance)
-        np.testing.assert_array_equal(at_points.admissible(forces, pressing), admissible)
-        np.testing.assert_array_equal(at_points.derivative(forces, pressing), slope)
-        np.testing.assert_array_equal(at_points.yielded(forces), closed)
+    forces = random.normal(size=(3, N))
+    closed, compliance = np.zeros((2, 3, N))
+    admissible, slope = np.zeros((3, N)), np.zeros((N, 3, 3))
+    for name, law in laws.items():
+        at, n = PLACES[name], law.components
+        closed[:n, at], compliance[:n, at] = law.closure(forces[:n, at], WEIGHTS[at])
+        admissible[:n, at] = law.admissible(forces[:n, at])
+        slope[at, :n, :n] = law.derivative(forces[:n, at])
+    found = at_points.closure(forces)
+    np.testing.assert_array_equal(found[0], closed)
+    np.testing.assert_array_equal(found[1], compliance)
+    np.testing.assert_array_equal(at_points.admissible(forces), admissible)
+    np.testing.assert_array_equal(at_points.derivative(forces), slope)
+    np.testing.assert_array_equal(at_points.yielded(forces), closed)
     assert found[1][1:, 3].max() == 0.0
 
 

@@ -7,8 +7,8 @@ import pytest
 import scipy.sparse as sp
 
 import faying as fy
+from faying.contact.augmented import AugmentedContact
 from faying.contact.contact import Contact
-from faying.contact.frictional import FrictionalContact
 from faying.contact.laws import Coulomb, Penalty
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.yielding import YieldingContact
@@ -178,7 +178,7 @@ def test_an_increment_begins_where_what_slipped_slips_on_or_sticks(way, slides):
 class Refusing:
     """A solver that is asked for increments of a share of a load at most, and notes what it is."""
 
-    plain: FrictionalContact
+    plain: AugmentedContact
     farthest: float
     last: float = 0.0
 

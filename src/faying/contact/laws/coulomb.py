@@ -113,19 +113,19 @@ class Coulomb:
         sheared = (forces[1:] ** 2).sum(axis=0) / (2 * self.tangential_penalty * weights)
         return np.asarray(self.normal.energy(forces[:1], weights) + sheared)
 
-    def admissible(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:
-        """Return ⟨λ_n⟩ and the tangential force cut to μ ⟨λ_n⟩, or to μ times given ones."""
-        normal, size, limit = self._limits(forces, pressing)
+    def admissible(self, forces: Matrix) -> Matrix:
+        """Return ⟨λ_n⟩ and the tangential force cut to μ ⟨λ_n⟩."""
+        normal, size, limit = self._limits(forces)
         cut = np.minimum(1.0, limit / np.where(size > 0, size, 1.0))
         return np.stack([normal, cut * forces[1], cut * forces[2]])
 
-    def derivative(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:
+    def derivative(self, forces: Matrix) -> Matrix:
         """Return the derivative of the projection (n_point, 3, 3), unsymmetric where it slips.
 
         With n = λ_t/|λ_t|: I where a point sticks, and where it slips (μ λ_n/|λ_t|)(I − n nᵀ) by
         λ_t and μ n by λ_n.
         """
-        normal, size, limit = self._limits(forces, pressing)
+        normal, size, limit = self._limits(forces)
         closed = normal > 0
         # Without anything to hold on by nothing sticks, not even where nothing pulls.
         slips = (size > limit) | (limit <= 0)
@@ -138,9 +138,8 @@ class Coulomb:
         result[:, 1, 1] = cut - turned * first * first
         result[:, 2, 2] = cut - turned * second * second
         result[:, 1, 2] = result[:, 2, 1] = -turned * first * second
-        if pressing is None:
-            pulled = self.friction * (closed & slips)
-            result[:, 1, 0], result[:, 2, 0] = pulled * first, pulled * second
+        pulled = self.friction * (closed & slips)
+        result[:, 1, 0], result[:, 2, 0] = pulled * first, pulled * second
         return result
 
     def springs(self, weights: Vector) -> Matrix:
@@ -148,9 +147,7 @@ class Coulomb:
         shear = np.broadcast_to(self.tangential_penalty * weights, (2, len(weights)))
         return np.vstack([self.normal.springs(weights), shear])
 
-    def respond(
-        self, moved: Matrix, weights: Vector, pressing: Vector | None = None
-    ) -> tuple[Matrix, Matrix]:
+    def respond(self, moved: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:
         """Return λ_n of the normal law and −w c_t moved_t cut to μ λ_n, with the stiffness.
 
         The stiffness is consistent with the cut (radial return; J. C. Simo, T. J. R. Hughes,
@@ -168,10 +165,9 @@ class Coulomb:
         shear = self.tangential_penalty * weights
         trial = -shear * moved[1:]
         size = np.hypot(trial[0], trial[1])
-        limit = self.friction * (pressed[0] if pressing is None else np.maximum(pressing, 0.0))
+        limit = self.friction * pressed[0]
         # Curves may press before surfaces meet; where they meet without pressure yet, c_t counts.
-        meets = self.friction > 0 and pressing is None
-        touching = (limit > 0) | ((moved[0] <= 0) & meets)
+        touching = (limit > 0) | ((moved[0] <= 0) & (self.friction > 0))
         slips = (size > limit) | ~touching
         over = 1.0 / np.where(size > 0, size, 1.0)
         first, second = trial * over
@@ -183,16 +179,14 @@ class Coulomb:
         stiffness[:, 1, 1] = turned - bent * first * first
         stiffness[:, 2, 2] = turned - bent * second * second
         stiffness[:, 1, 2] = stiffness[:, 2, 1] = -bent * first * second
-        if pressing is None:
-            pulled = self.friction * slips * normal[:, 0, 0]
-            stiffness[:, 1, 0], stiffness[:, 2, 0] = pulled * first, pulled * second
+        pulled = self.friction * slips * normal[:, 0, 0]
+        stiffness[:, 1, 0], stiffness[:, 2, 0] = pulled * first, pulled * second
         return np.concatenate([pressed, cut * trial]), stiffness
 
-    def _limits(self, forces: Matrix, pressing: Vector | None) -> tuple[Vector, Vector, Vector]:
+    def _limits(self, forces: Matrix) -> tuple[Vector, Vector, Vector]:
         """Return ⟨λ_n⟩, |λ_t| and what |λ_t| is held to."""
         normal = np.maximum(forces[0], 0.0)
-        limit = self.friction * (normal if pressing is None else np.maximum(pressing, 0.0))
-        return normal, np.hypot(forces[1], forces[2]), np.where(normal > 0, limit, 0.0)
+        return normal, np.hypot(forces[1], forces[2]), self.friction * normal
 
 
 def automatic_tangential_penalty(penalty: float, poissons_ratio: float) -> float:

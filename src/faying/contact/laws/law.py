@@ -107,24 +107,18 @@ class Law(Protocol):
         """
         ...
 
-    def admissible(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:
+    def admissible(self, forces: Matrix) -> Matrix:
         """Return the admissible forces (components, n_point) nearest to given ones.
 
-        Parameters
-        ----------
-        pressing : (n_point,) [force]
-            Normal forces that hold the tangential ones; by default those of ``forces``. With them
-            given the admissible forces are a convex set.
+        Normal forces of the result bound its tangential ones.
         """
         ...
 
-    def derivative(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:
+    def derivative(self, forces: Matrix) -> Matrix:
         """Return the derivative of :meth:`admissible` (n_point, components, components)."""
         ...
 
-    def respond(
-        self, moved: Matrix, weights: Vector, pressing: Vector | None = None
-    ) -> tuple[Matrix, Matrix]:
+    def respond(self, moved: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:
         """Return forces λ (components, n_point) [force] and −∂λ/∂moved at relative displacements.
 
         The stiffness (n_point, components, components) [force/length] is that of the branch the
@@ -137,10 +131,6 @@ class Law(Protocol):
             Gap g, negative where the surfaces approach, and the tangential displacements less the
             slip so far.
         weights : (n_point,) [length²]
-        pressing : (n_point,) [force]
-            Normal forces that bound the tangential ones; by default those that follow from the
-            gap. With them given the tangential forces do not depend on the gap (Tresca), and the
-            stiffness is symmetric.
 
         Raises
         ------

@@ -67,12 +67,7 @@ class Unilateral:
     def pressure_of(self, closure: Vector) -> tuple[Vector, Vector]:
         """Return p [force/length²] and dp/dc [force/length³] at closures (n,) [length]."""
 
-    def respond(
-        self,
-        moved: Matrix,
-        weights: Vector,
-        pressing: Vector | None = None,  # noqa: ARG002
-    ) -> tuple[Matrix, Matrix]:
+    def respond(self, moved: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:
         """Return w p(−g) (1, n_point), and w dp/dc (n_point, 1, 1).
 
         Raises
@@ -88,10 +83,10 @@ class Unilateral:
         energy: Vector = 0.5 * forces[0] * self.closure(forces, weights)[0][0]
         return energy
 
-    def admissible(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:  # noqa: ARG002
+    def admissible(self, forces: Matrix) -> Matrix:
         """Return ⟨λ⟩: contact presses, it never pulls."""
         return np.maximum(forces, 0.0)
 
-    def derivative(self, forces: Matrix, pressing: Vector | None = None) -> Matrix:  # noqa: ARG002
+    def derivative(self, forces: Matrix) -> Matrix:
         """Return one where contact presses, else zero (n_point, 1, 1)."""
         return np.asarray((forces > 0).astype(float)[0, :, None, None])

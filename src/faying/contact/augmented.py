@@ -1,0 +1,354 @@
+"""Contact that is hard, or nearly so: contact of points that yield, again and again.
+
+Displacements do not tell what hard points exert. They do where these yield besides, by d per force
+that they exert beyond multipliers λ_k (augmented Lagrangian; Simo & Laursen 1992,
+doi:10.1016/0045-7949(92)90540-G),
+
+    λ = admissible((d λ_k − z) / (c′ + d)),   λ_{k+1} = λ,                                    (F1a)
+
+with c′ what the laws yield per force. Each stage is a problem (F8), solved about the displacements
+that λ_k make, so that few digits are needed of those. Stages are proximal points of the forces
+(Rockafellar 1976, doi:10.1137/0314056): where they end, what was added takes nothing any more, and
+of several solutions where points depend on each other one is reached. Where there is none, forces
+rise from stage to stage.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import final
+
+import numpy as np
+
+from faying._typing import Matrix, Vector
+from faying.contact.between_pairs import BetweenPairs
+from faying.contact.contact import Contact
+from faying.contact.forced_springs import ForcedSprings
+from faying.contact.increment import Increment, check_gaps, displaced
+from faying.contact.laws_at_points import LawsAtPoints
+from faying.contact.newton_descent import solve_yielding
+from faying.contact.yielding import Across, YieldingContact, moved_singly
+from faying.digits import ROUND_OFF
+from faying.exceptions import ConvergenceError
+from faying.linalg.threads import threads_for
+
+LEVELS, FIRST, USUAL = tuple(10.0**n for n in range(-1, 8)), 2, 4
+"""What the structure yields at a point over d, from level to level; the first and the usual one."""
+
+SMALL = 0.1
+"""Change of forces over the largest one from which harder points begin near their forces."""
+
+SLOW = 0.3
+"""Change of forces over that of the stage before from which points yield less from there on."""
+
+SETTLED = 1e-6
+"""Change of forces over the largest one beyond which they may rise without end.
+
+Where points depend on each other round-off changes what each of them takes by 1e-7.
+"""
+
+MOST_STAGES = 60
+"""Stages; 4 to 8 are usual."""
+
+CONTRADICTORY = (
+    "points of hard contact may contradict each other where they are more than the displacements "
+    "beneath them; with a penalty there always is a solution"
+)
+"""What is said where no stage is the last."""
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class SoftenedLaws:
+    """Laws at points that yield besides.
+
+    Attributes
+    ----------
+    laws
+    added : (3, n_point) [length/force]
+        d; zero where closure is not in proportion to force, which tells forces by itself.
+    """
+
+    laws: LawsAtPoints
+    added: Matrix
+
+    @cached_property
+    def _yields(self) -> Matrix:
+        """c′ + d (3, n_point)."""
+        return self.laws.closure(np.zeros_like(self.added))[1] + self.added
+
+    @property
+    def components(self) -> int:
+        """Components of force at a point."""
+        return self.laws.components
+
+    @property
+    def springs(self) -> Matrix:
+        """Stiffness of points that are closed and stick (components, n_point) [force/length]."""
+        softened = self.added[: self.components] > 0
+        yields = np.where(softened, self._yields[: self.components], 1.0)
+        return np.where(softened, 1.0 / yields, self.laws.springs)
+
+    def after(self, deepest: Vector | None) -> "SoftenedLaws":
+        """Return the laws of points that have been closed so far."""
+        return replace(self, laws=self.laws.after(deepest))
+
+    def closed_to(self, gap: Vector) -> Vector | None:
+        """Return the largest closures (n_point,) once the gap is so; None if nothing remembers."""
+        return self.laws.closed_to(gap)
+
+    def respond(self, moved: Matrix) -> tuple[Matrix, Matrix]:
+        """Return forces (components, n_point) at z − d λ_k, and their stiffness, of (F1a)."""
+        forces = np.zeros_like(moved)
+        stiffness = np.zeros((moved.shape[1], len(moved), len(moved)))
+        for law, points in self.laws.members:
+            n = law.components
+            if not law.proportional:
+                answer = law.respond(moved[:n, points], self.laws.contact.weights[points])
+            else:
+                yields = self._yields[:n, points]
+                trial = -moved[:n, points] / yields
+                answer = law.admissible(trial), law.derivative(trial) / yields.T[:, None, :]
+            forces[:n, points], stiffness[points, :n, :n] = answer
+        return forces, stiffness
+
+    def yielded(self, forces: Matrix) -> Matrix:
+        """Return what is yielded to forces (components, n_point) [length]."""
+        return np.asarray(self.laws.yielded(forces) + self.added[: len(forces)] * forces)
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Level:
+    """How much points yield besides.
+
+    Attributes
+    ----------
+    contact, between
+        Of :class:`AugmentedContact`.
+    hardness
+        What the structure yields at a point over d.
+    """
+
+    contact: Contact
+    between: BetweenPairs
+    hardness: float
+
+    @cached_property
+    def laws(self) -> SoftenedLaws:
+        """The laws of points that yield so."""
+        contact = self.contact
+        k, added = contact.components, np.zeros((3, contact.n_points))
+        added[:k] = moved_singly(contact.rows, self.between).reshape(k, -1)
+        added[1:k] = added[1:k].sum(axis=0) / 2  # which no turn of the tangents changes
+        added[:k][added[:k] == 0.0] = added.max(initial=0.0) or 1.0  # where nothing moves
+        for name, points in contact.slices.items():
+            added[:, points] *= contact.laws[name].proportional
+        return SoftenedLaws(LawsAtPoints(contact=contact), added / self.hardness)
+
+    @cached_property
+    def held(self) -> YieldingContact:
+        """The structure on the springs of such points."""
+        # On as many threads wherever it is asked for first, so that digits do not depend on that.
+        with threads_for(self.contact.n_points):
+            return YieldingContact.on_springs(self.contact, self.between, self.laws.springs)
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """What stages of one level are solved with.
+
+    Attributes
+    ----------
+    level
+    springs
+        Known by their forces.
+    """
+
+    level: Level
+    springs: ForcedSprings
+
+    @cached_property
+    def _across(self) -> Across:
+        return self.level.held.across(self.springs)
+
+    def solved(
+        self,
+        slack: Matrix,
+        elongations: Vector,
+        forces: Matrix,
+        initial: Vector,
+        *,
+        begins: bool,
+    ) -> tuple[Increment, Vector]:
+        """Return forces that come next, and initial forces N₀ (n_spring,) of springs.
+
+        Points move by z (3, n_point) [length] without forces λ_k (3, n_point) and N₀; where a
+        problem begins all points close and stick at first.
+        """
+        held, laws, across = self.level.held, self.level.laws, self._across
+        pressed = held.contact.at_pairs(forces[0], forces[1:])
+        p = pressed if held.shapes is None else held.shapes.T @ pressed
+        moved = held.moved_by(pressed) if held.shapes is None else p
+        moved = moved - initial @ across.columns
+        missed = self.springs.yields @ initial + across.columns @ p - elongations
+        offset = slack - laws.added * forces
+        offset[: laws.components] += (across.pairs.points.G @ moved).reshape(-1, slack.shape[1])
+        nothing = np.zeros(len(p))
+        about = Increment(forces=forces, slack=slack, moved=nothing, iterations=0, residual=0.0)
+        start, pull = None if begins else about, p - across.shapes.T @ across.taken(missed)
+        following = solve_yielding(
+            laws, across.pairs, nothing, offset, start, pull=pull, solved=ROUND_OFF
+        )
+        return following, initial - across.taken(missed + across.shapes @ following.moved)
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class AugmentedContact:
+    """Solver of contact problems of one structure, whatever its points are.
+
+    Attributes
+    ----------
+    contact
+        Gaps, tangential displacements and laws.
+    between
+        Structure between pairs.
+    """
+
+    contact: Contact
+    between: BetweenPairs
+
+    @property
+    def S(self) -> Matrix:
+        """Compliance between pairs (n_relative, n_relative) [length/force]."""
+        return self.between.compliance
+
+    def moved_by(self, forces: Vector) -> Vector:
+        """Return S p (n_relative,) [length] of forces between the pairs."""
+        return self.between.moved_by(forces)
+
+    @cached_property
+    def laws(self) -> LawsAtPoints:
+        """What the contact points answer."""
+        return LawsAtPoints(contact=self.contact)
+
+    @cached_property
+    def levels(self) -> tuple[Level, ...]:
+        """Levels from the softest to the hardest."""
+        return tuple(
+            Level(contact=self.contact, between=self.between, hardness=hardness)
+            for hardness in LEVELS
+        )
+
+    @cached_property
+    def _stages(self) -> tuple[Stage, ...]:
+        none = ForcedSprings.of_none(self.contact.interpolation.shape[1])
+        return tuple(Stage(level, none) for level in self.levels)
+
+    def about(self, state: Increment) -> "AugmentedContact":  # noqa: ARG002
+        """Return itself: stages are about their multipliers."""
+        return self
+
+    def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
+        """Solve one problem; see :meth:`.IncrementSolver.solve`.
+
+        Notes
+        -----
+        Four to eight stages, of which the first takes as many Newton steps as a problem of points
+        that yield, and the last ones a step each.
+        """
+        return self.staged(self._stages, free, offset, np.zeros(0), np.zeros(0), start)[0]
+
+    def loosened(self, springs: ForcedSprings) -> "LoosenedAugmented":
+        """Return the solver with springs that are known by their forces."""
+        return LoosenedAugmented(solver=self, springs=springs)
+
+    def staged(
+        self,
+        stages: Sequence[Stage],
+        free: Vector,
+        offset: Matrix,
+        elongations: Vector,
+        initial: Vector,
+        start: Increment | None,
+    ) -> tuple[Increment, Vector]:
+        """Solve one problem by stages; arguments are as of :meth:`.ForcedContact.solve`."""
+        check_gaps(free)
+        slack = self.contact.moved(free) + offset
+        forces = np.zeros_like(slack) if start is None else start.forces
+        level, begins, steps, left = FIRST, start is None, 0, np.inf
+        for _ in range(MOST_STAGES):
+            try:
+                following, initial_forces = stages[level].solved(
+                    slack, elongations, forces, initial, begins=begins
+                )
+            except ConvergenceError:
+                if not level:
+                    break
+                level -= 1
+                continue
+            previous, left = left, _change(forces, following.forces)
+            begins, steps = False, steps + following.iterations
+            if left > ROUND_OFF:  # else a problem that is solved keeps its last digits
+                forces, initial = following.forces, initial_forces
+            residual = left / self.levels[level].hardness
+            if left <= SETTLED and residual <= ROUND_OFF:
+                moved = displaced(self, free, forces) - initial @ stages[level].springs.columns
+                slack = self.contact.moved(moved) + offset + self.laws.closure(forces)[0]
+                # What is closed has no gap, and what sticks has not slipped, to all digits.
+                slack[0] = np.where(forces[0] > 0, 0.0, np.maximum(slack[0], 0.0))
+                slack[1:, self.contact.sticking(forces[0], forces[1:])] = 0.0
+                increment = Increment(
+                    forces=forces, slack=slack, moved=moved, iterations=steps, residual=residual
+                )
+                return increment, initial
+            if left <= SMALL and (level < USUAL or left > SLOW * previous):
+                level = min(level + 1, len(LEVELS) - 1)
+        raise ConvergenceError(self._unsolved(steps, left, start))
+
+    def _unsolved(self, steps: int, left: float, start: Increment | None) -> str:
+        """Say that no stage was the last."""
+        message = (
+            f"contact was not solved in {steps} Newton steps: its forces still change by {left:.1e}"
+            " of the largest one"
+        )
+        if self.contact.components > 1:
+            message += "; take smaller increments, or a smaller coefficient of friction"
+            if start is None or not start.forces.any():
+                message += (
+                    "; a joint that friction alone holds while it is tightened can be tightened "
+                    "without (friction_during_preload = false in a study)"
+                )
+        return message if self.contact.yields else f"{message}; {CONTRADICTORY}"
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LoosenedAugmented:
+    """The same with springs that are known by their forces."""
+
+    solver: AugmentedContact
+    springs: ForcedSprings
+
+    @cached_property
+    def _stages(self) -> tuple[Stage, ...]:
+        return tuple(Stage(level, self.springs) for level in self.solver.levels)
+
+    def solve(
+        self,
+        free: Vector,
+        offset: Matrix,
+        elongations: Vector,
+        about: Vector,
+        start: Increment | None = None,
+    ) -> tuple[Increment, Vector]:
+        """Solve one increment; see :meth:`.ForcedContact.solve`."""
+        return self.solver.staged(self._stages, free, offset, elongations, about, start)
+
+
+def _change(forces: Matrix, following: Matrix) -> float:
+    """Return the largest change of forces over the largest force."""
+    largest = float(np.abs(following).max(initial=0.0))
+    return float(np.abs(following - forces).max(initial=0.0)) / (largest or 1.0)
