@@ -1,13 +1,12 @@
 """How often increments with friction are solved, and in how many Newton steps.
 
-    python benchmarks/friction_robustness.py PATHS [--first NUMBER] [--forces] [--keep FILE]
+    python benchmarks/friction_robustness.py PATHS [--first NUMBER] [--keep FILE]
     python benchmarks/friction_robustness.py --why NUMBER...
 
 Paths of five increments, numbered. Half are of a coarse lap joint, half of a few points with any
 compliance, normals and gaps; μ up to 1, c_n from 1e4 to 1e9 N/mm³ or hard. Prints a table of
 Newton steps, what was refused and why, and the worst natural residual, computed by the law written
-out again. Elastic increments are solved for displacements, with ``--forces`` for forces as hard
-ones are.
+out again.
 
 With a file, what became of each path is kept there, one line each, and the tables are those of all
 that it holds: 4000 paths at half a second each are done in pieces, each by the same command with
@@ -29,13 +28,15 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import linprog
 
-from faying.contact.frictional import FrictionalContact
+from faying.assessment.natural_map import NaturalMap
+from faying.contact.augmented import AugmentedContact
+from faying.contact.between_pairs import ByCompliance
 from faying.contact.laws import Coulomb, Penalty
 from faying.exceptions import ConvergenceError
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from random_friction import Joints, Outcome, outcomes, small_path, walked
+from random_friction import Joints, Outcome, outcomes, small_path, solver_of, walked
 
 BOUNDS = (5, 10, 20, 40, 80, 160)
 """Upper ends of the classes of Newton steps."""
@@ -46,7 +47,6 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("paths", type=int, nargs="?", default=0, help="how many")
     parser.add_argument("--first", type=int, default=0, help="number of the first")
-    parser.add_argument("--forces", action="store_true", help="solve all of them for forces")
     parser.add_argument("--keep", type=Path, help="file to add to, one line a path")
     parser.add_argument("--why", type=int, nargs="+", help="paths that were refused")
     asked = parser.parse_args()
@@ -58,7 +58,7 @@ def main() -> None:
     for number in range(asked.first, asked.first + asked.paths):
         if number in found:
             continue
-        found[number] = list(outcomes(number, joints, by_forces=asked.forces))
+        found[number] = list(outcomes(number, joints))
         if asked.keep:
             with asked.keep.open("a", encoding="utf-8") as file:
                 row = {"path": number, "increments": [asdict(one) for one in found[number]]}
@@ -71,24 +71,27 @@ def reason(number: int) -> str:
     rng = np.random.default_rng(number)
     if rng.random() < 0.5:
         return f"path {number} is one of the lap joint"
-    _, solver, relatives = small_path(rng)
-    (law,), slip, done = solver.contact.laws.values(), np.zeros((2, solver.contact.n_points)), 0
+    _, plain, relatives = small_path(rng)
+    contact, S = plain.contact, plain.S
+    (law,), slip, done = contact.laws.values(), np.zeros((2, contact.n_points)), 0
     try:
-        for here, _ in walked(solver, relatives):
+        for here, _ in walked(solver_of(plain), relatives):
             slip, done = here.slip, done + 1
     except ConvergenceError:
-        z_free = solver.contact.free_slack(relatives[done], slip)
+        pass
     else:
         return f"path {number} is solved"
     forces = []
     for penalty in 10.0 ** np.arange(8, 13):
         laws = {"joint": Coulomb(Penalty(penalty), law.friction, penalty)}
-        soft = FrictionalContact(contact=replace(solver.contact, laws=laws), S=solver.S)
-        forces.append(f"{np.abs(soft.solve_slack(z_free).forces).max():.1e}")
-    return f"path {number}: room {room(solver, z_free[0]):.2g}, forces {', '.join(forces)}"
+        soft = AugmentedContact(contact=replace(contact, laws=laws), between=ByCompliance(S))
+        found = soft.solve(relatives[done], contact.offset(slip))
+        forces.append(f"{np.abs(found.forces).max():.1e}")
+    gap = contact.free_slack(relatives[done], slip)[0]
+    return f"path {number}: room {room(plain, gap):.2g}, forces {', '.join(forces)}"
 
 
-def room(solver: FrictionalContact, gap: np.ndarray) -> float:
+def room(solver: NaturalMap, gap: np.ndarray) -> float:
     """Return by how much of the largest gap all of them can be open, at most one."""
     sizes, shapes = np.linalg.eigh(solver.S)
     moved = (solver.G @ shapes[:, sizes > 1e-13 * sizes.max()])[: len(gap)]

@@ -5,7 +5,7 @@ import ctypes
 import numpy as np
 import scipy.sparse as sp
 
-from faying.contact.increment import Increment, displaced
+from faying.contact.increment import Increment
 from faying.digits import SOLVED
 from faying.exceptions import ConvergenceError
 
@@ -15,10 +15,10 @@ def pointers(*arrays):
 
 
 class IncrementsInC:
-    """Solves increments of a :class:`.FrictionalContact` with the sources of FMUs."""
+    """Solves increments of a :class:`.NaturalMap` with the sources of FMUs."""
 
     def __init__(self, library, plain):
-        self.plain, self.contact, self.S = plain, plain.contact, plain.S
+        self.contact, self.S = plain.contact, plain.S
         self.library = ctypes.CDLL(str(library))
         self.library.make_solver.restype = ctypes.c_void_p
         self.library.solve_increment.restype = ctypes.c_double
@@ -28,7 +28,7 @@ class IncrementsInC:
         for rows in (G[:n], G[n:]):
             index = [array.astype(np.uint64) for array in (rows.indptr, rows.indices)]
             given += [rows.data.copy(), *index]
-        given += [plain.D.ravel().copy(), plain.friction.copy()]
+        given += [plain.yields.ravel().copy(), self.contact.coefficients.copy()]
         self._kept = given  # the solver points into them
         sizes = ctypes.c_size_t(n), ctypes.c_size_t(r)
         self.solver = ctypes.c_void_p(self.library.make_solver(*sizes, *pointers(*given)))
@@ -41,7 +41,7 @@ class IncrementsInC:
         if not left <= SOLVED:
             message = f"an increment with friction was not solved (residual {left:.1e})"
             raise ConvergenceError(message)
-        moved = displaced(self.plain, free, x)
+        moved = free + self.S @ self.contact.at_pairs(x[0], x[1:])
         return Increment(forces=x, slack=slack, moved=moved, iterations=1, residual=left)
 
     def close(self):

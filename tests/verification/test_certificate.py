@@ -207,12 +207,12 @@ def with_fixed_bounds(H, z_free, forces, bound):
         wrong = forces - admissible
         if np.abs(wrong).max() < 1e-9 * np.abs(forces).max():
             return forces
-        J = np.zeros((3, 3, forces.shape[1]))
-        J[0, 0] = tried[0] > 0
+        slope = np.zeros((3, 3, forces.shape[1]))
+        slope[0, 0] = tried[0] > 0
         way, cut = tried[1:] / size, np.where(sticks, 1.0, bound / size)
         for i, j in np.ndindex(2, 2):
-            J[1 + i, 1 + j] = cut * ((i == j) - np.where(sticks, 0.0, way[i] * way[j]))
-        blocks = np.vstack([np.hstack([np.diag(J[i, j]) for j in range(3)]) for i in range(3)])
+            slope[1 + i, 1 + j] = cut * ((i == j) - np.where(sticks, 0.0, way[i] * way[j]))
+        blocks = np.vstack([np.hstack([np.diag(slope[i, j]) for j in range(3)]) for i in range(3)])
         system = np.eye(forces.size) - blocks @ (np.eye(forces.size) - scale.ravel()[:, None] * H)
         forces = forces - np.linalg.solve(system, wrong.ravel()).reshape(3, -1)
     raise AssertionError
