@@ -16,7 +16,7 @@ rise from stage to stage.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import final
+from typing import Self, final
 
 import numpy as np
 
@@ -89,7 +89,7 @@ class SoftenedLaws:
         yields = np.where(softened, self._yields[: self.components], 1.0)
         return np.where(softened, 1.0 / yields, self.laws.springs)
 
-    def after(self, deepest: Vector | None) -> "SoftenedLaws":
+    def after(self, deepest: Vector | None) -> Self:
         """Return the laws of points that have been closed so far."""
         return replace(self, laws=self.laws.after(deepest))
 

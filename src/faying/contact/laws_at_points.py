@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import final
+from typing import Self, final
 
 import numpy as np
 
@@ -28,7 +28,7 @@ class LawsAtPoints:
     contact: Contact
     deepest: Vector | None = None
 
-    def after(self, deepest: Vector | None) -> "LawsAtPoints":
+    def after(self, deepest: Vector | None) -> Self:
         """Return the laws of points that have been closed so far, if any remembers that."""
         return self if deepest is None else replace(self, deepest=deepest)
 

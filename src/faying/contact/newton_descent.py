@@ -16,14 +16,13 @@ the bounds of the last normal ones, which is convex again (Tresca).
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any, Protocol
+from typing import Any, Protocol, Self
 
 import numpy as np
 
 from faying._typing import Mask, Matrix, SparseMatrix, Vector
 from faying.contact.held_pairs import NormalPairs
 from faying.contact.increment import Increment
-from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.point_springs import PointSprings
 from faying.digits import SOLVED
 from faying.exceptions import ConvergenceError
@@ -127,6 +126,27 @@ class Answers(Protocol):
         ...
 
 
+class Laws(Answers, Protocol):
+    """What points answer and yield, as far as they have been closed so far."""
+
+    @property
+    def components(self) -> int:
+        """Components of force at a point."""
+        ...
+
+    def after(self, deepest: Vector | None) -> Self:
+        """Return the laws of points that have been closed so far, if any remembers that."""
+        ...
+
+    def closed_to(self, gap: Vector) -> Vector | None:
+        """Return the largest closures (n_point,) once the gap is so; None if nothing remembers."""
+        ...
+
+    def yielded(self, forces: Matrix) -> Matrix:
+        """Return what the laws yield to forces (components, n_point) [length]."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class State:
     """Where Newton's method stands: displacements, structure's forces, points, laws."""
@@ -153,7 +173,7 @@ class State:
 
 
 def solve_yielding(
-    laws: LawsAtPoints,
+    laws: Laws,
     pairs: Pairs,
     free: Vector,
     offset: Matrix,
@@ -253,7 +273,7 @@ def steps_ended(left: float | Vector, previous: float | Vector) -> bool | Mask:
 
 
 def _formed(
-    laws: LawsAtPoints,
+    laws: Laws,
     pairs: Pairs,
     free: Vector,
     offset: Matrix,
@@ -271,7 +291,7 @@ def _formed(
 
 
 def _begun(
-    laws: LawsAtPoints,
+    laws: Laws,
     pairs: Pairs,
     free: Vector,
     offset: Matrix,

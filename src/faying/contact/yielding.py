@@ -263,5 +263,5 @@ def moved_singly(rows: SparseMatrix, between: BetweenPairs) -> Vector:
     try:
         own = between.own_stiffness
     except LinAlgError:
-        return np.asarray((rows @ between.spanned()) ** 2).sum(axis=1)
+        return np.asarray(np.square(rows @ between.spanned()).sum(axis=1))
     return np.asarray(rows.multiply(rows) @ (1.0 / own))
