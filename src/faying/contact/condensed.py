@@ -11,7 +11,8 @@ import scipy.linalg as la
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.active_set import ActiveSetSpace
 from faying.contact.augmented import AugmentedContact
-from faying.contact.between_pairs import BetweenPairs, ByCompliance, ByShapes, BySubstitution
+from faying.contact.between_pairs import BetweenPairs, ByCompliance, BySubstitution
+from faying.contact.by_shapes import ByShapes
 from faying.contact.contact import Contact
 from faying.contact.dense_points import DensePoints
 from faying.contact.glued_pairs import factorized_whole

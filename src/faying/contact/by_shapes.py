@@ -1,0 +1,69 @@
+"""A structure between more pairs than matrices have room for, by the few shapes of its basis."""
+
+from dataclasses import dataclass
+from typing import NoReturn, final
+
+import numpy as np
+from scipy.linalg import LinAlgError
+
+from faying._typing import Matrix, Vector
+from faying.contact.between_pairs import BetweenPairs, between
+from faying.linalg.sparse_compliance import Compliance, plus
+from faying.linalg.sparse_stiffness import refuse_dense
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class ByShapes:
+    """A basis of fewer shapes than pairs, of which matrices have no room.
+
+    Attributes
+    ----------
+    shapes : (n_relative, k)
+        X.
+    core : (k, k) [length/force]
+        C of S = X C Xᵀ, positive definite.
+    """
+
+    shapes: Matrix
+    core: Matrix
+
+    def __matmul__(self, forces: Matrix) -> Matrix:
+        """Return S P."""
+        return self.moved_by(forces)
+
+    @property
+    def compliance(self) -> Matrix:
+        """Refused."""
+        refuse_dense(len(self.shapes))
+
+    @property
+    def stiffness(self) -> Matrix:
+        """Refused."""
+        refuse_dense(len(self.shapes))
+
+    def moved_by(self, forces: Vector) -> Vector:
+        """Return S p."""
+        return np.asarray(self.shapes @ (self.core @ (self.shapes.T @ forces)))
+
+    def softened(self, residual: Compliance) -> BetweenPairs:
+        """Return it with a residual compliance besides."""
+        return between(plus(residual, self.shapes, self.core))
+
+    def alone(self) -> "ByShapes":
+        """Return itself."""
+        return self
+
+    def spanned(self) -> Matrix:
+        """Return Y (n_relative, k)."""
+        return np.asarray(self.shapes @ np.linalg.cholesky(self.core))
+
+    @property
+    def own_stiffness(self) -> NoReturn:
+        """Refuse: S is not regular."""
+        self.on_springs()
+
+    def on_springs(self, *_: object) -> NoReturn:
+        """Refuse: S is not regular."""
+        message = "fewer shapes than pairs"
+        raise LinAlgError(message)
