@@ -44,7 +44,7 @@ def test_paths_that_newton_steps_alone_do_not_solve(joints, index):
 )
 def test_refusals_say_whether_there_is_a_solution(joints, monkeypatch, index, reason):
     """One with penalties, where few steps are allowed, and one whose rigid gaps contradict."""
-    monkeypatch.setattr(augmented, "MOST_STAGES", 1)
+    monkeypatch.setattr(augmented, "MOST_TRIALS", 1)
     monkeypatch.setattr("faying.contact.newton_descent.MOST_STEPS", 1)
     *_, last = outcomes(index, joints)
     assert reason in last.refused

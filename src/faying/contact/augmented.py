@@ -30,6 +30,7 @@ from faying.contact.newton_descent import solve_yielding
 from faying.contact.yielding import Across, YieldingContact, moved_singly
 from faying.digits import ROUND_OFF
 from faying.exceptions import ConvergenceError
+from faying.iterations import MOST_TRIALS
 from faying.linalg.threads import threads_for
 
 LEVELS, FIRST, USUAL = tuple(10.0**n for n in range(-1, 8)), 2, 4
@@ -46,9 +47,6 @@ SETTLED = 1e-6
 
 Where points depend on each other round-off changes what each of them takes by 1e-7.
 """
-
-MOST_STAGES = 60
-"""Stages; 4 to 8 are usual."""
 
 CONTRADICTORY = (
     "points of hard contact may contradict each other where they are more than the displacements "
@@ -279,7 +277,7 @@ class AugmentedContact:
         slack = self.contact.moved(free) + offset
         forces = np.zeros_like(slack) if start is None else start.forces
         level, begins, steps, left = FIRST, start is None, 0, np.inf
-        for _ in range(MOST_STAGES):
+        for _ in range(MOST_TRIALS):
             try:
                 following, initial_forces = stages[level].solved(
                     slack, elongations, forces, initial, begins=begins
