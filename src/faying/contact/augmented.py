@@ -4,9 +4,9 @@ Displacements do not tell what hard points exert. They do where these yield besi
 that they exert beyond multipliers λ_k (augmented Lagrangian; Simo & Laursen 1992,
 doi:10.1016/0045-7949(92)90540-G),
 
-    λ = admissible((d λ_k − z) / (c′ + d)),   λ_{k+1} = λ,                                    (F1a)
+    c(λ) + d λ = d λ_k − z,   λ admissible,   λ_{k+1} = λ,                                    (F1a)
 
-with c′ what the laws yield per force. Each stage is a problem (F8), solved about the displacements
+with c(λ) what the laws yield. Each stage is a problem (F8), solved about the displacements
 that λ_k make, so that few digits are needed of those. Stages are proximal points of the forces
 (Rockafellar 1976, doi:10.1137/0314056): where they end, what was added takes nothing any more, and
 of several solutions where points depend on each other one is reached. Where there is none, forces
@@ -25,12 +25,13 @@ from faying.contact.between_pairs import BetweenPairs
 from faying.contact.contact import Contact
 from faying.contact.forced_springs import ForcedSprings
 from faying.contact.increment import Increment, check_gaps, displaced
+from faying.contact.laws import Law
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_descent import solve_yielding
 from faying.contact.yielding import Across, YieldingContact, moved_singly
 from faying.digits import ROUND_OFF
 from faying.exceptions import ConvergenceError
-from faying.iterations import MOST_TRIALS
+from faying.iterations import MOST_STEPS, MOST_TRIALS
 from faying.linalg.threads import threads_for
 
 LEVELS, FIRST, USUAL = tuple(10.0**n for n in range(-1, 8)), 2, 4
@@ -64,7 +65,7 @@ class SoftenedLaws:
     ----------
     laws
     added : (3, n_point) [length/force]
-        d; zero where closure is not in proportion to force, which tells forces by itself.
+        d.
     """
 
     laws: LawsAtPoints
@@ -72,7 +73,7 @@ class SoftenedLaws:
 
     @cached_property
     def _yields(self) -> Matrix:
-        """c′ + d (3, n_point)."""
+        """c′ + d (3, n_point), where nothing presses."""
         return self.laws.closure(np.zeros_like(self.added))[1] + self.added
 
     @property
@@ -83,9 +84,8 @@ class SoftenedLaws:
     @property
     def springs(self) -> Matrix:
         """Stiffness of points that are closed and stick (components, n_point) [force/length]."""
-        softened = self.added[: self.components] > 0
-        yields = np.where(softened, self._yields[: self.components], 1.0)
-        return np.where(softened, 1.0 / yields, self.laws.springs)
+        with np.errstate(divide="ignore"):
+            return np.asarray(1.0 / (1.0 / self.laws.springs + self.added[: self.components]))
 
     def after(self, deepest: Vector | None) -> Self:
         """Return the laws of points that have been closed so far."""
@@ -100,14 +100,15 @@ class SoftenedLaws:
         forces = np.zeros_like(moved)
         stiffness = np.zeros((moved.shape[1], len(moved), len(moved)))
         for law, points in self.laws.members:
-            n = law.components
+            at = slice(law.components), points
+            yields = self._yields[at].copy()
+            trial = -moved[at] / yields
             if not law.proportional:
-                answer = law.respond(moved[:n, points], self.laws.contact.weights[points])
-            else:
-                yields = self._yields[:n, points]
-                trial = -moved[:n, points] / yields
-                answer = law.admissible(trial), law.derivative(trial) / yields.T[:, None, :]
-            forces[:n, points], stiffness[points, :n, :n] = answer
+                weights, added = self.laws.contact.weights[points], self.added[0, points]
+                trial[0], yields[0] = _pressed(law, weights, -moved[0, points], added)
+            forces[at] = law.admissible(trial)
+            answer = law.derivative(trial) / yields.T[:, None, :]
+            stiffness[points, : len(yields), : len(yields)] = answer
         return forces, stiffness
 
     def yielded(self, forces: Matrix) -> Matrix:
@@ -140,8 +141,6 @@ class Level:
         added[:k] = moved_singly(contact.rows, self.between).reshape(k, -1)
         added[1:k] = added[1:k].sum(axis=0) / 2  # which no turn of the tangents changes
         added[:k][added[:k] == 0.0] = added.max(initial=0.0) or 1.0  # where nothing moves
-        for name, points in contact.slices.items():
-            added[:, points] *= contact.laws[name].proportional
         return SoftenedLaws(LawsAtPoints(contact=contact), added / self.hardness)
 
     @cached_property
@@ -344,6 +343,23 @@ class LoosenedAugmented:
     ) -> tuple[Increment, Vector]:
         """Solve one increment; see :meth:`.ForcedContact.solve`."""
         return self.solver.staged(self._stages, free, offset, elongations, about, start)
+
+
+def _pressed(law: Law, weights: Vector, closed: Vector, added: Vector) -> tuple[Vector, Vector]:
+    """Return λ of c(λ) + d λ = what points are closed by (n_point,), and c′ + d there.
+
+    By Newton's method from λ = 0, and less than nothing where points are open.
+    """
+    force = np.zeros_like(closed)
+    for _ in range(MOST_STEPS):
+        pressed = np.maximum(force, 0.0)
+        closure, slope = (part[0] for part in law.normal.closure(pressed[None], weights))
+        yields, left = slope + added, closed - closure - added * pressed
+        force = pressed + left / yields
+        opened = (pressed == 0.0) & (left <= 0.0)
+        if (opened | (np.abs(left) <= ROUND_OFF * np.abs(closed))).all():
+            break
+    return force, yields
 
 
 def _change(forces: Matrix, following: Matrix) -> float:

@@ -165,7 +165,7 @@ class YieldingContact:
         try:
             increment = self._solved(self.pairs, free, offset, start)
         except ConvergenceError:
-            if self.otherwise is None or not self.contact.proportional:
+            if self.otherwise is None or self.contact.remembers:
                 raise
             return self.otherwise.solve(free, offset, start)
         return replace(increment, moved=displaced(self, free, increment.forces))
@@ -243,7 +243,7 @@ class LoosenedContact:
         try:
             increment = self.solver._solved(across.pairs, free, offset, start, pull)
         except ConvergenceError:
-            if self._otherwise is None or not self.solver.contact.proportional:
+            if self._otherwise is None or self.solver.contact.remembers:
                 raise
             return self._otherwise.solve(free, offset, elongations, about, start)
         moved = increment.moved if shapes is not None else increment.moved - free
