@@ -10,8 +10,7 @@ import scipy.linalg as la
 from faying._typing import Frozen, Indices, Matrix, Vector
 from faying.assessment.natural_map import NaturalMap
 from faying.assessment.slip import slip_history
-from faying.contact.dense_points import SINGULAR_PIVOT
-from faying.digits import DECK_DIGITS
+from faying.digits import DECK_DIGITS, ROUND_OFF
 from faying.exceptions import ModelError, check_known, refuse_model
 from faying.joint.system import System, boundary_slices
 from faying.simulation.path import moved_alone
@@ -257,7 +256,7 @@ def _factors(
             system[i * count + diagonal, j * count + diagonal] += (i == j) - local[:, i, j]
     lu, pivots = la.lu_factor(system) if size else (np.zeros((0, 0)), np.zeros(0, np.int64))
     sizes = np.abs(np.diag(lu))
-    if sizes.min(initial=1.0) < SINGULAR_PIVOT**2 * sizes.max(initial=1.0):
+    if sizes.min(initial=1.0) < ROUND_OFF * sizes.max(initial=1.0):
         refuse_model(
             "the derivative is not unique: contact is hard and has more contact points than "
             "displacements, or friction is so large that there are several solutions; use "

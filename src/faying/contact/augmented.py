@@ -34,8 +34,8 @@ from faying.exceptions import ConvergenceError
 from faying.iterations import MOST_STEPS, MOST_TRIALS
 from faying.linalg.threads import threads_for
 
-LEVELS, FIRST, USUAL = tuple(10.0**n for n in range(-1, 8)), 2, 4
-"""What the structure yields at a point over d, from level to level; the first and the usual one."""
+LEVELS, USUAL = tuple(10.0**n for n in range(-1, 8)), 4
+"""What the structure yields at a point over d, from level to level, and the usual one of these."""
 
 SMALL = 0.1
 """Change of forces over the largest one from which harder points begin near their forces."""
@@ -176,13 +176,15 @@ class Stage:
         elongations: Vector,
         forces: Matrix,
         initial: Vector,
+        begun: Vector | None,
         *,
-        begins: bool,
+        anew: bool,
     ) -> tuple[Increment, Vector]:
         """Return forces that come next, and initial forces N₀ (n_spring,) of springs.
 
-        Points move by z (3, n_point) [length] without forces λ_k (3, n_point) and N₀; where a
-        problem begins all points close and stick at first.
+        Points move by z (3, n_point) [length] without forces λ_k (3, n_point) and N₀. It begins
+        with what pairs are moved by contact (n_relative,), by default by λ_k; anew with all points
+        closed and stuck.
         """
         held, laws, across = self.level.held, self.level.laws, self._across
         pressed = held.contact.at_pairs(forces[0], forces[1:])
@@ -193,11 +195,10 @@ class Stage:
         offset = slack - laws.added * forces
         offset[: laws.components] += (across.pairs.points.G @ moved).reshape(-1, slack.shape[1])
         nothing = np.zeros(len(p))
-        about = Increment(forces=forces, slack=slack, moved=nothing, iterations=0, residual=0.0)
-        start, pull = None if begins else about, p - across.shapes.T @ across.taken(missed)
-        following = solve_yielding(
-            laws, across.pairs, nothing, offset, start, pull=pull, solved=ROUND_OFF
-        )
+        further = nothing if begun is None else held.coordinates(begun) - moved
+        about = Increment(forces=forces, slack=slack, moved=further, iterations=0, residual=0.0)
+        start, pull = None if anew else about, p - across.shapes.T @ across.taken(missed)
+        following = solve_yielding(laws, across.pairs, nothing, offset, start, pull=pull)
         return following, initial - across.taken(missed + across.shapes @ following.moved)
 
 
@@ -275,11 +276,12 @@ class AugmentedContact:
         check_gaps(free)
         slack = self.contact.moved(free) + offset
         forces = np.zeros_like(slack) if start is None else start.forces
-        level, begins, steps, left = FIRST, start is None, 0, np.inf
+        begun = None if start is None else start.moved - free
+        level, anew, steps, left = USUAL, start is None, 0, np.inf
         for _ in range(MOST_TRIALS):
             try:
                 following, initial_forces = stages[level].solved(
-                    slack, elongations, forces, initial, begins=begins
+                    slack, elongations, forces, initial, begun, anew=anew
                 )
             except ConvergenceError:
                 if not level:
@@ -287,11 +289,14 @@ class AugmentedContact:
                 level -= 1
                 continue
             previous, left = left, _change(forces, following.forces)
-            begins, steps = False, steps + following.iterations
-            if left > ROUND_OFF:  # else a problem that is solved keeps its last digits
+            # A problem that begins at its solution keeps the last digits of that.
+            alike = begun is not None and left <= 10.0 * ROUND_OFF
+            if not alike:
                 forces, initial = following.forces, initial_forces
+            begun, anew, steps = None, False, steps + following.iterations
             residual = left / self.levels[level].hardness
-            if left <= SETTLED and residual <= ROUND_OFF:
+            ended = left <= ROUND_OFF or left > SLOW * previous
+            if alike or (ended and left <= SETTLED and residual <= ROUND_OFF):
                 moved = displaced(self, free, forces) - initial @ stages[level].springs.columns
                 slack = self.contact.moved(moved) + offset + self.laws.closure(forces)[0]
                 # What is closed has no gap, and what sticks has not slipped, to all digits.

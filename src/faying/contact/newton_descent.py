@@ -181,7 +181,6 @@ def solve_yielding(
     *,
     pull: Vector | None = None,
     moved_by: Callable[[Vector], Vector] | None = None,
-    solved: float = ROUND_OFF,
 ) -> Increment:
     """Solve (F8).
 
@@ -189,7 +188,7 @@ def solve_yielding(
     (n_relative,) [force]. It begins with a solution of the increment before or a similar case; by
     default all points close and stick. The solution is corrected by ``moved_by``, which returns S p
     (n_relative,) [length] of forces between the pairs, for Σ has fewer digits where weak springs
-    hold bodies. It is solved to a residual over the largest force.
+    hold bodies.
     """
     k = laws.components
     laws = laws.after(None if start is None else start.deepest)
@@ -199,7 +198,7 @@ def solve_yielding(
     form = partial(_formed, laws, pairs, free, law_offset, pull=pulled, moved_by=moved_by)
     normal = pairs.normal
     press = None if normal is None else partial(_pressed, laws, pairs, normal)
-    state, steps, _ = descend(laws, pairs, begun, press=press, form=form, solved=solved)
+    state, steps, _ = descend(laws, pairs, begun, press=press, form=form)
     forces, slack = np.zeros(offset.shape), offset.copy()
     forces[:k] = state.forces
     slack[:k] = state.z + laws.yielded(state.forces)

@@ -105,8 +105,12 @@ class YieldingContact:
         """
         springs = LawsAtPoints(contact=contact).springs
         solver = cls.on_springs(contact, between, springs, pressed)
-        contact_stiffness = solver.pairs.points.of_diagonal(springs).diagonal()
-        if (contact_stiffness > STIFFEST * solver.pairs.own_stiffness).any():
+        if solver.shapes is None:
+            stiffness = solver.pairs.points.of_diagonal(springs).diagonal()
+            stiff = stiffness > STIFFEST * solver.pairs.own_stiffness
+        else:
+            stiff = springs.ravel() * moved_singly(contact.rows, between) > STIFFEST
+        if stiff.any():
             message = "contact is far stiffer than the structure"
             raise LinAlgError(message)
         return replace(solver, otherwise=otherwise)
@@ -174,11 +178,15 @@ class YieldingContact:
         """Return the solver with springs that are known by their forces."""
         return LoosenedContact(solver=self, springs=springs)
 
+    def coordinates(self, moved: Matrix) -> Matrix:
+        """Return the unknowns of displacements of the pairs (n_relative,) or (n_relative, k)."""
+        if self.shapes is None:
+            return moved
+        return np.asarray(np.linalg.lstsq(self.shapes, moved)[0], dtype=float)
+
     def across(self, springs: ForcedSprings) -> Across:
         """Return the pairs less springs that are known by their forces."""
-        columns = springs.columns
-        if self.shapes is not None:
-            columns = _coordinates(self.shapes, columns.T).T
+        columns = self.coordinates(springs.columns.T).T
         shapes = np.array([self.pairs.resisted(column) for column in columns])
         shapes = shapes.reshape(columns.shape)
         yields = springs.yields + columns @ shapes.T
@@ -206,7 +214,7 @@ class YieldingContact:
             start = replace(start, moved=shapes.T @ pressed)
         elif start is not None:
             # Forces of springs move them as well, and hold what nothing else does.
-            start = replace(start, moved=_coordinates(shapes, start.moved - free))
+            start = replace(start, moved=self.coordinates(start.moved - free))
         nothing = np.zeros(shapes.shape[1])
         return solve_yielding(laws, pairs, nothing, at_first, start, pull=pull, moved_by=moved_by)
 
@@ -251,11 +259,6 @@ class LoosenedContact:
         if shapes is not None:
             increment = replace(increment, moved=free + shapes @ moved)
         return increment, initial
-
-
-def _coordinates(shapes: Matrix, moved: Matrix) -> Matrix:
-    """Return q of displacements Y q (n_relative,) or (n_relative, k)."""
-    return np.asarray(np.linalg.lstsq(shapes, moved)[0], dtype=float)
 
 
 def moved_singly(rows: SparseMatrix, between: BetweenPairs) -> Vector:
