@@ -200,7 +200,8 @@ def test_a_joint_with_friction_is_judged_from_where_it_was_tightened(tmp_path):
     assert told["met"]
     assert modes_of(results.reduced["compliance"][0]) == told["count"]
     found = summary["load_cases"]["push"]["methods"]["compliance"]["0"]
-    assert found["estimated_max_relative_error"] == pytest.approx(told["error"], rel=1e-6)
+    # Of pressures that agree to 1e-8, as the full model's stiffness and a reduced compliance do.
+    assert found["estimated_max_relative_error"] == pytest.approx(told["error"], abs=1e-8)
     # As wide as it was seen on joints without friction.
     ratio = told["error"] / found["max_relative_error"]
     assert OBSERVED_RATIOS[0] < ratio < OBSERVED_RATIOS[1]
