@@ -29,7 +29,7 @@ from faying.contact.laws import Law
 from faying.contact.laws_at_points import LawsAtPoints
 from faying.contact.newton_descent import solve_yielding
 from faying.contact.yielding import Across, YieldingContact, moved_singly
-from faying.digits import ROUND_OFF
+from faying.digits import ROUND_OFF, SOLVED
 from faying.exceptions import ConvergenceError
 from faying.iterations import MOST_STEPS, MOST_TRIALS
 from faying.linalg.threads import threads_for
@@ -277,7 +277,7 @@ class AugmentedContact:
         slack = self.contact.moved(free) + offset
         forces = np.zeros_like(slack) if start is None else start.forces
         begun = None if start is None else start.moved - free
-        level, anew, steps, left = USUAL, start is None, 0, np.inf
+        level, anew, steps, left, residual = USUAL, start is None, 0, np.inf, np.inf
         for _ in range(MOST_TRIALS):
             try:
                 following, initial_forces = stages[level].solved(
@@ -289,26 +289,27 @@ class AugmentedContact:
                 level -= 1
                 continue
             previous, left = left, _change(forces, following.forces)
-            # A problem that begins at its solution keeps the last digits of that.
-            alike = begun is not None and left <= 10.0 * ROUND_OFF
-            if not alike:
-                forces, initial = following.forces, initial_forces
-            begun, anew, steps = None, False, steps + following.iterations
             residual = left / self.levels[level].hardness
-            ended = left <= ROUND_OFF or left > SLOW * previous
-            if alike or (ended and left <= SETTLED and residual <= ROUND_OFF):
-                moved = displaced(self, free, forces) - initial @ stages[level].springs.columns
-                slack = self.contact.moved(moved) + offset + self.laws.closure(forces)[0]
-                # What is closed has no gap, and what sticks has not slipped, to all digits.
-                slack[0] = np.where(forces[0] > 0, 0.0, np.maximum(slack[0], 0.0))
-                slack[1:, self.contact.sticking(forces[0], forces[1:])] = 0.0
-                increment = Increment(
-                    forces=forces, slack=slack, moved=moved, iterations=steps, residual=residual
-                )
-                return increment, initial
+            if begun is not None and left <= 10.0 * ROUND_OFF:
+                break  # a problem that begins at its solution keeps the last digits of that
+            forces, initial, begun, anew = following.forces, initial_forces, None, False
+            steps += following.iterations
+            gains = ROUND_OFF < left <= SLOW * previous
+            if left <= SETTLED and residual <= ROUND_OFF and not gains:
+                break
             if left <= SMALL and (level < USUAL or left > SLOW * previous):
                 level = min(level + 1, len(LEVELS) - 1)
-        raise ConvergenceError(self._unsolved(steps, left, start))
+        if left > SETTLED or residual > SOLVED:
+            raise ConvergenceError(self._unsolved(steps, left, start))
+        moved = displaced(self, free, forces) - initial @ stages[level].springs.columns
+        slack = self.contact.moved(moved) + offset + self.laws.closure(forces)[0]
+        # What is closed has no gap, and what sticks has not slipped, to all digits.
+        slack[0] = np.where(forces[0] > 0, 0.0, np.maximum(slack[0], 0.0))
+        slack[1:, self.contact.sticking(forces[0], forces[1:])] = 0.0
+        increment = Increment(
+            forces=forces, slack=slack, moved=moved, iterations=steps, residual=residual
+        )
+        return increment, initial
 
     def _unsolved(self, steps: int, left: float, start: Increment | None) -> str:
         """Say that no stage was the last."""
