@@ -7,7 +7,7 @@ import pytest
 from pressed_layers import STEEL
 
 import faying as fy
-from faying.contact.augmented import AugmentedContact
+from faying.contact.augmented import LoosenedAugmented
 from faying.contact.pressing import PressingContact
 from faying.exceptions import ConvergenceError, ModelError
 from faying.joint.build import build_model
@@ -78,7 +78,7 @@ def two_bolts():
 )
 def test_hard_joints_take_one_contact_problem_a_stage(friction, quadrature, monkeypatch):
     """Locked at the initial forces that are found, the joint has the bolt forces asked for."""
-    solver, inner = (AugmentedContact, "staged") if friction else (PressingContact, "_solved")
+    solver, inner = (LoosenedAugmented, "solve") if friction else (PressingContact, "_solved")
     solve, solved = getattr(solver, inner), []
 
     def counted(*arguments):

@@ -13,7 +13,6 @@ of several solutions where points depend on each other one is reached. Where the
 rise from stage to stage.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self, final
@@ -22,6 +21,7 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.contact.between_pairs import BetweenPairs
+from faying.contact.between_solver import BetweenSolver
 from faying.contact.contact import Contact
 from faying.contact.forced_springs import ForcedSprings
 from faying.contact.increment import Increment, check_gaps, displaced
@@ -204,33 +204,8 @@ class Stage:
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class AugmentedContact:
-    """Solver of contact problems of one structure, whatever its points are.
-
-    Attributes
-    ----------
-    contact
-        Gaps, tangential displacements and laws.
-    between
-        Structure between pairs.
-    """
-
-    contact: Contact
-    between: BetweenPairs
-
-    @property
-    def S(self) -> Matrix:
-        """Compliance between pairs (n_relative, n_relative) [length/force]."""
-        return self.between.compliance
-
-    def moved_by(self, forces: Vector) -> Vector:
-        """Return S p (n_relative,) [length] of forces between the pairs."""
-        return self.between.moved_by(forces)
-
-    @cached_property
-    def laws(self) -> LawsAtPoints:
-        """What the contact points answer."""
-        return LawsAtPoints(contact=self.contact)
+class AugmentedContact(BetweenSolver):
+    """Solver of contact problems of one structure, whatever its points are."""
 
     @cached_property
     def levels(self) -> tuple[Level, ...]:
@@ -241,9 +216,8 @@ class AugmentedContact:
         )
 
     @cached_property
-    def _stages(self) -> tuple[Stage, ...]:
-        none = ForcedSprings.of_none(self.contact.interpolation.shape[1])
-        return tuple(Stage(level, none) for level in self.levels)
+    def _alone(self) -> "LoosenedAugmented":
+        return self.loosened(ForcedSprings.of_none(self.contact.interpolation.shape[1]))
 
     def about(self, state: Increment) -> "AugmentedContact":  # noqa: ARG002
         """Return itself: stages are about their multipliers."""
@@ -257,80 +231,18 @@ class AugmentedContact:
         Four to eight stages, of which the first takes as many Newton steps as a problem of points
         that yield, and the last ones a step each.
         """
-        return self.staged(self._stages, free, offset, np.zeros(0), np.zeros(0), start)[0]
+        none = np.zeros(0)
+        return self._alone.solve(free, offset, none, none, start)[0]
 
     def loosened(self, springs: ForcedSprings) -> "LoosenedAugmented":
         """Return the solver with springs that are known by their forces."""
         return LoosenedAugmented(solver=self, springs=springs)
 
-    def staged(
-        self,
-        stages: Sequence[Stage],
-        free: Vector,
-        offset: Matrix,
-        elongations: Vector,
-        initial: Vector,
-        start: Increment | None,
-    ) -> tuple[Increment, Vector]:
-        """Solve one problem by stages; arguments are as of :meth:`.ForcedContact.solve`."""
-        check_gaps(free)
-        slack = self.contact.moved(free) + offset
-        forces = np.zeros_like(slack) if start is None else start.forces
-        begun = None if start is None else start.moved - free
-        level, anew, steps, left, residual = USUAL, start is None, 0, np.inf, np.inf
-        for _ in range(MOST_TRIALS):
-            try:
-                following, initial_forces = stages[level].solved(
-                    slack, elongations, forces, initial, begun, anew=anew
-                )
-            except ConvergenceError:
-                if not level:
-                    break
-                level -= 1
-                continue
-            previous, left = left, _change(forces, following.forces)
-            residual = left / self.levels[level].hardness
-            if begun is not None and left <= 10.0 * ROUND_OFF:
-                break  # a problem that begins at its solution keeps the last digits of that
-            forces, initial, begun, anew = following.forces, initial_forces, None, False
-            steps += following.iterations
-            gains = ROUND_OFF < left <= SLOW * previous
-            if left <= SETTLED and residual <= ROUND_OFF and not gains:
-                break
-            if left <= SMALL and (level < USUAL or left > SLOW * previous):
-                level = min(level + 1, len(LEVELS) - 1)
-        if left > SETTLED or residual > SOLVED:
-            raise ConvergenceError(self._unsolved(steps, left, start))
-        moved = displaced(self, free, forces) - initial @ stages[level].springs.columns
-        slack = self.contact.moved(moved) + offset + self.laws.closure(forces)[0]
-        # What is closed has no gap, and what sticks has not slipped, to all digits.
-        slack[0] = np.where(forces[0] > 0, 0.0, np.maximum(slack[0], 0.0))
-        slack[1:, self.contact.sticking(forces[0], forces[1:])] = 0.0
-        increment = Increment(
-            forces=forces, slack=slack, moved=moved, iterations=steps, residual=residual
-        )
-        return increment, initial
-
-    def _unsolved(self, steps: int, left: float, start: Increment | None) -> str:
-        """Say that no stage was the last."""
-        message = (
-            f"contact was not solved in {steps} Newton steps: its forces still change by {left:.1e}"
-            " of the largest one"
-        )
-        if self.contact.components > 1:
-            message += "; take smaller increments, or a smaller coefficient of friction"
-            if start is None or not start.forces.any():
-                message += (
-                    "; a joint that friction alone holds while it is tightened can be tightened "
-                    "without (friction_during_preload = false in a study)"
-                )
-        return message if self.contact.yields else f"{message}; {CONTRADICTORY}"
-
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LoosenedAugmented:
-    """The same with springs that are known by their forces."""
+    """The same with springs that are known by their forces, if any."""
 
     solver: AugmentedContact
     springs: ForcedSprings
@@ -348,7 +260,61 @@ class LoosenedAugmented:
         start: Increment | None = None,
     ) -> tuple[Increment, Vector]:
         """Solve one increment; see :meth:`.ForcedContact.solve`."""
-        return self.solver.staged(self._stages, free, offset, elongations, about, start)
+        check_gaps(free)
+        solver, contact = self.solver, self.solver.contact
+        slack = contact.moved(free) + offset
+        forces = np.zeros_like(slack) if start is None else start.forces
+        begun = None if start is None else start.moved - free
+        initial = about
+        level, anew, steps, left, residual = USUAL, start is None, 0, np.inf, np.inf
+        for _ in range(MOST_TRIALS):
+            try:
+                following, initial_forces = self._stages[level].solved(
+                    slack, elongations, forces, initial, begun, anew=anew
+                )
+            except ConvergenceError:
+                if not level:
+                    break
+                level -= 1
+                continue
+            previous, left = left, _change(forces, following.forces)
+            residual = left / solver.levels[level].hardness
+            if begun is not None and left <= 10.0 * ROUND_OFF:
+                break  # a problem that begins at its solution keeps the last digits of that
+            forces, initial, begun, anew = following.forces, initial_forces, None, False
+            steps += following.iterations
+            gains = ROUND_OFF < left <= SLOW * previous
+            if left <= SETTLED and residual <= ROUND_OFF and not gains:
+                break
+            if left <= SMALL and (level < USUAL or left > SLOW * previous):
+                level = min(level + 1, len(LEVELS) - 1)
+        if left > SETTLED or residual > SOLVED:
+            raise ConvergenceError(_unsolved(contact, steps, left, start))
+        moved = displaced(solver, free, forces) - initial @ self.springs.columns
+        slack = contact.moved(moved) + offset + solver.laws.closure(forces)[0]
+        # What is closed has no gap, and what sticks has not slipped, to all digits.
+        slack[0] = np.where(forces[0] > 0, 0.0, np.maximum(slack[0], 0.0))
+        slack[1:, contact.sticking(forces[0], forces[1:])] = 0.0
+        increment = Increment(
+            forces=forces, slack=slack, moved=moved, iterations=steps, residual=residual
+        )
+        return increment, initial
+
+
+def _unsolved(contact: Contact, steps: int, left: float, start: Increment | None) -> str:
+    """Say that no stage was the last."""
+    message = (
+        f"contact was not solved in {steps} Newton steps: its forces still change by {left:.1e}"
+        " of the largest one"
+    )
+    if contact.components > 1:
+        message += "; take smaller increments, or a smaller coefficient of friction"
+        if start is None or not start.forces.any():
+            message += (
+                "; a joint that friction alone holds while it is tightened can be tightened "
+                "without (friction_during_preload = false in a study)"
+            )
+    return message if contact.yields else f"{message}; {CONTRADICTORY}"
 
 
 def _pressed(law: Law, weights: Vector, closed: Vector, added: Vector) -> tuple[Vector, Vector]:

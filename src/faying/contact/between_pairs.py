@@ -5,17 +5,17 @@ formed where something asks for it. Where dense matrices have no room, sparse fa
 of both.
 """
 
-import threading
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol, TypeAlias, final
+from typing import Protocol, TypeAlias, final
 
 import numpy as np
 from scipy.linalg import lapack
 
 from faying._typing import Matrix, SparseMatrix, Vector, frozen
 from faying.contact.glued_pairs import GluedPairs
+from faying.contact.latest import Latest
 from faying.contact.sparse_pairs import SparsePairs
 from faying.linalg.cholesky import inverse
 from faying.linalg.sparse_compliance import Compliance, SparseCompliance
@@ -102,27 +102,21 @@ class BetweenPairs(Protocol):
         ...
 
 
-@dataclass(eq=False)
-class _Latest:
-    """The pairs on springs that were formed last, and what they are of."""
+@final
+@dataclass(frozen=True, eq=False)
+class _Shared:
+    """Pairs on springs, and what they were formed of."""
 
-    key: tuple[SparseMatrix, Matrix, Vector | None] | None = None
-    pairs: GluedPairs | None = None
-    turn: threading.RLock = field(default_factory=threading.RLock)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Leave pairs behind, which are formed in less time than their memory is written."""
-        return _Latest, ()
+    G: SparseMatrix
+    springs: Matrix
+    held: Vector | None
+    pairs: GluedPairs
 
     def are_of(self, G: SparseMatrix, springs: Matrix, held: Vector | None) -> bool:
-        """Say whether pairs were formed of the same rows, springs and pressed points."""
-        if self.key is None:
-            return False
-        before, *rest = self.key
-        parts = (before.shape, before.indptr, before.indices, before.data, *rest)
-        return all(
-            map(np.array_equal, parts, (G.shape, G.indptr, G.indices, G.data, springs, held))
-        )
+        """Say whether they are of the same rows, springs and pressed points."""
+        mine = self.G.shape, self.G.indptr, self.G.indices, self.G.data, self.springs, self.held
+        theirs = G.shape, G.indptr, G.indices, G.data, springs, held
+        return all(map(np.array_equal, mine, theirs))
 
 
 @final
@@ -144,20 +138,21 @@ class Stiffness:
         return inverse(self.stiffness)
 
     @cached_property
-    def _latest(self) -> _Latest:
-        return _Latest()
+    def _latest(self) -> Latest[_Shared]:
+        return Latest()
 
     def on_springs(self, G: SparseMatrix, springs: Matrix, pressed: Pressed) -> GluedPairs:
         """Return what solves Newton steps, by inverses that are formed once for all who ask."""
         held, latest = None if pressed is None else pressed(), self._latest
         with latest.turn:
-            if latest.pairs is None or not latest.are_of(G, springs, held):
-                latest.pairs = None  # before others take as much memory
+            shared = latest.formed
+            if shared is None or not shared.are_of(G, springs, held):
+                shared = latest.formed = None  # before others take as much memory
                 # Not of itself, which it would keep in a circle until memory is searched for those.
                 apart = Stiffness(self.stiffness)
-                latest.pairs = GluedPairs.of(G, springs, apart, lambda: held)
-                latest.key = G, springs, held
-            return latest.pairs
+                pairs = GluedPairs.of(G, springs, apart, lambda: held)
+                shared = latest.formed = _Shared(G, springs, held, pairs)
+            return shared.pairs
 
 
 @final

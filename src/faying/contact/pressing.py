@@ -10,46 +10,25 @@ import numpy as np
 
 from faying._typing import Matrix, Vector
 from faying.contact.active_set import ActiveSetSpace, Balance, solve_complementarity
-from faying.contact.between_pairs import BetweenPairs
+from faying.contact.between_solver import BetweenSolver
 from faying.contact.contact import Contact
 from faying.contact.forced_springs import ForcedSprings
 from faying.contact.increment import Increment, check_gaps, displaced
-from faying.contact.laws_at_points import LawsAtPoints
 from faying.exceptions import ConvergenceError
 
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PressingContact:
+class PressingContact(BetweenSolver):
     """Solver of contact problems whose points press or are open.
 
     Attributes
     ----------
-    contact
-        Gaps and laws.
-    between
-        Structure between pairs.
     space
         The flexibility between points, in the form in which its active blocks are solved.
     """
 
-    contact: Contact
-    between: BetweenPairs
     space: ActiveSetSpace
-
-    @property
-    def S(self) -> Matrix:
-        """Compliance between pairs (n_relative, n_relative) [length/force]."""
-        return self.between.compliance
-
-    def moved_by(self, forces: Vector) -> Vector:
-        """Return S p (n_relative,) [length] of forces between the pairs."""
-        return self.between.moved_by(forces)
-
-    @cached_property
-    def laws(self) -> LawsAtPoints:
-        """What the contact points answer."""
-        return LawsAtPoints(contact=self.contact)
 
     def about(self, state: Increment) -> "PressingContact":  # noqa: ARG002
         """Return itself: active sets know no reference."""

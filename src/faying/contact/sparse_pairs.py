@@ -9,15 +9,15 @@ until that takes as long as to factorize the springs of this step. Factors are o
 what tangential forces owe to a change of pressure is left to GMRES.
 """
 
-import threading
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, NoReturn, final
+from typing import NoReturn, final
 
 import numpy as np
 from scipy.linalg import block_diag
 
 from faying._typing import Matrix, SparseMatrix, Vector
+from faying.contact.latest import Latest
 from faying.contact.point_springs import PointSprings
 from faying.exceptions import ConvergenceError
 from faying.linalg.gmres import corrected
@@ -61,18 +61,6 @@ class SparseFactors:
     moved_across: Matrix
 
 
-@dataclass(eq=False)
-class _Latest:
-    """The factors that were made last: there is room for few at once."""
-
-    factors: SparseFactors | None = None
-    turn: threading.RLock = field(default_factory=threading.RLock)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Leave factors behind, which belong to this process."""
-        return _Latest, ()
-
-
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SparsePairs:
@@ -94,7 +82,7 @@ class SparsePairs:
     structure: SparseStiffness
     springs: Matrix
     across: tuple[Matrix, Matrix]
-    _latest: _Latest = field(default_factory=_Latest)
+    _latest: Latest[SparseFactors] = field(default_factory=Latest)
 
     @classmethod
     def of(cls, G: SparseMatrix, springs: Matrix, S: SparseCompliance) -> "SparsePairs":
@@ -195,9 +183,9 @@ class SparsePairs:
 
     def _factors(self, K: Matrix) -> SparseFactors:
         """Return factors of springs K, made anew unless they are the latest."""
-        latest = self._latest.factors
+        latest = self._latest.formed
         if latest is None or not np.array_equal(latest.K, K):
-            latest = self._latest.factors = None  # before others take as much memory
+            latest = self._latest.formed = None  # before others take as much memory
             springs = self.points.between_pairs(K)
             try:
                 factor = self.structure.on_springs(springs)
@@ -209,8 +197,8 @@ class SparsePairs:
         else:
             springs, factor = latest.springs, latest.factor
         moved = self.structure.moved_by(factor, self.across[0].T)
-        self._latest.factors = SparseFactors(K, springs, factor, self.across, moved)
-        return self._latest.factors
+        self._latest.formed = SparseFactors(K, springs, factor, self.across, moved)
+        return self._latest.formed
 
     @cached_property
     def _stuck(self) -> Matrix:

@@ -9,6 +9,7 @@ from scipy.linalg import LinAlgError
 
 from faying._typing import Matrix, SparseMatrix, Vector
 from faying.contact.between_pairs import BetweenPairs, ByCompliance, Pressed
+from faying.contact.between_solver import BetweenSolver
 from faying.contact.contact import Contact
 from faying.contact.forced_springs import ForcedSprings
 from faying.contact.glued_pairs import GluedPairs
@@ -64,15 +65,11 @@ class Across:
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class YieldingContact:
+class YieldingContact(BetweenSolver):
     """Solver of contact problems of one structure whose contact points all yield.
 
     Attributes
     ----------
-    contact
-        Gaps, tangential displacements and laws.
-    between
-        Structure between pairs.
     pairs
         The linear systems of Newton steps.
     shapes : (n_relative, rank) or None
@@ -82,8 +79,6 @@ class YieldingContact:
         Solver where Newton's method goes astray.
     """
 
-    contact: Contact
-    between: BetweenPairs
     pairs: GluedPairs | SparsePairs
     shapes: Matrix | None = None
     otherwise: IncrementSolver | None = None
@@ -129,20 +124,6 @@ class YieldingContact:
             few = GluedPairs.of(G, springs, ByCompliance(np.eye(shapes.shape[1])))
             return cls(contact=contact, between=between, pairs=few, shapes=shapes)
         return cls(contact=contact, between=between, pairs=pairs)
-
-    @property
-    def S(self) -> Matrix:
-        """Compliance between pairs (n_relative, n_relative) [length/force]."""
-        return self.between.compliance
-
-    def moved_by(self, forces: Vector) -> Vector:
-        """Return S p (n_relative,) [length] of forces between the pairs."""
-        return self.between.moved_by(forces)
-
-    @cached_property
-    def laws(self) -> LawsAtPoints:
-        """What the contact points answer."""
-        return LawsAtPoints(contact=self.contact)
 
     def about(self, state: Increment) -> "YieldingContact":
         """Return the solver for many increments about a state, whose closed points stick.
