@@ -1,7 +1,7 @@
 """Judge a pipe flange and a bracket by hand and by faying.
 
 ``python docs/validation/judged_by_hand.py [FOLDER]`` meshes both with gmsh (``pip install gmsh``),
-runs their studies in the folder and prints the tables of docs/how-to/judged_by_hand.md. Some
+runs their studies in the folder and prints the tables of docs/judged_by_hand.md. Some
 minutes.
 """
 

@@ -157,7 +157,7 @@ SEAT_LEVER = 0.28
 """Largest bending at rest over preload times the distance of the nodes under a head from the axis.
 
 Measured: 0.21 to 0.28 at 0.8 and 1.5 mm and 0.1 at 0.3 mm on a flange of eight M12 with 24 to 31
-nodes under a head (``docs/how-to/judged_by_hand.md``); 0.04 at 0.6 mm on a lug of two M8 with 35.
+nodes under a head (``docs/judged_by_hand.md``); 0.04 at 0.6 mm on a lug of two M8 with 35.
 """
 
 
