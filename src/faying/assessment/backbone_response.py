@@ -173,7 +173,7 @@ class LinearResponse:
 
     @classmethod
     def of(cls, system: System, modes: StuckModes, inputs: ComplexVector) -> "LinearResponse":
-        """Return it for complex amplitudes of inputs (n_input,)."""
+        """Return the linear response to complex amplitudes of inputs (n_input,)."""
         parts = input_forces(system, np.array([inputs.real, inputs.imag])).T
         forces: ComplexVector = parts[:, 0] + 1j * parts[:, 1]
         answer = modes.factor.solve(parts)

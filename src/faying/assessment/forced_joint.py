@@ -83,7 +83,7 @@ class ForcedJoint:
     def of(
         cls, system: System, load: Mapping[str, complex], state: Solution, frequencies: Vector
     ) -> "ForcedJoint":
-        """Return it for a load and the state to vibrate about.
+        """Return the joint under a load, and the state that it vibrates about.
 
         Raises
         ------

@@ -192,7 +192,7 @@ class _Comparison:
         return [self.computed[point.tobytes()][0] for point in trials]
 
     def derivatives(self, shares: Vector) -> Matrix:
-        """Return their derivatives (n_residual, n_parameter), by steps that stay in the ranges."""
+        """Return derivatives of residuals (n_residual, n_parameter) by steps within the ranges."""
         steps = np.where(shares + STEP <= 1.0, STEP, -STEP)
         moved = [shares + step * row for step, row in zip(steps, np.eye(len(steps)), strict=True)]
         still, *stepped = self.residuals([shares, *moved])

@@ -74,7 +74,7 @@ class Derivatives(Frozen):
         return self._along_tangents(self.shear_slip)
 
     def contact_force(self, interface: str | None = None) -> Matrix:
-        """Return those of the total normal force of one interface, or of all (..., n_parameter).
+        """Return derivatives (..., n_parameter) of the normal force of one interface, or of all.
 
         Raises
         ------
@@ -88,7 +88,7 @@ class Derivatives(Frozen):
         return np.asarray(self.contact_forces[..., points, :].sum(axis=-2))
 
     def displacement(self, boundary: str) -> Matrix:
-        """Return those of the displacements at a boundary (..., n, n_parameter).
+        """Return derivatives (..., n, n_parameter) of the displacements at a boundary.
 
         Raises
         ------
@@ -115,7 +115,7 @@ class Derivatives(Frozen):
         return replace(self, parameters=(parameter,), **arrays)
 
     def within(self, limit: "Derivatives") -> "Derivatives":
-        """Return these with their range narrowed to that of others by the same parameters."""
+        """Return the derivatives with ranges within those of others by the same parameters."""
         return replace(
             self,
             lower=np.maximum(self.lower, limit.lower),

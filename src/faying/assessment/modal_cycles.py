@@ -133,7 +133,7 @@ class Neighbours:
 
     @classmethod
     def of(cls, system: System, state: Solution, mode: StuckMode, number: int) -> Self:
-        """Return those up to the highest multiple of the frequency of a mode."""
+        """Return the other modes up to the highest multiple of the frequency of a mode."""
         every = stuck_modes(system, state, 1.1 * MULTIPLES[-1] * mode.frequency, number)
         others = np.arange(len(every.frequencies)) != number - 1
         shapes = every.shapes[:, others]

@@ -39,7 +39,7 @@ class NaturalMap:
 
     @classmethod
     def of(cls, joint: Joint) -> "NaturalMap":
-        """Return that of a joint at rest.
+        """Return the natural map of a joint at rest.
 
         Raises
         ------

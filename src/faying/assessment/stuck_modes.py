@@ -154,7 +154,7 @@ def stuck_stiffness(system: System, state: Solution) -> SparseMatrix | Matrix:
 
 
 def slipping_stiffness(system: System, state: Solution) -> SparseMatrix | Matrix:
-    """Return the same with the springs along normals alone: all that is closed slips."""
+    """Return the stiffness on springs along normals alone: all that is closed slips."""
     rows, flexibility = stuck_springs(system, state)
     closed = int((np.atleast_2d(state.contact_forces)[-1] > 0).sum())
     return _on_springs(system, rows[:closed], flexibility[:closed])

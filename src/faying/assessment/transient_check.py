@@ -54,7 +54,7 @@ class TransientCheck:
 
     @property
     def sentence(self) -> str:
-        """What it says."""
+        """What the check says."""
         left = (
             f", {self.to_come:.1%} still to come" if self.to_come > LARGEST_DIFFERENCE / 2 else ""
         )

@@ -70,7 +70,7 @@ class Balance:
 
     @classmethod
     def of_nothing(cls, n_points: int) -> "Balance":
-        """Return it where no spring is known by its force."""
+        """Return the balance where no spring is known by its force."""
         none = np.zeros(0)
         return cls(
             closing=np.zeros((n_points, 0)),

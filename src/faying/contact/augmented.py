@@ -242,7 +242,7 @@ class AugmentedContact(BetweenSolver):
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LoosenedAugmented:
-    """The same with springs that are known by their forces, if any."""
+    """Augmented contact with springs that are known by their forces, if any."""
 
     solver: AugmentedContact
     springs: ForcedSprings

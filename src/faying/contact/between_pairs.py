@@ -78,11 +78,11 @@ class BetweenPairs(Protocol):
         ...
 
     def softened(self, residual: Compliance) -> "BetweenPairs":
-        """Return it with a residual compliance besides."""
+        """Return the structure with a residual compliance besides."""
         ...
 
     def alone(self) -> "BetweenPairs":
-        """Return it without what it was condensed from."""
+        """Return the structure without the matrices that it was condensed from."""
         ...
 
     def spanned(self) -> Matrix:
@@ -200,7 +200,7 @@ class ByCompliance:
         return self.compliance @ forces
 
     def softened(self, residual: Compliance) -> "ByCompliance":
-        """Return it with a residual compliance besides."""
+        """Return the structure with a residual compliance besides."""
         return ByCompliance(np.asarray(self.compliance + np.asarray(residual)))
 
     def alone(self) -> "ByCompliance":
@@ -260,11 +260,11 @@ class ByStiffness:
         return self.compliance @ forces
 
     def softened(self, residual: Compliance) -> ByCompliance:
-        """Return it with a residual compliance besides."""
+        """Return the structure with a residual compliance besides."""
         return ByCompliance(self.compliance).softened(residual)
 
     def alone(self) -> ByCompliance:
-        """Return it by both matrices."""
+        """Return the structure by compliance and stiffness."""
         return ByCompliance(self.compliance, self.known)
 
     def spanned(self) -> Matrix:

@@ -47,7 +47,7 @@ class ByShapes:
         return np.asarray(self.shapes @ (self.core @ (self.shapes.T @ forces)))
 
     def softened(self, residual: Compliance) -> BetweenPairs:
-        """Return it with a residual compliance besides."""
+        """Return the structure with a residual compliance besides."""
         return between(plus(residual, self.shapes, self.core))
 
     def alone(self) -> "ByShapes":

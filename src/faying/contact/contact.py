@@ -130,7 +130,7 @@ class Contact:
 
     @property
     def smooth(self) -> "Contact":
-        """The same points with their normal laws alone; itself where they have no others."""
+        """Contact of the same points by their normal laws alone."""
         laws = {name: law.normal for name, law in self.laws.items()}
         return self if laws == dict(self.laws) else replace(self, laws=laws)
 

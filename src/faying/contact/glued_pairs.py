@@ -121,7 +121,7 @@ class GluedPairs:
         )
 
     def about(self, springs: Matrix) -> "GluedPairs":
-        """Return the same pairs for steps about other springs (components, n_point).
+        """Return the pairs for steps about other springs (components, n_point).
 
         These are as of :meth:`glued_by`. Pairs that are factorized whole know no reference.
         """
@@ -130,7 +130,7 @@ class GluedPairs:
         return self._on(HeldPairs.for_steps(self.points, springs, self.structure))
 
     def glued_by(self, springs: Matrix) -> "GluedPairs":
-        """Return the same pairs on other springs (components, n_point) [force/length].
+        """Return the pairs on other springs (components, n_point) [force/length].
 
         Raises
         ------

@@ -71,7 +71,7 @@ class HeldPairs:
 
     @classmethod
     def for_steps(cls, points: PointSprings, springs: Matrix, structure: Matrix) -> "HeldPairs":
-        """Return it as :meth:`on_springs`, for Newton steps, which correct what U lacks.
+        """Return the pairs :meth:`on_springs` for Newton steps, which correct what U lacks.
 
         U is in single precision where that serves them.
         """
@@ -85,7 +85,7 @@ class HeldPairs:
     def _inverted(
         cls, points: PointSprings, springs: Matrix, structure: npt.NDArray[Any], smallest: float
     ) -> "HeldPairs":
-        """Return them with U in the precision of a structure that may be lost."""
+        """Return the pairs with U in the precision of a structure that is overwritten."""
         glue = points.of_diagonal(springs)
         _add(structure, glue)
         return cls(frozen(springs), glue, inverse(structure, smallest, overwrite=True))
@@ -95,7 +95,7 @@ class HeldPairs:
         return symmetric_product(self.compliance, forces)
 
     def loosened(self, structure: Matrix, shapes: Matrix, yields: Matrix) -> "HeldPairs":
-        """Return them, of a structure Σ, less springs (:meth:`GluedPairs.loosened`).
+        """Return the pairs of a structure Σ less springs (:meth:`GluedPairs.loosened`).
 
         In double where these hold all but a little of what a part resists.
         """
@@ -175,7 +175,7 @@ class NormalPairs:
 
     @classmethod
     def of(cls, points: PointSprings, structure: Matrix) -> "NormalPairs":
-        """Return them of a structure Σ between all relative displacements."""
+        """Return the pairs of a structure Σ between all relative displacements."""
         gaps = points.G[: points.G.shape[0] // points.components]
         felt = np.flatnonzero(abs(gaps).sum(axis=0))
         normal = PointSprings(G=gaps[:, felt], components=1)

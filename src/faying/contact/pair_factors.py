@@ -110,12 +110,12 @@ class PairSystem:
     between: Matrix
 
     def times(self, solution: Vector) -> Vector:
-        """Return its product with a vector."""
+        """Return the product of the matrix with a vector."""
         moved = self.between @ solution.astype(self.between.dtype, copy=False)
         return np.asarray(solution + self.block @ moved)
 
     def factorized(self, product: npt.NDArray[Any]) -> LU:
-        """Return its factors in place of an array (n_row, n_row), in its precision."""
+        """Return the factors of the matrix, in place of an array (n_row, n_row) and as precise."""
         block = self.block.astype(product.dtype)
         between = self.between.astype(product.dtype, copy=False)
         for first in range(0, len(product), IN_CACHE):

@@ -75,7 +75,7 @@ class PressingContact(BetweenSolver):
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LoosenedPressing:
-    """The same with springs that are known by their forces."""
+    """Pressing contact with springs that are known by their forces."""
 
     solver: PressingContact
     springs: ForcedSprings

@@ -131,7 +131,7 @@ class _Changed:
         return cls(compliance, points, rows, np.asarray(rows @ np.asarray(rows @ compliance).T))
 
     def with_all(self, G: SparseMatrix | Matrix, change: Matrix) -> "_Changed":
-        """Return it with all points where K changes (n_point, n_case) as well."""
+        """Return the factors with all points where K changes (n_point, n_case) as well."""
         points = np.union1d(self.points, np.flatnonzero(change.any(axis=1)))
         return self if len(points) == len(self.points) else self.of(G, self.U, points)
 

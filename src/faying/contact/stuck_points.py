@@ -68,7 +68,7 @@ class StuckPoints:
     def of(
         cls, solver: IncrementSolver, forces: Matrix, slip: Matrix, moved: Vector
     ) -> "StuckPoints":
-        """Return them for a joint at rest and the solver of its increments."""
+        """Return the stuck points of a joint at rest, by the solver of its increments."""
         contact = solver.contact
         if not contact.yields:
             message = (

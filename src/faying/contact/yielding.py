@@ -203,7 +203,7 @@ class YieldingContact(BetweenSolver):
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LoosenedContact:
-    """The same with springs that are known by their forces (T1)."""
+    """Yielding contact with springs that are known by their forces (T1)."""
 
     solver: YieldingContact
     springs: ForcedSprings

@@ -49,7 +49,7 @@ class Cylinders(Frozen):
     spans: Matrix
 
     def __len__(self) -> int:
-        """Return their number."""
+        """Return the number of cylinders."""
         return len(self.radii)
 
 

@@ -35,7 +35,7 @@ class Shank(Frozen):
     across: SparseMatrix
 
     def transformed(self, transformation: SparseMatrix) -> "Shank":
-        """Return the same for other degrees of freedom, displacements = transformation u."""
+        """Return the shank by other degrees of freedom u, displacements = transformation u."""
         return replace(self, across=read_only((self.across @ transformation).tocsr()))
 
 

@@ -69,7 +69,7 @@ class Boundary(Frozen):
         return unit
 
     def with_dofs(self, dofs: Indices) -> "Boundary":
-        """Return the same boundary in a system with other indices."""
+        """Return the boundary by the indices of another system."""
         return replace(self, dofs=dofs)
 
 

@@ -68,7 +68,7 @@ class Facets(Frozen):
         return np.where(position < len(self), position, -1)
 
     def joined(self, following: "Facets") -> "Facets":
-        """Return these facets followed by the other ones."""
+        """Return the facets with others following."""
         return Facets(
             nodes=np.concatenate([self.nodes, following.nodes]),
             elements=np.concatenate([self.elements, following.elements]),

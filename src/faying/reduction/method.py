@@ -103,13 +103,13 @@ class Method:
 
     @property
     def trained(self) -> bool:
-        """Whether it learns from training runs."""
+        """Whether the method learns from training runs."""
         by_modes = self.joint_modes is not None and self.joint_modes.trained
         return by_modes or self.forces is not None
 
     @property
     def transient(self) -> bool:
-        """Whether it can be integrated in time, not only solved statically."""
+        """Whether the reduced model can be integrated in time, not only solved statically."""
         return self.forces is None
 
     def counts(self, basis: Basis, sizes: Sequence[int]) -> list[int]:

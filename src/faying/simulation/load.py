@@ -60,7 +60,7 @@ class StaticLoad(Protocol):
 
 
 class NamedLoad(StaticLoad, Protocol):
-    """One that is told apart by its name."""
+    """Static load that is told apart by its name."""
 
     @property
     def name(self) -> str:

@@ -208,7 +208,7 @@ class OffSprings:
 
     @classmethod
     def of(cls, local: LocalContact, change: Matrix, T: npt.NDArray[Any]) -> "OffSprings":
-        """Return them for Δ (n_point, components, components), in the precision of T."""
+        """Return the pairs off their springs by Δ (n_point, components, components)."""
         acting, _ = local.shares.touched(change)
         block = local.shares.between_pairs(change)[acting]
         block.data = block.data.astype(T.dtype)

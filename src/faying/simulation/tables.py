@@ -26,7 +26,7 @@ FIELDS = {
 
 
 def dataframe(solution: ContactFields, system: System, times: Vector | None) -> "DataFrame":
-    """Return one row per contact point, and per instant or case where there are several."""
+    """Return a row per contact point, and per instant or case where there are several."""
     pandas: Any = _imported("pandas")
     units, places = units_of(system.units), _places(system)
     along, values = _along(solution, times)

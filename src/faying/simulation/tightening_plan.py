@@ -80,7 +80,7 @@ class TighteningPlan(Frozen):
 
     @property
     def reached_unplanned(self) -> Vector:
-        """The same without the plan."""
+        """Forces over targets that are reached without the plan (n_target,)."""
         return self._over_targets(self.unplanned)
 
     def _over_targets(self, forces: Matrix) -> Vector:

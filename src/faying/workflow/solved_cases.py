@@ -233,7 +233,7 @@ class SolvedCases:
         return sorted(worst | smallest_rows(*self.of_all(SMALLEST)))
 
     def states(self, rows: Collection[int]) -> dict[int, CaseState]:
-        """Return those of some rows that were kept, as they are judged."""
+        """Return the states of those of some rows that were kept, as they are judged."""
         start = "bolt_force."
         columns = {
             metric.name.removeprefix(start): column
@@ -271,7 +271,7 @@ class SolvedCases:
         return [array[order] for array in joined_arrays]
 
     def fields(self, rows: Sequence[int]) -> tuple[list[int], Matrix, Matrix]:
-        """Return those of some rows that were kept, with pressures and gaps (n_row, n_point)."""
+        """Return which of some rows were kept, with pressures and gaps (n_row, n_point)."""
         fields_of: dict[int, tuple[Vector, Vector]] = {}
         for arrays in self:
             for number, row in enumerate(arrays["kept"].tolist()):

@@ -175,7 +175,7 @@ class Thread:
         return ratio
 
     def strengths(self, units: str) -> BoltStrength:
-        """Return its strength.
+        """Return the strength of the bolt.
 
         Raises
         ------

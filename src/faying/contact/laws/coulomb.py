@@ -77,12 +77,12 @@ class Coulomb:
 
     @property
     def stiffness(self) -> float:
-        """That of the normal component."""
+        """Stiffness of the normal law."""
         return self.normal.stiffness
 
     @property
     def proportional(self) -> bool:
-        """Whether the normal law is; shear is in proportion to the tangential force."""
+        """Whether the normal law is in proportion; shear is, to the tangential force."""
         return self.normal.proportional
 
     @property
@@ -91,7 +91,7 @@ class Coulomb:
         return self.normal.remembers
 
     def with_normal(self, normal: Law) -> "Coulomb":
-        """Return the same friction on another normal law."""
+        """Return Coulomb's law with the same μ on another normal law."""
         return replace(self, normal=normal)
 
     def with_coefficient(self, friction: float) -> "Coulomb":
@@ -103,13 +103,13 @@ class Coulomb:
         return replace(self, normal=self.normal.after(deepest))
 
     def closure(self, forces: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:
-        """Return that of the normal law and λ_t / (c_t w), with 1/(c_t w); zero where rigid."""
+        """Return closures, of the normal law and λ_t / (c_t w), and 1/(c_t w); zero where rigid."""
         closed, compliance = self.normal.closure(forces[:1], weights)
         shear = np.broadcast_to(1.0 / (self.tangential_penalty * weights), (2, len(weights)))
         return np.vstack([closed, shear * forces[1:]]), np.vstack([compliance, shear])
 
     def energy(self, forces: Matrix, weights: Vector) -> Vector:
-        """Return that of the normal law and ½ |λ_t|²/(c_t w)."""
+        """Return the energy of the normal law and ½ |λ_t|²/(c_t w)."""
         sheared = (forces[1:] ** 2).sum(axis=0) / (2 * self.tangential_penalty * weights)
         return np.asarray(self.normal.energy(forces[:1], weights) + sheared)
 
@@ -143,7 +143,7 @@ class Coulomb:
         return result
 
     def springs(self, weights: Vector) -> Matrix:
-        """Return those of the normal law, and w c_t (3, n_point)."""
+        """Return the springs of the normal law, and w c_t (3, n_point)."""
         shear = np.broadcast_to(self.tangential_penalty * weights, (2, len(weights)))
         return np.vstack([self.normal.springs(weights), shear])
 

@@ -33,7 +33,7 @@ class Unilateral:
         return 0.0
 
     def with_normal(self, normal: Law) -> Law:
-        """Return that law."""
+        """Return the other normal law."""
         return normal
 
     def with_coefficient(self, friction: float) -> Law:  # noqa: ARG002
@@ -88,5 +88,5 @@ class Unilateral:
         return np.maximum(forces, 0.0)
 
     def derivative(self, forces: Matrix) -> Matrix:
-        """Return one where contact presses, else zero (n_point, 1, 1)."""
+        """Return 1 where contact presses, else 0 (n_point, 1, 1)."""
         return np.asarray((forces > 0).astype(float)[0, :, None, None])

@@ -48,7 +48,7 @@ class Pair:
     lone: bool = False
 
     def is_of(self, names: list[str]) -> bool:
-        """Whether these are the names of its slave and its master."""
+        """Whether the pair is of this slave and this master."""
         return [self.slave.name.upper(), self.master.name.upper()] == [n.upper() for n in names]
 
 

@@ -46,7 +46,7 @@ class Section:
     sense: float = 1.0
 
     def through(self, surface: DeckSurface) -> solid_cuts.Section:
-        """Return it as a section through solids at a surface."""
+        """Return the section through solids at a surface."""
         if not surface.facets:
             self.keyword.refuse(
                 f"surface '{surface.name}' has no facets; give a TYPE=ELEMENT surface"

@@ -100,7 +100,7 @@ class GeneralizedAlpha(SpectralRadius):
         return EndContact(condensed)
 
     def kept_force(self, applied: Vector, contact: Vector) -> Vector:
-        """Return their sum."""
+        """Return the sum of applied and contact forces."""
         return applied + contact
 
     def advance(self, motion: Motion, u: Vector, force: Vector, step: float) -> Motion:

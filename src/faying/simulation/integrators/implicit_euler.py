@@ -38,7 +38,7 @@ class ImplicitEuler:
 
     @property
     def order(self) -> int:
-        """One: errors halve with the step."""
+        """First order: errors halve with the step."""
         return 1
 
     @property
@@ -66,7 +66,7 @@ class ImplicitEuler:
         return EndContact(condensed)
 
     def kept_force(self, applied: Vector, contact: Vector) -> Vector:
-        """Return their sum."""
+        """Return the sum of applied and contact forces."""
         return applied + contact
 
     def advance(self, motion: Motion, u: Vector, force: Vector, step: float) -> Motion:

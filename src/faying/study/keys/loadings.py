@@ -11,7 +11,7 @@ from faying.study.keys.tables import Study
 
 
 def loadings(study: Study) -> Iterator[tuple[Location, Loading]]:
-    """Yield them: forces of load cases and frequencies, and sides of the training box."""
+    """Yield loadings: forces of load cases and frequencies, and sides of the training box."""
     for i, case in enumerate(study.load_cases):
         for j, force in enumerate(case.forces):
             yield ("load_case", i, "forces", j), force

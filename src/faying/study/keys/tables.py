@@ -253,7 +253,7 @@ class LoadCaseSection(Timed):
 
     @property
     def transient(self) -> bool:
-        """Whether it is a motion in time."""
+        """Whether the load case is a motion in time."""
         return self.kind in ("step", "history")
 
     @property

@@ -24,7 +24,7 @@ class TopographySection(Section):
 
     @property
     def placement(self) -> ScanPlacement:
-        """What it says but the file."""
+        """All that the table says but the file."""
         return ScanPlacement(**self.model_dump(exclude={"file"}))
 
 
