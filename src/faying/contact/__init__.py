@@ -1,1 +1,1 @@
-"""Stage 2: where the parts touch, and the complementarity problem of contact."""
+"""Contact of the parts, formulated and solved as a complementarity problem (stage 2)."""

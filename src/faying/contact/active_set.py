@@ -49,7 +49,7 @@ class ContactForces:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Balance:
-    """What forces known beside those of contact ask for: the second of (T1b).
+    """Equilibrium of the springs whose forces are prescribed: the second equation of (T1b).
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class Balance:
     elongations : (n_spring,) [length]
         t.
     about : (n_spring,) [force]
-        Where N₀ may be.
+        Initial guess of N₀.
     """
 
     closing: Matrix
@@ -70,7 +70,7 @@ class Balance:
 
     @classmethod
     def of_nothing(cls, n_points: int) -> "Balance":
-        """Return the balance where no spring is known by its force."""
+        """Return the empty balance of a structure without springs of prescribed force."""
         none = np.zeros(0)
         return cls(
             closing=np.zeros((n_points, 0)),
@@ -82,7 +82,7 @@ class Balance:
     def solved(
         self, close: Callable[[Matrix], Matrix], points: Indices, gaps: Vector, missed: Vector
     ) -> tuple[Vector, Vector]:
-        """Return forces (n,) that close gaps (n,) of points and end what is missed, and N₀."""
+        """Return forces (n,) that close gaps of points and meet the balance, and N₀ (n_spring,)."""
         b = self.closing[points]
         answers = close(np.column_stack([gaps, -b]))
         core = self.yields + b.T @ answers[:, 1:]
@@ -111,11 +111,11 @@ PROXIMAL_FRACTION = 1e-7
 
 
 class ActiveSetSpace(Protocol):
-    """A flexibility H in the form in which its active blocks are solved."""
+    """A representation of H that can solve with the active blocks of H."""
 
     @property
     def noise(self) -> float:
-        """Sign violations below this fraction of the largest |g_free| do not count."""
+        """Sign violations below this fraction of the largest |g_free| are ignored."""
         ...
 
     @property
@@ -128,10 +128,10 @@ class ActiveSetSpace(Protocol):
         ...
 
     def closing(self, points: Indices, added: Vector) -> Callable[[Matrix], Matrix]:
-        """Return what returns the forces (n, k) that close gaps (n, k) of points.
+        """Return a function from gaps (n, k) at points to the forces (n, k) that close them.
 
-        Each yields by a part of its force besides (n,) [length/force]. Raises ``LinAlgError`` where
-        H and that are singular between them to working precision.
+        ``added`` (n,) [length/force] is a compliance added to each point. Raises ``LinAlgError``
+        where the block of H with this compliance is singular to working precision.
         """
         ...
 
@@ -142,29 +142,29 @@ def solve_complementarity(
     active: Mask | None = None,
     balance: Balance | None = None,
 ) -> ContactForces:
-    """Solve s ≥ 0, λ ≥ 0, λᵀ s = 0 by a primal-dual active set, of s as (T1b) has it.
+    """Solve s ≥ 0, λ ≥ 0, λᵀ s = 0 with s of (T1b) by a primal-dual active set method.
 
     All points with a wrong sign change sides at once, which is the semismooth Newton method
-    (Hintermüller, Ito & Kunisch 2002, doi:10.1137/S1052623401383558). Where that stops reducing the
-    number of wrong signs, an interior point method takes over, whose steps do not grow in number
-    with the points. Where exchanges meet a singular block of H, the proximal point iteration from
-    λ = 0 takes over (Rockafellar 1976, doi:10.1137/0314056), which selects contact
-    forces near those of a very stiff penalty. A singular H without such a block on the way gives
-    one of its solutions. Active points (n_point,) are assumed in contact at the start; by default
-    those that overlap without contact forces.
+    (Hintermüller, Ito & Kunisch 2002, doi:10.1137/S1052623401383558). Where the number of wrong
+    signs no longer falls, an interior point method takes over, whose number of steps does not grow
+    with the number of points. Where an active block of H is singular, the proximal point iteration
+    from λ = 0 takes over (Rockafellar 1976, doi:10.1137/0314056), which selects contact forces near
+    those of a very stiff penalty. If H is singular but no active block on the way is, the result is
+    one of several solutions. The iteration starts with the points ``active`` (n_point,) in contact;
+    by default those that overlap without contact forces.
 
     Raises
     ------
     LinAlgError
-        If nothing resists springs that are known by their forces.
+        If nothing resists a spring of prescribed force.
     ConvergenceError
-        If there are no such forces.
+        If the problem has no solution.
     """
     balance = balance or Balance.of_nothing(len(g_free))
     if active is None:
         active = g_free < balance.closing @ balance.about
     try:
-        return _pivot(space, g_free, active, balance)
+        return _exchange(space, g_free, active, balance)
     except la.LinAlgError:
         pass
     if len(balance.about):
@@ -181,10 +181,10 @@ def solve_complementarity(
         raise ConvergenceError(message) from None
 
 
-def _pivot(
+def _exchange(
     space: ActiveSetSpace, g_free: Vector, active: Mask, balance: Balance, delta: float = 0.0
 ) -> ContactForces:
-    """Exchange all points of a wrong sign at once, of H + δ I, as long as that gains."""
+    """Exchange all points of a wrong sign at once, with H + δ I, while their number falls."""
     diagonal = np.maximum(space.diagonal, np.finfo(float).tiny)
     fewest, attempts, iterations = len(g_free) + 1, BLOCK_ATTEMPTS, 0
     initial = balance.about
@@ -196,7 +196,7 @@ def _pivot(
         slack = space.product(forces) + pulled
         slack[points] = 0.0
         iterations += 1
-        noise = _noise(space, pulled, forces)
+        noise = _round_off(space, pulled, forces)
         wrong = np.where(active, diagonal * forces < -noise, slack < -noise)
         count = int(np.count_nonzero(wrong))
         if count == 0:
@@ -221,11 +221,11 @@ def _through_interior(
     delta: float,
     iterations: int,
 ) -> ContactForces:
-    """Go between λ > 0 and s > 0 to where either vanishes at each point, after some iterations.
+    """Solve by an interior point method: from λ > 0 and s > 0 to one of them zero at each point.
 
-    A primal-dual interior point method with predictor and corrector (Mehrotra 1992,
-    doi:10.1137/0802028): Newton's method on λ s = σ μ at each point, whose σ falls with what the
-    step to σ = 0 leaves of the mean μ. It begins with some initial forces N₀.
+    This is a primal-dual method with predictor and corrector (Mehrotra 1992,
+    doi:10.1137/0802028): Newton's method for λ s = σ μ at each point. σ is small where the
+    predictor step to σ = 0 reduces the mean μ of λ s much. ``initial`` is the first guess of N₀.
     """
     every, b = np.arange(len(g_free)), balance.closing
     root = np.sqrt(np.maximum(space.diagonal, EPSILON * space.diagonal.max()))
@@ -235,7 +235,7 @@ def _through_interior(
         pulled = g_free - b @ initial
         wrong = space.product(forces) + delta * forces + pulled - slack
         missed = balance.elongations - b.T @ forces - balance.yields @ initial
-        noise = _noise(space, pulled, forces)
+        noise = _round_off(space, pulled, forces)
         either = np.minimum(root**2 * forces, slack)
         unsolved = np.abs(missed).max(initial=0.0) > noise.max()
         if not unsolved and (np.maximum(either, np.abs(wrong)) <= noise).all():
@@ -247,7 +247,7 @@ def _through_interior(
                 iterations=iterations,
                 initial=initial,
             )
-        # A part of round-off keeps points apart that depend on each other.
+        # A compliance of the size of round-off makes linearly dependent points solvable.
         close = space.closing(every, slack / forces + delta + ROUND_OFF * root**2)
         mean, aim = forces @ slack / len(forces), np.zeros_like(forces)
         for share in (1.0, INSIDE):
@@ -268,11 +268,11 @@ def _through_interior(
     raise ConvergenceError(message)
 
 
-def _noise(space: ActiveSetSpace, g_free: Vector, forces: Vector) -> Vector:
-    """Return what round-off makes of gaps that vanish (n_point,), as |H_ij|² ≤ H_ii H_jj.
+def _round_off(space: ActiveSetSpace, g_free: Vector, forces: Vector) -> Vector:
+    """Return the round-off error of vanishing gaps (n_point,), from |H_ij|² ≤ H_ii H_jj.
 
-    Where weak springs alone hold a part, H holds its rigid motion, and forces that balance move it
-    by far more than |g_free| in sum.
+    Where only weak springs hold a part, H contains its rigid motion. Each of the forces in balance
+    then moves the part by far more than |g_free|.
     """
     root = np.sqrt(np.maximum(space.diagonal, 0.0))
     summed = EPSILON * float(root @ np.abs(forces)) * root
@@ -287,17 +287,17 @@ def largest(values: Vector) -> float:
 def _proximal_point(
     space: ActiveSetSpace, g_free: Vector, active: Mask, balance: Balance
 ) -> ContactForces:
-    """Solve with H + δ I, feeding δ times the last forces back into the gap until it is closed."""
+    """Solve with H + δ I repeatedly; δ λ of the last solution is fed back into the gap."""
     delta = PROXIMAL_FRACTION * float(space.diagonal.max())
     forces = np.zeros_like(g_free)
     iterations = 0
     for _ in range(200):
-        step = _pivot(space, g_free - delta * forces, active, balance, delta)
+        step = _exchange(space, g_free - delta * forces, active, balance, delta)
         iterations += step.iterations
         residual = delta * np.abs(step.forces - forces).max()
         forces, active = step.forces, step.active
         pulled = g_free - balance.closing @ step.initial
-        if residual <= _noise(space, pulled, forces).max():
+        if residual <= _round_off(space, pulled, forces).max():
             slack = np.maximum(space.product(forces) + pulled, 0.0)
             return replace(step, slack=slack, iterations=iterations)
     message = (

@@ -1,16 +1,16 @@
-"""Contact that is hard, or nearly so: contact of points that yield, again and again.
+"""Contact that is hard, or nearly so, by an augmented Lagrangian method.
 
-Displacements do not tell what hard points exert. They do where these yield besides, by d per force
-that they exert beyond multipliers λ_k (augmented Lagrangian; Simo & Laursen 1992,
+Displacements do not determine the forces of hard points. They do where points get a compliance d
+that acts on the force beyond the multipliers λ_k (Simo & Laursen 1992,
 doi:10.1016/0045-7949(92)90540-G),
 
     c(λ) + d λ = d λ_k − z,   λ admissible,   λ_{k+1} = λ,                                    (F1a)
 
-with c(λ) what the laws yield. Each stage is a problem (F8), solved about the displacements
-that λ_k make, so that few digits are needed of those. Stages are proximal points of the forces
-(Rockafellar 1976, doi:10.1137/0314056): where they end, what was added takes nothing any more, and
-of several solutions where points depend on each other one is reached. Where there is none, forces
-rise from stage to stage.
+with c(λ) the closure of the laws. Each stage is a problem (F8), solved about the displacements
+under λ_k, so that few digits of those are needed. Stages are proximal points of the forces
+(Rockafellar 1976, doi:10.1137/0314056): once λ stops changing, the compliance d has no effect,
+and of several solutions at linearly dependent points the stages reach one. Where there is no
+solution, forces rise from stage to stage.
 """
 
 from dataclasses import dataclass, replace
@@ -59,13 +59,13 @@ CONTRADICTORY = (
 @final
 @dataclass(frozen=True, eq=False)
 class SoftenedLaws:
-    """Laws at points that yield besides.
+    """Laws at points with an added compliance.
 
     Attributes
     ----------
     laws
     added : (3, n_point) [length/force]
-        d.
+        Added compliance d.
     """
 
     laws: LawsAtPoints
@@ -73,7 +73,7 @@ class SoftenedLaws:
 
     @cached_property
     def _yields(self) -> Matrix:
-        """c′ + d (3, n_point), where nothing presses."""
+        """Compliance c′ + d (3, n_point) at zero force."""
         return self.laws.closure(np.zeros_like(self.added))[1] + self.added
 
     @property
@@ -88,15 +88,15 @@ class SoftenedLaws:
             return np.asarray(1.0 / (1.0 / self.laws.springs + self.added[: self.components]))
 
     def after(self, deepest: Vector | None) -> Self:
-        """Return the laws of points that have been closed so far."""
+        """Return the laws of points with these largest closures so far."""
         return replace(self, laws=self.laws.after(deepest))
 
     def closed_to(self, gap: Vector) -> Vector | None:
-        """Return the largest closures (n_point,) once the gap is so; None if nothing remembers."""
+        """Return the largest closures (n_point,) after this gap; None if no law remembers them."""
         return self.laws.closed_to(gap)
 
     def respond(self, moved: Matrix) -> tuple[Matrix, Matrix]:
-        """Return forces (components, n_point) at z − d λ_k, and their stiffness, of (F1a)."""
+        """Return forces (components, n_point) at z − d λ_k, and their stiffness, by (F1a)."""
         forces = np.zeros_like(moved)
         stiffness = np.zeros((moved.shape[1], len(moved), len(moved)))
         for law, points in self.laws.members:
@@ -105,28 +105,28 @@ class SoftenedLaws:
             trial = -moved[at] / yields
             if not law.proportional:
                 weights, added = self.laws.contact.weights[points], self.added[0, points]
-                trial[0], yields[0] = _pressed(law, weights, -moved[0, points], added)
+                trial[0], yields[0] = _softened_force(law, weights, -moved[0, points], added)
             forces[at] = law.admissible(trial)
             answer = law.derivative(trial) / yields.T[:, None, :]
             stiffness[points, : len(yields), : len(yields)] = answer
         return forces, stiffness
 
     def yielded(self, forces: Matrix) -> Matrix:
-        """Return what is yielded to forces (components, n_point) [length]."""
+        """Return closures under forces (components, n_point) [length]."""
         return np.asarray(self.laws.yielded(forces) + self.added[: len(forces)] * forces)
 
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Level:
-    """How much points yield besides.
+    """One size of the added compliance of stages.
 
     Attributes
     ----------
     contact, between
-        Of :class:`AugmentedContact`.
+        As in :class:`AugmentedContact`.
     hardness
-        What the structure yields at a point over d.
+        Compliance of the structure at a point over d.
     """
 
     contact: Contact
@@ -135,7 +135,7 @@ class Level:
 
     @cached_property
     def laws(self) -> SoftenedLaws:
-        """The laws of points that yield so."""
+        """The laws of points with the added compliance of this level."""
         contact = self.contact
         k, added = contact.components, np.zeros((3, contact.n_points))
         added[:k] = moved_singly(contact.rows, self.between).reshape(k, -1)
@@ -145,7 +145,7 @@ class Level:
 
     @cached_property
     def held(self) -> YieldingContact:
-        """The structure on the springs of such points."""
+        """The solver of the structure on the springs of the softened points."""
         # On as many threads wherever it is asked for first, so that digits do not depend on that.
         with threads_for(self.contact.n_points):
             return YieldingContact.on_springs(self.contact, self.between, self.laws.springs)
@@ -154,13 +154,13 @@ class Level:
 @final
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """What stages of one level are solved with.
+    """One stage: the problem with fixed multipliers on one level.
 
     Attributes
     ----------
     level
     springs
-        Known by their forces.
+        Springs of prescribed force.
     """
 
     level: Level
@@ -180,11 +180,11 @@ class Stage:
         *,
         anew: bool,
     ) -> tuple[Increment, Vector]:
-        """Return forces that come next, and initial forces N₀ (n_spring,) of springs.
+        """Return the solution of the stage, and initial forces N₀ (n_spring,) of the springs.
 
-        Points move by z (3, n_point) [length] without forces λ_k (3, n_point) and N₀. It begins
-        with what pairs are moved by contact (n_relative,), by default by λ_k; anew with all points
-        closed and stuck.
+        ``slack`` z (3, n_point) [length] is the displacement of points without the forces λ_k
+        (3, n_point) and N₀. The solution starts from relative displacements ``begun`` (n_relative,)
+        due to contact, by default those under λ_k; if ``anew``, with all points closed and stuck.
         """
         held, laws, across = self.level.held, self.level.laws, self._across
         pressed = held.contact.at_pairs(forces[0], forces[1:])
@@ -205,11 +205,11 @@ class Stage:
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class AugmentedContact(BetweenSolver):
-    """Solver of contact problems of one structure, whatever its points are."""
+    """Augmented Lagrangian solver of the contact problems of one structure, for any law."""
 
     @cached_property
     def levels(self) -> tuple[Level, ...]:
-        """Levels from the softest to the hardest."""
+        """Levels, from the softest to the hardest."""
         return tuple(
             Level(contact=self.contact, between=self.between, hardness=hardness)
             for hardness in LEVELS
@@ -220,7 +220,7 @@ class AugmentedContact(BetweenSolver):
         return self.loosened(ForcedSprings.of_none(self.contact.interpolation.shape[1]))
 
     def about(self, state: Increment) -> "AugmentedContact":  # noqa: ARG002
-        """Return itself: stages are about their multipliers."""
+        """Return the solver itself, whose stages are solved about their multipliers anyway."""
         return self
 
     def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
@@ -228,21 +228,21 @@ class AugmentedContact(BetweenSolver):
 
         Notes
         -----
-        Four to eight stages, of which the first takes as many Newton steps as a problem of points
-        that yield, and the last ones a step each.
+        Four to eight stages. The first takes as many Newton steps as a problem of compliant points;
+        each of the last ones takes one step.
         """
         none = np.zeros(0)
         return self._alone.solve(free, offset, none, none, start)[0]
 
     def loosened(self, springs: ForcedSprings) -> "LoosenedAugmented":
-        """Return the solver with springs that are known by their forces."""
+        """Return the solver with springs of prescribed force."""
         return LoosenedAugmented(solver=self, springs=springs)
 
 
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LoosenedAugmented:
-    """Augmented contact with springs that are known by their forces, if any."""
+    """Augmented contact with springs of prescribed force, if any."""
 
     solver: AugmentedContact
     springs: ForcedSprings
@@ -277,7 +277,7 @@ class LoosenedAugmented:
                     break
                 level -= 1
                 continue
-            previous, left = left, _change(forces, following.forces)
+            previous, left = left, _relative_change(forces, following.forces)
             residual = left / solver.levels[level].hardness
             if begun is not None and left <= 10.0 * ROUND_OFF:
                 break  # a problem that begins at its solution keeps the last digits of that
@@ -289,10 +289,10 @@ class LoosenedAugmented:
             if left <= SMALL and (level < USUAL or left > SLOW * previous):
                 level = min(level + 1, len(LEVELS) - 1)
         if left > SETTLED or residual > SOLVED:
-            raise ConvergenceError(_unsolved(contact, steps, left, start))
+            raise ConvergenceError(_no_convergence(contact, steps, left, start))
         moved = displaced(solver, free, forces) - initial @ self.springs.columns
         slack = contact.moved(moved) + offset + solver.laws.closure(forces)[0]
-        # What is closed has no gap, and what sticks has not slipped, to all digits.
+        # Closed points have no gap and sticking ones no slip, to the last digit.
         slack[0] = np.where(forces[0] > 0, 0.0, np.maximum(slack[0], 0.0))
         slack[1:, contact.sticking(forces[0], forces[1:])] = 0.0
         increment = Increment(
@@ -301,8 +301,8 @@ class LoosenedAugmented:
         return increment, initial
 
 
-def _unsolved(contact: Contact, steps: int, left: float, start: Increment | None) -> str:
-    """Say that no stage was the last."""
+def _no_convergence(contact: Contact, steps: int, left: float, start: Increment | None) -> str:
+    """Return the message that the stages did not converge."""
     message = (
         f"contact was not solved in {steps} Newton steps: its forces still change by {left:.1e}"
         " of the largest one"
@@ -317,10 +317,12 @@ def _unsolved(contact: Contact, steps: int, left: float, start: Increment | None
     return message if contact.yields else f"{message}; {CONTRADICTORY}"
 
 
-def _pressed(law: Law, weights: Vector, closed: Vector, added: Vector) -> tuple[Vector, Vector]:
-    """Return λ of c(λ) + d λ = what points are closed by (n_point,), and c′ + d there.
+def _softened_force(
+    law: Law, weights: Vector, closed: Vector, added: Vector
+) -> tuple[Vector, Vector]:
+    """Return λ with c(λ) + d λ = ``closed`` (n_point,) [length], and the slope c′ + d there.
 
-    By Newton's method from λ = 0, and less than nothing where points are open.
+    By Newton's method from λ = 0; λ is negative where points are open.
     """
     force = np.zeros_like(closed)
     for _ in range(MOST_STEPS):
@@ -334,7 +336,7 @@ def _pressed(law: Law, weights: Vector, closed: Vector, added: Vector) -> tuple[
     return force, yields
 
 
-def _change(forces: Matrix, following: Matrix) -> float:
+def _relative_change(forces: Matrix, following: Matrix) -> float:
     """Return the largest change of forces over the largest force."""
     largest = float(np.abs(following).max(initial=0.0))
     return float(np.abs(following - forces).max(initial=0.0)) / (largest or 1.0)

@@ -1,8 +1,8 @@
-"""The structure between its pairs, by its compliance S or by its stiffness Σ = S⁻¹.
+"""Compliance S or stiffness Σ = S⁻¹ of the structure between its node pairs.
 
-Reduced models know S. Σ of a full model is a Schur complement, and S is its inverse, which is
-formed where something asks for it. Where dense matrices have no room, sparse factors give products
-of both.
+Reduced models store S. For a full model Σ is a Schur complement, and S is its inverse, which is
+formed on demand. Where dense matrices would not fit into memory, sparse factors give products
+with both.
 """
 
 from collections.abc import Callable
@@ -32,27 +32,27 @@ Pressed: TypeAlias = Callable[[], Vector | None] | None
 
 
 class BetweenPairs(Protocol):
-    """What is known of a structure between its pairs."""
+    """Compliance and stiffness of a structure between its node pairs."""
 
     @property
     def compliance(self) -> Matrix:
-        """S (n_relative, n_relative) [length/force], formed.
+        """S (n_relative, n_relative) [length/force] as a dense matrix.
 
         Raises
         ------
         ModelError
-            If it has no room.
+            If the matrix exceeds the memory for it.
         """
         ...
 
     @property
     def stiffness(self) -> Matrix:
-        """Σ (n_relative, n_relative) [force/length], formed.
+        """Σ (n_relative, n_relative) [force/length] as a dense matrix.
 
         Raises
         ------
         ModelError
-            If it has no room.
+            If the matrix exceeds the memory for it.
         LinAlgError
             If S is not positive definite beyond round-off.
         """
@@ -60,7 +60,7 @@ class BetweenPairs(Protocol):
 
     @property
     def own_stiffness(self) -> Vector:
-        """Diagonal of Σ (n_relative,) [force/length], or not below it.
+        """Diagonal of Σ (n_relative,) [force/length], or an upper bound of it.
 
         Raises
         ------
@@ -70,29 +70,29 @@ class BetweenPairs(Protocol):
         ...
 
     def __matmul__(self, forces: Matrix) -> Matrix:
-        """Return S P (n_relative, k) [length] of many forces between the pairs."""
+        """Return S P (n_relative, k) [length] for k columns of forces between the pairs."""
         ...
 
     def moved_by(self, forces: Vector) -> Vector:
-        """Return S p (n_relative,) [length] of forces between the pairs."""
+        """Return S p (n_relative,) [length] for forces p between the pairs."""
         ...
 
     def softened(self, residual: Compliance) -> "BetweenPairs":
-        """Return the structure with a residual compliance besides."""
+        """Return the structure with a residual compliance added."""
         ...
 
     def alone(self) -> "BetweenPairs":
-        """Return the structure without the matrices that it was condensed from."""
+        """Return the structure without the matrices from which it was condensed."""
         ...
 
     def spanned(self) -> Matrix:
-        """Return Y (n_relative, rank) with S = Y Yᵀ."""
+        """Return a factor Y (n_relative, rank) with S = Y Yᵀ."""
         ...
 
     def on_springs(
         self, G: SparseMatrix, springs: Matrix, pressed: Pressed
     ) -> GluedPairs | SparsePairs:
-        """Return what solves Newton steps; arguments are as of :meth:`.GluedPairs.of`.
+        """Return the solver of Newton steps; arguments as in :meth:`.GluedPairs.of`.
 
         Raises
         ------
@@ -105,7 +105,7 @@ class BetweenPairs(Protocol):
 @final
 @dataclass(frozen=True, eq=False)
 class _Shared:
-    """Pairs on springs, and what they were formed of."""
+    """Pairs on springs, with the arguments from which they were formed."""
 
     G: SparseMatrix
     springs: Matrix
@@ -113,7 +113,7 @@ class _Shared:
     pairs: GluedPairs
 
     def are_of(self, G: SparseMatrix, springs: Matrix, held: Vector | None) -> bool:
-        """Say whether they are of the same rows, springs and pressed points."""
+        """Return whether these pairs were formed from the same rows, springs and pressed points."""
         mine = self.G.shape, self.G.indptr, self.G.indices, self.G.data, self.springs, self.held
         theirs = G.shape, G.indptr, G.indices, G.data, springs, held
         return all(map(np.array_equal, mine, theirs))
@@ -122,7 +122,7 @@ class _Shared:
 @final
 @dataclass(frozen=True, eq=False)
 class Stiffness:
-    """Σ of a structure, which models of it share with the pairs on springs that follow from it.
+    """Σ of a structure; all its models share the pairs on springs formed from it.
 
     Attributes
     ----------
@@ -134,7 +134,7 @@ class Stiffness:
 
     @property
     def compliance_for_steps(self) -> Matrix:
-        """S with the digits that weak springs leave of Σ, in a third of the time."""
+        """S without the digits that weak springs cost, in a third of the time."""
         return inverse(self.stiffness)
 
     @cached_property
@@ -142,13 +142,13 @@ class Stiffness:
         return Latest()
 
     def on_springs(self, G: SparseMatrix, springs: Matrix, pressed: Pressed) -> GluedPairs:
-        """Return what solves Newton steps, by inverses that are formed once for all who ask."""
+        """Return the solver of Newton steps; its inverses are formed once for all callers."""
         held, latest = None if pressed is None else pressed(), self._latest
         with latest.turn:
             shared = latest.formed
             if shared is None or not shared.are_of(G, springs, held):
                 shared = latest.formed = None  # before others take as much memory
-                # Not of itself, which it would keep in a circle until memory is searched for those.
+                # Without a reference to self: a cycle would hold memory until garbage collection.
                 apart = Stiffness(self.stiffness)
                 pairs = GluedPairs.of(G, springs, apart, lambda: held)
                 shared = latest.formed = _Shared(G, springs, held, pairs)
@@ -158,14 +158,14 @@ class Stiffness:
 @final
 @dataclass(frozen=True, eq=False)
 class ByCompliance:
-    """A structure whose compliance is known.
+    """A structure given by its compliance.
 
     Attributes
     ----------
     compliance : (n_relative, n_relative) [length/force]
         S.
     known
-        Σ, where it need not be formed of S.
+        Σ, where it is known already.
     """
 
     compliance: Matrix
@@ -200,11 +200,11 @@ class ByCompliance:
         return self.compliance @ forces
 
     def softened(self, residual: Compliance) -> "ByCompliance":
-        """Return the structure with a residual compliance besides."""
+        """Return the structure with a residual compliance added."""
         return ByCompliance(np.asarray(self.compliance + np.asarray(residual)))
 
     def alone(self) -> "ByCompliance":
-        """Return itself."""
+        """Return the structure itself."""
         return self
 
     def spanned(self) -> Matrix:
@@ -215,7 +215,7 @@ class ByCompliance:
         return np.ascontiguousarray(shapes[:, :rank])
 
     def on_springs(self, G: SparseMatrix, springs: Matrix, pressed: Pressed) -> GluedPairs:
-        """Return what solves Newton steps, by inverses."""
+        """Return the solver of Newton steps, by dense inverses."""
         if self.known is not None:
             return self.known.on_springs(G, springs, pressed)
         return GluedPairs.of(G, springs, self, pressed)
@@ -224,16 +224,16 @@ class ByCompliance:
 @final
 @dataclass(frozen=True, eq=False)
 class ByStiffness:
-    """A structure whose stiffness is known, in which weak springs cost no digits.
+    """A structure given by its stiffness, so that weak springs cost no digits.
 
     Attributes
     ----------
     known
         Σ.
     moved_by
-        Returns S p (n_relative,) [length] of forces between the pairs.
+        Function from forces between the pairs to S p (n_relative,) [length].
     form_compliance
-        Returns S.
+        Function that returns S.
     """
 
     known: Stiffness
@@ -260,11 +260,11 @@ class ByStiffness:
         return self.compliance @ forces
 
     def softened(self, residual: Compliance) -> ByCompliance:
-        """Return the structure with a residual compliance besides."""
+        """Return the structure with a residual compliance added."""
         return ByCompliance(self.compliance).softened(residual)
 
     def alone(self) -> ByCompliance:
-        """Return the structure by compliance and stiffness."""
+        """Return the structure as compliance and stiffness alone."""
         return ByCompliance(self.compliance, self.known)
 
     def spanned(self) -> Matrix:
@@ -272,14 +272,14 @@ class ByStiffness:
         return ByCompliance(self.compliance).spanned()
 
     def on_springs(self, G: SparseMatrix, springs: Matrix, pressed: Pressed) -> GluedPairs:
-        """Return what solves Newton steps, by inverses."""
+        """Return the solver of Newton steps, by dense inverses."""
         return self.known.on_springs(G, springs, pressed)
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class BySubstitution:
-    """A structure with more pairs than matrices between them have room for.
+    """A structure with too many pairs for dense matrices between them.
 
     Attributes
     ----------
@@ -295,17 +295,17 @@ class BySubstitution:
 
     @property
     def compliance(self) -> Matrix:
-        """Refused."""
+        """Refuse: the dense matrix is too large."""
         refuse_dense(self.total.shape[0])
 
     @property
     def stiffness(self) -> Matrix:
-        """Refused."""
+        """Refuse: the dense matrix is too large."""
         refuse_dense(self.total.shape[0])
 
     @property
     def own_stiffness(self) -> Vector:
-        """Diagonal of Σ, or not below it."""
+        """Diagonal of Σ, or an upper bound of it."""
         return self.total.stiffness.diagonal
 
     def moved_by(self, forces: Vector) -> Vector:
@@ -313,15 +313,15 @@ class BySubstitution:
         return self.total @ forces
 
     def softened(self, residual: Compliance) -> ByCompliance:
-        """Refused: full models have no residual compliance."""
+        """Refuse: full models have no residual compliance."""
         return ByCompliance(self.compliance).softened(residual)
 
     def alone(self) -> "BySubstitution":
-        """Return itself."""
+        """Return the structure itself."""
         return self
 
     def spanned(self) -> Matrix:
-        """Refused."""
+        """Refuse: the dense matrix is too large."""
         return self.compliance
 
     def on_springs(
@@ -330,12 +330,12 @@ class BySubstitution:
         springs: Matrix,
         _: Pressed = None,
     ) -> SparsePairs:
-        """Return what solves Newton steps, by sparse factors."""
+        """Return the solver of Newton steps, by sparse factors."""
         return SparsePairs.of(G, springs, self.total)
 
 
 def between(compliance: Compliance) -> ByCompliance | BySubstitution:
-    """Return the structure of a compliance between pairs."""
+    """Return the structure with a given compliance between its pairs."""
     if isinstance(compliance, SparseCompliance):
         return BySubstitution(compliance)
     return ByCompliance(compliance)

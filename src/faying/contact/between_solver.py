@@ -1,4 +1,4 @@
-"""What solvers of the contact of one structure have in common, whatever their method."""
+"""Base class of the contact solvers of one structure."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -35,5 +35,5 @@ class BetweenSolver:
 
     @cached_property
     def laws(self) -> LawsAtPoints:
-        """What the contact points answer."""
+        """Contact laws at the points."""
         return LawsAtPoints(contact=self.contact)

@@ -1,4 +1,4 @@
-"""A structure between more pairs than matrices have room for, by the few shapes of its basis."""
+"""A structure with too many pairs for dense matrices, given by the few shapes of its basis."""
 
 from dataclasses import dataclass
 from typing import NoReturn, final
@@ -15,14 +15,14 @@ from faying.linalg.sparse_stiffness import refuse_dense
 @final
 @dataclass(frozen=True, eq=False)
 class ByShapes:
-    """A basis of fewer shapes than pairs, of which matrices have no room.
+    """A structure S = X C Xᵀ with fewer shapes than pairs and too many pairs for dense matrices.
 
     Attributes
     ----------
     shapes : (n_relative, k)
         X.
     core : (k, k) [length/force]
-        C of S = X C Xᵀ, positive definite.
+        C, positive definite.
     """
 
     shapes: Matrix
@@ -34,12 +34,12 @@ class ByShapes:
 
     @property
     def compliance(self) -> Matrix:
-        """Refused."""
+        """Refuse: the dense matrix is too large."""
         refuse_dense(len(self.shapes))
 
     @property
     def stiffness(self) -> Matrix:
-        """Refused."""
+        """Refuse: the dense matrix is too large."""
         refuse_dense(len(self.shapes))
 
     def moved_by(self, forces: Vector) -> Vector:
@@ -47,11 +47,11 @@ class ByShapes:
         return np.asarray(self.shapes @ (self.core @ (self.shapes.T @ forces)))
 
     def softened(self, residual: Compliance) -> BetweenPairs:
-        """Return the structure with a residual compliance besides."""
+        """Return the structure with a residual compliance added."""
         return between(plus(residual, self.shapes, self.core))
 
     def alone(self) -> "ByShapes":
-        """Return itself."""
+        """Return the structure itself."""
         return self
 
     def spanned(self) -> Matrix:
@@ -60,10 +60,10 @@ class ByShapes:
 
     @property
     def own_stiffness(self) -> NoReturn:
-        """Refuse: S is not regular."""
+        """Refuse: S is singular."""
         self.on_springs()
 
     def on_springs(self, *_: object) -> NoReturn:
-        """Refuse: S is not regular."""
+        """Refuse: S is singular."""
         message = "fewer shapes than pairs"
         raise LinAlgError(message)

@@ -32,7 +32,7 @@ from faying.linalg.threads import threads_for
 
 
 class ContactSolver(Protocol):
-    """What a system's contact problem offers to solvers: exact, or itself reduced."""
+    """The contact problem of a system, full or itself reduced, as solvers use it."""
 
     @property
     def between(self) -> BetweenPairs:
@@ -46,13 +46,13 @@ class ContactSolver(Protocol):
 
     @property
     def increments(self) -> IncrementSolver:
-        """The solver of cases, increments and steps."""
+        """The solver of load cases, increments and time steps."""
         ...
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CondensedContact:
-    """The contact of a system whose response to contact forces is known.
+    """The contact problem of a system, condensed to the node pairs.
 
     Attributes
     ----------
@@ -60,11 +60,11 @@ class CondensedContact:
         Gap operator and law.
     compliance : (n_relative, n_relative) [length/force]
         Relative displacement of the pairs per relative force, P A⁻¹ Pᵀ (times the factor with
-        which an integrator weighs the new contact force), or a structure of it.
+        which an integrator weighs the new contact force), or a structure with this compliance.
     pulled : (n_relative,) or None [length]
         Relative displacement that equal forces of all bolts would cause without contact.
     at_rest
-        Returns the static contact of the same joint where this is that of a step.
+        Function that returns the static contact problem, where this one belongs to a time step.
     """
 
     contact: Contact
@@ -86,7 +86,7 @@ class CondensedContact:
 
     @cached_property
     def space(self) -> ActiveSetSpace:
-        """The form in which active sets are solved, chosen by memory alone."""
+        """The representation of H for active sets, chosen by memory alone."""
         if isinstance(known := self.between, BySubstitution):
             contact = self.contact
             return SaddlePoints(N=contact.interpolation, S=known.total, D=contact.flexibility)
@@ -94,7 +94,7 @@ class CondensedContact:
 
     @cached_property
     def increments(self) -> IncrementSolver:
-        """The solver of increments: by stages where some point is hard or far stiffer than it."""
+        """The solver of increments: in stages where points are hard or nearly so."""
         # On as many threads wherever it is asked for first, so that digits do not depend on that.
         with threads_for(self.contact.n_points):
             return self._solver()
@@ -109,7 +109,7 @@ class CondensedContact:
             return self._staged()
 
     def _staged(self) -> IncrementSolver:
-        """Return the solver of points that may be hard."""
+        """Return the solver for points that may be hard."""
         contact = self.contact
         if contact.unilateral:
             return PressingContact(contact=contact, between=self.between, space=self.space)
@@ -121,9 +121,9 @@ class CondensedContact:
         return AugmentedContact(contact=self.contact, between=self.between)
 
     def _pressed(self) -> Vector | None:
-        """Return ones at points (n_point,) that the bolts press on at rest, where they tell it.
+        """Return ones at the points (n_point,) that the bolts press together at rest, if known.
 
-        Steps of few pairs, which are factorized whole, need not know.
+        Problems of few pairs, whose matrices are factorized whole, do not need it.
         """
         if self.at_rest is not None and factorized_whole(self.contact.rows):
             return None
@@ -138,7 +138,7 @@ class CondensedContact:
 
     @property
     def order(self) -> int:
-        """Order of the dense matrices that contact problems are solved with."""
+        """Order of the dense matrices of contact problems."""
         return min(self.contact.n_points, int(self.contact.relative_operator.shape[0]))
 
     @cached_property
@@ -159,14 +159,14 @@ class CondensedContact:
 def structure_between(
     contact: Contact, matrix: SparseMatrix | Matrix, factor: Factorization, weight: float = 1.0
 ) -> BetweenPairs:
-    """Return the structure of a compliance P A⁻¹ Pᵀ between pairs, times a weight.
+    """Return the structure with the compliance P A⁻¹ Pᵀ between pairs, times a weight.
 
-    The factorization is that of the matrix A.
+    ``factor`` is the factorization of the matrix A.
 
     Notes
     -----
-    A matrix within the dense budget; beyond it sparse factors for a full model, and the shapes of a
-    reduced one.
+    A dense matrix within the dense budget. Beyond it, sparse factors for a full model and the
+    shapes of the basis for a reduced one.
     """
     ports = contact.relative_operator
     if isinstance(contact.residual_compliance, np.ndarray) or pairs_fit(

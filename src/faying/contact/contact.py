@@ -1,4 +1,4 @@
-"""What solvers know of contact: relative displacements, gaps at points, and a local law."""
+"""Contact as solvers see it: relative displacements, gaps at points, and a local law."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -24,7 +24,7 @@ NOT_CARRIED = (
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Contact:
-    """All interfaces of a system stacked: what a solver needs to know of contact, nothing more.
+    """The contact data of all interfaces of a system, stacked.
 
     Attributes
     ----------
@@ -35,16 +35,16 @@ class Contact:
         N, gaps at the contact points from relative displacements.
     initial_gap, weights : (n_point,)
     laws
-        Interface name to what its points admit.
+        Interface name to the contact law of its points.
     slices
         Interface name to its contact points.
     residual_compliance : (n_relative, n_relative) or None
         Relative displacement per contact force that the basis of a reduced model cannot express.
     shear : (2, n_rubbing, n_relative) sparse, stacked
         Tangential displacements of the points of interfaces with friction, all along the first
-        tangents, then all along the second; without rows unless given.
+        tangents, then all along the second; no rows by default.
     tangents : (2, n_point, 3)
-        Directions of the tangential components; zeros unless given.
+        Directions of the tangential components; zeros by default.
     dense_budget
         Memory that dense matrices between pairs or contact points may take [bytes].
     """
@@ -73,18 +73,18 @@ class Contact:
 
     @cached_property
     def transposed(self) -> tuple[SparseMatrix, SparseMatrix | Matrix]:
-        """Nᵀ and Pᵀ, which take forces at the contact points to the degrees of freedom."""
+        """Nᵀ and Pᵀ, which map forces at the contact points to the degrees of freedom."""
         at_pairs, P = read_only(self.interpolation.T.tocsr()), self.relative_operator
         return at_pairs, P.T if isinstance(P, np.ndarray) else read_only(P.T.tocsr())
 
     @cached_property
     def flexibility(self) -> Vector:
-        """Diagonal of D [length/force]: what the laws add; 1 / (c_n w), or zero where hard.
+        """Diagonal of D [length/force], the compliance of the laws; 1 / (c_n w), zero where hard.
 
         Raises
         ------
         ModelError
-            If some law closes otherwise than in proportion to force.
+            If the closure of some law is not proportional to force.
         """
         self.check_proportional()
         flexibility: Vector = frozen(self._compliance(0))
@@ -109,7 +109,7 @@ class Contact:
         where = sp.csr_array((np.ones(half), (self.rubbing, np.arange(half))), shape=(n, half))
         parts = [self.interpolation, where @ self.shear[:half], where @ self.shear[half:]]
         rows = sp.vstack(parts).tocsr()
-        # Operations sort entries in passing, and another order of a sum has other last digits.
+        # Some operations sort entries in place, and the order of a sum decides its last digits.
         rows.sum_duplicates()
         return read_only(rows)
 
@@ -130,22 +130,22 @@ class Contact:
 
     @property
     def smooth(self) -> "Contact":
-        """Contact of the same points by their normal laws alone."""
+        """The contact of the same points without friction, by their normal laws."""
         laws = {name: law.normal for name, law in self.laws.items()}
         return self if laws == dict(self.laws) else replace(self, laws=laws)
 
     def parts(self, forces: Matrix) -> tuple[Matrix, Matrix]:
-        """Return normal (..., n_point) and tangential forces (..., n_tangent, n_point) of all.
+        """Split forces into normal (..., n_point) and tangential ones (..., n_tangent, n_point).
 
-        Forces (..., components * n_point) go component by component.
+        Forces (..., components * n_point) are ordered component by component.
         """
         n = self.n_points
         return forces[..., :n], forces[..., n:].reshape(*forces.shape[:-1], self.components - 1, n)
 
     def moved(self, relative: Vector) -> Matrix:
-        """Return what pairs (n_relative,) move at the points (3, n_point) [length].
+        """Return displacements at points (3, n_point) [length] from those of pairs (n_relative,).
 
-        Openings, and tangential displacements where there is friction.
+        They are openings, and tangential displacements where there is friction.
         """
         moved = np.zeros((3, self.n_points))
         moved[0] = self.interpolation @ relative
@@ -160,16 +160,15 @@ class Contact:
         return offset
 
     def free_slack(self, relative: Vector, slip: Matrix) -> Matrix:
-        """Return z₀ and what pairs (n_relative,) move without forces (3, n_point) [length]."""
+        """Return z₀ plus the displacements of points without forces (3, n_point) [length]."""
         free = self.moved(relative) + self.offset()
         free[1 : 1 + len(slip)] -= slip
         return free
 
     def at_pairs(self, forces: Matrix, shear_forces: Matrix | None = None) -> Matrix:
-        """Return forces between the pairs (n_relative, ...) of forces at points (..., n_point).
+        """Return forces between the pairs (n_relative, ...) due to forces at points (..., n_point).
 
-        Tangential components (..., n_tangent, n_point) act through the tangential displacements in
-        the same way.
+        Shear forces (..., n_tangent, n_point) act along the tangential displacements.
         """
         pairs: Matrix = self.transposed[0] @ np.asarray(forces).T
         if shear_forces is not None and shear_forces.size and self.components > 1:
@@ -178,56 +177,56 @@ class Contact:
         return pairs
 
     def sticking(self, normal: Matrix, shear: Matrix) -> Mask:
-        """Say which points are pressed on while their traction is below its bound μ p.
+        """Return which points are in contact with a traction below its bound μ p.
 
-        Normal (..., n_point) and tangential forces (..., n_tangent, n_point) [force].
+        Arguments are normal (..., n_point) and tangential forces (..., n_tangent, n_point) [force].
         """
         bound = self.coefficients * normal
-        # Far more than increments are solved to, far less than an increment of load changes it.
+        # Far above the accuracy of increments, far below the change in an increment of load.
         slack = DECK_DIGITS * bound + SOLVED * normal.max(initial=0.0)
         return np.asarray(np.linalg.norm(shear, axis=-2) < bound - slack)
 
     @property
     def yields(self) -> bool:
-        """Whether forces follow from displacements at every point."""
+        """Whether forces follow from displacements at every point (no hard contact)."""
         return all(law.yields for law in self.laws.values())
 
     @property
     def proportional(self) -> bool:
-        """Whether at every point closure is in proportion to force."""
+        """Whether closure is proportional to force at every point."""
         return all(law.proportional for law in self.laws.values())
 
     @property
     def remembers(self) -> bool:
-        """Whether at some points pressure depends on how far they were closed before."""
+        """Whether pressure depends on earlier closure at some points."""
         return any(law.remembers for law in self.laws.values())
 
     @property
     def forgets(self) -> bool:
-        """Whether nothing is remembered from load to load: neither slip nor closure."""
+        """Whether a load case needs no history: neither slip nor earlier closure."""
         return self.components == 1 and not self.remembers
 
     @property
     def unilateral(self) -> bool:
-        """Whether each point is a spring that presses alone: no friction, nor any curve."""
+        """Whether each point is a linear spring in compression: no friction and no curve."""
         return self.forgets and self.proportional
 
     def increments(self, asked: int) -> int:
-        """Return how many increments a way takes: those asked for, or one if nothing remembers."""
+        """Return the number of increments of a load path: as asked, or one without history."""
         return 1 if self.forgets else asked
 
     def way_to(self, instants: Indices) -> Indices:
-        """Return the instants, in order, that lead to some: all before them where one remembers."""
+        """Return, in order, the instants to solve for some: with history all earlier ones too."""
         return np.unique(instants) if self.forgets else np.arange(instants.max(initial=-1) + 1)
 
     def check_rubs(self) -> None:
-        """Refuse joints without friction, for what tells of slip alone."""
+        """Refuse joints without friction, for analyses of slip."""
         if not self.coefficients.any():
             message = "no interface has friction; give it with model.with_friction"
             raise ModelError(message)
 
     def check_slip(self, slip: Matrix, name: str) -> None:
-        """Refuse a state, by its name, whose slip (n_tangent, n_point) is of other components."""
+        """Refuse a named state whose slip (n_tangent, n_point) has another number of components."""
         if len(slip) != self.components - 1:
             message = (
                 f"of the joint and the initial solution '{name}' only one has friction, and says "
@@ -237,16 +236,16 @@ class Contact:
             raise ModelError(message)
 
     def check_frictionless(self, why: str = NOT_CARRIED) -> None:
-        """Refuse friction, for what solves without increments; say why, and what to do instead."""
+        """Refuse friction, for methods without increments; the message says why and what to do."""
         for name, law in self.laws.items():
             if law.components > 1:
                 message = f"interface '{name}' has friction, {why}"
                 raise ModelError(message)
 
     def check_forgetful(self, what: str, instead: str) -> None:
-        """Refuse laws that remember how far points were closed, for what does not carry that.
+        """Refuse laws that remember earlier closure, for methods that do not carry it along.
 
-        ``instead`` is what does.
+        ``instead`` names a method that does.
         """
         for name, law in self.laws.items():
             if law.remembers:
@@ -257,12 +256,12 @@ class Contact:
                 raise ModelError(message)
 
     def check_cases(self) -> None:
-        """Refuse cases that do not follow each other where slip or closure is remembered."""
+        """Refuse independent load cases where slip or closure is remembered."""
         self.check_frictionless()
         self.check_forgetful("cases that do not follow each other", "solve_path")
 
     def check_proportional(self) -> None:
-        """Refuse laws whose closure is not in proportion to their force."""
+        """Refuse laws whose closure is not proportional to force."""
         for name, law in self.laws.items():
             if not law.proportional:
                 message = (
@@ -272,9 +271,9 @@ class Contact:
                 raise ModelError(message)
 
     def check_mean_forces(self) -> None:
-        """Refuse what mean forces over a step do not tell: curves, and hard points with friction.
+        """Refuse what mean forces over a time step miss: curves, and hard points with friction.
 
-        What is hard anywhere counts where anything has friction.
+        One hard point counts where any point has friction.
         """
         self.check_proportional()
         if self.components > 1 and not self.yields:
@@ -320,7 +319,7 @@ class Contact:
         Raises
         ------
         ModelError
-            If some law has no such number.
+            If some law has no single stiffness.
         """
         self.check_proportional()
         penalty: Vector = frozen(self._by_point(lambda law, _: law.penalty))
@@ -334,7 +333,7 @@ class Contact:
         return result
 
     def closed_by(self, forces: Matrix) -> Matrix:
-        """Return what normal forces (..., n_point) close the laws by [length]."""
+        """Return closures of the laws (..., n_point) [length] under normal forces."""
         result = np.empty_like(forces)
         for name, points in self.slices.items():
             law_forces = forces[..., points]
@@ -349,12 +348,12 @@ class Contact:
         return len(self.weights)
 
     def free_gap(self, relative_displacement: Matrix) -> Matrix:
-        """Return g_free (..., n_point) for relative displacements (..., n_relative) without λ."""
+        """Return g_free (..., n_point) from relative displacements (..., n_relative) without λ."""
         gap: Matrix = (self.interpolation @ np.asarray(relative_displacement).T).T
         return gap + self.initial_gap
 
     def at_points(self, compliance: Matrix) -> Matrix:
-        """Take a compliance between node pairs to one between contact points, N S Nᵀ."""
+        """Return the compliance between contact points N S Nᵀ from one between node pairs."""
         if not points_fit(self.n_points, self.dense_budget):
             message = (
                 f"a dense matrix between {self.n_points} contact points exceeds the dense budget "

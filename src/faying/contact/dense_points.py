@@ -1,4 +1,4 @@
-"""The flexibility between contact points as one dense matrix: exact for every law and penalty."""
+"""The flexibility between contact points as one dense matrix, for every law and penalty."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ SINGULAR_PIVOT = 1e-7
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DensePoints:
-    """H (n_point, n_point) [length/force]; its active blocks are factorized, one a system."""
+    """H (n_point, n_point) [length/force]; each linear system factorizes an active block."""
 
     H: Matrix
     noise: float = ROUND_OFF
@@ -37,7 +37,7 @@ class DensePoints:
         return result
 
     def closing(self, points: Indices, added: Vector) -> Callable[[Matrix], Matrix]:
-        """Return what returns the forces (n, k) that close gaps (n, k) of points."""
+        """Return a function from gaps (n, k) at points to the forces (n, k) that close them."""
         # H is symmetric, so the transpose is the same block in the column order LAPACK works on.
         block = self.H.take(points, axis=0)[:, points].T
         block[np.diag_indices_from(block)] += added

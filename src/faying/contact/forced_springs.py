@@ -1,13 +1,13 @@
-"""Springs across the pairs that are known by their forces, as bolts while they are tightened.
+"""Springs across the pairs with prescribed forces, as bolts while they are tightened.
 
-A spring of stiffness k whose force is T has the initial force N₀ = T − k e, e its elongation. With
-c and ι the displacement of pairs and spring per initial force, p the forces between the pairs, and
-y₀ and e₀ what everything else does,
+A spring of stiffness k with force T has the initial force N₀ = T − k e, where e is its
+elongation. c and ι are the displacements of pairs and spring per initial force, p the forces
+between the pairs, and y₀ and e₀ the displacements due to all other loads,
 
     y = y₀ + S p − c N₀,   cᵀ p + (1/k − ι) N₀ = T/k − e₀.                                  (T1a)
 
-1/k − ι vanishes where nothing but the spring holds a part: N₀ is then the multiplier of forces that
-must balance.
+1/k − ι vanishes where the spring alone holds a part: N₀ is then the multiplier of a condition of
+equilibrium.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ from faying._typing import Matrix, Vector
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ForcedSprings:
-    """Springs that the structure between the pairs contains.
+    """Springs of prescribed force, which the structure between the pairs contains.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class ForcedSprings:
 
     @classmethod
     def of_none(cls, n_relative: int) -> "ForcedSprings":
-        """Return no springs."""
+        """Return a set of no springs."""
         none = np.zeros((0, n_relative))
         return cls(columns=none, between=none[:, :0], stiffness=none[:, 0])
 

@@ -1,15 +1,15 @@
-"""Pairs on the springs of points that are closed and stick: what Newton steps are solved with.
+"""Node pairs on the springs of closed, sticking points: the solver of Newton steps.
 
 With Σ = S⁻¹, the stiffness of the structure between pairs, and B = Gᵀ K G, that of the points, a
-Newton step is (Σ + B) d = b. Two inverses serve every step: U = (Σ + B₀)⁻¹ with all points closed
-and stuck, and with all open but a few that hold what only weak springs would, which is made where
-a step first needs it. Where the points
-whose ΔB = B − B₀ does not vanish act along rows r of it and feel its columns c,
+Newton step is (Σ + B) d = b. Two inverses U = (Σ + B₀)⁻¹ serve every step. One has all points
+closed and stuck. The other has all points open but a few that hold parts on weak springs; it is
+formed at the first step that needs it. Where the points whose ΔB = B − B₀ does not vanish act
+along rows r of it and feel its columns c,
 
     (I + ΔB_rc U_cr) m = ΔB_rc (U b)_c,   d = U (b − m),                                    (F7)
 
-and of both inverses the one with the fewer such rows is taken. U exists where bolts and contact
-alone hold a part.
+and the inverse with fewer such rows is taken. U exists also where bolts and contact alone hold a
+part.
 """
 
 from collections.abc import Callable
@@ -46,7 +46,7 @@ FEWEST_ALIKE = 8
 
 
 class Condensed(Protocol):
-    """A structure between its pairs, of which matrices have room."""
+    """A structure between its pairs whose dense matrices fit into memory."""
 
     @property
     def stiffness(self) -> Matrix:
@@ -55,7 +55,7 @@ class Condensed(Protocol):
 
     @property
     def compliance_for_steps(self) -> Matrix:
-        """S (n_relative, n_relative) [length/force] for Newton steps, which correct it."""
+        """S (n_relative, n_relative) [length/force] for Newton steps, which correct its errors."""
         ...
 
 
@@ -71,11 +71,11 @@ class GluedPairs:
     structure : (n_relative, n_relative) [force/length]
         Σ.
     glued
-        Points closed and stuck.
+        Pairs with all points closed and stuck.
     form_open
-        Returns :attr:`opened`.
+        Function that returns :attr:`opened`.
     room
-        For the systems of steps; factors of one solution last until the next begins.
+        Memory for the systems of steps; factors of a solution last until the next one begins.
     """
 
     points: PointSprings
@@ -94,9 +94,8 @@ class GluedPairs:
     ) -> "GluedPairs":
         """Return the pairs of a structure, whose S is formed where steps need it.
 
-        Springs K (components, n_point) [force/length] are those of points that are closed and
-        stick. Points (n_point,) that are not told to be pressed are left open, so that fewer change
-        sides afterwards.
+        ``springs`` K (components, n_point) [force/length] are the stiffnesses of closed, sticking
+        points. Points (n_point,) outside ``pressed`` start open, so that fewer change later.
 
         Raises
         ------
@@ -105,7 +104,7 @@ class GluedPairs:
 
         Notes
         -----
-        An inverse, n³ multiplications for n relative displacements.
+        One inverse, n³ multiplications for n relative displacements.
         """
         structure = between.stiffness
         points = PointSprings(G=G, components=len(springs))
@@ -121,9 +120,9 @@ class GluedPairs:
         )
 
     def about(self, springs: Matrix) -> "GluedPairs":
-        """Return the pairs for steps about other springs (components, n_point).
+        """Return the pairs for Newton steps about other springs (components, n_point).
 
-        These are as of :meth:`glued_by`. Pairs that are factorized whole know no reference.
+        Springs are as in :meth:`glued_by`. Pairs that are factorized whole need no reference.
         """
         if self.whole:
             return self
@@ -135,7 +134,7 @@ class GluedPairs:
         Raises
         ------
         LinAlgError
-            If these and the structure do not hold them.
+            If structure and springs leave a pair free to move.
         """
         return self._on(HeldPairs.on_springs(self.points, springs, self.structure))
 
@@ -144,12 +143,12 @@ class GluedPairs:
 
     @cached_property
     def opened(self) -> HeldPairs | None:
-        """Points open, but for some that hold what is else free; None where nothing does."""
+        """Pairs with points open, except a few that hold free parts; None if there are none."""
         return self.form_open()
 
     @property
     def fewest_alike(self) -> float:
-        """Cases side by side that are worth an inverse of their own."""
+        """Least number of cases side by side that are worth an inverse of their own."""
         return FEWEST_ALIKE
 
     @property
@@ -159,7 +158,7 @@ class GluedPairs:
 
     @property
     def whole(self) -> bool:
-        """Whether Σ + B itself is factorized."""
+        """Whether Σ + B is factorized as a whole."""
         return factorized_whole(self.points.G)
 
     def resisted(self, displacements: Vector) -> Vector:
@@ -168,17 +167,17 @@ class GluedPairs:
 
     @cached_property
     def normal(self) -> NormalPairs | None:
-        """The pairs along normals; None where these do not stand alone, or a step takes little."""
+        """The pairs along normals; None where tangents are coupled in or a step is cheap anyway."""
         if self.whole or self.points.components == 1:
             return None
         normal = NormalPairs.of(self.points, self.structure)
         return normal if 2 * len(normal.felt) <= len(self.structure) else None
 
     def loosened(self, shapes: Matrix, yields: Matrix) -> "GluedPairs":
-        """Return the pairs of the structure less springs across it (T1).
+        """Return the pairs of the structure without the springs across it (T1).
 
-        Shapes z (n_spring, n_relative) are forces between pairs per initial force of each spring,
-        which yields (n_spring, n_spring) [length/force] to it with the pairs held.
+        Shapes z (n_spring, n_relative) are forces between pairs per initial force of each spring;
+        ``yields`` M (n_spring, n_spring) [length/force] are the compliances with the pairs held.
         """
         return replace(
             self,
@@ -191,25 +190,26 @@ class GluedPairs:
         opened = self.opened
         try:
             return None if opened is None else opened.loosened(self.structure, shapes, yields)
-        except LinAlgError:  # nothing but these springs holds a part
+        except LinAlgError:  # these springs alone hold a part
             return None
 
     def step(
         self, K: Matrix, right: Vector, enough: float, factors: Factors | WholeFactors | None = None
     ) -> tuple[Vector, Vector, Factors | WholeFactors | None]:
-        """Return d, Σ d, and the factors used, if they may serve again.
+        """Return d, Σ d, and the factors used, if a later step can use them.
 
-        Springs K are (n_point, components, components) [force/length]; enough is the residual over
-        b that serves Newton's method. Factors are those of the step before.
+        Springs ``K`` are (n_point, components, components) [force/length], ``enough`` is the
+        residual over b that suffices for Newton's method, and ``factors`` come from the step
+        before.
 
         Notes
         -----
-        Two products with U or S, and factors of as many rows as are changed.
+        Two products with U or S, and factors of as many rows as change.
         """
-        moved, factors = self._solved(K, right, enough, factors)
+        moved, factors = self._solve_step(K, right, enough, factors)
         return moved, self.resisted(moved), factors
 
-    def _solved(
+    def _solve_step(
         self, K: Matrix, right: Vector, enough: float, factors: Factors | WholeFactors | None
     ) -> tuple[Vector, Factors | WholeFactors | None]:
         if self.whole:
@@ -222,7 +222,7 @@ class GluedPairs:
         if not len(changed.rows):
             return changed.moved, factors
         enough = max(enough, ACCURATE) * float(np.linalg.norm(right))
-        # What overflows single precision is solved in double.
+        # Overflow in single precision is followed by a solution in double.
         with np.errstate(over="ignore", invalid="ignore"):
             if isinstance(factors, Factors) and factors.reference is changed.reference:
                 updated = factors.updated(K, changed.rows, self.points)
@@ -242,8 +242,8 @@ class GluedPairs:
         exact = system.factorized(whole).solve(changed.shared(system))
         return changed.moved_by(changed.rows, exact), None
 
-    def _changed(self, K: Matrix, right: Vector) -> "_Changed":
-        """Return what K and b change of the pairs that it is nearest to."""
+    def _changed(self, K: Matrix, right: Vector) -> "_ChangedPairs":
+        """Return K and b as a change of the reference pairs that need fewer rows."""
         nearest, change = self.glued, change_from(self.glued.springs, K)
         rows, columns = self.points.touched(change)
         if len(self.points.touched(K)[0]) < len(rows):
@@ -253,13 +253,13 @@ class GluedPairs:
                 nearest, change = opened, other
                 rows, columns = self.points.touched(change)
         block = self.points.between_pairs(change)[:, columns]
-        return _Changed(nearest, rows, columns, block, right, nearest.moved_by(right))
+        return _ChangedPairs(nearest, rows, columns, block, right, nearest.moved_by(right))
 
 
 @final
 @dataclass(frozen=True, eq=False)
-class _Changed:
-    """(F7) of some K.
+class _ChangedPairs:
+    """The linear system (F7) for some K.
 
     Attributes
     ----------
@@ -281,7 +281,7 @@ class _Changed:
     moved: Vector
 
     def system(self, rows: Indices, room: Room, previous: PairSystem | None = None) -> PairSystem:
-        """Return the system of some rows, whose U_cr a previous one may hold."""
+        """Return the system at some rows; a previous system may hold its U_cr already."""
         alike = previous is not None and np.array_equal(rows, previous.rows)
         if previous is not None and alike and np.array_equal(self.columns, previous.columns):
             return replace(previous, block=self.block[rows])
@@ -297,13 +297,13 @@ class _Changed:
         return np.asarray(system.block @ self.moved[self.columns])
 
     def moved_by(self, rows: Indices, taken: Vector) -> Vector:
-        """Return d of m at some rows."""
+        """Return d for the solution m at some rows."""
         forces = self.right.copy()
         forces[rows] -= taken
         return self.reference.moved_by(forces)
 
     def solved(self, factors: Factors, enough: float) -> tuple[Vector, Factors] | None:
-        """Return d and the factors, up to a residual [force]; None where they do not serve."""
+        """Return d and the factors, to a residual [force]; None without convergence."""
         system, solve = factors.system, factors.solve
         taken = corrected(system.times, solve, self.shared(system), enough, MOST_CORRECTIONS)
         return None if taken is None else (self.moved_by(system.rows, taken), factors)
@@ -319,5 +319,5 @@ def _open_pairs(points: PointSprings, springs: Matrix, between: Condensed) -> He
 
 
 def factorized_whole(G: SparseMatrix | Matrix) -> bool:
-    """Say whether Σ + B itself is factorized: few pairs, or points that feel them all."""
+    """Return whether Σ + B is factorized as a whole: few pairs, or dense point rows."""
     return int(G.shape[1]) <= DIRECT or isinstance(G, np.ndarray)

@@ -1,7 +1,7 @@
-"""The structure between pairs on springs at its points: the inverses that Newton steps begin from.
+"""The structure between pairs on springs at its points: inverses that Newton steps start from.
 
-Σ = S⁻¹ is the stiffness of the structure, and U = (Σ + Gᵀ K₀ G)⁻¹,
-in single precision where steps alone are begun with it.
+Σ = S⁻¹ is the stiffness of the structure, and U = (Σ + Gᵀ K₀ G)⁻¹, in single precision where U
+serves Newton steps alone.
 """
 
 from dataclasses import dataclass, replace
@@ -65,15 +65,15 @@ class HeldPairs:
         Raises
         ------
         LinAlgError
-            If these and the structure do not hold it.
+            If structure and springs leave a pair free to move.
         """
         return cls._inverted(points, springs, structure.astype(np.float64), 0.0)
 
     @classmethod
     def for_steps(cls, points: PointSprings, springs: Matrix, structure: Matrix) -> "HeldPairs":
-        """Return the pairs :meth:`on_springs` for Newton steps, which correct what U lacks.
+        """Return the pairs as :meth:`on_springs` does, for Newton steps, which correct errors of U.
 
-        U is in single precision where that serves them.
+        U is in single precision where that suffices.
         """
         single = structure.astype(np.float32)
         try:
@@ -85,7 +85,7 @@ class HeldPairs:
     def _inverted(
         cls, points: PointSprings, springs: Matrix, structure: npt.NDArray[Any], smallest: float
     ) -> "HeldPairs":
-        """Return the pairs with U in the precision of a structure that is overwritten."""
+        """Return the pairs with U in the precision of ``structure``, which is overwritten."""
         glue = points.of_diagonal(springs)
         _add(structure, glue)
         return cls(frozen(springs), glue, inverse(structure, smallest, overwrite=True))
@@ -95,9 +95,9 @@ class HeldPairs:
         return symmetric_product(self.compliance, forces)
 
     def loosened(self, structure: Matrix, shapes: Matrix, yields: Matrix) -> "HeldPairs":
-        """Return the pairs of a structure Σ less springs (:meth:`GluedPairs.loosened`).
+        """Return the pairs of a structure Σ without some springs (:meth:`GluedPairs.loosened`).
 
-        In double where these hold all but a little of what a part resists.
+        In double precision where these springs give a part nearly all its support.
         """
         moved = np.array([self.moved_by(shape) for shape in shapes]).T
         left = shapes.T - structure @ moved - self.glue @ moved
@@ -111,7 +111,7 @@ class HeldPairs:
 
 
 def change_from(springs: Matrix, K: Matrix) -> Matrix:
-    """Return K − K₀ (n_point, components, components), round-off taken for nothing."""
+    """Return K − K₀ (n_point, components, components); changes within round-off are zero."""
     change, diagonal = K.copy(), np.arange(K.shape[1])
     change[:, diagonal, diagonal] -= springs.T
     change[np.abs(change) <= ROUND_OFF * np.abs(K).max(initial=0.0)] = 0.0
@@ -119,11 +119,10 @@ def change_from(springs: Matrix, K: Matrix) -> Matrix:
 
 
 def anchored_pairs(points: PointSprings, springs: Matrix, S: Matrix) -> HeldPairs:
-    """Return a structure held at the points that move most, as long as these move far.
+    """Return a structure held at the points that move most, as long as they move far.
 
-    It serves steps alone, in single precision.
-
-    Cholesky's method with pivots finds them, and takes what they hold out of S.
+    Pivots of Cholesky's method choose the points and remove their share from S. The result is in
+    single precision and serves Newton steps alone.
     """
     sprung = points.of_diagonal(springs).diagonal()
     remaining, shapes = sprung * np.diag(S), np.empty((0, len(S)))
@@ -145,7 +144,7 @@ def anchored_pairs(points: PointSprings, springs: Matrix, S: Matrix) -> HeldPair
 
 
 def symmetric_product(matrix: npt.NDArray[Any], vector: Vector) -> Vector:
-    """Return the product of a symmetric matrix, of which one triangle is read: half the time."""
+    """Return the product of a symmetric matrix, of which one triangle is read, with a vector."""
     if not vector.size:
         return vector
     multiply = blas.ssymv if matrix.dtype == np.float32 else blas.dsymv
@@ -155,16 +154,16 @@ def symmetric_product(matrix: npt.NDArray[Any], vector: Vector) -> Vector:
 @final
 @dataclass(frozen=True, eq=False)
 class NormalPairs:
-    """The structure along the normals of its points: what moves along tangents is held.
+    """The structure along the normals of its points; tangential displacements are held.
 
-    In single precision, which serves steps that later ones correct.
+    In single precision, which suffices for steps that later ones correct.
 
     Attributes
     ----------
     felt : (n_felt,)
-        Relative displacements that gaps feel.
+        Relative displacements that change gaps.
     points
-        What they move gaps by.
+        Gaps from these displacements.
     structure : (n_felt, n_felt) [force/length]
         Σ between them.
     """
@@ -175,23 +174,23 @@ class NormalPairs:
 
     @classmethod
     def of(cls, points: PointSprings, structure: Matrix) -> "NormalPairs":
-        """Return the pairs of a structure Σ between all relative displacements."""
+        """Return the normal pairs of a structure Σ between all relative displacements."""
         gaps = points.G[: points.G.shape[0] // points.components]
         felt = np.flatnonzero(abs(gaps).sum(axis=0))
         normal = PointSprings(G=gaps[:, felt], components=1)
         return cls(felt, normal, structure[np.ix_(felt, felt)].astype(np.float32))
 
     def moved_by(self, forces: Vector, springs: Vector) -> Vector | None:
-        """Return d (n_felt,) of forces, on springs (n_point,); None where they hold nothing."""
+        """Return d (n_felt,) under forces, on springs (n_point,); None if a part stays free."""
         system = self.structure.copy()
         _add(system, self.points.of_diagonal(springs[None]))
         _, moved, failed = lapack.sposv(system.T, forces.astype(np.float32), lower=1, overwrite_a=1)
         return None if failed else np.asarray(moved, dtype=float)
 
     def pressed(self, springs: Vector, pull: Vector) -> Vector:
-        """Return ones (n_point,) at points that the bolts press on, all of them where none is left.
+        """Return ones (n_point,) at points that the bolts press together; if none, at all points.
 
-        Forces between pairs pull them apart (n_felt,); what slips makes little difference.
+        ``pull`` (n_felt,) are forces that pull the pairs apart; slip makes little difference.
         """
         pressed = every = np.ones(len(springs))
         for _ in range(RETRIES):
@@ -205,7 +204,7 @@ class NormalPairs:
 
 
 def _add(matrix: npt.NDArray[Any], entries: SparseMatrix | Matrix) -> None:
-    """Add a matrix, sparse without duplicates or dense, to a dense one in its place."""
+    """Add a sparse matrix without duplicates, or a dense one, to a dense matrix in place."""
     if isinstance(entries, np.ndarray):
         matrix += entries
         return

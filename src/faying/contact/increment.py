@@ -1,4 +1,4 @@
-"""Where contact stands after an increment, and what is asked of a solver of increments."""
+"""The contact state after an increment, and the interface of increment solvers."""
 
 from dataclasses import dataclass
 from typing import Protocol, Self, final
@@ -15,20 +15,20 @@ from faying.exceptions import ModelError
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Increment:
-    """Where contact stands after an increment.
+    """Contact forces and displacements after an increment.
 
     Attributes
     ----------
     forces : (3, n_point) [force]
         λ_n and both tangential components, zero where there is no friction.
     slack : (3, n_point) [length]
-        z: the gap plus what the law yields, and the slip of the increment.
+        z: the gap plus the closure of the law, and the slip of the increment.
     moved : (n_relative,) [length]
         y, the relative displacements of the pairs.
     iterations
         Newton steps.
     residual
-        Residual of the equations solved over the largest force.
+        Residual of the equations over the largest force.
     deepest : (n_point,) or None [length]
         Largest closures so far, where some law remembers them.
     """
@@ -46,17 +46,17 @@ class Increment:
 
     @property
     def begun(self) -> bool:
-        """Whether anything presses, or is remembered: what follows can start from here."""
+        """Whether there is contact or history, from which a following increment can start."""
         return bool(self.forces[0].any()) or self.deepest is not None
 
     @property
     def dissipation(self) -> float:
-        """Energy that friction took in the increment, −Σ λ_t · z_t [force·length]."""
+        """Energy dissipated by friction in the increment, −Σ λ_t · z_t [force·length]."""
         return float(-(self.forces[1:] * self.slack[1:]).sum())
 
 
 class IncrementSolver(Protocol):
-    """Solves increments of one compliance between pairs; it remembers nothing of them."""
+    """Solver of increments for one compliance between pairs; it keeps no history."""
 
     @property
     def contact(self) -> Contact:
@@ -69,28 +69,29 @@ class IncrementSolver(Protocol):
         ...
 
     def moved_by(self, forces: Vector) -> Vector:
-        """Return S p (n_relative,) [length] of forces between the pairs."""
+        """Return S p (n_relative,) [length] for forces p between the pairs."""
         ...
 
     @property
     def laws(self) -> LawsAtPoints:
-        """What the contact points answer."""
+        """Contact laws at the points."""
         ...
 
     def about(self, state: Increment) -> Self:
-        """Return the solver of many increments about a state."""
+        """Return a solver that is faster for many increments about a state."""
         ...
 
     def loosened(self, springs: ForcedSprings) -> "ForcedContact":
-        """Return the solver of increments with springs that are known by their forces."""
+        """Return the solver of increments with springs of prescribed force."""
         ...
 
     def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
         """Solve one increment.
 
-        Without contact forces pairs move by ``free`` (n_relative,). The offset z₀ (3, n_point)
-        [length] is the initial gap, and minus the slip so far (:meth:`.Contact.offset`). The start
-        is the increment before, or a similar one; by default all points close and stick at first.
+        Without contact forces the pairs move by ``free`` (n_relative,) [length]. The offset z₀ (3,
+        n_point) [length] is the initial gap, and minus the slip (:meth:`.Contact.offset`).
+        ``start`` is the increment before, or a similar one; by default all points start closed,
+        stuck.
 
         Raises
         ------
@@ -101,7 +102,7 @@ class IncrementSolver(Protocol):
 
 
 class ForcedContact(Protocol):
-    """Solves increments with springs that are known by their forces, of other forces each."""
+    """Solver of increments with springs whose forces are prescribed anew in each."""
 
     def solve(
         self,
@@ -111,10 +112,10 @@ class ForcedContact(Protocol):
         about: Vector,
         start: Increment | None = None,
     ) -> tuple[Increment, Vector]:
-        """Return where contact stands, and the initial forces N₀ (n_spring,) of the springs.
+        """Return the contact state, and the initial forces N₀ (n_spring,) of the springs.
 
-        Elongations are T/k − e₀ (n_spring,) [length] of (T1a), and initial forces are sought about
-        some (n_spring,). All else is as of :meth:`.IncrementSolver.solve`.
+        Elongations are T/k − e₀ (n_spring,) [length] of (T1a), and ``about`` (n_spring,) is a first
+        guess of N₀. All other arguments are as in :meth:`.IncrementSolver.solve`.
 
         Raises
         ------
@@ -127,7 +128,7 @@ class ForcedContact(Protocol):
 
 
 def check_gaps(moved: Vector) -> None:
-    """Refuse what points or pairs move by without contact forces (n,) where it is not finite."""
+    """Refuse displacements without contact forces (n,) that are not finite."""
     if not np.isfinite(moved).all():
         message = "the gap without contact forces holds NaN or infinity; check loads and model"
         raise ModelError(message)
@@ -144,7 +145,7 @@ def check_flexibility(matrix: Matrix) -> Matrix:
 def displaced(solver: IncrementSolver, free: Vector, forces: Matrix) -> Vector:
     """Return the relative displacements (n_relative,) under forces (3, n_point).
 
-    Without them they are ``free`` (n_relative,) [length].
+    ``free`` (n_relative,) [length] are the displacements without them.
     """
     pressed = solver.contact.at_pairs(forces[0], forces[1:])
     return np.asarray(free + solver.moved_by(pressed))

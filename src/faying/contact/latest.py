@@ -1,4 +1,4 @@
-"""What was formed last, where there is room for one at a time."""
+"""A cache of one value, for results too large to keep several."""
 
 import threading
 from dataclasses import dataclass, field
@@ -9,11 +9,11 @@ Formed = TypeVar("Formed")
 
 @dataclass(eq=False)
 class Latest(Generic[Formed]):
-    """What was formed last; who forms it anew takes turns."""
+    """The latest value that was formed; threads form a new one in turn."""
 
     formed: Formed | None = None
     turn: threading.RLock = field(default_factory=threading.RLock)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Leave behind what was formed, which belongs to this process."""
+        """Pickle without the value, which stays in this process."""
         return Latest, ()

@@ -1,4 +1,4 @@
-"""The laws of all interfaces, point by point: what a solver of increments asks them."""
+"""The laws of all interfaces evaluated at all points, for solvers of increments."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -14,9 +14,9 @@ from faying.contact.laws import Law
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LawsAtPoints:
-    """Laws with one or three components, each at its own points, as one with three.
+    """The laws of all interfaces as one law with three components.
 
-    A component that a law does not have carries no force.
+    Missing components of a law carry no force.
 
     Attributes
     ----------
@@ -29,11 +29,11 @@ class LawsAtPoints:
     deepest: Vector | None = None
 
     def after(self, deepest: Vector | None) -> Self:
-        """Return the laws of points that have been closed so far, if any remembers that."""
+        """Return the laws of points with these largest closures so far, if any law remembers."""
         return self if deepest is None else replace(self, deepest=deepest)
 
     def closed_to(self, gap: Vector) -> Vector | None:
-        """Return the largest closures (n_point,) once the gap is so; None if nothing remembers."""
+        """Return the largest closures (n_point,) after this gap; None if no law remembers them."""
         if not self.contact.remembers:
             return None
         return -gap if self.deepest is None else np.maximum(self.deepest, -gap)
@@ -66,7 +66,7 @@ class LawsAtPoints:
         return forces, stiffness
 
     def side_by_side(self, gaps: Matrix) -> tuple[Matrix, Matrix]:
-        """Return normal forces at gaps (n_point, n_case), and −∂λ/∂gap, of the same shape."""
+        """Return normal forces (n_point, n_case) at gaps, and −∂λ/∂gap of equal shape."""
         forces, stiffness = np.empty_like(gaps), np.empty_like(gaps)
         for law, points in self.members:
             weights = np.repeat(self.contact.weights[points], gaps.shape[1])
@@ -76,7 +76,7 @@ class LawsAtPoints:
         return forces, stiffness
 
     def yielded(self, forces: Matrix) -> Matrix:
-        """Return what the laws yield to forces (components, n_point) [length]."""
+        """Return closures of the laws under forces (components, n_point) [length]."""
         whole = np.zeros((3, self.contact.n_points))
         whole[: len(forces)] = forces
         return self.closure(whole)[0][: len(forces)]
@@ -85,16 +85,16 @@ class LawsAtPoints:
         """Return c(x) [length] and c′(x) [length/force], (3, n_point) each."""
         if self._compliance is not None:
             return self._compliance * forces, self._compliance
-        return self._asked(forces)
+        return self._evaluate_closure(forces)
 
     @cached_property
     def _compliance(self) -> Matrix | None:
-        """What is in proportion to force at every point need not be asked again."""
+        """The compliance c′ where all laws are proportional, so that it is formed once."""
         if not all(law.proportional for law, _ in self.members):
             return None
-        return self._asked(np.zeros((3, self.contact.n_points)))[1]
+        return self._evaluate_closure(np.zeros((3, self.contact.n_points)))[1]
 
-    def _asked(self, forces: Matrix) -> tuple[Matrix, Matrix]:
+    def _evaluate_closure(self, forces: Matrix) -> tuple[Matrix, Matrix]:
         closed, compliance = np.zeros_like(forces), np.zeros_like(forces)
         for law, points in self.members:
             block = slice(law.components), points

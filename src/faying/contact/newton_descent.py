@@ -1,16 +1,16 @@
-"""Newton's method on relative displacements, for contact of points that yield under any law.
+"""Newton's method for relative displacements, for contact with compliance under any law.
 
-With the relative displacements y of the pairs, y_f of them without contact forces, z = G y + z₀
-at the points (z₀ holds the gap and minus the slip so far) and λ(z) what the laws answer, a problem
-is
+With the relative displacements y of the pairs, their values y_f without contact forces, z = G y +
+z₀ at the points (z₀ holds the gap and minus the slip so far) and the contact forces λ(z) of the
+laws, a problem is
 
     R(y) = Σ (y − y_f) + h − Gᵀ λ(G y + z₀) = 0,   Σ = S⁻¹,                                   (F8)
 
-and a step solves (Σ + Gᵀ K G) d = −R with K = −∂λ/∂z (:mod:`~faying.contact.glued_pairs`). It is
-taken whole where that halves R, or its part dᵀR along the step; otherwise as far as dᵀR vanishes.
-Without friction R is the slope of a convex energy, and the method always arrives. Coulomb's law has
-none: where a step does not descend, or goes a short way, the next one holds tangential forces to
-the bounds of the last normal ones, which is convex again (Tresca).
+and a step solves (Σ + Gᵀ K G) d = −R with K = −∂λ/∂z (:mod:`~faying.contact.glued_pairs`). The
+whole step is taken where that halves R, or its part dᵀR along the step; otherwise a length at
+which dᵀR vanishes. Without friction R is the gradient of a convex energy, and the method always
+converges. Coulomb's law has no energy: where a step does not descend or is short, the next one
+fixes the bounds of tangential forces at the last normal forces, which is convex again (Tresca).
 """
 
 from collections.abc import Callable
@@ -81,12 +81,12 @@ class PairsOnSprings(Protocol):
         ...
 
     def moved_by(self, forces: Vector) -> Vector:
-        """Return (Σ + Gᵀ K₀ G)⁻¹ b of forces (n_relative,)."""
+        """Return (Σ + Gᵀ K₀ G)⁻¹ b for forces b (n_relative,)."""
         ...
 
 
 class Steps(Protocol):
-    """What solves the systems of Newton's method."""
+    """The solver of the linear systems of Newton's method."""
 
     @property
     def points(self) -> PointSprings:
@@ -96,21 +96,21 @@ class Steps(Protocol):
     def step(
         self, K: Matrix, right: Vector, enough: float, factors: Any = None
     ) -> tuple[Vector, Vector, Any]:
-        """Return d of (Σ + Gᵀ K G) d = b, Σ d, and what the next step takes as factors."""
+        """Return d of (Σ + Gᵀ K G) d = b, Σ d, and factors for the next step."""
         ...
 
 
 class Pairs(Steps, Protocol):
-    """What Newton's method asks of the structure between the pairs."""
+    """The structure between the pairs, as Newton's method uses it."""
 
     @property
     def glued(self) -> PairsOnSprings:
-        """The pairs where points are closed and stick."""
+        """The pairs with all points closed and stuck."""
         ...
 
     @property
     def normal(self) -> NormalPairs | None:
-        """The pairs along normals, where steps along these take little beside whole ones."""
+        """The pairs along normals, where steps with them are much cheaper than whole ones."""
         ...
 
     def resisted(self, displacements: Vector) -> Vector:
@@ -119,7 +119,7 @@ class Pairs(Steps, Protocol):
 
 
 class Answers(Protocol):
-    """What points answer to displacements."""
+    """Contact forces as a function of displacements."""
 
     def respond(self, moved: Matrix) -> tuple[Matrix, Matrix]:
         """Return λ (components, n_point) and K (n_point, components, components)."""
@@ -127,7 +127,7 @@ class Answers(Protocol):
 
 
 class Laws(Answers, Protocol):
-    """What points answer and yield, as far as they have been closed so far."""
+    """Contact forces and closures of points, given their largest closures so far."""
 
     @property
     def components(self) -> int:
@@ -135,21 +135,21 @@ class Laws(Answers, Protocol):
         ...
 
     def after(self, deepest: Vector | None) -> Self:
-        """Return the laws of points that have been closed so far, if any remembers that."""
+        """Return the laws of points with these largest closures so far, if any law remembers."""
         ...
 
     def closed_to(self, gap: Vector) -> Vector | None:
-        """Return the largest closures (n_point,) once the gap is so; None if nothing remembers."""
+        """Return the largest closures (n_point,) after this gap; None if no law remembers them."""
         ...
 
     def yielded(self, forces: Matrix) -> Matrix:
-        """Return what the laws yield to forces (components, n_point) [length]."""
+        """Return closures of the laws under forces (components, n_point) [length]."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """Where Newton's method stands: displacements, structure's forces, points, laws."""
+    """An iterate of Newton's method: displacements, forces of the structure, points, laws."""
 
     y: Vector
     p: Vector
@@ -166,7 +166,7 @@ class State:
 
     @cached_property
     def left(self) -> float:
-        """R over the largest force, or over that which counts where nothing presses."""
+        """The largest entry of R over the largest force, or over ``least`` without contact."""
         return float(
             np.abs(self.rest).max(initial=0.0) / np.abs(self.forces).max(initial=self.least)
         )
@@ -184,20 +184,20 @@ def solve_yielding(
 ) -> Increment:
     """Solve (F8).
 
-    Given are y_f (n_relative,) [length], the offset z₀ (3, n_point) [length] and the pull h
-    (n_relative,) [force]. It begins with a solution of the increment before or a similar case; by
-    default all points close and stick. The solution is corrected by ``moved_by``, which returns S p
-    (n_relative,) [length] of forces between the pairs, for Σ has fewer digits where weak springs
-    hold bodies.
+    Arguments are y_f (n_relative,) [length], the offset z₀ (3, n_point) [length] and the pull h
+    (n_relative,) [force]. ``start`` is a solution of the increment before or of a similar case; by
+    default all points start closed and stuck. ``moved_by`` returns S p (n_relative,) [length] for
+    forces p between the pairs. It corrects the solution, because Σ has fewer digits where weak
+    springs hold bodies.
     """
     k = laws.components
     laws = laws.after(None if start is None else start.deepest)
     law_offset = offset[:k]
     pulled = np.zeros(len(free)) if pull is None else pull
-    begun = _begun(laws, pairs, free, law_offset, start, pulled)
-    form = partial(_formed, laws, pairs, free, law_offset, pull=pulled, moved_by=moved_by)
+    begun = _first_state(laws, pairs, free, law_offset, start, pulled)
+    form = partial(_formed_anew, laws, pairs, free, law_offset, pull=pulled, moved_by=moved_by)
     normal = pairs.normal
-    press = None if normal is None else partial(_pressed, laws, pairs, normal)
+    press = None if normal is None else partial(_contact_along_normals, laws, pairs, normal)
     state, steps, _ = descend(laws, pairs, begun, press=press, form=form)
     forces, slack = np.zeros(offset.shape), offset.copy()
     forces[:k] = state.forces
@@ -222,23 +222,23 @@ def descend(
     factors: Any = None,
     solved: float = ROUND_OFF,
 ) -> tuple[State, int, Any]:
-    """Return the state in which Newton's method ends, its steps, and the factors of the last.
+    """Return the last state of Newton's method, the number of steps, and the last factors.
 
-    Points close and open by ``press`` between steps; what these summed up is formed once more by
-    ``form``. Factors may be those of a similar problem.
+    ``press`` closes and opens points between steps. ``form`` forms the displacements anew once,
+    without the round-off summed up over steps. Factors may come from a similar problem.
 
     Raises
     ------
     ConvergenceError
-        If more than :data:`SOLVED` is left.
+        If the residual stays above :data:`SOLVED`.
     """
     G, k = pairs.points.G, len(state.z)
     state = state if press is None else press(state)
     steps, short, bounded, previous = 0, 0, False, np.inf
     while steps < MOST_STEPS and short < MOST_SHORT and np.isfinite(state.left):
         if form is not None and state.left <= FORMED:
-            # What Newton's method summed up step by step is formed once more, by S or by Σ: S
-            # beside rigid motions on weak springs leaves 1e-5, which later steps take away.
+            # The sums of Newton's steps are formed once more, by S or by Σ: S with rigid
+            # motions on weak springs leaves a residual of 1e-5, which later steps remove.
             state, form = form(state), None
         if state.left <= solved or steps_ended(state.left, previous):
             break
@@ -247,11 +247,11 @@ def descend(
         if bounded:
             K = K.copy()
             K[:, 1:, 0] = 0.0
-        # No step leaves less than it changes the laws, nor need the last one leave less than that.
+        # The change of laws bounds the residual of a step below; round-off that of the last one.
         enough = min(LOOSE, max(QUADRATIC * state.left, 0.5 * ROUND_OFF / state.left))
         d, resisted, factors = pairs.step(K, -state.rest, enough, factors)
         moved = np.asarray((G @ d).reshape(state.z.shape))
-        trial, length, descends = _along(laws, state, d, resisted, moved)
+        trial, length, descends = _line_search(laws, state, d, resisted, moved)
         bounded = k > 1 and not bounded and (not descends or length < SHORT_STEP)
         short += k > 1 and length < SHORT_STEP
         state, steps = trial if press is None else press(trial), steps + 1
@@ -267,11 +267,11 @@ def descend(
 
 
 def steps_ended(left: float | Vector, previous: float | Vector) -> bool | Mask:
-    """Say of residuals over the largest force, each, whether further steps leave no less."""
+    """Return whether further steps would not reduce each residual (over the largest force)."""
     return (left <= ROUND_OFF) | ((left <= SOLVED) & (left > LARGEST_REMAINDER * previous))
 
 
-def _formed(
+def _formed_anew(
     laws: Laws,
     pairs: Pairs,
     free: Vector,
@@ -281,15 +281,15 @@ def _formed(
     pull: Vector,
     moved_by: Callable[[Vector], Vector] | None,
 ) -> State:
-    """Return the state in which pairs and the structure's forces tell each other."""
+    """Return the state with displacements and forces of the structure consistent."""
     if moved_by is None:
         return replace(state, p=pairs.resisted(state.y - free) + pull)
     y = free + moved_by(state.p - pull)
-    z = _at(pairs.points.G, y, offset)
+    z = _z_at(pairs.points.G, y, offset)
     return State(y, state.p, z, *laws.respond(z), pairs.points.transposed, state.least)
 
 
-def _begun(
+def _first_state(
     laws: Laws,
     pairs: Pairs,
     free: Vector,
@@ -297,18 +297,18 @@ def _begun(
     start: Increment | None,
     pull: Vector,
 ) -> State:
-    """Return where Newton's method begins."""
+    """Return the first state of Newton's method."""
     G, shape = pairs.points.G, offset.shape
     if start is None:
-        # As if every point were closed and stuck: what then pulls opens in the steps that follow.
+        # All points start closed and stuck; points in tension open in the steps that follow.
         glued = pairs.glued
-        pressed = pull + pairs.points.transposed @ (glued.springs * _at(G, free, offset)).ravel()
+        pressed = pull + pairs.points.transposed @ (glued.springs * _z_at(G, free, offset)).ravel()
         moved = glued.moved_by(-pressed)
         y, p = free + moved, pairs.resisted(moved) + pull
     else:
         y = start.moved
         p = pairs.resisted(y - free) + pull
-    z = _at(G, y, offset)
+    z = _z_at(G, y, offset)
     forces, K = laws.respond(z)
     if start is not None and shape[0] > 1:
         onward = z.copy()
@@ -318,12 +318,12 @@ def _begun(
     return State(y, p, z, forces, K, pairs.points.transposed, floor)
 
 
-def _pressed(laws: Answers, pairs: Pairs, normal: NormalPairs, state: State) -> State:
-    """Return the state once points have closed and opened along normals, tangents held.
+def _contact_along_normals(laws: Answers, pairs: Pairs, normal: NormalPairs, state: State) -> State:
+    """Return the state after points have closed and opened along normals, with tangents held.
 
-    Where a contact zone grows or shrinks whole steps take it on by a row of points each. Along
-    normals, a third of the unknowns, they are solved in less than a tenth of the time; as long as
-    these leave most of the residual.
+    Whole steps grow or shrink a contact zone by one row of points each. Steps along normals have a
+    third of the unknowns and take less than a tenth of the time. They go on while they leave most
+    of the residual.
     """
     for _ in range(MOST_ALONG_NORMALS):
         rest = np.abs(state.rest)
@@ -335,22 +335,21 @@ def _pressed(laws: Answers, pairs: Pairs, normal: NormalPairs, state: State) -> 
         d = np.zeros_like(state.y)
         d[normal.felt] = moved
         along = (pairs.points.G @ d).reshape(state.z.shape)
-        state, _, _ = _along(laws, state, d, pairs.resisted(d), along)
+        state, _, _ = _line_search(laws, state, d, pairs.resisted(d), along)
     return state
 
 
-def _at(G: SparseMatrix | Matrix, y: Vector, offset: Matrix) -> Matrix:
-    """Return z (components, n_point)."""
+def _z_at(G: SparseMatrix | Matrix, y: Vector, offset: Matrix) -> Matrix:
+    """Return z (components, n_point) at the displacements y."""
     return np.asarray((G @ y).reshape(offset.shape) + offset)
 
 
-def _along(
+def _line_search(
     laws: Answers, state: State, d: Vector, resisted: Vector, moved: Matrix
 ) -> tuple[State, float, bool]:
-    """Return the state after a step d, its length, and whether it descends.
+    """Return the state after a step d, its length, and whether the residual descends.
 
-    The step is resisted by Σ d (n_relative,) [force] and has moved points by G d (components,
-    n_point) [length].
+    ``resisted`` is Σ d (n_relative,) [force], ``moved`` is G d (components, n_point) [length].
     """
     at_first, curvature = float(d @ state.rest), float(d @ resisted)
 
@@ -371,7 +370,7 @@ def _along(
         return trial, length, descends
     low, high, below, above = 0.0, 1.0, at_first, last
     for _ in range(MOST_TRIALS):
-        # A chord that ends where the slope jumps would stay there: away from both ends.
+        # A chord that ends at a jump of the slope would stay there: keep away from both ends.
         chord = low - below * (high - low) / (above - below)
         length = float(np.clip(chord, low + 0.1 * (high - low), high - 0.1 * (high - low)))
         trial = reached(length)

@@ -1,4 +1,4 @@
-"""Factors between changed pairs, kept from step to step and updated where few points change."""
+"""Factors between changed pairs, reused from step to step and updated where few points change."""
 
 import threading
 from dataclasses import dataclass, replace
@@ -24,9 +24,9 @@ IN_CACHE = 64
 
 
 class Room(threading.local):
-    """Memory that the systems of steps take one after the other, in each thread its own.
+    """Memory that the systems of successive steps share, separate for each thread.
 
-    New pages take as long to clear as to fill: a quarter of the time of steps of 3000 rows.
+    Clearing new pages takes as long as filling them: a quarter of the time of steps of 3000 rows.
     """
 
     def __init__(self, largest: int) -> None:
@@ -35,19 +35,19 @@ class Room(threading.local):
         self._factors = np.empty(4 * largest**2, dtype=np.uint8)
 
     def __reduce__(self) -> tuple[type[Self], tuple[int]]:
-        """Let other processes take memory of their own."""
+        """Pickle the size alone; other processes allocate memory of their own."""
         return type(self), (self._largest,)
 
     def between(self, n_rows: int, n_columns: int, like: npt.NDArray[Any]) -> npt.NDArray[Any]:
-        """Return an array that is lost once it is asked for again."""
-        return _taken(self._between, n_rows, n_columns, like.dtype)
+        """Return an array that the next call overwrites."""
+        return _view(self._between, n_rows, n_columns, like.dtype)
 
     def factors(self, n: int) -> npt.NDArray[np.float32]:
-        """Return an array that is lost once it is asked for again."""
-        return _taken(self._factors, n, n, np.dtype(np.float32))
+        """Return an array that the next call overwrites."""
+        return _view(self._factors, n, n, np.dtype(np.float32))
 
 
-def _taken(
+def _view(
     memory: npt.NDArray[np.uint8], n_rows: int, n_columns: int, dtype: np.dtype[Any]
 ) -> npt.NDArray[Any]:
     used = memory[: n_rows * n_columns * dtype.itemsize]
@@ -83,7 +83,7 @@ class LU:
 @final
 @dataclass(frozen=True, eq=False)
 class WholeFactors:
-    """Factors of Σ + B itself, of some K (n_point, components, components) [force/length]."""
+    """Factors of Σ + B for some K (n_point, components, components) [force/length]."""
 
     K: Matrix
     lu: LU
@@ -92,7 +92,7 @@ class WholeFactors:
 @final
 @dataclass(frozen=True, eq=False)
 class PairSystem:
-    """I + ΔB_rc U_cr.
+    """The matrix I + ΔB_rc U_cr.
 
     Attributes
     ----------
@@ -101,7 +101,7 @@ class PairSystem:
     block : (n_row, n_column) sparse
         ΔB_rc.
     between : (n_column, n_row)
-        U_cr, as long to gather as to multiply twice.
+        U_cr; to gather it takes as long as two products with it.
     """
 
     rows: Indices
@@ -115,7 +115,7 @@ class PairSystem:
         return np.asarray(solution + self.block @ moved)
 
     def factorized(self, product: npt.NDArray[Any]) -> LU:
-        """Return the factors of the matrix, in place of an array (n_row, n_row) and as precise."""
+        """Return the factors of the matrix, in its precision and in the memory of ``product``."""
         block = self.block.astype(product.dtype)
         between = self.between.astype(product.dtype, copy=False)
         for first in range(0, len(product), IN_CACHE):
@@ -127,15 +127,15 @@ class PairSystem:
 @final
 @dataclass(frozen=True, eq=False)
 class Factors:
-    """Factors of a system between changed pairs, of a K before and what takes them to this one.
+    """Factors of a system between changed pairs: those of an earlier K, and an update to this K.
 
     Attributes
     ----------
     reference
-        Whose U.
+        Pairs of U.
     K : (n_point, components, components) [force/length]
     system
-        Of K.
+        System of K.
     first, first_system, lu
         K and system that were factorized, in single precision.
     update
@@ -152,7 +152,7 @@ class Factors:
 
     @classmethod
     def of(cls, reference: HeldPairs, K: Matrix, system: PairSystem, room: Room) -> Self:
-        """Factorize a system where there is room for factors."""
+        """Return the factors of a system, stored in the shared memory."""
         lu = system.factorized(room.factors(len(system.rows)))
         return cls(reference, K, system, K, system, lu)
 
@@ -162,14 +162,14 @@ class Factors:
         return np.asarray(solver.solve(right), dtype=float)
 
     def updated(self, K: Matrix, rows: Indices, points: PointSprings) -> "Factors | None":
-        """Return factors of K at some rows and more; None where new ones take no longer.
+        """Return factors for K at more rows; None where new factors take no longer.
 
-        By Woodbury's formula for the rows that points feel whose K is another, or for these points
-        where they are fewer, as those that lie alone.
+        By Woodbury's formula for the rows of points whose K changes, or for the components of these
+        points where they are fewer, as for isolated points.
         """
-        if np.isin(rows, self.system.rows).all() and not _beyond(K, self.K).any():
+        if np.isin(rows, self.system.rows).all() and not _large_change(K, self.K).any():
             return self
-        base, change = self.first_system, _beyond(K, self.first)
+        base, change = self.first_system, _large_change(K, self.first)
         added, (acting, feeling) = np.setdiff1d(rows, base.rows), points.touched(change)
         components = points.components_of(change)
         if min(len(acting), len(components)) + len(added) > MOST_UPDATED * len(base.rows):
@@ -190,16 +190,16 @@ class Factors:
 @final
 @dataclass(frozen=True, eq=False)
 class Update:
-    """What takes factors to those of another K, at more rows.
+    """Correction of factors for another K and more rows.
 
     Attributes
     ----------
     lu
         The factors.
     places : (n_row + n_more, n_acting)
-        How what changes acts on the rows: as one of them, or as a component at a point.
+        Rows on which the changes act: single rows, or those of a component at a point.
     coupling : (n_row, n_more)
-        ΔB U between the rows of the factors and the others.
+        ΔB U between the rows of the factors and the added ones.
     felt : (n_acting, n_row + n_more)
         The change of ΔB, times U.
     """
@@ -215,22 +215,22 @@ class Update:
         return np.asarray(solution - self._answers @ (self.felt @ solution))
 
     def _before(self, right: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
-        """Return the solution with the K of the factors."""
+        """Return the solution for the factorized K."""
         n = len(self.coupling)
         solved = self.lu.solve(right[:n] - self.coupling @ right[n:])
         return np.concatenate([solved, right[n:]])
 
     @cached_property
     def _answers(self) -> npt.NDArray[np.float32]:
-        """What forces at the places move, once the change is felt."""
+        """Solution of the changed system for forces at ``places``."""
         answers = self._before(self.places)
         core = self.felt @ answers
         core.flat[:: len(core) + 1] += 1.0
         return np.asarray(answers @ np.linalg.inv(core))
 
 
-def _beyond(K: Matrix, previous: Matrix) -> Matrix:
-    """Return K less a previous one where it is far from it, else zero."""
+def _large_change(K: Matrix, previous: Matrix) -> Matrix:
+    """Return K − previous at points where it is large, else zero."""
     change = K - previous
     change[np.abs(change).max(axis=(1, 2)) <= STIFFNESS_CHANGE * np.abs(K).max()] = 0.0
     return change

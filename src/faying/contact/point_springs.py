@@ -13,7 +13,7 @@ from faying._typing import Indices, Matrix, SparseMatrix, read_only
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PointSprings:
-    """Assembles B = Gᵀ K G again and again: which entry of K goes where is the same for every K.
+    """Assembles B = Gᵀ K G repeatedly; the map of entries from K to B is formed once.
 
     Attributes
     ----------
@@ -27,7 +27,7 @@ class PointSprings:
 
     @cached_property
     def transposed(self) -> SparseMatrix | Matrix:
-        """Gᵀ, which takes forces at the points to the pairs."""
+        """Gᵀ, which maps forces at the points to the pairs."""
         if isinstance(self.G, np.ndarray):
             return self.G.T
         transposed = self.G.T.tocsr()
@@ -35,19 +35,19 @@ class PointSprings:
         return read_only(transposed)
 
     def of_diagonal(self, springs: Matrix) -> SparseMatrix | Matrix:
-        """Return B of springs (components, n_point)."""
+        """Return B for springs (components, n_point)."""
         if isinstance(self.G, np.ndarray):
             return np.asarray((self.transposed * springs.ravel()) @ self.G)
         return (self.transposed @ sp.diags_array(springs.ravel()) @ self.G).tocsr()
 
     def between_pairs(self, K: Matrix) -> SparseMatrix:
-        """Return B (n_relative, n_relative) of K (n_point, components, components)."""
+        """Return B (n_relative, n_relative) for K (n_point, components, components)."""
         places, indices, indptr = self._assembly
         n = self.G.shape[1]
         return sp.csr_array((places @ K.ravel(), indices, indptr), shape=(n, n))
 
     def add_to(self, matrix: Matrix, K: Matrix) -> None:
-        """Add B to a dense matrix (n_relative, n_relative) in its place."""
+        """Add B to a dense matrix (n_relative, n_relative) in place."""
         if isinstance(self.G, np.ndarray):
             rows = self.G.reshape(self.components, -1, self.G.shape[1])
             sprung = np.einsum("pij,jpr->ipr", K, rows)
@@ -57,13 +57,13 @@ class PointSprings:
         matrix[self._row_of_entry, indices] += places @ K.ravel()
 
     def strongest(self, pair: int) -> int:
-        """Return the row of G that feels a displacement of the pairs most."""
+        """Return the row of G with the largest entry for a relative displacement."""
         felt = self.transposed[[pair]]
         felt = felt if isinstance(felt, np.ndarray) else felt.toarray()
         return int(np.abs(felt[0]).argmax())
 
     def touched(self, K: Matrix) -> tuple[Indices, Indices]:
-        """Return the rows of B that springs K act on, and the columns that they feel.
+        """Return the rows of B on which springs K act, and the columns that change their forces.
 
         The forces of a point that begins to slip change along its tangents alone.
         """
@@ -82,7 +82,7 @@ class PointSprings:
 
     @cached_property
     def _pattern(self) -> SparseMatrix:
-        """Which displacements of pairs a component at a point feels (n_relative, k n_point)."""
+        """|Gᵀ| (n_relative, components n_point), nonzero where a pair moves a point."""
         return abs(self.transposed)
 
     @cached_property
@@ -93,7 +93,7 @@ class PointSprings:
 
     @cached_property
     def _assembly(self) -> tuple[SparseMatrix, Indices, Indices]:
-        """Return the entries of B (nnz, components² n_point) per entry of K, columns and rows."""
+        """Return the map from K to entries of B (nnz, components² n_point), columns, rows."""
         k, n_pair = self.components, self.G.shape[1]
         n = self.G.shape[0] // k
         columns, values = (part.reshape(k, n, part.shape[1]) for part in padded_rows(self.G))

@@ -1,4 +1,4 @@
-"""Contact without friction as a problem of forces: of points that are hard or nearly so."""
+"""Frictionless contact as a problem for forces, for points that are hard or nearly so."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -20,18 +20,18 @@ from faying.exceptions import ConvergenceError
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PressingContact(BetweenSolver):
-    """Solver of contact problems whose points press or are open.
+    """Active-set solver of contact problems without friction.
 
     Attributes
     ----------
     space
-        The flexibility between points, in the form in which its active blocks are solved.
+        The flexibility between points.
     """
 
     space: ActiveSetSpace
 
     def about(self, state: Increment) -> "PressingContact":  # noqa: ARG002
-        """Return itself: active sets know no reference."""
+        """Return the solver itself: active sets need no reference state."""
         return self
 
     def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
@@ -42,19 +42,19 @@ class PressingContact(BetweenSolver):
         ModelError
             If the gap holds NaN or infinity.
         ConvergenceError
-            If there are no forces: the compliance is not positive semidefinite, or contact is hard
-            at more points than the basis of a reduced model has modes, which the message says.
+            If there is no solution: the compliance is not positive semidefinite, or contact is
+            hard at more points than a reduced model has modes, which the message says.
         """
         return self._solved(free, offset, start, Balance.of_nothing(self.contact.n_points))[0]
 
     def loosened(self, springs: ForcedSprings) -> "LoosenedPressing":
-        """Return the solver with springs that are known by their forces."""
+        """Return the solver with springs of prescribed force."""
         return LoosenedPressing(solver=self, springs=springs)
 
     def _solved(
         self, free: Vector, offset: Matrix, start: Increment | None, balance: Balance
     ) -> tuple[Increment, Vector]:
-        """Return where contact stands, and the initial forces of a balance."""
+        """Return the contact state, and the initial forces of the balance."""
         g_free = self.contact.interpolation @ free + offset[0]
         check_gaps(g_free)
         with _naming_few_modes(self.contact):
@@ -75,7 +75,7 @@ class PressingContact(BetweenSolver):
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LoosenedPressing:
-    """Pressing contact with springs that are known by their forces."""
+    """Frictionless contact with springs of prescribed force."""
 
     solver: PressingContact
     springs: ForcedSprings
@@ -106,7 +106,7 @@ class LoosenedPressing:
 
 @contextmanager
 def _naming_few_modes(contact: Contact) -> Iterator[None]:
-    """Say of contact that finds no forces whether the model has fewer modes than hard points."""
+    """Add to an error of no solution that the model has fewer modes than hard points, if so."""
     try:
         yield
     except ConvergenceError as error:

@@ -1,4 +1,4 @@
-"""The flexibility between points of hard contact too many for a matrix, by sparse factors."""
+"""The flexibility between hard contact points, by sparse factors where a matrix is too large."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from faying.linalg.sparse_compliance import SparseCompliance
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SaddlePoints:
-    """H = N S Nᵀ + D; the forces at active points are a factorization of (F16).
+    """H = N S Nᵀ + D; forces at active points follow from a factorization of (F16).
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class SaddlePoints:
 
     @cached_property
     def diagonal(self) -> Vector:
-        """Diagonal of H if pairs moved singly, which is less."""
+        """Diagonal of H if each pair moved alone, a lower bound."""
         singly = self.N.multiply(self.N) @ (1.0 / self.S.stiffness.diagonal)
         return np.asarray(self.D + singly)
 
@@ -42,7 +42,7 @@ class SaddlePoints:
         return np.asarray(self.N @ (self.S @ (self.N.T @ forces)) + self.D * forces)
 
     def closing(self, points: Indices, added: Vector) -> Callable[[Matrix], Matrix]:
-        """Return what returns the forces (n, k) that close gaps (n, k) of points.
+        """Return a function from gaps (n, k) at points to the forces (n, k) that close them.
 
         One factorization serves all gaps.
         """

@@ -1,7 +1,7 @@
-"""Similar cases without friction side by side: a Newton step of all of them is two products.
+"""Similar frictionless load cases side by side: a Newton step of all of them is two products.
 
-With U = (Σ + B₀)⁻¹, made with the points closed that most of the cases begin with, R of (F8), and
-ΔK the springs of the points c that are otherwise in some case, a step is
+With U = (Σ + B₀)⁻¹, where B₀ has the points closed that start closed in most cases, R of (F8), and
+ΔK the springs of the points c that differ from this in some case, a step is
 
     (1 + U_cc ΔK) z_c = −(G U R)_c,   d = −U (R + G_cᵀ ΔK z_c),   U_cc = G_c U G_cᵀ.          (F13)
 """
@@ -29,7 +29,7 @@ from faying.iterations import MOST_STEPS
 
 
 def side_by_side(solver: IncrementSolver, count: int) -> TypeGuard[YieldingContact]:
-    """Say whether so many cases are solved by :func:`solve_similar`."""
+    """Return whether :func:`solve_similar` solves this number of cases."""
     if not isinstance(solver, YieldingContact) or solver.shapes is not None:
         return False
     if count < solver.pairs.fewest_alike:
@@ -40,16 +40,16 @@ def side_by_side(solver: IncrementSolver, count: int) -> TypeGuard[YieldingConta
 def solve_similar(
     solver: YieldingContact, free: Matrix, moved: Matrix
 ) -> tuple[Matrix, Matrix, Indices]:
-    """Solve (F8) of cases whose pressures are in proportion to closure.
+    """Solve (F8) for cases with pressures proportional to closure.
 
-    Without contact forces pairs move by ``free`` (n_case, n_relative) [length]; relative
-    displacements of similar cases (n_case, n_relative) begin. Forces and gaps (n_case, n_point)
-    come with the Newton steps of each case.
+    ``free`` (n_case, n_relative) [length] are displacements of the pairs without contact forces;
+    ``moved`` (n_case, n_relative) are those of similar cases, to start from. Returns forces and
+    gaps (n_case, n_point), and the Newton steps of each case.
 
     Raises
     ------
     ConvergenceError
-        If a case is not solved side by side, nor alone.
+        If a case is solved neither side by side nor alone.
     """
     whole = cast("GluedPairs", solver.pairs)
     laws, G, S, y_f = solver.laws, whole.points.G, solver.S, free.T
@@ -67,7 +67,7 @@ def solve_similar(
     )
     steps, previous = np.zeros(len(free), dtype=np.int64), np.full(len(free), np.inf)
     formed, lost = np.zeros((2, len(free)), dtype=bool)
-    changed = _Changed.of(G, pairs.glued.compliance, np.empty(0, dtype=np.int64))
+    changed = _ChangedPoints.of(G, pairs.glued.compliance, np.empty(0, dtype=np.int64))
     going = np.arange(len(free))
     while len(going):
         pressed[:, going], K = laws.side_by_side(z[:, going])
@@ -75,7 +75,7 @@ def solve_similar(
         largest = np.maximum(pressed[:, going].max(axis=0, initial=0.0), floor[going])
         left = np.abs(residual).max(axis=0, initial=0.0) / largest
         solved = left <= SOLVED
-        # What steps summed up is formed once more, by S.
+        # The displacements, sums of all steps, are formed once more by S.
         forming = solved & ~formed[going]
         ended = steps_ended(left, previous[going]) & ~forming
         stuck = ~solved & ((steps[going] >= MOST_STEPS) | ~np.isfinite(left))
@@ -105,8 +105,8 @@ def solve_similar(
 
 @final
 @dataclass(frozen=True, eq=False)
-class _Changed:
-    """U at the points that are otherwise in some case.
+class _ChangedPoints:
+    """U at the points that differ from the reference in some case.
 
     Attributes
     ----------
@@ -125,13 +125,13 @@ class _Changed:
     between: Matrix
 
     @classmethod
-    def of(cls, G: SparseMatrix | Matrix, compliance: Matrix, points: Indices) -> "_Changed":
+    def of(cls, G: SparseMatrix | Matrix, compliance: Matrix, points: Indices) -> "_ChangedPoints":
         """Return U at some points."""
         rows = G[points]
         return cls(compliance, points, rows, np.asarray(rows @ np.asarray(rows @ compliance).T))
 
-    def with_all(self, G: SparseMatrix | Matrix, change: Matrix) -> "_Changed":
-        """Return the factors with all points where K changes (n_point, n_case) as well."""
+    def with_all(self, G: SparseMatrix | Matrix, change: Matrix) -> "_ChangedPoints":
+        """Return U with all points added where K changes (n_point, n_case)."""
         points = np.union1d(self.points, np.flatnonzero(change.any(axis=1)))
         return self if len(points) == len(self.points) else self.of(G, self.U, points)
 
@@ -176,7 +176,7 @@ def _lengths(
     for _ in range(MOST_TRIALS):
         if not len(cases):
             break
-        # A chord that ends where the slope jumps would stay there: away from both ends.
+        # A chord that ends at a jump of the slope would stay there: keep away from both ends.
         chord = low - below * (high - low) / (above - below)
         middle = np.clip(chord, low + 0.1 * (high - low), high - 0.1 * (high - low))
         value, lengths[cases] = slope(cases, middle), middle

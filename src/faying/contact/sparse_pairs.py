@@ -1,12 +1,12 @@
-"""Pairs too many for matrices between them, on the springs of points that are closed and stick.
+"""Pairs on the springs of closed, sticking points, too many for dense matrices.
 
-A Newton step (Σ + B) d = b is solved with sparse factors (F15) of springs B₀ from an earlier step,
-U = (Σ + B₀)⁻¹, and GMRES for what has changed since,
+A Newton step (Σ + B) d = b is solved with sparse factors (F15) for springs B₀ of an earlier step,
+U = (Σ + B₀)⁻¹, and GMRES for the changes since,
 
     (I + (B − B₀) U) m = (B − B₀) U b,   d = U (b − m),                                    (F7)
 
-until that takes as long as to factorize the springs of this step. Factors are of symmetric springs:
-what tangential forces owe to a change of pressure is left to GMRES.
+until that takes as long as factors for the springs of this step. Factors have symmetric springs:
+GMRES treats the dependence of tangential forces on pressure.
 """
 
 from dataclasses import dataclass, field, replace
@@ -86,7 +86,7 @@ class SparsePairs:
 
     @classmethod
     def of(cls, G: SparseMatrix, springs: Matrix, S: SparseCompliance) -> "SparsePairs":
-        """Return the pairs of a structure; arguments are as of :meth:`.GluedPairs.of`."""
+        """Return the pairs of a structure; arguments as in :meth:`.GluedPairs.of`."""
         points = PointSprings(G=G, components=len(springs))
         return cls(points=points, structure=S.stiffness, springs=springs, across=S.across)
 
@@ -97,16 +97,16 @@ class SparsePairs:
 
     @property
     def normal(self) -> None:
-        """Nothing: dense matrices along normals have no room either."""
+        """None: dense matrices along normals would not fit into memory."""
 
     @property
     def fewest_alike(self) -> float:
-        """Cases side by side that are worth an inverse: it has no room."""
+        """Infinity: an inverse for cases side by side would not fit into memory."""
         return np.inf
 
     @property
     def own_stiffness(self) -> Vector:
-        """Diagonal of Σ (n_relative,) [force/length], or not below it."""
+        """Diagonal of Σ (n_relative,) [force/length], or an upper bound of it."""
         return self.structure.diagonal
 
     def resisted(self, displacements: Vector) -> Vector:
@@ -116,32 +116,32 @@ class SparsePairs:
         return np.asarray(self.structure.times(displacements) - taken)
 
     def about(self, springs: Matrix) -> "SparsePairs":  # noqa: ARG002
-        """Return itself: factors follow the springs of the steps."""
+        """Return the pairs themselves: factors follow the springs of the steps."""
         return self
 
     def loosened(self, shapes: Matrix, yields: Matrix) -> "SparsePairs":
-        """Return the pairs less springs across them, as :meth:`.GluedPairs.loosened`."""
+        """Return the pairs without some springs across them, as :meth:`.GluedPairs.loosened`."""
         z, M = self.across
         both = np.vstack([z, shapes]), np.asarray(block_diag(M, yields))
         return replace(self, across=both)
 
     def glued_by(self, springs: Matrix) -> NoReturn:  # noqa: ARG002
-        """Refuse an inverse, for which there is no room."""
+        """Refuse: an inverse would not fit into memory."""
         refuse_dense(self.points.G.shape[1])
 
     def moved_by(self, forces: Vector) -> Vector:
-        """Return what forces (n_relative,) move pairs whose points are closed and stick."""
+        """Return displacements of pairs with closed, sticking points under forces (n_relative,)."""
         with self._latest.turn:
             return self._moved_by(self._factors(self._stuck), forces)
 
     def step(
         self, K: Matrix, right: Vector, enough: float, factors: Matrix | None = None
     ) -> tuple[Vector, Vector, Matrix]:
-        """Return d, Σ d, and the springs of the factors used, which may begin the next step.
+        """Return d, Σ d, and the springs of the factors used, for the next step to start with.
 
-        Nobody else holds factors, for there is room for few. Arguments are as of
-        :meth:`.GluedPairs.step`. Where GMRES fails with factors of these springs, d is that of the
-        symmetric ones, with which friction bounds stay as they are.
+        Factors stay here alone, for memory holds few. Arguments are as in :meth:`.GluedPairs.step`.
+        Where GMRES fails with factors of these springs, d is the solution with symmetric springs,
+        in which friction bounds are constant.
         """
         enough = max(enough, ACCURATE) * float(np.linalg.norm(right))
         with self._latest.turn:
@@ -156,9 +156,9 @@ class SparsePairs:
     def _corrected(
         self, factorized: Matrix, K: Matrix, right: Vector, enough: float
     ) -> Vector | None:
-        """Return d by (F7), up to a residual [force]; None where that takes too many products.
+        """Return d by (F7), to a residual [force]; None where that takes too many products.
 
-        Factors are those of the springs that are factorized.
+        ``factorized`` are the springs of the factors.
         """
         factors = self._factors(factorized)
         moved = self._moved_by(factors, right)
@@ -175,14 +175,14 @@ class SparsePairs:
         return self._moved_by(factors, right - taken)
 
     def _moved_by(self, factors: SparseFactors, forces: Vector) -> Vector:
-        """Return U b of forces (n_relative,), less the springs across the pairs."""
+        """Return U b for forces (n_relative,), without the springs across the pairs."""
         moved, more = self.structure.moved_by(factors.factor, forces), factors.moved_across
         shapes, yields = self.across
         shared = np.linalg.solve(yields - shapes @ more, shapes @ moved)
         return np.asarray(moved + more @ shared)
 
     def _factors(self, K: Matrix) -> SparseFactors:
-        """Return factors of springs K, made anew unless they are the latest."""
+        """Return factors for springs K, formed anew unless they are the latest."""
         latest = self._latest.formed
         if latest is None or not np.array_equal(latest.K, K):
             latest = self._latest.formed = None  # before others take as much memory
@@ -202,12 +202,12 @@ class SparsePairs:
 
     @cached_property
     def _stuck(self) -> Matrix:
-        """K of points that are closed and stick."""
+        """K of closed, sticking points."""
         return np.asarray(self.springs.T[:, :, None] * np.eye(len(self.springs)))
 
 
 def _symmetric(K: Matrix) -> Matrix:
-    """Return springs whose tangential forces owe nothing to pressure."""
+    """Return springs without the dependence of tangential forces on pressure."""
     symmetric = K.copy()
     symmetric[:, 1:, 0] = symmetric[:, 0, 1:] = 0.0
     return np.asarray((symmetric + symmetric.transpose(0, 2, 1)) / 2)

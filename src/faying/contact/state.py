@@ -1,4 +1,4 @@
-"""What one contact problem hands to the next: a warm start, and what has slipped."""
+"""The state passed from one contact problem to the next: a warm start, and the slip so far."""
 
 from dataclasses import dataclass
 
@@ -7,21 +7,21 @@ from faying._typing import Mask, Matrix, Vector
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ContactState:
-    """Where a sequence of contact problems stands.
+    """State between two problems of a sequence of contact problems.
 
-    Solvers take a state and return the next one; they remember nothing themselves, so the same
-    problem and state give the same digits whatever was solved before.
+    Solvers take a state and return the next one; they keep nothing themselves, so the same problem
+    and state give the same digits whatever was solved before.
 
     Attributes
     ----------
     active : (n_point,)
         Points expected in contact.
     supported : (n_point,) or None
-        Points on whose springs compiled steps have their pairs.
+        Points whose springs support the pairs in compiled steps.
     slip : (2, n_point) [length]
-        Tangential components of what has slipped so far.
+        Tangential components of the slip so far.
     forces : (3, n_point) or None [force]
-        Of the increment before, from which the next one starts there.
+        Contact forces of the increment before, from which the next one starts.
     moved : (n_relative,) or None [length]
         Relative displacements of the increment before.
     """

@@ -1,13 +1,13 @@
-"""A contact problem of few points, the closed ones among all others stuck.
+"""A contact problem of few points, with all other closed points stuck.
 
-Where points stay closed and stick, they are springs B of the structure. With the displacements δ
-of the pairs since the joint was at rest, V what loads alone move them by, and the forces μ that
-points c exert besides what their springs would,
+Closed, sticking points are springs B of the structure. With the displacements δ of the pairs from
+rest, V their displacements under loads alone, and μ the forces of points c beyond those of their
+springs,
 
     δ = T₀ (Σ V + G_cᵀ μ),   T₀ = (Σ + B)⁻¹ = (I + S B)⁻¹ S,                               (F10)
 
-so that points c alone are a contact problem, of the compliance G_c T₀ G_cᵀ: exact as long as all
-other points do stay as they are.
+so that the points c alone are a contact problem with the compliance G_c T₀ G_cᵀ. This is exact as
+long as all other points stay closed and stuck, or open.
 """
 
 from dataclasses import dataclass, replace
@@ -38,22 +38,22 @@ which I − B T keeps digits in single precision: a flange has 0.24."""
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StuckPoints:
-    """All points as they are at rest: the closed ones on springs, the others open.
+    """All contact points in the state at rest: closed ones on springs, the others open.
 
     Attributes
     ----------
     contact
-        All of them.
+        Contact of all points.
     forces, slip : (3, n_point), (2, n_point)
         At rest.
     moved : (n_relative,) [length]
-        Of the pairs at rest.
+        Relative displacements at rest.
     springs : (components, n_point) [force/length]
         B.
     compliance : (n_relative, n_relative) [length/force]
-        T₀, but for what is prescribed.
+        T₀, without the effect of prescribed motions.
     prescribed : (n_relative, n)
-        Columns h whose h hᵀ prescribed motions take from T₀.
+        Columns h; prescribed motions reduce T₀ by h hᵀ.
     """
 
     contact: Contact
@@ -106,16 +106,16 @@ class StuckPoints:
         return np.asarray(self.compliance[:, pairs] @ forces - taken)
 
     def held_back(self, moved: Matrix) -> Matrix:
-        """Return Bᵀ-forces of the springs between the pairs under displacements (n_relative, k)."""
+        """Return forces of the springs B between the pairs under displacements (n_relative, k)."""
         rows = self.contact.rows
         return np.asarray(rows.T @ (self.springs.reshape(-1, 1) * (rows @ moved)))
 
     def restrained(self, moved: Matrix) -> Matrix:
-        """Return T₀ Σ V (n_relative, k) of what loads alone move the pairs."""
+        """Return T₀ Σ V (n_relative, k) for displacements V under loads alone."""
         return np.asarray(moved - self.compliance @ self.held_back(moved))
 
     def first(self) -> Indices:
-        """Return the points that are on the bound of friction at rest, to begin with."""
+        """Return the points close to the friction limit at rest, as a first choice."""
         if not self.contact.proportional:
             return np.arange(self.contact.n_points)
         limit = self.contact.coefficients * self.forces[0]
@@ -123,10 +123,10 @@ class StuckPoints:
         return np.flatnonzero((limit > 0) & (sheared > CLOSE_TO_BOUND * limit))
 
     def leaving(self, displaced: Matrix, watched: Indices) -> Indices:
-        """Return points (n,) that do not stay as they are, and such as come close to it.
+        """Return points (n,) that leave their state at rest, with those close to leaving it.
 
-        Displacements δ are (n_relative, n_sample) [length]; points c that are watched need not
-        stay. Empty where none of the others leaves.
+        ``displaced`` is δ (n_relative, n_sample) [length]; the points c in ``watched`` are exempt.
+        Empty where no other point leaves.
         """
         contact, k, n = self.contact, len(self.springs), self.contact.n_points
         moved = (contact.rows @ displaced).reshape(k, n, -1)
@@ -150,7 +150,7 @@ class StuckPoints:
         return np.flatnonzero(beyond(CLOSE_TO_BOUND))
 
     def local(self, points: Indices) -> "LocalContact":
-        """Return the contact problem of some points (n,), rising."""
+        """Return the contact problem of some points (n,), in ascending order."""
         components = self.contact.n_points * np.arange(len(self.springs))
         part = self.contact.rows[(components[:, None] + points).ravel()]
         pairs = np.unique(part.indices)
@@ -170,9 +170,9 @@ class LocalContact:
         All points.
     points : (n_local,)
     pairs : (n_touched,)
-        Which they touch.
+        Pairs that they touch.
     rows : (components n_local, n_touched)
-        G_c, what those move at the points.
+        G_c, displacements at the points from those of the pairs.
     """
 
     whole: StuckPoints
@@ -182,7 +182,7 @@ class LocalContact:
 
     @cached_property
     def contact(self) -> Contact:
-        """Of the points alone."""
+        """Contact of these points alone."""
         contact, pairs = self.whole.contact, self.pairs
         chosen = np.zeros(contact.n_points, dtype=bool)
         chosen[self.points] = True
@@ -232,7 +232,7 @@ class LocalContact:
 
     @cached_property
     def shares(self) -> PointSprings:
-        """What coordinates move at the points: the pairs, or the points where these are fewer."""
+        """Map from the coordinates (pairs, or points where these are fewer) to the points."""
         n = self.rows.shape[0]
         G = self.rows if len(self.pairs) < n else sp.eye_array(n, format="csr")
         return PointSprings(G=G, components=self.components)
@@ -246,7 +246,7 @@ class LocalContact:
 
     @cached_property
     def for_steps(self) -> npt.NDArray[Any]:
-        """T for Newton's steps: in single precision where springs leave digits of it."""
+        """T for Newton's steps: in single precision where that leaves enough digits."""
         G = self.shares.G
         moved = np.asarray((G * (G @ self.compliance)).sum(axis=1))
         given_way = 1.0 - self.springs.ravel() * moved
@@ -255,10 +255,10 @@ class LocalContact:
 
     @cached_property
     def _between(self) -> Matrix:
-        """T₀ of the pairs that are touched (n_touched, n_touched) [length/force]."""
+        """T₀ between the touched pairs (n_touched, n_touched) [length/force]."""
         return self.whole.between(self.pairs, self.pairs)
 
     @cached_property
     def laws(self) -> LawsAtPoints:
-        """What the points answer."""
+        """Contact laws at the points."""
         return LawsAtPoints(contact=self.contact)

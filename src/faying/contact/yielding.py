@@ -1,4 +1,4 @@
-"""Contact of points that yield: the solver of one structure, for displacements."""
+"""Displacement-based contact solver of one structure, for points with compliance."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -35,7 +35,7 @@ At 10 E/h it is about ten; at 1e8 gaps were off by a quarter of themselves.
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Across:
-    """A structure without some springs across its pairs, which are known by their forces.
+    """A structure without some springs across its pairs, whose forces are prescribed.
 
     With z = Σ c and M = 1/k − ι + cᵀ Σ c, (T1a) is
 
@@ -46,7 +46,7 @@ class Across:
     Attributes
     ----------
     pairs
-        Of that.
+        Pairs with this stiffness.
     columns, shapes : (n_spring, n_unknown)
         c and z.
     yields : (n_spring, n_spring) [length/force]
@@ -59,7 +59,7 @@ class Across:
     yields: Matrix
 
     def taken(self, elongations: Vector) -> Vector:
-        """Return initial forces M⁻¹ e (n_spring,) of elongations."""
+        """Return initial forces M⁻¹ e (n_spring,) for elongations e."""
         return np.asarray(np.linalg.solve(self.yields, elongations), dtype=float)
 
 
@@ -73,10 +73,10 @@ class YieldingContact(BetweenSolver):
     pairs
         The linear systems of Newton steps.
     shapes : (n_relative, rank) or None
-        Y of a singular S = Y Yᵀ: the unknowns are then q of y = y_f + Y q, whose Σ is one and G
-        is G Y.
+        Y of a singular S = Y Yᵀ: the unknowns are then q of y = y_f + Y q, with the identity for
+        Σ and G Y for G.
     otherwise
-        Solver where Newton's method goes astray.
+        Solver used where Newton's method does not converge.
     """
 
     pairs: GluedPairs | SparsePairs
@@ -91,12 +91,12 @@ class YieldingContact(BetweenSolver):
         pressed: Pressed = None,
         otherwise: IncrementSolver | None = None,
     ) -> "YieldingContact":
-        """Return the solver of a structure; what is pressed is as of :meth:`.GluedPairs.of`.
+        """Return the solver of a structure; ``pressed`` is as in :meth:`.GluedPairs.of`.
 
         Raises
         ------
         LinAlgError
-            If points are so stiff that displacements have too few digits to tell forces.
+            If points are so stiff that displacements have too few digits for their forces.
         """
         springs = LawsAtPoints(contact=contact).springs
         solver = cls.on_springs(contact, between, springs, pressed)
@@ -114,7 +114,7 @@ class YieldingContact(BetweenSolver):
     def on_springs(
         cls, contact: Contact, between: BetweenPairs, springs: Matrix, pressed: Pressed = None
     ) -> "YieldingContact":
-        """Return the solver of points on springs (components, n_point), however stiff."""
+        """Return the solver for points on springs (components, n_point) of any stiffness."""
         try:
             pairs = between.on_springs(contact.rows, springs, pressed)
         except LinAlgError:
@@ -126,12 +126,12 @@ class YieldingContact(BetweenSolver):
         return cls(contact=contact, between=between, pairs=pairs)
 
     def about(self, state: Increment) -> "YieldingContact":
-        """Return the solver for many increments about a state, whose closed points stick.
+        """Return a solver for many increments about a state, whose closed points stick.
 
         Notes
         -----
-        n³ multiplications for n relative displacements; increments of a flange took 0.6 of the
-        time.
+        n³ multiplications for n relative displacements. It reduced the time of increments of a
+        flange to 0.6.
         """
         closed = state.forces[0] > 0
         if not closed.any():
@@ -143,12 +143,12 @@ class YieldingContact(BetweenSolver):
 
         Notes
         -----
-        By stages where Newton's method goes astray: a body that slides far as a whole turns
-        tangential forces more than a step can tell.
+        Solved in stages where Newton's method does not converge: if a body slides far as a whole,
+        tangential forces turn by more than a step can follow.
         """
         check_gaps(free)
         try:
-            increment = self._solved(self.pairs, free, offset, start)
+            increment = self._solve_on(self.pairs, free, offset, start)
         except ConvergenceError:
             if self.otherwise is None or self.contact.remembers:
                 raise
@@ -156,17 +156,17 @@ class YieldingContact(BetweenSolver):
         return replace(increment, moved=displaced(self, free, increment.forces))
 
     def loosened(self, springs: ForcedSprings) -> "LoosenedContact":
-        """Return the solver with springs that are known by their forces."""
+        """Return the solver with springs of prescribed force."""
         return LoosenedContact(solver=self, springs=springs)
 
     def coordinates(self, moved: Matrix) -> Matrix:
-        """Return the unknowns of displacements of the pairs (n_relative,) or (n_relative, k)."""
+        """Return the unknowns for displacements of the pairs (n_relative,) or (n_relative, k)."""
         if self.shapes is None:
             return moved
         return np.asarray(np.linalg.lstsq(self.shapes, moved)[0], dtype=float)
 
     def across(self, springs: ForcedSprings) -> Across:
-        """Return the pairs less springs that are known by their forces."""
+        """Return the pairs without the springs of prescribed force."""
         columns = self.coordinates(springs.columns.T).T
         shapes = np.array([self.pairs.resisted(column) for column in columns])
         shapes = shapes.reshape(columns.shape)
@@ -174,7 +174,7 @@ class YieldingContact(BetweenSolver):
         pairs = self.pairs.loosened(shapes, yields) if len(columns) else self.pairs
         return Across(pairs=pairs, columns=columns, shapes=shapes, yields=yields)
 
-    def _solved(
+    def _solve_on(
         self,
         pairs: GluedPairs | SparsePairs,
         free: Vector,
@@ -182,7 +182,7 @@ class YieldingContact(BetweenSolver):
         start: Increment | None,
         pull: Vector | None = None,
     ) -> Increment:
-        """Return the solution by some pairs under a pull, moved as far as their unknowns are."""
+        """Return the solution for some pairs under a pull, all in their unknowns."""
         laws, shapes = self.laws, self.shapes
         inverse = self.moved_by if shapes is None else pairs.resisted  # Σ of q is one
         moved_by = inverse if pull is None else None
@@ -194,7 +194,7 @@ class YieldingContact(BetweenSolver):
             pressed = self.contact.at_pairs(start.forces[0], start.forces[1:])
             start = replace(start, moved=shapes.T @ pressed)
         elif start is not None:
-            # Forces of springs move them as well, and hold what nothing else does.
+            # Spring forces displace the pairs too, and support parts that nothing else holds.
             start = replace(start, moved=self.coordinates(start.moved - free))
         nothing = np.zeros(shapes.shape[1])
         return solve_yielding(laws, pairs, nothing, at_first, start, pull=pull, moved_by=moved_by)
@@ -203,7 +203,7 @@ class YieldingContact(BetweenSolver):
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class LoosenedContact:
-    """Yielding contact with springs that are known by their forces (T1)."""
+    """Compliant contact with springs of prescribed force (T1)."""
 
     solver: YieldingContact
     springs: ForcedSprings
@@ -230,7 +230,7 @@ class LoosenedContact:
         across, shapes = self._across, self.solver.shapes
         pull = across.shapes.T @ across.taken(elongations)
         try:
-            increment = self.solver._solved(across.pairs, free, offset, start, pull)
+            increment = self.solver._solve_on(across.pairs, free, offset, start, pull)
         except ConvergenceError:
             if self._otherwise is None or self.solver.contact.remembers:
                 raise
@@ -243,7 +243,7 @@ class LoosenedContact:
 
 
 def moved_singly(rows: SparseMatrix, between: BetweenPairs) -> Vector:
-    """Return what a force moves at its point (n_row,), if pairs move singly [length/force]."""
+    """Return the compliance of each row (n_row,) [length/force] if each pair moved alone."""
     try:
         own = between.own_stiffness
     except LinAlgError:

@@ -57,7 +57,7 @@ def normal_law(penalty: float) -> Hard | Penalty:
 
 
 def law_with_friction(normal: Law, friction: float, tangential_penalty: float) -> Law:
-    """Return a normal law with Coulomb friction, or itself where the coefficient is zero.
+    """Return a normal law with Coulomb friction, or the normal law where the coefficient is zero.
 
     Raises
     ------

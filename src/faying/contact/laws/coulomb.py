@@ -16,7 +16,7 @@ LARGEST_FRICTION = 10.0
 @final
 @dataclass(frozen=True)
 class Coulomb:
-    """|λ_t| ≤ μ λ_n; slip opposes λ_t, and sticking points hold on by a tangential stiffness.
+    """|λ_t| ≤ μ λ_n; slip opposes λ_t, and sticking points have a tangential stiffness.
 
     With the relative tangential displacement v and the slip s, λ_t = −w c_t (v − s) where a point
     sticks; where it slips, |λ_t| = μ λ_n and s moves on against λ_t; where it is open, λ_t = 0 and
@@ -29,7 +29,7 @@ class Coulomb:
     friction
         μ.
     tangential_penalty : [force/length³]
-        c_t; ``inf`` lets nothing move that sticks.
+        c_t; ``inf`` is rigid sticking.
 
     Raises
     ------
@@ -62,7 +62,7 @@ class Coulomb:
 
     @property
     def components(self) -> int:
-        """The normal and two tangential components."""
+        """Number of components: the normal and two tangential ones."""
         return 3
 
     @property
@@ -72,7 +72,7 @@ class Coulomb:
 
     @property
     def yields(self) -> bool:
-        """Whether the normal law does, and sticking points by a finite c_t."""
+        """Whether the normal law yields and c_t is finite."""
         return self.normal.yields and np.isfinite(self.tangential_penalty).item()
 
     @property
@@ -82,12 +82,12 @@ class Coulomb:
 
     @property
     def proportional(self) -> bool:
-        """Whether the normal law is in proportion; shear is, to the tangential force."""
+        """Whether the normal law is proportional; the tangential one always is."""
         return self.normal.proportional
 
     @property
     def remembers(self) -> bool:
-        """What the normal law does; slip is part of displacements."""
+        """Whether the normal law remembers; slip is part of the displacements."""
         return self.normal.remembers
 
     def with_normal(self, normal: Law) -> "Coulomb":
@@ -99,11 +99,11 @@ class Coulomb:
         return replace(self, friction=friction)
 
     def after(self, deepest: Vector) -> "Coulomb":
-        """Return friction on the normal law after that."""
+        """Return friction on the normal law of points with these largest closures so far."""
         return replace(self, normal=self.normal.after(deepest))
 
     def closure(self, forces: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:
-        """Return closures, of the normal law and λ_t / (c_t w), and 1/(c_t w); zero where rigid."""
+        """Return closures (of the normal law, and λ_t / (c_t w)) and their slopes by force."""
         closed, compliance = self.normal.closure(forces[:1], weights)
         shear = np.broadcast_to(1.0 / (self.tangential_penalty * weights), (2, len(weights)))
         return np.vstack([closed, shear * forces[1:]]), np.vstack([compliance, shear])
@@ -114,20 +114,20 @@ class Coulomb:
         return np.asarray(self.normal.energy(forces[:1], weights) + sheared)
 
     def admissible(self, forces: Matrix) -> Matrix:
-        """Return ⟨λ_n⟩ and the tangential force cut to μ ⟨λ_n⟩."""
+        """Return ⟨λ_n⟩ and the tangential force limited to μ ⟨λ_n⟩."""
         normal, size, limit = self._limits(forces)
         cut = np.minimum(1.0, limit / np.where(size > 0, size, 1.0))
         return np.stack([normal, cut * forces[1], cut * forces[2]])
 
     def derivative(self, forces: Matrix) -> Matrix:
-        """Return the derivative of the projection (n_point, 3, 3), unsymmetric where it slips.
+        """Return the derivative of the projection (n_point, 3, 3), unsymmetric where a point slips.
 
-        With n = λ_t/|λ_t|: I where a point sticks, and where it slips (μ λ_n/|λ_t|)(I − n nᵀ) by
-        λ_t and μ n by λ_n.
+        With n = λ_t/|λ_t|: I where a point sticks. Where it slips, (μ λ_n/|λ_t|)(I − n nᵀ) by λ_t
+        and μ n by λ_n.
         """
         normal, size, limit = self._limits(forces)
         closed = normal > 0
-        # Without anything to hold on by nothing sticks, not even where nothing pulls.
+        # A point without tangential stiffness slips, even without tangential force.
         slips = (size > limit) | (limit <= 0)
         over = 1.0 / np.where(size > 0, size, 1.0)
         first, second = forces[1] * over, forces[2] * over
@@ -148,15 +148,15 @@ class Coulomb:
         return np.vstack([self.normal.springs(weights), shear])
 
     def respond(self, moved: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:
-        """Return λ_n of the normal law and −w c_t moved_t cut to μ λ_n, with the stiffness.
+        """Return λ_n of the normal law and −w c_t moved_t limited to μ λ_n, with the stiffness.
 
-        The stiffness is consistent with the cut (radial return; J. C. Simo, T. J. R. Hughes,
+        The stiffness is consistent with the limit (radial return; J. C. Simo, T. J. R. Hughes,
         Computational Inelasticity, 1998, §3.3), and unsymmetric where a point slips.
 
         Raises
         ------
         ModelError
-            If nothing yields.
+            If the law does not yield.
         """
         if not self.yields:
             message = "forces of rigid sticking do not follow from displacements; give a penalty"
@@ -166,7 +166,7 @@ class Coulomb:
         trial = -shear * moved[1:]
         size = np.hypot(trial[0], trial[1])
         limit = self.friction * pressed[0]
-        # Curves may press before surfaces meet; where they meet without pressure yet, c_t counts.
+        # Curves may press before surfaces meet; at first touch without pressure, c_t counts.
         touching = (limit > 0) | ((moved[0] <= 0) & (self.friction > 0))
         slips = (size > limit) | ~touching
         over = 1.0 / np.where(size > 0, size, 1.0)
@@ -184,7 +184,7 @@ class Coulomb:
         return np.concatenate([pressed, cut * trial]), stiffness
 
     def _limits(self, forces: Matrix) -> tuple[Vector, Vector, Vector]:
-        """Return ⟨λ_n⟩, |λ_t| and what |λ_t| is held to."""
+        """Return ⟨λ_n⟩, |λ_t| and the limit of |λ_t|."""
         normal = np.maximum(forces[0], 0.0)
         return normal, np.hypot(forces[1], forces[2]), self.friction * normal
 

@@ -1,4 +1,4 @@
-"""What laws have in common that give pressure over closure by a curve."""
+"""Base class of laws that give pressure over closure by a curve."""
 
 from abc import abstractmethod
 from dataclasses import fields
@@ -20,8 +20,8 @@ _PLACES, _SHARES = np.polynomial.legendre.leggauss(24)
 class Curve(Unilateral):
     """p = p(c) of the closure c = −g; zero up to where contact begins, and rising from there.
 
-    A member is a frozen value with :meth:`pressure_of`, its inverse :meth:`closure_of`, and the
-    pressure it is named by.
+    A member is a frozen value with :meth:`pressure_of`, its inverse :meth:`closure_of`, and a
+    reference pressure.
     """
 
     @property
@@ -32,32 +32,32 @@ class Curve(Unilateral):
     @property
     @abstractmethod
     def named_pressure(self) -> float:
-        """Pressure [force/length²] that the curve is given by."""
+        """Reference pressure [force/length²] of the curve."""
 
     @abstractmethod
     def closure_of(self, pressure: Vector) -> tuple[Vector, Vector]:
-        """Return c [length] and dc/dp [length³/force] at pressures (n,) of zero and more."""
+        """Return c [length] and dc/dp [length³/force] at pressures (n,) ≥ 0."""
 
     @property
     def stiffness(self) -> float:
-        """Slope [force/length³] at the named pressure."""
+        """Slope [force/length³] at the reference pressure."""
         return float(1.0 / self.closure_of(np.array([self.named_pressure]))[1][0])
 
     @property
     def penalty(self) -> float:
-        """Not a number: no single stiffness stands for a curve."""
+        """NaN: no single stiffness stands for a curve."""
         return float("nan")
 
     @property
     def proportional(self) -> bool:
-        """A curve is not."""
+        """False: pressure is not proportional to closure."""
         return False
 
     def closure(self, forces: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:
         """Return c(λ/w) and its derivative by λ, (1, n_point) each.
 
-        Where nothing presses the derivative is that at a thousandth of the named pressure: a curve
-        that begins with no slope would never let a force begin.
+        At zero force the derivative is taken at a thousandth of the reference pressure: a curve
+        that begins with zero slope would never let a force begin.
         """
         pressure = np.maximum(forces[0], 0.0) / weights
         closed = self.closure_of(pressure)[0]
@@ -67,7 +67,7 @@ class Curve(Unilateral):
         return closed[None], (slope / weights)[None]
 
     def energy(self, forces: Matrix, weights: Vector) -> Vector:
-        """Return w ∫ p dc up to where forces have closed it (n_point,)."""
+        """Return w ∫ p dc up to the closure under the forces (n_point,)."""
         begun = self.closure_of(np.zeros(1))[0]
         way = self.closure_of(np.maximum(forces[0], 0.0) / weights)[0] - begun
         places = begun + 0.5 * (1.0 + _PLACES) * way[:, None]
@@ -75,7 +75,7 @@ class Curve(Unilateral):
         return np.asarray(weights * 0.5 * way * (pressure @ _SHARES))
 
     def springs(self, weights: Vector) -> Matrix:
-        """Return w times the slope at the named pressure (1, n_point)."""
+        """Return w times the slope at the reference pressure (1, n_point)."""
         return self.stiffness * weights[None]
 
 

@@ -68,7 +68,7 @@ class ExponentialClosure(Curve):
         return pressure, scale / self.clearance * np.where(s > 0, slope, 0.0)
 
     def closure_of(self, pressure: Vector) -> tuple[Vector, Vector]:
-        """Return c and dc/dp; c₀ of clearance where nothing presses."""
+        """Return c and dc/dp; c = −c₀ at zero pressure."""
         scale = self.pressure / np.expm1(1.0)
         value = pressure / scale
         last, steepest = _shape(np.array(LAST_EXPONENT))

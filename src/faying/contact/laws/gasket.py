@@ -1,4 +1,4 @@
-"""Pressure over closure of gaskets, which stay flat: loading by a table, unloading by slopes."""
+"""Pressure over closure of gaskets with permanent set: a table to load, lines to unload."""
 
 from dataclasses import dataclass
 from typing import final
@@ -16,14 +16,14 @@ from faying.exceptions import ModelError
 class GasketClosure(TableClosure):
     """p(c) by a table up to the largest closure so far, and along a straight line back from there.
 
-    The line has the slope of the table at that closure, and ends where pressure does: the gasket
-    stays closed by so much. Closed anew it follows the line, then the table. (``LUNL`` of Ansys'
+    The slope of the line depends on that closure. At zero pressure the line ends, and its closure
+    is the permanent set. Reloading follows the line, then the table. (``LUNL`` of Ansys'
     ``TB,GASKET``.)
 
     Attributes
     ----------
     unloading : (n,) [force/length³]
-        Slope of the line from each of the rows; linear in between, constant beyond the last.
+        Slope of the line from each row of the table; linear in between, constant beyond the last.
 
     Raises
     ------
@@ -69,11 +69,11 @@ class GasketClosure(TableClosure):
 
     @property
     def remembers(self) -> bool:
-        """The largest closure so far."""
+        """True: pressure depends on the largest closure so far."""
         return True
 
     def after(self, deepest: Vector) -> "ClosedGasket":
-        """Return the law of points (n_point,) that have been closed so far [length]."""
+        """Return the law of points with largest closures so far (n_point,) [length]."""
         return ClosedGasket(gasket=self, deepest=deepest)
 
 
@@ -108,7 +108,7 @@ class ClosedGasket(Curve):
         return self.gasket.stiffness
 
     def pressure_of(self, closure: Vector) -> tuple[Vector, Vector]:
-        """Return p and dp/dc: of the table where it goes on, else of the line back."""
+        """Return p and dp/dc: of the table at new closures, else of the unloading line."""
         pressure, slope = self.gasket.pressure_of(closure)
         reached, steep = self._back
         back, line = closure < self.deepest, reached - steep * (self.deepest - closure)
@@ -116,7 +116,7 @@ class ClosedGasket(Curve):
         return np.where(back, line * pressed, pressure), np.where(back, steep * pressed, slope)
 
     def closure_of(self, pressure: Vector) -> tuple[Vector, Vector]:
-        """Return c and dc/dp: of the table where it goes on, else of the line back."""
+        """Return c and dc/dp: of the table at new closures, else of the unloading line."""
         closure, slope = self.gasket.closure_of(pressure)
         reached, steep = self._back
         back, line = pressure < reached, self.deepest - (reached - pressure) / steep
@@ -124,6 +124,6 @@ class ClosedGasket(Curve):
 
     @property
     def _back(self) -> tuple[Vector, Vector]:
-        """Pressures (n_point,) at the largest closures, and slopes from there."""
+        """Pressures (n_point,) at the largest closures, and slopes of unloading from there."""
         slopes = np.interp(self.deepest, self.gasket.closures, self.gasket.unloading)
         return self.gasket.pressure_of(self.deepest)[0], slopes

@@ -13,7 +13,7 @@ from faying.exceptions import ModelError
 @final
 @dataclass(frozen=True)
 class Hard(Unilateral):
-    """Unilateral contact without any compliance of its own (Signorini)."""
+    """Unilateral contact without compliance (Signorini)."""
 
     @property
     def name(self) -> str:
@@ -22,7 +22,7 @@ class Hard(Unilateral):
 
     @property
     def yields(self) -> bool:
-        """No displacement tells its forces."""
+        """False: forces do not follow from displacements."""
         return False
 
     @property

@@ -1,4 +1,4 @@
-"""What a contact point admits: the part of a contact problem that is local."""
+"""The interface of contact laws: the part of a contact problem that is local to a point."""
 
 from typing import Protocol
 
@@ -9,16 +9,15 @@ class Law(Protocol):
     """The relation between force and relative displacement at the points of an interface.
 
     A law is a frozen value of one file. It says which forces are admissible, and how far an
-    admissible force closes or shears the interface itself. With the slack s = z + c(x), in which z
-    is the relative displacement of the two surfaces and c(x) what the law adds to it, a force x is
-    a solution where, for any r > 0,
+    admissible force closes or shears the interface itself. With the slack s = z + c(x), where z is
+    the relative displacement of the two surfaces and c(x) the closure of the law, a force x is a
+    solution where, for any r > 0,
 
         x = admissible(x − r s).
 
-    Newton's method takes the derivatives of both from the law as well, so that a solver knows
-    nothing of a law but this. Frictionless contact has the normal component alone. A law with
-    friction has three components and a state, the slip, which is part of s and moves on with every
-    increment.
+    Newton's method also takes the derivatives of both from the law, so a solver depends on nothing
+    else of a law. Frictionless contact has the normal component alone. A law with friction has
+    three components and a state, the slip, which is part of s and is updated in every increment.
     """
 
     @property
@@ -28,7 +27,7 @@ class Law(Protocol):
 
     @property
     def normal(self) -> "Law":
-        """Law of the normal component; itself where there is no other."""
+        """Law of the normal component; itself without friction."""
         ...
 
     @property
@@ -43,7 +42,7 @@ class Law(Protocol):
 
     @property
     def stiffness(self) -> float:
-        """Contact stiffness [force/length³] where one must stand for all: c_n, or a slope."""
+        """Representative contact stiffness [force/length³]: c_n, or a slope of the curve."""
         ...
 
     @property
@@ -53,7 +52,7 @@ class Law(Protocol):
 
     @property
     def tangential_penalty(self) -> float:
-        """Stiffness c_t [force/length³] by which sticking points hold on; zero: they do not."""
+        """Tangential stiffness c_t [force/length³] of sticking points; zero without friction."""
         ...
 
     def with_normal(self, normal: "Law") -> "Law":
@@ -61,7 +60,7 @@ class Law(Protocol):
         ...
 
     def with_coefficient(self, friction: float) -> "Law":
-        """Return the law with another coefficient of friction; itself where nothing holds on."""
+        """Return the law with another coefficient of friction; itself without friction."""
         ...
 
     @property
@@ -71,46 +70,46 @@ class Law(Protocol):
 
     @property
     def proportional(self) -> bool:
-        """Whether c(x) is in proportion to x, as active sets need it; others take solve_path."""
+        """Whether c(x) is proportional to x, as active sets need; other laws take solve_path."""
         ...
 
     @property
     def remembers(self) -> bool:
-        """Whether pressure depends on how far a point was closed before, as of gaskets."""
+        """Whether pressure depends on the earlier closure of a point, as in gaskets."""
         ...
 
     def after(self, deepest: Vector) -> "Law":
-        """Return the law of points whose largest closures so far are (n_point,) [length]."""
+        """Return the law of points with largest closures so far (n_point,) [length]."""
         ...
 
     def closure(self, forces: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:
         """Return c(x) [length] and its derivative c′(x) [length/force], (components, n_point) each.
 
-        Components do not mix. The derivative is the diagonal of D of (M2).
+        Components are independent. The derivative is the diagonal of D of (M2).
 
         Parameters
         ----------
         forces : (components, n_point) [force]
         weights : (n_point,) [length²]
-            Area each point stands for.
+            Area of each point.
         """
         ...
 
     def energy(self, forces: Matrix, weights: Vector) -> Vector:
-        """Return what the law has stored under forces (components, n_point) [force·length]."""
+        """Return the energy stored under forces (components, n_point) [force·length]."""
         ...
 
     def springs(self, weights: Vector) -> Matrix:
-        """Return about what closed and sticking points resist (components, n_point) [force/length].
+        """Return stiffnesses of closed, sticking points (components, n_point) [force/length].
 
-        Newton's method is prepared for these; infinite where contact is hard.
+        Newton's method starts from these typical values; infinite where contact is hard.
         """
         ...
 
     def admissible(self, forces: Matrix) -> Matrix:
         """Return the admissible forces (components, n_point) nearest to given ones.
 
-        Normal forces of the result bound its tangential ones.
+        The limit of tangential forces follows from the normal forces of the result.
         """
         ...
 
@@ -121,9 +120,9 @@ class Law(Protocol):
     def respond(self, moved: Matrix, weights: Vector) -> tuple[Matrix, Matrix]:
         """Return forces λ (components, n_point) [force] and −∂λ/∂moved at relative displacements.
 
-        The stiffness (n_point, components, components) [force/length] is that of the branch the
-        point is on. A point whose gap is zero counts as closed, and as sticking while it has not
-        moved along: there Newton's method begins.
+        The stiffness (n_point, components, components) [force/length] is that of the current branch
+        of the law. For the start of Newton's method, a point of zero gap counts as closed, and as
+        sticking without tangential displacement.
 
         Parameters
         ----------

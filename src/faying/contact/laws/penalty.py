@@ -1,4 +1,4 @@
-"""Penalty contact: pressure in proportion to penetration, Eq. (15.12)."""
+"""Penalty contact: pressure proportional to penetration, Eq. (15.12)."""
 
 from dataclasses import dataclass
 from typing import final

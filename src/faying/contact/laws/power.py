@@ -1,4 +1,4 @@
-"""Pressure that rises with a power of closure, as that of machined surfaces."""
+"""Pressure as a power of closure, as measured on machined surfaces."""
 
 from dataclasses import dataclass
 from typing import final
@@ -15,8 +15,8 @@ from faying.exceptions import ModelError
 class PowerClosure(Curve):
     """p = p₀ (c/c₀)^m where c > 0.
 
-    Machined surfaces are measured to close by C pⁿ with n about a half (M. Burdekin, N. Back, A.
-    Cowley, J. Mech. Eng. Sci. 20 (1978) 129), which is m = 1/n about 2, and p₀ = (c₀/C)^m.
+    The measured closure of machined surfaces is C pⁿ with n about a half (M. Burdekin, N. Back, A.
+    Cowley, J. Mech. Eng. Sci. 20 (1978) 129), so m = 1/n is about 2, and p₀ = (c₀/C)^m.
 
     Attributes
     ----------

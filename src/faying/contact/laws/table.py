@@ -1,4 +1,4 @@
-"""Pressure over closure by a table, as gaskets and layers are measured."""
+"""Pressure over closure by a table, as measured on gaskets and layers."""
 
 from dataclasses import dataclass
 
@@ -11,12 +11,12 @@ from faying.exceptions import ModelError
 
 @dataclass(frozen=True)
 class TableClosure(Curve):
-    """p(c) linear between the rows of a table, its last slope going on beyond the last row.
+    """p(c) linear between the rows of a table, with the last slope continued beyond the last row.
 
     Attributes
     ----------
     closures : (n,) [length]
-        Rising. Pressure begins at the first, negative where it does before the surfaces meet.
+        Rising. Pressure begins at the first, which is negative if that is before surfaces meet.
     pressures : (n,) [force/length²]
         Rising from zero.
 
@@ -100,7 +100,7 @@ class TableClosure(Curve):
 
 
 def _linear(x: Vector, positions: Vector, values: Vector) -> tuple[Vector, Vector]:
-    """Return values and slopes at x of what is linear between rows, and goes on at both ends."""
+    """Return values and slopes at x of a piecewise linear function, continued at both ends."""
     row = np.clip(np.searchsorted(positions, x, side="right") - 1, 0, len(positions) - 2)
     slope = (np.diff(values) / np.diff(positions))[row]
     return values[row] + slope * (x - positions[row]), slope

@@ -1,4 +1,4 @@
-"""What elastic and hard normal contact share: it presses and never pulls, Eq. (15.7)."""
+"""Base class of frictionless normal contact, which presses and never pulls, Eq. (15.7)."""
 
 from abc import abstractmethod
 from typing import Self, cast
@@ -10,53 +10,53 @@ from faying.contact.laws.law import Law
 
 
 class Unilateral:
-    """The half of a law that holds for every closure: one component and no friction."""
+    """Members of a law with one component and no friction, for every closure."""
 
     @property
     def normal(self) -> Self:
-        """Itself."""
+        """The law itself."""
         return self
 
     @property
     def components(self) -> int:
-        """The normal component alone: no friction."""
+        """One, the normal component."""
         return 1
 
     @property
     def friction(self) -> float:
-        """None."""
+        """Zero."""
         return 0.0
 
     @property
     def tangential_penalty(self) -> float:
-        """Nothing holds on."""
+        """Zero: there is no tangential stiffness."""
         return 0.0
 
     def with_normal(self, normal: Law) -> Law:
-        """Return the other normal law."""
+        """Return the normal law alone, for there is no friction to keep."""
         return normal
 
     def with_coefficient(self, friction: float) -> Law:  # noqa: ARG002
-        """Return itself: nothing holds on."""
+        """Return the law itself: without tangential stiffness there is no friction."""
         return cast("Law", self)
 
     @property
     def yields(self) -> bool:
-        """The surfaces close by what their pressure asks for."""
+        """True: forces follow from displacements."""
         return True
 
     @property
     def proportional(self) -> bool:
-        """What contact yields is in proportion to its force, or nothing."""
+        """True: closure is proportional to force, or zero."""
         return True
 
     @property
     def remembers(self) -> bool:
-        """Nothing."""
+        """False: the law has no history."""
         return False
 
     def after(self, deepest: Vector) -> Law:  # noqa: ARG002
-        """Return itself: it remembers nothing."""
+        """Return the law itself, which has no history."""
         return cast("Law", self)
 
     @abstractmethod
