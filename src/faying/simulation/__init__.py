@@ -1,1 +1,1 @@
-"""Stage 4: static and transient solutions of full and reduced models alike."""
+"""Static and transient solutions, the same for full and reduced models (stage 4)."""

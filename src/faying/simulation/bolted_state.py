@@ -1,4 +1,4 @@
-"""Joints while their bolts are turned: some loose, the others locked or known by their forces."""
+"""The state of a joint while its bolts are turned: some loose, others locked or of known force."""
 
 from dataclasses import dataclass
 from typing import final
@@ -17,20 +17,20 @@ from faying.simulation.bolts_by_force import BoltsByForce, forces_of_bolts
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BoltedState:
-    """A joint on its way.
+    """The state of a joint between two turns of its bolts.
 
     Attributes
     ----------
     nuts : (n_bolt,) [force]
-        Initial forces as the nuts stand.
+        Initial forces set by the nuts.
     initial : (n_bolt,) [force]
-        The same, but of loose bolts what takes their force to zero.
+        The same, except for loose bolts: the initial force of zero bolt force.
     loose : (n_bolt,)
-        Whether a bolt would have to push: its nut has come off its seat.
+        Whether a bolt would be in compression: its nut has lifted off its seat.
     slip : (2, n_point) [length]
-        So far.
+        Slip so far.
     contact
-        Where it stands; None before anything was turned.
+        Contact state; None before the first turn.
     """
 
     joint: Joint
@@ -41,23 +41,23 @@ class BoltedState:
     contact: Increment | None
 
     def locked_at(self, nuts: Vector) -> "BoltedState":
-        """Return the joint with its nuts elsewhere (n_bolt,)."""
-        return self._settled(nuts, np.empty(0, dtype=np.int64), np.empty(0))
+        """Return the state after the nuts are set to other initial forces (n_bolt,)."""
+        return self._equilibrium(nuts, np.empty(0, dtype=np.int64), np.empty(0))
 
     def brought(self, bolts: Indices, forces: Vector) -> "BoltedState":
-        """Return the joint with bolts (n,) tightened together to forces (n,)."""
-        return self._settled(self.nuts, bolts, forces)
+        """Return the state after bolts (n,) are tightened together to forces (n,)."""
+        return self._equilibrium(self.nuts, bolts, forces)
 
     @property
     def forces(self) -> Vector:
-        """Of all bolts (n_bolt,)."""
+        """Forces of all bolts (n_bolt,)."""
         if self.contact is None:
             return np.zeros(len(self.nuts))
         forces = forces_of_bolts(self.joint, self.initial, self.contact)
         return np.where(self.loose, 0.0, forces)
 
-    def _settled(self, nuts: Vector, bolts: Indices, forces: Vector) -> "BoltedState":
-        """Find which bolts are loose, and where contact stands with them."""
+    def _equilibrium(self, nuts: Vector, bolts: Indices, forces: Vector) -> "BoltedState":
+        """Return the state in equilibrium, with the bolts that are loose in it."""
         begun = self.contact is not None and self.contact.begun
         previous, loose = self.contact if begun else None, self.loose.copy()
         for _ in range(MOST_TRIALS):
@@ -92,7 +92,7 @@ class BoltedState:
 
 
 def bolted_state(joint: Joint, initial: Vector) -> BoltedState:
-    """Return an unstressed joint after its bolts were locked at initial forces (n_bolt,)."""
+    """Return the state of an unstressed joint with bolts locked at ``initial`` (n_bolt,)."""
     start = BoltedState(
         joint=joint,
         nuts=initial,

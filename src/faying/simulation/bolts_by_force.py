@@ -1,4 +1,4 @@
-"""Joints whose bolts are known by their forces: initial forces are unknown beside contact."""
+"""Joints with bolts of prescribed force, whose initial forces are unknowns beside contact."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,14 +17,14 @@ from faying.joint.system import Joint
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BoltsByForce:
-    """The contact problem of a joint some of whose bolts are known by their forces.
+    """The contact problem of a joint in which the forces of some bolts are prescribed.
 
     Attributes
     ----------
     joint
-        Without a reduced set of contact forces.
+        Model whose contact forces are not reduced.
     bolts : (n_known,)
-        Their numbers.
+        Numbers of these bolts.
     """
 
     joint: Joint
@@ -33,11 +33,11 @@ class BoltsByForce:
     def solve(
         self, forces: Vector, locked: Vector, slip: Matrix | float, start: Increment | None
     ) -> tuple[Increment, Vector]:
-        """Return where contact stands, and the initial forces of all bolts (n_bolt,).
+        """Return the contact state, and the initial forces of all bolts (n_bolt,).
 
-        Forces T (n_known,) [force] are known; of locked bolts the initial forces (n_bolt,) [force]
-        are. Slip so far is (2, n_point) [length]. The start is the increment before, or a similar
-        one.
+        ``forces`` T (n_known,) [force] are prescribed, ``locked`` (n_bolt,) [force] are the initial
+        forces of all other bolts, and ``slip`` (2, n_point) [length] is the slip so far. ``start``
+        is the increment before, or a similar one.
 
         Raises
         ------
@@ -69,14 +69,14 @@ class BoltsByForce:
         return increment, others
 
     def at(self, initial: Vector, slip: Matrix | float, start: Increment | None) -> Increment:
-        """Return where contact stands with all initial forces (n_bolt,) given."""
+        """Return the contact state for given initial forces of all bolts (n_bolt,)."""
         ports, contact = self.joint.port_compliance, self.joint.contact
         free, offset = -initial @ ports.contact_columns[ports.bolts], contact.offset(slip)
         return self.joint.static_contact.increments.solve(free, offset, start)
 
     @cached_property
     def _springs(self) -> ForcedSprings:
-        """The known bolts."""
+        """The bolts of prescribed force as springs across the pairs."""
         ports, bolts = self.joint.port_compliance, self.bolts
         every = list(self.joint.bolts.values())
         return ForcedSprings(
@@ -87,12 +87,12 @@ class BoltsByForce:
 
     @cached_property
     def _loosened(self) -> ForcedContact:
-        """The contact of the joint without their springs."""
+        """The contact solver of the joint without these springs."""
         return self.joint.static_contact.increments.loosened(self._springs)
 
 
 def forces_of_bolts(system: Joint, initial: Vector, contact: Increment) -> Vector:
-    """Return the forces of all bolts (n_bolt,), locked at initial forces where contact stands."""
+    """Return the forces of all bolts (n_bolt,) from initial forces and the contact state."""
     ports = system.port_compliance
     pressed = system.contact.at_pairs(contact.forces[0], contact.forces[1:])
     elongation = ports.contact_columns[ports.bolts] @ pressed

@@ -1,4 +1,4 @@
-"""Compiled time steps of reduced models: what the loop is given."""
+"""Preparation of the compiled time steps of reduced models."""
 
 import logging
 import time
@@ -40,7 +40,7 @@ _log = logging.getLogger("faying")
 
 
 def warn_of_compiled(compiled: bool | None) -> None:
-    """Warn of the argument that once said whether steps are compiled."""
+    """Warn that the argument ``compiled`` is deprecated."""
     if compiled is not None:
         message = (
             "'compiled' has no effect any more and will go: steps of reduced models are compiled "
@@ -51,13 +51,13 @@ def warn_of_compiled(compiled: bool | None) -> None:
 
 @cache
 def import_loop() -> Any | None:
-    """Return the module of compiled steps; None where they are not compiled, which is logged."""
+    """Return the module of compiled steps; None, with a log entry, where it cannot be compiled."""
     begin = time.perf_counter()
     _log.info("compiling the time steps of reduced models, once per installation")
     try:
         loop: Any = import_module(LOOP)
         loop.compile_steps()
-    # No numba, another NumPy than it takes, no room for what it keeps: steps in Python are there.
+    # No numba, an unsupported NumPy, no space for its cache: steps in Python do as well.
     except Exception as error:
         _log.info("time steps are not compiled: %s", error)
         return None
@@ -67,16 +67,16 @@ def import_loop() -> Any | None:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CompiledSteps:
-    """What all transients of a reduced model with one time step give to the loop.
+    """Data of the compiled loop, shared by transients of a reduced model with one time step.
 
     Attributes
     ----------
     model
-        Its arrays before those of the pairs, by name.
+        Arrays of the loop before those of the pairs, by name.
     solver
-        Of the contact problems of these steps.
+        Solver of the contact problems of these steps.
     supported
-        E of the sets of points that were asked for last.
+        Latest matrices E, by their sets of points.
     """
 
     model: dict[str, Matrix]
@@ -91,11 +91,11 @@ class CompiledSteps:
         history: Instants,
         first: int,
     ) -> tuple[int, ContactState]:
-        """Advance one case until a step does not settle.
+        """Advance one case until a step does not converge.
 
-        Returned are the steps done and where contact stands after them. Motion u, v, a and f (4 n,)
-        is moved on under external forces (n_step, n); the history of this case is written from the
-        instant ``first`` on.
+        Returns the number of steps done and the contact state after them. ``motion`` u, v, a and f
+        (4 n,) is updated in place under external forces (n_step, n); the history of this case is
+        written from the instant ``first`` on.
         """
         loop: Any = import_loop()
         guess, closed = state.active.copy(), state.supported
@@ -130,11 +130,11 @@ class CompiledSteps:
         return done, ContactState(active=guess, supported=closed, forces=forces)
 
     def _near(self, closed: Mask, guess: Mask) -> bool:
-        """Say whether few enough points have changed sides for the E of a closed set."""
+        """Return whether few enough points have changed sides to use E of a closed set."""
         return bool(np.count_nonzero(guess ^ closed) <= NEAR * len(self.solver.S))
 
     def _supported(self, closed: Mask) -> Matrix:
-        """Return E of the pairs on the springs of these points."""
+        """Return E, the compliance of the pairs on the springs of the closed points."""
         key = closed.tobytes()
         if key not in self.supported:
             solver = self.solver
@@ -157,15 +157,15 @@ def compiled_steps(
     effective: Factorization,
     condensed: CondensedContact,
 ) -> CompiledSteps | None:
-    """Return what the loop needs; None where it has nothing to offer.
+    """Return the data of the compiled loop; None where the loop does not apply.
 
-    It has not without numba, for full models, for mean contact forces, with friction, for curves,
+    It does not without numba, for full models, for mean contact forces, with friction, for curves,
     where contact is hard, and where dense matrices between pairs exceed the dense budget.
 
     Notes
     -----
-    What it takes to compile, 15 s once per installation, and to load, 0.4 s per process, pays after
-    3000 steps of the cantilever and 30 of a flange of 3972 points.
+    To compile takes 15 s once per installation, to load 0.4 s per process. That pays after 3000
+    steps of the cantilever and 30 of a flange of 3972 points.
     """
     P, contact = system.contact.relative_operator, system.contact
     if not isinstance(P, np.ndarray) or not contact.unilateral:
@@ -193,7 +193,7 @@ def compiled_steps(
         "springs": solver.laws.springs[0],
         "initial_gap": contact.initial_gap,
     }
-    # Compiled loops take arrays that may be written, whether or not they write them.
+    # Compiled loops take writeable arrays only, even those that they only read.
     model = {name: np.array(array, order="C") for name, array in arrays.items()}
     return CompiledSteps(model=model, solver=solver)
 
@@ -201,7 +201,7 @@ def compiled_steps(
 def _newmark(scheme: Integrator, step: float) -> Matrix:
     """Return velocity and acceleration (2, 6) per u₀, v₀, a₀, f₀, u₁ and f₁.
 
-    Integrators treat all degrees of freedom alike here.
+    The coefficients are the same for all degrees of freedom.
     """
     u0, v0, a0, f0, u1, f1 = np.eye(6)
     motion = Motion(u0, v0, a0, f0, lagging=np.zeros(6), contact=np.zeros(0))
@@ -216,6 +216,6 @@ def stacked(motion: Motion) -> Vector:
 
 
 def unstacked(vectors: Matrix) -> Motion:
-    """Return u, v, a and f, stacked, of several cases, one a column."""
+    """Return the motion of several cases from stacked u, v, a and f, one case a column."""
     u, v, a, force = np.split(vectors, 4)
     return Motion(u, v, a, force, lagging=np.zeros_like(u), contact=np.zeros((0, u.shape[1])))

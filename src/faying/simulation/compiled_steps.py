@@ -1,16 +1,16 @@
-"""Time steps of a reduced model, compiled: what :mod:`.stepping` does, without Python in between.
+"""Compiled time steps of a reduced model: the loop of :mod:`.stepping` without Python in between.
 
-Elastic contact without friction, in the smallest form of Newton's method: with the pairs on the
+Elastic contact without friction, in the smallest form of Newton's method. With the pairs on the
 springs k of closed points, E = (Σ + Nᵀ k N)⁻¹, and N_c the rows of the points that have changed
-sides since, + where one has closed, − where one has opened,
+sides since E was formed, + where one has closed, − where one has opened,
 
     y = y₀ + E N_cᵀ μ,   y₀ = −E Nᵀ k g,   (±k_c⁻¹ + N_c E N_cᵀ) μ = −(g_c + N_c y₀).
 
-What that cannot settle ends the loop and is left to the solver in Python: points that change sides
-in large numbers, and what round-off spoils.
+The loop ends, and the solver in Python takes over, where many points change sides or round-off is
+too large.
 
-The first call compiles, or reads what was compiled before. Everything is in one file
-because numba keeps what it compiled as long as that file does not change.
+The first call compiles, or reads the result of an earlier compilation. Everything is in one file
+because numba caches by file: a result is valid as long as that file does not change.
 """
 
 from typing import NamedTuple
@@ -35,7 +35,7 @@ RENEWAL = 1_000_000
 
 
 class Model(NamedTuple):
-    """What all steps of a reduced model have in common.
+    """Data of a reduced model for all steps.
 
     Attributes
     ----------
@@ -69,14 +69,14 @@ class Model(NamedTuple):
 
 
 class Held(NamedTuple):
-    """Pairs on the springs of the points inside (n_point,): E (n_pair, n_pair)."""
+    """Compliance E (n_pair, n_pair) of the pairs on the springs of points ``inside``."""
 
     E: Matrix
     inside: Mask
 
 
 class Histories(NamedTuple):
-    """What is written, one row a step."""
+    """Output arrays, one row a step."""
 
     states: Matrix
     velocities: Matrix
@@ -87,7 +87,7 @@ class Histories(NamedTuple):
 
 
 class Met(NamedTuple):
-    """Points that have changed sides since E was: their slots, N_c E and N_c E N_cᵀ."""
+    """Points that changed sides since E was formed: their slots, N_c E and N_c E N_cᵀ."""
 
     slots: Indices
     points: Indices
@@ -97,7 +97,7 @@ class Met(NamedTuple):
 
 @numba.njit(cache=True)
 def interpolate(columns: Indices, values: Matrix, pairs: Vector, points: Vector) -> None:
-    """Write N y, from pairs to points."""
+    """Write N y, displacements of pairs interpolated to points."""
     for i in range(columns.shape[0]):
         total = 0.0
         for j in range(columns.shape[1]):
@@ -107,7 +107,7 @@ def interpolate(columns: Indices, values: Matrix, pairs: Vector, points: Vector)
 
 @numba.njit(cache=True)
 def share_out(columns: Indices, values: Matrix, points: Vector, pairs: Vector) -> None:
-    """Write Nᵀ λ, from points to pairs."""
+    """Write Nᵀ λ, forces of points distributed to pairs."""
     pairs[:] = 0.0
     for i in range(columns.shape[0]):
         force = points[i]
@@ -118,7 +118,7 @@ def share_out(columns: Indices, values: Matrix, points: Vector, pairs: Vector) -
 
 @numba.njit(cache=True)
 def meet(model: Model, held: Held, point: int, known: int, met: Met) -> None:
-    """Note a point that changes sides for the first time since E was, after those known."""
+    """Add a point that has changed sides to those known, when it does so for the first time."""
     columns, values = model.columns, model.values
     met.slots[point] = known
     met.points[known] = point
@@ -144,7 +144,7 @@ def move(
     met: Met,
     moved: Vector,
 ) -> bool:
-    """Write y for gaps without contact forces to ``moved``; say whether that is regular."""
+    """Write y for gaps without contact to ``moved``; return whether the system is regular."""
     columns, values, k = model.columns, model.values, model.springs
     pressed, pairs = np.empty(len(gap)), np.empty(len(moved))
     for i in range(len(gap)):
@@ -182,19 +182,19 @@ def advance(
     guess: Mask,
     histories: Histories,
 ) -> int:
-    """Advance a transient until a step does not settle, or a new E pays; return the steps done.
+    """Advance a transient until a step does not converge, or a new E pays; return the steps done.
 
     Parameters
     ----------
     applied : (n_step, n)
         External forces.
     most_changed
-        Changed points that E is good for.
+        Largest number of changed points for this E.
     motion : (4 n,)
-        Where the transient stands; moved on.
+        Motion at the start, updated in place.
     guess : (n_point,)
-        Points in contact; moved on. Where points have changed sides in larger numbers than E is
-        good for, those that were tried last.
+        Points in contact, updated in place; after more changes than E allows, the points that
+        were tried last.
     """
     columns, values, springs, S = model.columns, model.values, model.springs, model.S
     inside = held.inside
@@ -297,7 +297,7 @@ def advance(
         before_it[0], before_it[1], before_it[2], before_it[3] = u, ends[0], ends[1], f
         for i in range(n_point):
             now = slack[i] - forces[i] / springs[i]
-            # A point whose gap closes or opens at this rate is foreseen; a jump costs a system.
+            # Points whose gaps close or open at this rate are predicted; a jump costs a system.
             guess[i] = 2 * now - (last[i] if step else now) < 0
             last[i] = now
         histories.systems[step] = count
@@ -309,7 +309,7 @@ def advance(
 
 
 def compile_steps() -> None:
-    """Compile the loop, or read what was compiled before, by no step of a model of nothing."""
+    """Compile the loop, or read it from the cache, by a call with an empty model."""
     nothing, none, inside = np.zeros((0, 0)), np.zeros(0), np.zeros(0, dtype=np.bool_)
     columns, counts = np.zeros((0, 0), dtype=np.int64), np.zeros(0, dtype=np.int64)
     newmark = np.zeros((2, 6))

@@ -1,4 +1,4 @@
-"""What contact forces and gaps say, of whatever solution they are."""
+"""Pressures, tractions and resultants of contact, for every kind of solution."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from faying.joint.system import Joint
 
 
 def no_tangent() -> Matrix:
-    """Return the tangential components of a state that has none, at whatever points."""
+    """Return the tangential components of a frictionless state: none."""
     return np.zeros((0, 0))
 
 
@@ -41,12 +41,12 @@ class ContactFields:
 
     @property
     def along_surfaces(self) -> dict[str, Matrix]:
-        """Traction and slip by name, of a joint that has friction; nothing else."""
+        """Traction and slip by name; empty for a joint without friction."""
         carried = self.shear_forces.size > 0
         return {"traction": self.traction, "slip": self.slip} if carried else {}
 
     def _along_tangents(self, components: Matrix) -> Matrix:
-        """Return vectors (..., n_point, 3) of tangential components (..., n_tangent, n_point)."""
+        """Return vectors (..., n_point, 3) from components (..., n_tangent, n_point)."""
         tangents = self.system.contact.tangents[: components.shape[-2]]
         vectors: Matrix = np.einsum("...cp,cpk->...pk", components, tangents)
         return vectors
@@ -66,7 +66,7 @@ class ContactFields:
         return np.asarray(self.contact_forces[..., self._points(interface)].sum(axis=-1))
 
     def open_fraction(self, interface: str | None = None) -> Matrix:
-        """Return the part of the area without pressure, of one interface or of all (...)."""
+        """Return the fraction of the area without pressure, of one interface or all (...)."""
         points = self._points(interface)
         weights = self.system.contact.weights[points]
         is_open = self.contact_forces[..., points] <= 0
@@ -80,7 +80,7 @@ class ContactFields:
 
 
 def shear_everywhere(fields: ContactFields) -> None:
-    """Let fields without tangential components have them of shape (..., 0, n_point)."""
+    """Give fields without tangential components arrays of shape (..., 0, n_point)."""
     *many, n_point = fields.contact_forces.shape
     for name in ("shear_forces", "shear_slip"):
         if getattr(fields, name).shape[-2] == 0:

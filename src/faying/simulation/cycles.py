@@ -43,11 +43,11 @@ class Cycles:
     cycle
         The last cycle; every array has the increments as its first axis.
     start
-        Where it began: one entry, at the amplitude.
+        State at the start of the last cycle: one entry, at the amplitude.
     energies : (n_cycle,) [force·length]
-        What friction took in each cycle.
+        Energy dissipated by friction in each cycle.
     stationary
-        Whether the last one repeats: it took what the one before did, or ends where it began.
+        Whether cycles repeat: the last two dissipate alike, or the last ends where it began.
     """
 
     amplitude: float
@@ -67,14 +67,14 @@ def solve_cycles(
     increments: int = 10,
     count: int | None = None,
 ) -> Cycles:
-    """Let a load go to and fro about the preloaded joint until its cycles repeat.
+    """Cycle a load about the preloaded joint until its cycles repeat.
 
     The load first rises to the amplitude, then full cycles follow.
 
     Parameters
     ----------
     system
-        Full or reduced model; friction makes the difference between cycles.
+        Full or reduced model; without friction cycles dissipate nothing.
     load
         Load at factor one, of constant forces.
     amplitude
@@ -85,7 +85,7 @@ def solve_cycles(
     increments
         Increments of a quarter of a cycle.
     count
-        Cycles to solve whatever they do; by default until they repeat.
+        Number of cycles to solve; by default until they repeat.
 
     Raises
     ------
@@ -134,16 +134,16 @@ def solve_cycles(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Repeated:
-    """Cycles of loads, to their opposite and back.
+    """The last cycle of a repeated sequence of loads, with the energies of all cycles.
 
     Attributes
     ----------
     steps
-        Where the last cycle began, and where each of its loads led.
+        State at the start of the last cycle, and after each of its loads.
     energies : (n_cycle,) [force·length]
-        What friction took in each cycle.
+        Energy dissipated by friction in each cycle.
     stationary
-        Whether the last one repeats.
+        Whether the last cycle repeats the one before.
     """
 
     steps: list[PathStep]
@@ -154,9 +154,9 @@ class Repeated:
 def repeat(
     solver: IncrementSolver, relative: Matrix, start: PathStep, count: int | None = None
 ) -> Repeated:
-    """Repeat a cycle of loads, from where they lead, until it no longer changes, or so many times.
+    """Repeat a cycle of loads until it no longer changes, or ``count`` times.
 
-    The loads alone move the pairs by (n_load, n_relative) [length].
+    ``relative`` (n_load, n_relative) [length] are displacements of the pairs under the loads alone.
     """
     steps, energies, stationary = [start], list[float](), False
     most = MOST_CYCLES if count is None else count
@@ -169,7 +169,7 @@ def repeat(
 
 
 def repeats(contact: Contact, steps: Sequence[PathStep], energies: Sequence[float]) -> bool:
-    """Say whether a cycle took what the one before did, or ends where it began."""
+    """Return whether a cycle dissipated as much as the one before, or ends where it began."""
     begun, turned, end = (steps[at] for at in (0, len(steps) // 2, -1))
     left = np.abs((end.slip - begun.slip) * end.increment.forces[1:]).sum()
     change = min([*np.abs(np.diff(energies[-2:])), left])
@@ -177,11 +177,11 @@ def repeats(contact: Contact, steps: Sequence[PathStep], energies: Sequence[floa
     moved = end.increment.moved - turned.increment.moved
     work = np.abs(contact.at_pairs(forces[0], forces[1:]) * moved).sum()
     alike = change <= max(STATIONARY * energies[-1], ROUND_OFF * work)
-    return bool(alike) and not _deepened(begun, end)
+    return bool(alike) and not _closes_further(begun, end)
 
 
-def _deepened(before: PathStep, later: PathStep) -> bool:
-    """Say whether a cycle closed gaskets further than all before."""
+def _closes_further(before: PathStep, later: PathStep) -> bool:
+    """Return whether a cycle closed gaskets further than all cycles before."""
     earlier, now = before.increment.deepest, later.increment.deepest
     if earlier is None or now is None:
         return now is not None
@@ -189,7 +189,7 @@ def _deepened(before: PathStep, later: PathStep) -> bool:
 
 
 def scaled_loads(load: Load, factors: Vector) -> list[Load]:
-    """Return a load of constant forces times each of some factors.
+    """Return the products of a load of constant forces with some factors.
 
     Raises
     ------
@@ -200,10 +200,10 @@ def scaled_loads(load: Load, factors: Vector) -> list[Load]:
 
 
 def load_work(path: Solution, load: Load) -> Vector:
-    """Return Σ f u (n_increment,), the displacement that a load does work on [force·length].
+    """Return Σ f u (n_increment,), the work of a load on the displacements [force·length].
 
-    Where the load is one force, this is that force times the displacement along it; the area it
-    encloses over the load factor is the energy that goes in.
+    For a single force this is the force times the displacement along it. The area that this
+    encloses over the load factor is the energy supplied.
     """
     system, start = path.system, np.zeros(1)
     unit = load.inputs(system, start) - Load(bolt_forces=load.bolt_forces).inputs(system, start)
@@ -214,7 +214,7 @@ def load_work(path: Solution, load: Load) -> Vector:
 def loop_area(cycles: Cycles, load: Load) -> float:
     """Return the area of the last loop of load and displacement [force·length].
 
-    Trapezoids between the increments: it agrees with the energy by slip as increments shrink.
+    By the trapezoidal rule between increments; it tends to the dissipated energy as they shrink.
     """
     factors = np.concatenate([[cycles.amplitude], cycles.factors])
     along = np.concatenate([load_work(cycles.start, load)[-1:], load_work(cycles.cycle, load)])

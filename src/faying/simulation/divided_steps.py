@@ -1,9 +1,9 @@
-"""Transients whose steps are divided until their pressures hold a tolerance.
+"""Transients with time steps divided until pressures are within a tolerance.
 
-Instants stay as far apart as they were asked for; each interval between two of them is done in
-1, 2, 4, … steps. Of two solutions of an interval from the same state, one with twice the steps of
-the other, the finer is kept. The largest change of a pressure between them, times :data:`SAFETY`
-over the order of the scheme, is its error: ``docs/theory/time_integration.md``.
+Instants keep their distance; each interval between two of them is solved in 1, 2, 4, … steps. Of
+two solutions of an interval from the same state, one with twice the steps of the other, the finer
+is kept. Its error is the largest change of a pressure between them, times :data:`SAFETY` over the
+order of the scheme: ``docs/theory/time_integration.md``.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -40,7 +40,7 @@ Tried = tuple[Solution, Restart]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class DividedSteps:
-    """Transients of a system whose steps are divided as their pressures need it.
+    """Solver of transients with adaptive division of time steps.
 
     Attributes
     ----------
@@ -54,9 +54,9 @@ class DividedSteps:
         Largest sum over the whole duration of the errors of its intervals, over the largest
         pressure so far.
     lengths
-        What takes steps of intervals in 1, 2, 4, … steps; what none needs is not factorized.
+        Solvers of intervals in 1, 2, 4, … steps; each is factorized at its first use.
     given : (n_time,) or None
-        Steps that lead to each instant; chosen unless given.
+        Steps that lead to each instant; by default chosen by error.
     """
 
     system: System
@@ -75,7 +75,7 @@ class DividedSteps:
         substeps: Indices | None = None,
         progress: Callable[[int], object] | None = None,
     ) -> Solution:
-        """Integrate one response; with given ``substeps`` by these, without a look at errors."""
+        """Integrate one response; with given ``substeps`` without error control."""
         parts = transient_windows(
             replace(self, given=substeps),
             [load],
@@ -87,7 +87,7 @@ class DividedSteps:
         return next(part for (part,), _ in parts)
 
     def begun(self, loads: Sequence[Load], starts: Sequence[Solution]) -> list[Restart]:
-        """Return where responses stand that start from static solutions."""
+        """Return the restarts of responses that begin at static solutions."""
         finest = self.step / 2**MOST_DIVISIONS
         return [
             replace(restart, peak=float(start.pressure.max(initial=0.0)))
@@ -106,15 +106,15 @@ class DividedSteps:
         last: int,
         progress: Callable[[int], object] | None,
     ) -> tuple[list[Solution], list[Restart]]:
-        """Integrate up to instant ``end``, one response after the other, each by its own steps."""
-        histories = [[_started(start)] for start in starts] or [[] for _ in loads]
+        """Integrate each response up to instant ``end``, with time steps of its own."""
+        histories = [[_first_instant(start)] for start in starts] or [[] for _ in loads]
         walked = [
-            self._walked(one, load, history, end, last, progress)
+            self._continue_response(one, load, history, end, last, progress)
             for one, load, history in zip(here, loads, histories, strict=True)
         ]
         return [solution for solution, _ in walked], [after for _, after in walked]
 
-    def _walked(
+    def _continue_response(
         self,
         restart: Restart,
         load: Load,
@@ -123,7 +123,7 @@ class DividedSteps:
         last: int,
         progress: Callable[[int], object] | None,
     ) -> tuple[Solution, Restart]:
-        """Return one response up to an instant, after what is found of it already."""
+        """Return one response up to instant ``end``, after its earlier parts ``solutions``."""
         while restart.done < end:
             level = (
                 None if self.given is None else int(self.given[restart.done + 1]).bit_length() - 1
@@ -137,23 +137,23 @@ class DividedSteps:
     def _interval(
         self, load: Load, restart: Restart, last: int, fixed_level: int | None
     ) -> tuple[Solution, Restart]:
-        """Return the next instant, and where the motion stands there."""
+        """Return the solution at the next instant, and the restart there."""
         if fixed_level is not None:
-            interval, end = self._tried(load, restart, fixed_level)
-            return _ended(interval, fixed_level, np.nan), replace(end, level=fixed_level)
+            interval, end = self._solve_interval(load, restart, fixed_level)
+            return _interval_end(interval, fixed_level, np.nan), replace(end, level=fixed_level)
         allowed = self.tolerance / last
         level = max(restart.level, 1)
-        tried = {n: self._offered(load, restart, n) for n in (level - 1, level)}
+        tried = {n: self._try_interval(load, restart, n) for n in (level - 1, level)}
         while (
             error := self._error(tried, level, restart.peak)
         ) > allowed and level < MOST_DIVISIONS:
             level += 1
-            tried[level] = self._offered(load, restart, level)
-        interval, end = tried[level] or self._tried(load, restart, level)
+            tried[level] = self._try_interval(load, restart, level)
+        interval, end = tried[level] or self._solve_interval(load, restart, level)
         eased = level > 1 and 2**self.scheme.order * error <= allowed
         level_after = level - 1 if eased else level
         ended = replace(end, level=level_after, peak=_peak(restart.peak, interval))
-        return _ended(interval, level, error), ended
+        return _interval_end(interval, level, error), ended
 
     def _error(self, tried: Mapping[int, Tried | None], level: int, peak: float) -> float:
         """Return the error of the finer solution at the end, over the largest pressure so far."""
@@ -165,14 +165,14 @@ class DividedSteps:
         change = float(np.abs(coarse_pressure - fine_pressure).max(initial=0.0))
         return SAFETY / self.scheme.order * change / largest if largest > 0 else 0.0
 
-    def _offered(self, load: Load, restart: Restart, level: int) -> Tried | None:
-        """Integrate over one interval; None where contact is not solved in so few steps."""
+    def _try_interval(self, load: Load, restart: Restart, level: int) -> Tried | None:
+        """Integrate over one interval; None where contact does not converge."""
         try:
-            return self._tried(load, restart, level)
+            return self._solve_interval(load, restart, level)
         except ConvergenceError:
             return None
 
-    def _tried(self, load: Load, restart: Restart, level: int) -> Tried:
+    def _solve_interval(self, load: Load, restart: Restart, level: int) -> Tried:
         """Integrate over one interval in 2 to the power ``level`` steps."""
         count, solver = 2**level, self.lengths[level]
         start = replace(restart, done=restart.done * count)
@@ -190,7 +190,7 @@ def divided_steps(
     tolerance: float,
     integrator: Integrator | None = None,
 ) -> DividedSteps:
-    """Return what integrates transients of a system within a pressure tolerance."""
+    """Return the solver of transients of a system within a pressure tolerance."""
     check_times(step, step)
     if not tolerance > 0:
         message = f"the tolerance is {tolerance:g}; give a positive share of the largest pressure"
@@ -209,8 +209,8 @@ def _peak(peak: float, solution: Solution) -> float:
     return max(peak, float(solution.pressure[-1].max(initial=0.0)))
 
 
-def _ended(solution: Solution, level: int, error: float) -> Solution:
-    """Return the last instant of an interval, with what its steps took together."""
+def _interval_end(solution: Solution, level: int, error: float) -> Solution:
+    """Return the last instant of an interval, with the totals of its steps."""
     return replace(
         some_states(solution, np.array([-1])),
         iterations=solution.iterations.sum(keepdims=True),
@@ -220,8 +220,8 @@ def _ended(solution: Solution, level: int, error: float) -> Solution:
     )
 
 
-def _started(first: Solution) -> Solution:
-    """Return the static solution that a transient starts from as its first instant."""
+def _first_instant(first: Solution) -> Solution:
+    """Return the static solution at the start of a transient as its first instant."""
     nothing = np.zeros(1)
     return replace(
         first,

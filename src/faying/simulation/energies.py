@@ -1,4 +1,4 @@
-"""The forms that energies take in a model with contact, for many instants at once."""
+"""Energies of a model with contact, for many instants at once."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ def half_form(matrix: SparseMatrix | Matrix, vectors: Matrix) -> Vector:
 
 
 def contact_energy(contact: Contact, forces: Matrix, shear: Matrix) -> Vector:
-    """Energy of contact forces: what the laws have stored, and ½ λᵀ R λ of residual compliance.
+    """Energy of contact forces: energy stored by the laws, and ½ λᵀ R λ of residual compliance.
 
     Forces are (n_time, n_point), tangential ones (n_time, n_tangent, n_point) [force].
     """
@@ -32,7 +32,7 @@ def contact_energy(contact: Contact, forces: Matrix, shear: Matrix) -> Vector:
 
 
 def input_displacements(system: System, states: Matrix) -> Matrix:
-    """Displacements (n_time, n_input) the inputs do work on; N₀ shortens its bolt."""
+    """Displacements (n_time, n_input) on which the inputs do work; N₀ shortens its bolt."""
     at_boundary, n_dof = states[:, boundary_dofs(system.boundaries)], states.shape[1]
     along = (-elongations(system.bolts, n_dof), pattern_forces(system.load_patterns, n_dof))
     return np.hstack([at_boundary, *(states @ rows.T for rows in along)])

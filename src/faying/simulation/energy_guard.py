@@ -1,4 +1,4 @@
-"""Energy that nothing supplied: the guard of every transient."""
+"""Energy balance of transients, checked for spurious gains."""
 
 import logging
 from collections.abc import Iterator, Sequence
@@ -33,18 +33,18 @@ _log = logging.getLogger("faying")
 
 @dataclass(frozen=True, kw_only=True)
 class EnergyLedger:
-    """What a transient began with, was given, and has gained so far.
+    """Energy balance of a transient so far.
 
     Attributes
     ----------
     stored
-        Kinetic energy, strain energy and that of contact at the start [force·length].
+        Kinetic, strain and contact energy at the start [force·length].
     work, spent
-        Work of all loads since; what damping took at least, and friction.
+        Work of all loads since; energy dissipated by friction and, at least, by damping.
     moved
         Largest sum so far of kinetic energy and the magnitude of the work.
     gain
-        Largest share of ``moved`` that the energy exceeds what was supplied by.
+        Largest excess of energy over the supplied energy, as a share of ``moved``.
     """
 
     stored: float
@@ -55,7 +55,7 @@ class EnergyLedger:
 
     @property
     def sound(self) -> bool:
-        """Whether no more energy has appeared from nothing than round-off and a fair scheme do."""
+        """Whether the spurious gain of energy is within that of a sound integration."""
         return self.gain <= MOST_GAIN
 
 
@@ -65,22 +65,21 @@ ABSURD = float(np.sqrt(np.finfo(float).max))
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class EnergyGuard:
-    """The ledgers of transients side by side, over a piece of them.
+    """Energy balances of transients side by side, over a section of their instants.
 
     Attributes
     ----------
     system, step
     force_weight
-        Of the forces at the end of a step in the balance of the integrator, with which they do its
-        work.
+        Weight of the forces at the end of a step in the work of the integrator.
     loads
         Names.
     starts, ledgers
-        Where each stands, and its ledger; None where it begins.
+        Motion of each transient at the start of the section, and its ledger; None at the beginning.
     inputs : (n_case, 1 + n_time, n_input)
-        At the instant before the piece and those of the piece.
+        At the instant before the section and at those of the section.
     history
-        Of the piece, to be written.
+        Arrays of the section, to be written.
     """
 
     system: System
@@ -93,13 +92,13 @@ class EnergyGuard:
     history: Instants
 
     def audit(self) -> list[EnergyLedger]:
-        """Return the ledgers at the end of the piece."""
+        """Return the ledgers at the end of the section."""
         n_time = self.inputs.shape[1] - 1
-        return [self._audited(case, n_time) for case in range(len(self.loads))]
+        return [self._continued_ledger(case, n_time) for case in range(len(self.loads))]
 
     @contextmanager
     def watching(self) -> Iterator[None]:
-        """Say of a motion that grew until its numbers overflowed that it did.
+        """Report motions that grow until numbers overflow.
 
         Raises
         ------
@@ -107,7 +106,7 @@ class EnergyGuard:
             In place of the error that the overflow caused.
         """
         try:
-            # What overflows is refused where the next gaps are looked at.
+            # An overflow is refused where the next gaps are checked.
             with np.errstate(over="ignore", invalid="ignore"):
                 yield
         except (ModelError, ConvergenceError):
@@ -115,27 +114,27 @@ class EnergyGuard:
                 raise
             for case, name in enumerate(self.loads):
                 done = int(np.count_nonzero(self.history.iterations[case]))
-                ledger = self._audited(case, done) if done else None
+                ledger = self._continued_ledger(case, done) if done else None
                 if ledger is not None and not ledger.sound:
                     message = f"{name}: {gain_message(ledger.gain)}"
                     raise ConvergenceError(message) from None
             raise
 
-    def _audited(self, case: int, n_time: int) -> EnergyLedger:
-        """Go on with the ledger of one transient over some instants of the piece.
+    def _continued_ledger(self, case: int, n_time: int) -> EnergyLedger:
+        """Return the ledger of one transient after some instants of the section.
 
         Notes
         -----
         In exact time integration kinetic, strain and contact energy change by the work of the loads
-        less what damping and friction take. Damping takes ΔuᵀC Δu/h in a step, the least that it
-        can.
+        less the dissipation by damping and friction. In a step damping dissipates at least
+        ΔuᵀC Δu/h, which is used here.
         """
         system, weight, start = self.system, self.force_weight, self.starts[case]
         ledger, inputs = self.ledgers[case], self.inputs[case, : n_time + 1]
         history, u = self.history.of_case(case).instants(0, n_time), start.u
         if ledger is None:
             normal, shear = system.contact.parts(start.contact[None])
-            _, energy = _stored(system, start.u[None], start.v[None], normal, shear)
+            _, energy = _stored_energy(system, start.u[None], start.v[None], normal, shear)
             ledger = EnergyLedger(stored=float(energy[0]))
         with np.errstate(over="ignore", invalid="ignore"):
             for first in range(0, n_time, AT_ONCE):
@@ -148,7 +147,7 @@ class EnergyGuard:
                 lost = 2 * half_form(system.C, moves) / self.step + history.dissipation[0, chunk]
                 spent = ledger.spent + np.cumsum(lost)
                 shear, forces = history.shear[0, chunk], history.forces[0, chunk]
-                kinetic, energy = _stored(system, states, velocities, forces, shear)
+                kinetic, energy = _stored_energy(system, states, velocities, forces, shear)
                 moved = np.maximum(np.maximum.accumulate(np.abs(work) + kinetic), ledger.moved)
                 gain = energy - ledger.stored - (work - spent)
                 shares = gain / (moved + FELT_ENERGY_SHARE * ledger.stored + np.finfo(float).tiny)
@@ -164,13 +163,13 @@ class EnergyGuard:
 
 
 def warn_of_gain(name: str, earlier: EnergyLedger | None, later: EnergyLedger | None) -> None:
-    """Log that a ledger is not sound any more."""
+    """Log a warning when a ledger first stops being sound."""
     if later is not None and not later.sound and (earlier is None or earlier.sound):
         _log.warning("%s: %s", name, gain_message(later.gain))
 
 
 def gain_message(gain: float) -> str:
-    """Say what a gain of energy means and what helps."""
+    """Return a message that explains a gain of energy and names remedies."""
     share = f"{gain:.0%} of" if np.isfinite(gain) else "many times"
     return (
         f"the time integration gained {share} the energy in motion from nothing, so its "
@@ -179,10 +178,10 @@ def gain_message(gain: float) -> str:
     )
 
 
-def _stored(
+def _stored_energy(
     system: System, states: Matrix, velocities: Matrix, forces: Matrix, shear: Matrix
 ) -> tuple[Vector, Vector]:
-    """Kinetic energy, and that with strain and contact energy, of each instant (n_time,)."""
+    """Return kinetic energy, and the sum of kinetic, strain and contact energy (n_time,)."""
     moving = velocities.any()
     kinetic = half_form(system.M, velocities) if moving else np.zeros(len(velocities))
     strain = half_form(system.K, states)

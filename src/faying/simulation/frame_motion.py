@@ -1,14 +1,14 @@
-"""Joints whose support moves: the inertia forces of a moving frame.
+"""Joints on a moving support: the inertia forces of a moving frame.
 
 Displacements u are relative to a frame in which the supports rest. Where that frame accelerates and
 turns, as the arm of a machine does, a point at X of the mesh has the acceleration
 
     a₀ + B X,   B = ω̇× + ω× ω×,
 
-in the axes of the frame, with a₀ of the mesh's origin. It is affine in X: twelve fields span all
-that can occur, so twelve load vectors, M A, stand for every motion of the frame. Multibody programs
-add what the deformation itself contributes, B u and the Coriolis part 2 ω × u̇; relative to what is
-kept here these are of the order of u over the size of the joint.
+in the axes of the frame, with a₀ of the mesh's origin. It is affine in X, so twelve fields and
+their load vectors M A represent every motion of the frame. Multibody programs add the contributions
+of the deformation, B u and the Coriolis part 2 ω × u̇. Relative to the terms here these are of the
+order of u over the size of the joint.
 """
 
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ class FrameMotion(Frozen):
     Attributes
     ----------
     acceleration : (n_time, 3) [length/time²]
-        Absolute acceleration of the mesh's origin, less gravity where that acts.
+        Absolute acceleration of the mesh's origin, minus the acceleration of gravity if that acts.
     angular_velocity : (n_time, 3) [rad/time]
     angular_acceleration : (n_time, 3) [rad/time²]
 
@@ -100,9 +100,9 @@ def mass_invariants(model: Model, vectors: Matrix, shapes: Matrix) -> Matrix:
 
     Notes
     -----
-    What couples shapes with 1, x, y, z is Φᵀ M A with all of M. Elsewhere rotary inertia is left
-    out and the mass between two nodes is the mean over the three directions: exact for solids and
-    point masses, and nearly so where only a slender bolt is a beam.
+    The integrals of shapes with 1, x, y, z are Φᵀ M A with the full M. All others omit rotary
+    inertia and take the mean over the three directions as mass between two nodes. This is exact
+    for solids and point masses, and a good approximation where only a slender bolt is a beam.
     """
     M = model.nodal_mass
     loads = model.dofs.transformation.T @ (M @ affine_fields(model.assembly.mesh.nodes))

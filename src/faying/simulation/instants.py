@@ -1,4 +1,4 @@
-"""What transients side by side leave, and whether there is room for it."""
+"""Histories of transients side by side, and the memory for them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ alone are eight gigabytes of them."""
 
 
 def check_times(step: float, duration: float) -> None:
-    """Refuse steps that are none."""
+    """Refuse a step that is not positive or is longer than the duration."""
     if not 0 < step <= duration:
         refuse_model(
             f"the time step is {step:g} and the duration {duration:g}; "
@@ -34,9 +34,9 @@ def check_times(step: float, duration: float) -> None:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Instants:
-    """Instants of transients side by side; every array begins with case and instant.
+    """Histories of transients side by side; every array begins with case and instant.
 
-    Arrays of shear and slip have no rows where there is no friction.
+    Without friction the arrays of shear and slip have no rows.
     """
 
     states: Matrix
@@ -51,7 +51,7 @@ class Instants:
 
     @classmethod
     def empty(cls, n_case: int, n_time: int, system: System) -> "Instants":
-        """Return room for some cases and instants of a system."""
+        """Return uninitialized histories for some cases and instants of a system."""
         shape, n_dof, n_point = (n_case, n_time), system.K.shape[0], system.contact.n_points
         along = (*shape, system.contact.components - 1, n_point)
         return cls(
@@ -67,7 +67,7 @@ class Instants:
         )
 
     def begin(self, motion: Motion, starts: Sequence[Solution]) -> None:
-        """Note where the transients start from."""
+        """Write the first instant, at which the transients start."""
         self.states[:, 0], self.accelerations[:, 0] = motion.u.T, motion.a.T
         self.forces[:, 0] = [start.contact_forces for start in starts]
         self.gaps[:, 0] = [start.gap for start in starts]
@@ -75,16 +75,16 @@ class Instants:
         self.slip[:, 0] = [start.shear_slip for start in starts]
 
     def of_case(self, case: int) -> "Instants":
-        """Return the part of one case, to be written in place."""
+        """Return the histories of one case, as views to write to."""
         parts = {name: array[case : case + 1] for name, array in vars(self).items()}
         return Instants(**parts)
 
     def instants(self, first: int, end: int) -> "Instants":
-        """Return the part of some instants, to be written in place."""
+        """Return the histories of some instants, as views to write to."""
         return Instants(**{name: array[:, first:end] for name, array in vars(self).items()})
 
     def note(self, n: int, motion: Motion, ends: Sequence[PathStep]) -> None:
-        """Note an instant; for the gaps the slacks, as the penetrations are still to be taken."""
+        """Write an instant; the gaps hold slacks, from which penetrations are subtracted later."""
         self.states[:, n], self.velocities[:, n] = motion.u.T, motion.v.T
         self.accelerations[:, n] = motion.a.T
         along = slice(self.shear.shape[2])
@@ -97,7 +97,7 @@ class Instants:
 
 
 def require_history_room(n_case: int, n_time: int, system: System) -> None:
-    """Refuse histories that do not fit: displacement, its derivatives, forces and contact.
+    """Refuse histories that exceed memory: displacement, its derivatives, forces and contact.
 
     Raises
     ------
@@ -121,10 +121,10 @@ The same on every machine, for round-off depends on how many there are.
 
 
 def runs_at_once(system: System, n_time: int, n_states: int | None = None) -> int:
-    """Return how many histories of ``n_time`` instants fit; one always does.
+    """Return how many histories of ``n_time`` instants fit into memory, at least one.
 
-    Displacements and their derivatives are in memory at ``n_states`` instants together; at all by
-    default.
+    Displacements and their derivatives are in memory at ``n_states`` instants together; by
+    default at all.
     """
     contact, n_states = system.contact, n_time if n_states is None else n_states
     numbers = 3 * n_states * system.K.shape[0] + 2 * n_time * contact.components * contact.n_points

@@ -53,31 +53,31 @@ class History:
 
 
 class StaticLoad(Protocol):
-    """What loads a joint at one instant."""
+    """A load at one instant."""
 
     def inputs(self, system: Joint, times: Vector) -> Matrix:
         """Return the inputs (n_time, n_input) of a system."""
 
 
 class NamedLoad(StaticLoad, Protocol):
-    """Static load that is told apart by its name."""
+    """A static load with a name."""
 
     @property
     def name(self) -> str:
-        """Of the load case."""
+        """Name of the load case."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class InputRow:
-    """A static load that is a row of inputs already.
+    """A static load given as a row of inputs.
 
     Attributes
     ----------
     name
-        Of the load case.
+        Name of the load case.
     row : (n_input,)
     factor
-        Of all but the initial forces of the bolts.
+        Factor of all inputs but the initial forces of the bolts.
     """
 
     name: str
@@ -85,13 +85,13 @@ class InputRow:
     factor: float = 1.0
 
     def inputs(self, system: Joint, times: Vector) -> Matrix:
-        """Return the row once for each of the times (n_time, n_input)."""
+        """Return the row repeated for all times (n_time, n_input)."""
         row, bolts = self.factor * self.row, system.port_compliance.bolts
         row[bolts] = self.row[bolts]
         return np.tile(row, (len(times), 1))
 
     def scaled(self, factor: float) -> "InputRow":
-        """Return the load multiplied, the bolts as they are."""
+        """Return the load times a factor; bolts keep their forces."""
         return InputRow(name=self.name, row=self.row, factor=factor * self.factor)
 
 
@@ -163,7 +163,7 @@ class Load:
         return inputs
 
     def scaled(self, factor: float) -> "Load":
-        """Return a copy with constant forces times a factor; bolts keep their forces.
+        """Return the load with constant forces times a factor; bolts keep their forces.
 
         Raises
         ------
@@ -193,7 +193,7 @@ def _split(key: str, system: Joint, load: str) -> tuple[str, str]:
 def harmonic_inputs(system: System, load: Mapping[str, complex]) -> ComplexVector:
     """Return the complex amplitudes F of inputs (n_input,), f(t) = Re(F exp(iωt)).
 
-    The load is ``"boundary.component"``, or the name of a load pattern, to its complex amplitude.
+    ``load`` maps ``"boundary.component"`` or the name of a load pattern to a complex amplitude.
     """
     if not any(load.values()):
         refuse_model("the harmonic load is zero; give an amplitude, as {'tip.Fz': 1.0}")

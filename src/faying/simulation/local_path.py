@@ -1,4 +1,4 @@
-"""Paths of points that may leave their springs, all others being stuck; and their derivatives.
+"""Load paths of points that may leave their springs, with all others stuck; and derivatives.
 
 With w = G δ at the points, of the pairs or of the points themselves where these are fewer, w₀ what
 loads move there with all points stuck, T₀ between them, and the forces g = Gᵀ μ, where μ are those
@@ -53,10 +53,10 @@ class LocalPath:
     slipped : (n_increment, 2, n_point) [length]
         s.
     slack : (n_increment, 2, n_point) [length]
-        What each increment added to it.
+        Slip in each increment.
     dissipation : (n_increment,) [force·length]
     factors : (n_increment,)
-        Those that solved the increments.
+        Factors with which the increments were solved.
     """
 
     moved: Matrix
@@ -80,7 +80,7 @@ def follow_local(
     guesses: Sequence[Matrix] = (),
     kept: "Sequence[OffSprings | None]" = (),
 ) -> LocalPath:
-    """Follow the points along a path of loads.
+    """Return the path of the points under a sequence of loads.
 
     Linear displacements w₀ are (n_increment, components n_point) [length]. Guesses are μ
     (n_increment, components n_point), to begin the first ``period`` increments with, or what they
@@ -139,7 +139,7 @@ def follow_local(
 @final
 @dataclass(frozen=True, eq=False)
 class _BesideSprings:
-    """What points exert beside their springs, moved from an anchor (components, n_point)."""
+    """Forces of points beyond their springs, from an anchor (components, n_point) on."""
 
     local: LocalContact
     anchor: Matrix
@@ -163,7 +163,7 @@ class _Coordinates:
         return self.local.shares
 
     def state(self, laws: _BesideSprings, linear: Vector, excess: Vector) -> State:
-        """Return the state of some g (n_coordinate,)."""
+        """Return the state of Newton's method for some g (n_coordinate,)."""
         y = symmetric_product(self.local.compliance, excess)
         z = laws.anchor + (linear + self.points.G @ y).reshape(laws.anchor.shape)
         least = float(np.abs(self.local.forces).max(initial=np.finfo(float).tiny))
@@ -190,12 +190,12 @@ class _Coordinates:
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class OffSprings:
-    """What points off their springs change between the coordinates, and the factors.
+    """The stiffness of points off their springs, between the coordinates, and its factors.
 
     Attributes
     ----------
     acting : (n_acting,)
-        a: slip leaves the forces along normals as they are.
+        a; slip does not change the forces along normals.
     block : (n_acting, n_coordinate)
         A_a.
     lu
@@ -208,7 +208,7 @@ class OffSprings:
 
     @classmethod
     def of(cls, local: LocalContact, change: Matrix, T: npt.NDArray[Any]) -> "OffSprings":
-        """Return the pairs off their springs by Δ (n_point, components, components)."""
+        """Return the stiffness off the springs for Δ (n_point, components, components)."""
         acting, _ = local.shares.touched(change)
         block = local.shares.between_pairs(change)[acting]
         block.data = block.data.astype(T.dtype)
@@ -220,7 +220,7 @@ class OffSprings:
         return cls(acting=acting, block=block, lu=lu)
 
     def step(self, local: LocalContact, left: Vector) -> Vector:
-        """Return what (I + A T)⁻¹ makes of forces that are left (n_coordinate,)."""
+        """Return (I + A T)⁻¹ times residual forces (n_coordinate,)."""
         result = left.copy()
         if self.lu is None:
             return result
@@ -234,7 +234,7 @@ class OffSprings:
 
 
 def by_component(blocks: Matrix, chosen: Mask | slice = slice(None)) -> SparseMatrix:
-    """Return rows of the matrix with blocks (n, components, components) at points."""
+    """Return chosen rows of the sparse matrix with blocks (n, components, components) at points."""
     n, k, _ = blocks.shape
     columns = np.tile(n * np.arange(k) + np.arange(n)[:, None], (k, 1))[chosen]
     values = blocks.transpose(1, 0, 2).reshape(k * n, k)[chosen]
@@ -249,11 +249,11 @@ Excess = Sequence[tuple[Indices, Matrix]]
 def local_derivatives(
     local: LocalContact, path: LocalPath, shapes: Matrix, columns: Matrix
 ) -> Excess:
-    """Return how forces beside those of springs change with unknowns along a path.
+    """Return derivatives of forces beyond the springs by the unknowns, along a path.
 
-    Exact along it but for T in the precision of steps. Shapes (components n_point, n_column)
-    [length] are what the load columns move the points with all stuck; columns (N, n_column, x) the
-    derivatives of their factors, the same in every period of N increments.
+    They are exact but for T in the precision of steps. ``shapes`` (components n_point, n_column)
+    [length] are displacements of the points per load column with all stuck. ``columns`` (N,
+    n_column, x) are derivatives of the column factors, the same in every period of N increments.
     """
     (k, m), N, count = local.springs.shape, len(columns), columns.shape[2]
     s = np.zeros((k, m, count))
@@ -266,10 +266,10 @@ def local_derivatives(
         anchor[1:] -= slip[: k - 1]
         K = local.laws.respond(anchor + w.reshape(k, m))[1]
         change = change_from(local.springs, K)
-        # What is open goes with the motion, also where it was open at rest.
+        # Open points move with the motion, also those that were open at rest.
         points = np.flatnonzero(change.any(axis=(1, 2)) | ~K.any(axis=(1, 2)))
         off = OffSprings.of(local, change, local.compliance)
-        # Where points slid before, or are off their springs, μ changes: by K s − Δ w.
+        # μ changes by K s − Δ w where points slid before, or are off their springs.
         active = slid.copy()
         active[points] = True
         chosen = np.flatnonzero(active)
@@ -298,13 +298,13 @@ def local_derivatives(
 
 
 def _moved(T: npt.NDArray[Any], forces: Matrix) -> npt.NDArray[Any]:
-    """Return T times forces (n_coordinate, x) of which many are nil."""
+    """Return T times forces (n_coordinate, x), many of whose rows vanish."""
     rows = np.flatnonzero(forces.any(axis=1))
     return np.asarray(T[rows].T @ forces[rows].astype(T.dtype))
 
 
 def changed_by(path: LocalPath, local: LocalContact, excess: Excess, change: Vector) -> Matrix:
-    """Return μ of a path (n_increment, components n_point) as unknowns change (x,)."""
+    """Return μ of a path (n_increment, components n_point) after a change of the unknowns (x,)."""
     forces = path.excess(local).T.copy()
     for row, (rows, per_unknown) in zip(forces, excess, strict=True):
         row[rows] += per_unknown @ change

@@ -1,6 +1,6 @@
 """Static contact by Newton's method on the full finite element equations.
 
-The independent check of the condensed solution: it shares nothing with it but K and G, and
+An independent check of the condensed solution: it shares nothing but K and G with it, and
 factorizes the whole stiffness anew for every set of points in contact.
 """
 
@@ -26,10 +26,10 @@ def solve_static_newton(model: Model, load: Load = AT_REST) -> Solution:
     Raises
     ------
     ModelError
-        If something moves freely, or the joint has friction.
+        If a part moves freely, or the joint has friction.
     ConvergenceError
-        If the points in contact do not settle, or hard contact has more of them than gaps that
-        can be closed singly.
+        If the set of points in contact does not converge, or the gaps of hard points are linearly
+        dependent.
 
     Notes
     -----
@@ -51,7 +51,7 @@ def solve_static_newton(model: Model, load: Load = AT_REST) -> Solution:
     structure = model.structure
     external = balanced(input_forces(model, inputs), structure.rigid_motions, structure.carried)
     hard = np.isinf(model.contact.penalty)
-    solver = _hard if hard.any() else _penalty
+    solver = _solve_hard if hard.any() else _solve_penalty
     try:
         u, forces, iterations = solver(model, external)
     except SingularMatrixError as error:
@@ -69,7 +69,7 @@ def solve_static_newton(model: Model, load: Load = AT_REST) -> Solution:
     )
 
 
-def _penalty(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
+def _solve_penalty(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
     contact = model.contact
     G: SparseMatrix = contact.gap_operator
     stiffness = contact.penalty * contact.weights
@@ -91,7 +91,7 @@ def _penalty(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
         while (trial := energy(u + fraction * (target - u))) > level and fraction > 1e-6:
             fraction /= 2
         u, level = u + fraction * (target - u), trial
-    raise ConvergenceError(_unsettled(MOST_STEPS))
+    raise ConvergenceError(_no_convergence_message(MOST_STEPS))
 
 
 def _penalty_step(
@@ -104,8 +104,8 @@ def _penalty_step(
     return np.asarray(factorize(tangent.tocsr()).solve(pushed))
 
 
-def _hard(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
-    """Saddle-point system: penalty points keep their flexibility, hard ones have none."""
+def _solve_hard(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
+    """Solve the saddle-point equations: only penalty points have a flexibility."""
     contact = model.contact
     G: SparseMatrix = contact.gap_operator
     K, flexibility = model.structure.supported_stiffness, contact.flexibility
@@ -119,7 +119,7 @@ def _hard(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
         try:
             factors = spla.splu(saddle)
         except RuntimeError:  # how SuperLU says that a pivot is zero
-            raise ConvergenceError(_undetermined(int(active.sum()))) from None
+            raise ConvergenceError(_dependent_gaps_message(int(active.sum()))) from None
         solution = factors.solve(right)
         solution += factors.solve(right - saddle @ solution)  # the gaps cancel many digits
         u, forces = solution[: len(external)], np.zeros(contact.n_points)
@@ -129,10 +129,10 @@ def _hard(model: Model, external: Vector) -> tuple[Vector, Vector, int]:
         if np.array_equal(following, active):
             return u, forces, iteration
         active = following
-    raise ConvergenceError(_unsettled(MOST_STEPS))
+    raise ConvergenceError(_no_convergence_message(MOST_STEPS))
 
 
-def _undetermined(closed: int) -> str:
+def _dependent_gaps_message(closed: int) -> str:
     return (
         f"hard contact closes {closed} points whose gaps depend on each other, so that Newton's "
         "equations are singular; take nodal quadrature, a penalty, or solve_static, which finds "
@@ -140,7 +140,7 @@ def _undetermined(closed: int) -> str:
     )
 
 
-def _unsettled(limit: int) -> str:
+def _no_convergence_message(limit: int) -> str:
     return (
         f"the points in contact did not settle in {limit} Newton iterations; use solve_static, "
         "whose active set cannot cycle"

@@ -1,4 +1,4 @@
-"""Quasi-static paths: increments of load, with friction that remembers its slip."""
+"""Quasi-static load paths: increments of load, with friction that depends on the slip so far."""
 
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -35,19 +35,19 @@ def solve_path(
     initial: Solution | None = None,
     name: str = "path",
 ) -> Solution:
-    """Solve a sequence of loads, each from where the one before left the joint.
+    """Solve a sequence of loads, each starting from the state after the one before.
 
     Parameters
     ----------
     system
         Full or reduced model; interfaces with and without friction.
     loads
-        States of load, one after the other, not their differences; histories are taken at time
-        zero. The bolts act with the initial forces they are locked at, unless a load says else.
+        Total loads in sequence, not their differences; histories are taken at time zero. The bolts
+        act with the initial forces they are locked at, unless a load changes them.
     initial
-        Solution of an earlier path to go on from, its last state, of this joint or one with the
-        same interfaces and the loads it carries; by default the joint is unstressed and nothing
-        has slipped, so that the first increment tightens the bolts.
+        Solution whose last state the path continues, of this joint or one with the same interfaces
+        and the loads it carries; by default the joint is unstressed and free of slip, so that the
+        first increment tightens the bolts.
 
     Returns
     -------
@@ -62,15 +62,13 @@ def solve_path(
     ConvergenceError
         If an increment is not solved even when it is divided; the message names it.
 
-    Notes
-    -----
-    Increments are implicit (backward Euler in the slip). An increment that does not converge is
-    halved, up to 64 parts, but from rest and without gaps, where half of it is the same problem.
-    Path and increments are part of the answer: one large increment and several small ones give
-    different slips, and energy by slip and by the loop of load and displacement agree as increments
-    shrink. Each costs some Newton steps between pairs, of 2 n³/3 for n relative displacements in
-    contact, and a back-substitution. Without friction nothing is
-    remembered, and the loads are cases of :func:`~faying.simulation.static.solve_static_cases`.
+    Notes ----- Increments are implicit (backward Euler in the slip). An increment that does not
+    converge is halved, up to 64 parts, unless it starts at rest without gaps, where the half is the
+    same problem. Slip depends on path and increments: one large increment and several small ones
+    give different slips. The energy dissipated by slip tends to that of the loop of load and
+    displacement as increments shrink. Each increment costs some Newton steps between pairs, of 2
+    n³/3 for n relative displacements in contact, and a back-substitution. Without friction there is
+    no history, and the loads are cases of :func:`~faying.simulation.static.solve_static_cases`.
 
     Examples
     --------
@@ -88,15 +86,15 @@ def solve_path(
 
 
 def contact_along(system: Joint, relative: Matrix, begun: Callable[[], PathStep]) -> ContactStates:
-    """Return contact under loads that alone move the pairs (n_load, n_relative) [length].
+    """Return contact states for displacements of the pairs under loads alone.
 
-    Each load goes on from where the one before it left the joint; where contact remembers nothing
-    they are cases.
+    Displacements are (n_load, n_relative) [length]. Each load starts from the state after the one
+    before; without history they are independent cases.
 
     Parameters
     ----------
     begun
-        Says where the first load goes on from, where that matters.
+        Function that returns the state before the first load, called if there is history.
     """
     contact = system.contact
     require_room(
@@ -113,10 +111,10 @@ def contact_along(system: Joint, relative: Matrix, begun: Callable[[], PathStep]
 def contact_at_ends(
     system: Joint, ways: Sequence[Matrix], begun: Callable[[], PathStep]
 ) -> ContactStates:
-    """Return contact at the ends of paths whose loads alone move the pairs (n_load, n_relative).
+    """Return contact states at the ends of several paths.
 
-    As :func:`contact_along`, which each path is. Where contact remembers nothing the ends are
-    cases, solved together.
+    Each path is given and solved as in :func:`contact_along`. Without history the ends are
+    independent cases and are solved together.
     """
     if system.contact.forgets:
         ends = np.array([way[-1] for way in ways])
@@ -137,23 +135,23 @@ def path_inputs(system: System, loads: Sequence[StaticLoad]) -> Matrix:
 
 
 def moved_alone(system: Joint, inputs: Matrix) -> Matrix:
-    """Return what inputs (n_load, n_input) alone move the pairs (n_load, n_relative) [length]."""
+    """Return displacements of the pairs (n_load, n_relative) [length] under inputs alone."""
     ports = system.port_compliance
-    # Row by row, so that a load gives the same digits whichever others stand beside it.
+    # Row by row, so that the digits of a load do not depend on the other loads.
     rows = [row @ ports.contact_columns for row in np.atleast_2d(port_forces(ports, inputs))]
     return np.array(rows).reshape(*np.shape(inputs)[:-1], ports.n_relative)
 
 
 def assembled(system: System, inputs: Matrix, steps: Sequence[PathStep], name: str) -> Solution:
-    """Return the solution of a path that was followed, one back-substitution for each load."""
+    """Return the solution of a path from its steps, by one back-substitution for each load."""
     return solution_of(system, inputs, states_of(system.contact, steps), name)
 
 
 def left_by(system: System, joint: Joint, inputs: Vector, step: PathStep, name: str) -> Solution:
-    """Return the state of a system under inputs (n_input,) where a step of its joint left it.
+    """Return the state of a system under inputs (n_input,) after a step of its joint.
 
-    The joint may be without the friction of the system: what moved along the surfaces then counts
-    as slip, and friction begins there. The solution has one entry.
+    If the joint is without the friction of the system, the tangential displacements count as slip,
+    and friction starts there. The solution has one entry.
     """
     slip, rubbing = system.contact.moved(step.increment.moved)[1:], joint.contact.rubbing
     slip[:, rubbing] = step.slip[:, rubbing]
@@ -161,7 +159,7 @@ def left_by(system: System, joint: Joint, inputs: Vector, step: PathStep, name: 
 
 
 def states_of(contact: Contact, steps: Sequence[PathStep]) -> ContactStates:
-    """Return contact after the steps of a path."""
+    """Return contact states after the steps of a path."""
     laws, n_tangent, n = LawsAtPoints(contact=contact), contact.components - 1, contact.n_points
     forces = np.array([step.increment.forces for step in steps]).reshape(-1, 3, n)
     return ContactStates(
@@ -176,17 +174,17 @@ def states_of(contact: Contact, steps: Sequence[PathStep]) -> ContactStates:
 
 
 def deepest_of(contact: Contact, steps: Sequence[PathStep]) -> Matrix | None:
-    """Return the largest closures (n_step, n_point) after steps; None where nothing remembers."""
+    """Return the largest closures (n_step, n_point) after steps; None without such history."""
     return np.array([step.increment.deepest for step in steps]) if contact.remembers else None
 
 
 def last_of(solution: Solution) -> Solution:
-    """Return the last state of a path, or a static solution as it is."""
+    """Return the last state of a path, or a static solution itself."""
     return state_of(solution, -1)
 
 
 def state_of(solution: Solution, number: int) -> Solution:
-    """Return one state of a path, or a static solution as it is."""
+    """Return one state of a path, or a static solution itself."""
     if solution.states.ndim == 1:
         return solution
     values = {name: getattr(solution, name) for name in OF_EACH_STATE}
@@ -195,12 +193,12 @@ def state_of(solution: Solution, number: int) -> Solution:
 
 
 def path_start(system: System, initial: Solution | None) -> PathStep:
-    """Return where a path begins: unstressed, or at the last state of an earlier one.
+    """Return the first step of a path: unstressed, or the last state of an earlier path.
 
     Raises
     ------
     ModelError
-        If that has other contact points, or carries what the joint does not have.
+        If that has other contact points, or loads that the joint does not have.
     """
     if initial is None:
         return unstressed(system)
@@ -211,14 +209,14 @@ def path_start(system: System, initial: Solution | None) -> PathStep:
 
 
 def unstressed(joint: Joint) -> PathStep:
-    """Return where a path begins before anything pressed or slipped."""
+    """Return the first step of a path without stress and slip."""
     return path_at(joint, np.zeros(joint.port_compliance.n_relative), None)
 
 
 def path_at(joint: Joint, relative: Vector, state: Solution | None) -> PathStep:
-    """Return where a path stands at one state, or before anything pressed or slipped.
+    """Return the step of a path at one state; None is the state without stress and slip.
 
-    Its load alone moves the pairs by (n_relative,) [length].
+    ``relative`` (n_relative,) [length] are displacements of the pairs under its load alone.
     """
     n, deepest = joint.contact.n_points, None
     forces, slip = np.zeros((3, n)), np.zeros((2, n))
@@ -244,8 +242,8 @@ def solve_static(system: System, load: Load = AT_REST, initial: Solution | None 
     system
         Full or reduced model; histories are taken at time zero.
     initial
-        With friction or gaskets, the state to go on from in one increment; by default the joint is
-        unstressed and nothing has slipped. Else where it comes from does not matter.
+        With friction or gaskets, the state to continue from in one increment; by default the joint
+        is unstressed and free of slip. In all other cases it has no effect.
 
     Raises
     ------
@@ -254,8 +252,8 @@ def solve_static(system: System, load: Load = AT_REST, initial: Solution | None 
 
     Notes
     -----
-    One dense contact problem and one back-substitution; the compliance of the system is
-    formed at the first call and kept.
+    One dense contact problem and one back-substitution; the first call forms the compliance of
+    the system, and later calls use it again.
 
     Examples
     --------
@@ -271,7 +269,7 @@ def solve_static(system: System, load: Load = AT_REST, initial: Solution | None 
 def solve_ramps(
     system: System, inputs: Matrix, rest: Solution, *, increments: int, name: str = "ramps"
 ) -> Solution:
-    """Solve many loads, each in equal increments from the last state of a path; its end of each.
+    """Solve many loads, each in equal increments from the last state of a path; return the ends.
 
     Inputs (n_case, n_input) [force] are boundary forces and initial bolt forces. The solution has
     one entry per load, with ``traction`` and ``slip``; iterations and dissipation are those of the
@@ -295,7 +293,7 @@ def solve_ramps(
 def solve_ends(
     system: System, ways: Sequence[Matrix], initial: Solution | None, name: str
 ) -> Solution:
-    """Solve many paths of inputs (n_load, n_input) from one state; the end of each.
+    """Solve many paths of inputs (n_load, n_input) from one state; return the end of each.
 
     One back-substitution for each.
     """

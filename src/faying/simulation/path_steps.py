@@ -1,4 +1,4 @@
-"""Where a path stands after each of its loads, and how it goes from one to the next."""
+"""The steps of a load path, and the solution of one load after another."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -26,19 +26,19 @@ steps each, and 17 and 15 from where the step had begun.
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PathStep:
-    """Where a path stands after a load.
+    """The state of a path after a load.
 
     Attributes
     ----------
     relative : (n_relative,) [length]
-        What the load alone would move the pairs.
+        Displacements of the pairs under the load alone.
     increment
         The last increment of the load.
     slip : (2, n_point)
     iterations, dissipation
         Of all increments of the load.
     previous
-        Where the load before left the path; None where that is not known.
+        Increment after the load before; None where that is unknown.
     """
 
     relative: Vector
@@ -57,11 +57,11 @@ def follow(
     *,
     before: Sequence[PathStep] = (),
 ) -> Iterator[PathStep]:
-    """Yield where a path stands after each load (n_load, n_relative), from where it begins.
+    """Yield the step of a path after each load, starting from ``step``.
 
-    Some of the loads may be given, if ``step`` is where those before them led. Where the same loads
-    came before, as in cycles, it is told where they began and where each of them led: increments
-    then begin as those did, past where the path now is.
+    Loads are given by displacements of the pairs under them alone (n_load, n_relative); ``part``
+    selects some of them, if ``step`` is the one before these. For cycles, ``before`` holds the
+    steps of the same loads in the cycle before: increments are then predicted from theirs.
 
     Raises
     ------
@@ -73,10 +73,10 @@ def follow(
         for number in numbers:
             try:
                 if before:
-                    start = _again(step, before[number].increment, before[number + 1].increment)
+                    start = _repeat(step, before[number].increment, before[number + 1].increment)
                 else:
-                    start = _ahead(step, relative[number])
-                step = _to(solver, step, relative[number], MOST_DIVISIONS, start)
+                    start = _extrapolated(step, relative[number])
+                step = _solve_increment(solver, step, relative[number], MOST_DIVISIONS, start)
             except ConvergenceError as error:
                 message = f"load {number + 1} of {len(relative)} on the path: {error}"
                 raise ConvergenceError(message) from None
@@ -84,19 +84,19 @@ def follow(
 
 
 def _in_proportion(contact: Contact, step: PathStep) -> bool:
-    """Say whether a part of a load is that part of the same problem, no easier to solve."""
+    """Return whether half a load is the same problem scaled, and so no easier to solve."""
     unloaded = not (step.relative.any() or step.increment.forces.any() or step.slip.any())
     return unloaded and contact.proportional and not contact.initial_gap.any()
 
 
-def _to(
+def _solve_increment(
     solver: IncrementSolver,
     step: PathStep,
     target: Vector,
     divisions: int,
     start: Increment | None,
 ) -> PathStep:
-    """Go to a load in one increment from a start, or by halves where that is too far."""
+    """Return the step after one increment to a load, or after halves of it without convergence."""
     offset, previous = solver.contact.offset(step.slip), replace(step, previous=None)
     try:
         increment = solver.solve(target, offset, start)
@@ -104,8 +104,8 @@ def _to(
         if divisions == 0 or _in_proportion(solver.contact, step):
             raise
         half = (step.relative + target) / 2
-        middle = _to(solver, step, half, divisions - 1, _ahead(step, half))
-        end = _to(solver, middle, target, divisions - 1, _ahead(middle, target))
+        middle = _solve_increment(solver, step, half, divisions - 1, _extrapolated(step, half))
+        end = _solve_increment(solver, middle, target, divisions - 1, _extrapolated(middle, target))
         return replace(
             end,
             previous=previous,
@@ -122,11 +122,11 @@ def _to(
     )
 
 
-def _ahead(step: PathStep, target: Vector) -> Increment | None:
-    """Return where an increment begins: on the line from the step before, as far as the load goes.
+def _extrapolated(step: PathStep, target: Vector) -> Increment | None:
+    """Return the predicted start of an increment, extrapolated from the step before.
 
-    At most as far as that was, so that round-off between equal loads leads nowhere, and hardly
-    back, where what slipped sticks at first.
+    At most to the length of that step: round-off between equal loads then leads nowhere, and a
+    reversal hardly back, since slipped points stick at first.
     """
     start, previous = step.increment, step.previous
     if not start.begun:
@@ -139,7 +139,7 @@ def _ahead(step: PathStep, target: Vector) -> Increment | None:
     return replace(start, moved=start.moved + part * (start.moved - previous.increment.moved))
 
 
-def _again(step: PathStep, earlier: Increment, later: Increment) -> Increment | None:
-    """Return where an increment begins that goes as far as from an earlier one to a later one."""
+def _repeat(step: PathStep, earlier: Increment, later: Increment) -> Increment | None:
+    """Return the predicted start of an increment that repeats one between two earlier states."""
     start = step.increment
     return replace(start, moved=start.moved + later.moved - earlier.moved) if start.begun else None

@@ -70,7 +70,7 @@ class ModalLoads:
 
     @classmethod
     def of(cls, system: System, stuck: StuckPoints, load: Matrix, rest: StuckRest) -> "ModalLoads":
-        """Return them for both parts of a load (n_dof, 2), and shapes with what follows them."""
+        """Return the loads for both parts of a load (n_dof, 2), and shapes with their rest."""
         W = rest.directions
         forces = np.column_stack([load, system.M @ W, system.C @ W])
         factor, G = system.factorize_static(), system.contact.relative_operator
@@ -140,19 +140,19 @@ class ModalLoads:
         return np.concatenate(columns), np.concatenate(slopes)
 
     def stuck(self, circular: float) -> ComplexVector:
-        """Return what the load moves boundaries by where nothing slips (n_boundary,) [length]."""
+        """Return boundary displacements (n_boundary,) [length] under the load without slip."""
         q = self.rest.swung(circular)[: self.n_mode]
         columns = self.factors(circular)[0] @ np.append(1.0, q)
         return np.asarray(self.answers[self.n_column :][: self.n_boundary] @ columns)
 
     def bolt_forces(self, outputs: Matrix) -> Matrix:
-        """Return what motion adds to the forces of bolts (n_bolt, N) [force]."""
+        """Return changes of bolt forces (n_bolt, N) [force] due to the motion."""
         first = self.n_column + self.n_boundary
         stiffness = np.array([[bolt.stiffness] for bolt in self.bolts.values()])
         return stiffness.reshape(-1, 1) * outputs[first : first + len(self.bolts)]
 
     def bolt_moments(self, outputs: Matrix) -> dict[str, Matrix]:
-        """Return what motion adds to the bending moments of bolts (N, 2, 2) that have them."""
+        """Return changes of bolt bending moments (N, 2, 2) due to the motion, by bolt."""
         first = self.n_column + self.n_boundary + len(self.bolts)
         bent = [name for name, bolt in self.bolts.items() if bolt.bending is not None]
         ends = outputs[first:].T.reshape(outputs.shape[1], len(bent), 2, 2)
@@ -184,7 +184,7 @@ class Motion:
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Derivatives:
-    """What changes with the unknowns and, in the last place, with ω.
+    """Derivatives by the unknowns and, in the last place, by ω.
 
     Attributes
     ----------
@@ -200,7 +200,7 @@ class Derivatives:
     excess: Excess
 
     def at(self, rows: Indices) -> "Derivatives":
-        """Return them with μ at other rows, as of more points."""
+        """Return the derivatives with μ at other rows, after points were added."""
         return replace(self, excess=[(rows[old], change) for old, change in self.excess])
 
 
@@ -235,7 +235,7 @@ class PeriodicProblem:
     def of(
         cls, stuck: StuckPoints, points: Indices, loads: ModalLoads, **numbers: Any
     ) -> "PeriodicProblem":
-        """Return it for points (n,) to watch; numbers are level, n_harmonic and samples."""
+        """Return the problem for points (n,) to watch."""
         driven = replace(stuck, prescribed=loads.prescribed)
         return cls(stuck=driven, local=driven.local(points), loads=loads, **numbers)
 
@@ -278,12 +278,12 @@ class PeriodicProblem:
         return np.asarray((np.exp(1j * self._angles) @ self._driven(harmonics, circular)).real)
 
     def velocities(self, motion: Motion) -> ComplexMatrix:
-        """Return those of all directions, on which damping acts (H + 1, n_mode + n_rest)."""
+        """Return velocities of all directions, on which damping acts (H + 1, n_mode + n_rest)."""
         return -self._driven(motion.harmonics, motion.circular)[:, self.loads.damped]
 
     @cached_property
     def _at_points(self) -> Matrix:
-        """What load columns and outputs do at the points with all stuck (components n_local, …)."""
+        """Effect of load columns and outputs at the points, all stuck (components n_local, …)."""
         return np.asarray(self.local.rows @ self.loads.restrained[self.local.pairs])
 
     def follow(
@@ -293,10 +293,10 @@ class PeriodicProblem:
         guesses: Sequence[Matrix] = (),
         kept: Sequence[OffSprings | None] = (),
     ) -> Motion:
-        """Run through the periods under given motion of the modes.
+        """Return the motion along all periods for given motion of the modes.
 
-        Guesses are μ of the PERIODS N increments (PERIODS N, components n_local) [force]; factors
-        may be kept from a path that is close.
+        Guesses are μ of the PERIODS N increments (PERIODS N, components n_local) [force]; ``kept``
+        are factors from a similar path.
 
         Raises
         ------
@@ -330,12 +330,12 @@ class PeriodicProblem:
         return self.packed(order**2 * motion.harmonics + given)
 
     def derivatives(self, motion: Motion) -> "Derivatives":
-        """Return those of the residual and of the path, exact along it."""
+        """Return derivatives of the residual and of the path, exact along it."""
         H, m, N = self.n_harmonic, self.loads.n_mode, self.samples
         size, n = self.size, self.loads.n_column
         wave, order = np.exp(1j * self._angles), motion.circular * np.arange(H + 1)
         factors, slopes = map(np.array, zip(*map(self.loads.factors, order.tolist()), strict=True))
-        # What one unknown adds to the load columns.
+        # Derivatives of the load columns by the unknowns.
         added = np.einsum("nk,kcm->nckm", wave, factors[:, :, 1:]).reshape(N, n, -1)
         given = self._given(motion.harmonics) * np.arange(H + 1)[:, None]
         per_frequency = (wave @ np.einsum("kcm,km->kc", slopes, given)).real
@@ -364,15 +364,15 @@ class PeriodicProblem:
     def begun(
         self, motion: Motion, change: Vector | None = None, by: Derivatives | None = None
     ) -> Matrix:
-        """Return μ along a motion (PERIODS N, …), moved on as unknowns and ω change."""
+        """Return μ along a motion (PERIODS N, …), extrapolated for a change of unknowns and ω."""
         if change is None or by is None:
             return motion.path.excess(self.local).T
         return changed_by(motion.path, self.local, by.excess, change)
 
     def turned(self, motion: Motion, change: Vector) -> tuple[Vector, Matrix]:
-        """Return unknowns that change (size,) as much as the motion turns, and μ so much later.
+        """Return unknowns (size,) after a change, as a phase shift and a remainder; and shifted μ.
 
-        Close to a resonance a motion turns far while it changes little.
+        Close to a resonance the motion changes its phase much and its amplitude little.
         """
         h, rate = motion.harmonics, self.unpacked(change)
         size = float(np.vdot(h[1], h[1]).real)
@@ -387,7 +387,7 @@ class PeriodicProblem:
         return self.packed(harmonics), (1 - share) * last[first % self.samples] + share * ahead
 
     def watching(self, points: Indices) -> tuple["PeriodicProblem", Indices]:
-        """Return the problem with more points (n,) to watch, and where its rows of μ are then."""
+        """Return the problem with points (n,) added, and the new rows of its former μ."""
         every = np.union1d(self.local.points, points)
         at = np.searchsorted(every, self.local.points)
         rows = len(every) * np.arange(self.local.components)[:, None] + at

@@ -56,7 +56,7 @@ MOST_POINTS = 100
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CurvePoint:
-    """A motion that is solved, and the way on.
+    """A solved motion on the curve, with its derivatives.
 
     Attributes
     ----------
@@ -80,13 +80,13 @@ class CurvePoint:
         return self.problem.packed(self.motion.harmonics)
 
     def behind(self) -> "CurvePoint":
-        """Return it without what leads on from it."""
+        """Return the point without the factors and derivatives that the next point starts from."""
         path = replace(self.motion.path, factors=())
         motion, derivatives = replace(self.motion, path=path), replace(self.derivatives, excess=())
         return replace(self, motion=motion, derivatives=derivatives)
 
     def tangent(self) -> Vector:
-        """Return d(unknowns)/dω and 1 (size + 1,), as long as their change over their size."""
+        """Return d(unknowns)/dω and 1 (size + 1,), not normalized."""
         slopes = self.derivatives.residual
         moved = la.solve(slopes[:, :-1], -slopes[:, -1])
         return np.append(moved, 1.0)
@@ -130,10 +130,10 @@ def solve_motion(
                 guess = problem.begun(motion, part * change, derivatives)
                 watching, rows, moved = _followed(problem, trial, [guess], motion.path.factors)
                 left = float(np.linalg.norm(step(moved)[:-1]))
-                # Of more points the step said nothing yet.
+                # The step was computed without the added points.
                 if left <= (1 - part / 4) * far or len(rows) < watching.local.springs.size:
                     break
-            # Where round-off allows no less, the motion is solved.
+            # At the limit of round-off the motion is solved.
             ends, part = error <= SOLVED, part / 2
         if ends:
             trial, guess = x, problem.begun(motion)
@@ -143,7 +143,7 @@ def solve_motion(
         elif part < 0.5**MOST_DIVISIONS:
             break
         x, motion, problem, derivatives = trial, moved, watching, derivatives.at(rows)
-        # Where round-off allows no less, other derivatives change nothing.
+        # At the limit of round-off other derivatives change nothing.
         if not ends and left > FAST_CONVERGENCE * far and left > SOLVED * size:
             derivatives = problem.derivatives(motion)
             factors = _factors(derivatives, border)
@@ -157,9 +157,9 @@ def _followed(
     guesses: Sequence[Matrix] = (),
     kept: Sequence[OffSprings | None] = (),
 ) -> tuple[PeriodicProblem, Indices, Motion]:
-    """Run through the periods, with the points watched that leave their springs by a guess.
+    """Return the motion along all periods; points that leave their springs are added to watch.
 
-    Where the rows of μ are then is returned besides.
+    The new rows of μ are returned too.
     """
     n = problem.local.springs.size
     guess = guesses[0] if guesses else np.zeros((PERIODS * problem.samples, n))
@@ -174,7 +174,7 @@ def _followed(
 
 
 def _leaving(problem: PeriodicProblem, x: Vector, guess: Matrix) -> Indices:
-    """Return points that leave their springs in a motion that needs not be periodic yet."""
+    """Return points that leave their springs in a motion, periodic or not yet."""
     displaced = problem.displaced(x[:-1], float(x[-1]), guess)
     return problem.stuck.leaving(displaced, problem.local.points)
 
@@ -195,8 +195,8 @@ def trace(
 ) -> "Traced":
     """Follow the curve from the first of some frequencies (n,) [1/time] to the last.
 
-    Starts are unknowns (size,) to begin with, one after the other, where the ``first`` point is not
-    given; ``progress`` is called with 1 after each frequency.
+    ``starts`` are guesses of the unknowns (size,), tried in sequence where the ``first`` point is
+    not given; ``progress`` is called with 1 after each frequency.
     """
     points, missed = list[CurvePoint](), list[str]()
     # Where no motion is found, the next frequency is tried from the linear one.
@@ -221,7 +221,7 @@ def trace(
 
 
 def _started(problem: PeriodicProblem, starts: Sequence[Vector], circular: float) -> CurvePoint:
-    """Solve for a first motion, by rising levels where it is too far from all starts."""
+    """Solve for a first motion, by rising load levels where all starts are too far away."""
     for unknowns in starts:
         try:
             return solve_motion(problem, unknowns, circular)
@@ -246,14 +246,14 @@ def _started(problem: PeriodicProblem, starts: Sequence[Vector], circular: float
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Traced:
-    """Points of a curve, and the frequencies at which no motion was found."""
+    """Points of a curve, and the frequencies without a solution."""
 
     points: list[CurvePoint]
     missed: tuple[str, ...]
 
 
 def _onward(point: CurvePoint, target: float) -> list[CurvePoint]:
-    """Return the points from one to a circular frequency, that included."""
+    """Return the points of the curve from one up to and including a circular frequency."""
     begin, points, reach = point.motion.circular, list[CurvePoint](), 1.0
     way, span = np.sign(target - begin), abs(target - begin)
     far = min(max(LARGEST_DETOUR * begin, 2 * span), begin)
@@ -310,7 +310,7 @@ def _onward(point: CurvePoint, target: float) -> list[CurvePoint]:
 
 
 def _between(start: CurvePoint, finish: CurvePoint, target: float) -> CurvePoint:
-    """Return the point at a circular frequency between those of two others."""
+    """Return the point at a circular frequency between two others."""
     begin, end = start.motion.circular, finish.motion.circular
     share = (target - begin) / (end - begin)
     guess = (1 - share) * start.unknowns + share * finish.unknowns

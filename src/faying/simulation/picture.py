@@ -1,4 +1,4 @@
-"""Quick looks at solutions: a map of one state, lines over several."""
+"""Plots of solutions: a map of one state, lines over several."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -64,7 +64,7 @@ def plot_lines(
 
 
 def checked_quantity(quantity: str) -> str:
-    """Return a quantity that can be drawn."""
+    """Return the name of a quantity to draw; refuse unknown names."""
     check_known(quantity, QUANTITIES, "picture")
     return quantity
 

@@ -1,4 +1,4 @@
-"""Preload: models whose bolts are tightened and locked, their sticking area tied."""
+"""Preload: models with tightened and locked bolts, and ties where the parts stick."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from faying.simulation.tightening import NOTHING_LOST, tighten
 
 @dataclass(frozen=True, kw_only=True)
 class Sticking:
-    """Where the parts are taken to stick together in tangential direction (§15.4.2).
+    """Rule for the area in which the parts stick together in tangential direction (§15.4.2).
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ def preload(
         If given, pairs pressed hard enough are tied in tangential direction and the bolts are
         tightened again, so that their forces are final in the model that is returned.
     losses
-        As of :func:`tighten`, with which the bolts are locked.
+        Losses after tightening as in :func:`tighten`; the bolts are locked with what remains.
 
     Raises
     ------
@@ -90,7 +90,7 @@ def preload(
 
 
 def with_sticking(model: Model, sticking: Sticking) -> Model:
-    """Return a preloaded model with tangential penalties where the parts stick (§15.4.2)."""
+    """Return a preloaded model with tangential penalties in the sticking area (§15.4.2)."""
     pressure = solve_static(model).pressure
     stuck: dict[str, Mask] = {}
     added = sp.csr_array(model.K.shape)

@@ -1,4 +1,4 @@
-"""What bolts lose after they were tightened: faces that flatten, and relaxation in time."""
+"""Preload losses after tightening: embedding of faces, and relaxation in time."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -11,13 +11,13 @@ from faying.simulation.bolted_state import BoltedState
 
 @dataclass(frozen=True, kw_only=True)
 class PreloadLoss:
-    """What a bolt loses after it was tightened.
+    """Loss of preload of a bolt after tightening.
 
     Attributes
     ----------
     embedding : [length]
-        What each face between head and nut flattens, the thread among them. The bolt is shorter by
-        the sum f_Z and loses f_Z / (δ_S + δ_P) where nothing else acts (T3).
+        Flattening of each face between head and nut, the thread among them. The bolt is shorter by
+        the sum f_Z and loses f_Z / (δ_S + δ_P) if nothing else acts (T3).
     relaxation
         Share of its force that it loses in time, before the faces have flattened.
 
@@ -45,9 +45,9 @@ class PreloadLoss:
 def loses(
     state: BoltedState, losses: Mapping[str, PreloadLoss]
 ) -> Iterator[tuple[str, BoltedState]]:
-    """Yield what is lost, and where the joint then stands: relaxation first, then embedding.
+    """Yield a name and the state of the joint after each loss: relaxation first, then embedding.
 
-    The losses of all tightened bolts come together.
+    All tightened bolts lose at the same time.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Where transients stand, one by one and side by side."""
+"""Restarts of transients, one by one and side by side."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
@@ -14,18 +14,18 @@ from faying.simulation.integrators import Motion
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Restart:
-    """Where a transient stands: all that the steps to come depend on.
+    """The state of a transient that determines all steps to come.
 
     Attributes
     ----------
     done
-        Steps behind it.
+        Steps done so far.
     motion
         Displacement, velocity, acceleration, force and contact forces there.
     contact
-        Where contact stands, from which the next step starts.
+        Contact state, from which the next step starts.
     ledger
-        Of its energy; None before the first step.
+        Energy balance so far; None before the first step.
     level
         Halvings of the next step to begin with, where steps are divided.
     peak
@@ -41,13 +41,13 @@ class Restart:
 
 
 def side_by_side(motions: Sequence[Motion]) -> Motion:
-    """Return the motions of all cases as one, with one case a column."""
+    """Return the motions of several cases as one motion, with one case a column."""
     names = [entry.name for entry in fields(Motion)]
     return Motion(*(np.array([getattr(motion, name) for motion in motions]).T for name in names))
 
 
 def each_of(done: int, motion: Motion, states: Sequence[ContactState]) -> list[Restart]:
-    """Return where each of the transients side by side stands."""
+    """Return the restart of each transient from a motion of all."""
     columns = zip(*(values.T for values in vars(motion).values()), strict=True)
     return [
         Restart(done=done, motion=Motion(*parts), contact=state)
@@ -56,7 +56,7 @@ def each_of(done: int, motion: Motion, states: Sequence[ContactState]) -> list[R
 
 
 def kept_restart(restart: Restart) -> dict[str, Matrix]:
-    """Return arrays from which :func:`restart_from` makes the same restart; numbers are 0-d."""
+    """Return a restart as arrays for :func:`restart_from`; numbers are 0-d."""
     contact = restart.contact
     arrays: dict[str, Any] = vars(restart.motion) | {
         "active": contact.active,
@@ -73,7 +73,7 @@ def kept_restart(restart: Restart) -> dict[str, Matrix]:
 
 
 def restart_from(arrays: Mapping[str, Any]) -> Restart:
-    """Return the restart that :func:`kept_restart` kept, with an energy ledger."""
+    """Return the restart stored by :func:`kept_restart`, with its energy ledger."""
     return Restart(
         done=int(arrays["done"]),
         motion=Motion(**{entry.name: arrays[entry.name] for entry in fields(Motion)}),
@@ -87,7 +87,7 @@ def restart_from(arrays: Mapping[str, Any]) -> Restart:
         ledger=EnergyLedger(
             **{entry.name: float(arrays[entry.name]) for entry in fields(EnergyLedger)}
         ),
-        # Histories of earlier versions know of no divided steps.
+        # Histories of earlier versions have no divided steps.
         level=int(arrays.get("level", 0)),
         peak=float(arrays.get("peak", 0.0)),
     )

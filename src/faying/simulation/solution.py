@@ -1,4 +1,4 @@
-"""Solutions are data: states, contact forces and what follows from them."""
+"""Solutions: states, contact forces and quantities derived from them."""
 
 import warnings
 from collections.abc import Mapping
@@ -41,27 +41,27 @@ class Solution(ContactFields, Shown):
     inputs : (..., n_input) [force]
         Boundary forces, initial bolt forces, amplitudes of load patterns [-].
     iterations : (...)
-        Linear systems the contact problem took.
+        Linear systems solved in the contact problem.
     times : (n_time,) or None
         Instants of a transient.
     velocities, accelerations : (n_time, n_dof) or None
         Of a transient.
     energy_gain
-        Of a transient: share of the energy in motion that its integration gained from nothing, at
-        worst; above a tenth its pressures mean nothing (:mod:`~.energy_guard`).
+        Of a transient: largest spurious energy gain of its integration, as a share of the energy in
+        motion; above a tenth its pressures mean nothing (:mod:`~.energy_guard`).
     shear_forces : (..., n_tangent, n_point) [force]
         Tangential components of the contact forces: two where some interface has friction, or none.
     shear_slip : (..., n_tangent, n_point) [length]
         Tangential components of the slip.
     dissipation : (...)
-        Energy that friction took in each increment or step [force·length].
+        Energy dissipated by friction in each increment or step [force·length].
     deepest : (..., n_point) or None [length]
         Largest closures so far, of a joint with gaskets.
     substeps : (n_time,) or None
         Steps that led to each instant, where they were divided to hold a tolerance.
     step_error : (n_time,) or None
-        5 times (first order; else 2.5 times) the largest change of a pressure that half as many
-        steps make there, over the largest pressure so far; NaN where the steps were given.
+        Estimated pressure error over the largest pressure so far: 5 times (first order; else 2.5
+        times) the largest change of a pressure by half as many steps; NaN for given steps.
 
     Examples
     --------
@@ -97,13 +97,13 @@ class Solution(ContactFields, Shown):
 
     @property
     def contact_error(self) -> float:
-        """Zero, for contact is solved to round-off; deprecated."""
+        """Zero, since contact is solved to round-off; deprecated."""
         warnings.warn("contact_error is always zero now", DeprecationWarning, stacklevel=2)
         return 0.0
 
     @property
     def facts(self) -> Mapping[str, str]:
-        """Name, what was solved, and the largest pressure."""
+        """Name, kind of solution, and the largest pressure."""
         units = units_of(self.system.units)
         if self.times is not None:
             span = f"{len(self.times)} instants up to {with_unit(self.times[-1], units.time)}"
@@ -130,13 +130,13 @@ class Solution(ContactFields, Shown):
         Parameters
         ----------
         axes
-            Of matplotlib; new ones by default.
+            Axes of matplotlib; new ones by default.
         quantity
             ``"pressure"`` or ``"gap"``, at the contact points.
         at
-            Of several states the one whose map is drawn; by default the largest value over all.
+            Number of the state for a map; by default the largest values over all states.
         interface
-            Of a map the first, of lines all by default.
+            Interface to draw; by default the first for a map, all for lines.
 
         Raises
         ------
@@ -163,7 +163,7 @@ class Solution(ContactFields, Shown):
         pandas.DataFrame
             Columns ``time`` or ``case`` where there are several, ``interface``, ``point``, ``x``,
             ``y``, ``z``, ``area``, ``pressure``, ``gap``, ``contact_force``; ``attrs["units"]``
-            says in what units each is.
+            holds the unit of each.
 
         Raises
         ------
@@ -219,7 +219,7 @@ class Solution(ContactFields, Shown):
         return bolt_of_name.locked(0.0).force(self.states) + unstretched[..., number]
 
     def bolt_bending(self, bolt: str) -> Matrix:
-        """Return the bending moments of a bolt where its beams begin and end [force·length].
+        """Return the bending moments of a bolt at both ends of its beams [force·length].
 
         Returns
         -------
@@ -229,7 +229,7 @@ class Solution(ContactFields, Shown):
         Raises
         ------
         ModelError
-            If there is no such bolt, or it has no beams whose bending could be seen.
+            If there is no such bolt, or it has no beam elements.
         """
         bolt_of_name = self._bolt(bolt)
         if bolt_of_name.bending is None:
@@ -241,7 +241,7 @@ class Solution(ContactFields, Shown):
         return moments.reshape(*moments.shape[:-1], 2, 2)
 
     def weak_force(self, bodies: str) -> Matrix:
-        """Return what the weak springs between two bodies carry (...), in magnitudes [force].
+        """Return magnitudes of the forces of the weak springs between two bodies (...) [force].
 
         Raises
         ------
@@ -253,18 +253,18 @@ class Solution(ContactFields, Shown):
             names = ", ".join(supports) or "none"
             refuse_model(f"there are no weak springs '{bodies}'; those there are hold {names}")
         support = supports[bodies]
-        forces = _each(self.states, support.forces)
+        forces = _row_products(self.states, support.forces)
         at_pairs = np.linalg.norm(forces.reshape(*forces.shape[:-1], -1, 3), axis=-1)
         carried: Matrix = at_pairs.sum(axis=-1)
         return carried
 
     def _told_by(self, rows: SparseMatrix | Matrix, residual: Matrix | None) -> Matrix:
-        """Return what rows (k, n_dof) make of the states, with what the states lack (..., k)."""
-        seen = _each(self.states, rows)
+        """Return rows (k, n_dof) times the states, with residual compliance (..., k)."""
+        seen = _row_products(self.states, rows)
         if residual is None:
             return seen
         pairs = self.system.contact.at_pairs(self.contact_forces, self.shear_forces).T
-        return seen + _each(pairs, residual)
+        return seen + _row_products(pairs, residual)
 
     def _bolt(self, name: str) -> Bolt:
         check_known(name, self.system.bolts, "bolt")
@@ -282,12 +282,12 @@ class Solution(ContactFields, Shown):
         return self.system.expand(self.states)
 
 
-def _each(states: Matrix, rows: SparseMatrix | Matrix) -> Matrix:
-    """Return states @ rowsᵀ, the same digits however many states come together."""
+def _row_products(states: Matrix, rows: SparseMatrix | Matrix) -> Matrix:
+    """Return states @ rowsᵀ, with digits that do not depend on the number of states."""
     if not isinstance(rows, np.ndarray):
         product: Matrix = states @ rows.T
         return product
-    # Matrix products of libraries sum in an order that depends on the size of both.
+    # The order of the sums in library products depends on the sizes of both matrices.
     moments: Matrix = np.einsum(
         "...k,mk->...m", np.ascontiguousarray(states), np.ascontiguousarray(rows)
     )

@@ -1,4 +1,4 @@
-"""Some states of a solution, solutions one after the other as one, and states of other joints."""
+"""Parts of solutions, solutions joined to one, and states of other joints."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -30,19 +30,19 @@ OF_EACH_INSTANT = ("times", "velocities", "accelerations", "substeps", "step_err
 
 
 def some_states(solution: Solution, at: Indices) -> Solution:
-    """Return a solution with some of its states, in arrays of their own: the rest may go."""
+    """Return a solution with some of its states, copied so that the others can be freed."""
     arrays = _arrays(solution)
     return replace(solution, **{name: getattr(solution, name)[at] for name in arrays})
 
 
 def without_states(solution: Solution) -> Solution:
-    """Return what a transient says of contact, without its displacements and their derivatives."""
+    """Return a transient with its contact alone, without displacements and their derivatives."""
     nothing = np.zeros((len(solution.states), 0))
     return replace(solution, states=nothing, velocities=None, accelerations=None)
 
 
 def joined(solutions: Sequence[Solution]) -> Solution:
-    """Return the states of several solutions, one after the other, as one like the last."""
+    """Return one solution with the states of several in sequence, otherwise as the last one."""
     arrays: dict[str, Any] = {
         name: np.concatenate([getattr(solution, name) for solution in solutions])
         for name in _arrays(solutions[-1])
@@ -51,20 +51,20 @@ def joined(solutions: Sequence[Solution]) -> Solution:
 
 
 def arrays_of(solution: Solution) -> dict[str, Any]:
-    """Return everything in a static solution that is numbers, by its name."""
+    """Return all numerical arrays of a static solution, by name."""
     values = {name: getattr(solution, name) for name in OF_EACH_STATE}
     return {name: np.asarray(value) for name, value in values.items() if value is not None}
 
 
 def check_points(system: System, state: Solution) -> None:
-    """Refuse a state with other contact points than a joint has."""
+    """Refuse a state whose contact points differ from those of a joint."""
     ours, theirs = dict(system.contact.slices), dict(state.system.contact.slices)
     for name in {**ours, **theirs}:
         if ours.get(name) == theirs.get(name):
             if system.contact is state.system.contact:
                 continue
             mine, other = (joint.interfaces[name].points for joint in (system, state.system))
-            # Points of another mesh are parts of an element apart; saved models repeat theirs.
+            # Points of another mesh differ by parts of an element; saved models keep theirs.
             reach = DECK_DIGITS * float(np.ptp(mine, axis=0).max(initial=0.0))
             if mine is other or (np.abs(mine - other) <= reach).all():
                 continue

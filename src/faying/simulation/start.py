@@ -1,4 +1,4 @@
-"""Where transients start: the joint at rest under its bolts, or static states that are given."""
+"""Initial states of transients: the joint at rest under its bolts, or given static states."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -27,10 +27,10 @@ from faying.simulation.static import AT_REST, relative_forces
 
 
 def released_state(system: System, load: Load = AT_REST) -> Solution:
-    """Solve a load without friction, as a state of the joint that carries no traction.
+    """Solve a load without friction, as a state of the joint without traction.
 
-    A path that goes on from it (``initial`` of :func:`faying.solve_path`) is that of a joint
-    tightened without friction. Its one entry is of the system itself.
+    A path that continues from it (``initial`` of :func:`faying.solve_path`) is that of a joint
+    tightened without friction. The solution has one entry, of the system itself.
 
     Raises
     ------
@@ -52,22 +52,22 @@ def starting_states(
     if len(initial) != len(loads):
         message = f"{len(loads)} loads and {len(initial)} initial solutions; give one for each load"
         raise ModelError(message)
-    return [_checked(system, last_of(start), start.times is not None) for start in initial]
+    return [_checked_start(system, last_of(start), start.times is not None) for start in initial]
 
 
-def _checked(system: System, start: Solution, moves: bool) -> Solution:
-    """Refuse what a transient of this system cannot start from."""
+def _checked_start(system: System, start: Solution, moves: bool) -> Solution:
+    """Return a static solution; refuse one from which a transient of this system cannot start."""
     if moves:
         refuse_model(
             f"a transient cannot start from the end of another ('{start.name}'), for it starts at "
             "rest; give a static solution or a path, or solve the longer transient"
         )
     system.contact.check_slip(start.shear_slip, start.name)
-    return start if start.system is system else _carried(system, start)
+    return start if start.system is system else _carried_state(system, start)
 
 
-def _carried(system: System, start: Solution) -> Solution:
-    """Return a state of another joint with the same interfaces as one of this joint."""
+def _carried_state(system: System, start: Solution) -> Solution:
+    """Return a state of a joint with the same interfaces as a state of this joint."""
     inputs = carried_inputs(system, start)
     contact = relative_forces(system, start.contact_forces, start.shear_forces)
     states = system.factorize_static().solve(input_forces(system, inputs) + contact)
@@ -81,11 +81,11 @@ def begun(
     loads: Sequence[Load],
     starts: Sequence[Solution],
 ) -> list[Restart]:
-    """Return the states at rest, with the accelerations the suddenly applied loads cause.
+    """Return restarts at rest, with the accelerations due to the suddenly applied loads.
 
-    These are averaged over the first step, M + h² K in place of M: what the step resolves sees an
-    error of (ω h)², and what it does not, massless degrees of freedom among it, does not begin
-    with more energy than the loads can give.
+    Accelerations are averaged over the first step, M + h² K in place of M. This changes resolved
+    motions by (ω h)². Unresolved ones, massless degrees of freedom among them, start with no more
+    energy than the loads can supply.
     """
     now = np.zeros(1)
     inputs = np.concatenate([load.inputs(system, now) for load in loads])

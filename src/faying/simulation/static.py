@@ -28,8 +28,8 @@ def solve_static_cases(system: System, loads: Sequence[Load], name: str = "cases
 
     Notes
     -----
-    Free gaps and displacements of all cases are one matrix product each; similar contact problems
-    are solved together, or follow one another.
+    Free gaps and displacements of all cases are one matrix product each. Similar contact problems
+    are solved together, or start from each other's solution.
 
     Examples
     --------
@@ -51,7 +51,7 @@ def solve_static_inputs(system: System, inputs: Matrix, name: str = "cases") -> 
 
 
 def require_states(system: System, count: int) -> None:
-    """Refuse more states than memory holds, before they are solved."""
+    """Refuse more states than fit into memory, before they are solved."""
     require_room(
         8.0 * count * (2 * system.K.shape[0] + 4 * system.contact.n_points),
         f"solutions of {count} load cases",
@@ -62,7 +62,7 @@ def require_states(system: System, count: int) -> None:
 def solved_inputs(system: System, touching: Joint, inputs: Matrix, name: str) -> Solution:
     """Solve many load cases given as inputs (n_case, n_input), with the contact of ``touching``.
 
-    That is the system, or the same joint without friction.
+    ``touching`` is the system, or the same joint without friction.
     """
     ports = touching.port_compliance
     free = port_forces(ports, inputs) @ ports.contact_columns
@@ -74,7 +74,7 @@ def solved_inputs(system: System, touching: Joint, inputs: Matrix, name: str) ->
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ContactStates:
-    """Contact of some cases, instants or increments; every array begins with their number.
+    """Contact of some cases, instants or increments, which are the first axis of every array.
 
     Attributes
     ----------
@@ -96,7 +96,7 @@ class ContactStates:
 
 
 def solution_of(system: System, inputs: Matrix, contact: ContactStates, name: str) -> Solution:
-    """Return the solution whose contact is known: one back-substitution for each case."""
+    """Return the solution for known contact, by one back-substitution for each case."""
     external = input_forces(system, inputs)
     external = external + relative_forces(system, contact.forces, contact.shear_forces)
     return Solution(
@@ -115,7 +115,7 @@ def solution_of(system: System, inputs: Matrix, contact: ContactStates, name: st
 
 
 def similar_loads(system: System, inputs: Matrix, size: int) -> list[Indices]:
-    """Divide loads (n_case, n_input) into groups that move the pairs alike, of at most a size."""
+    """Divide loads (n_case, n_input) into groups of at most ``size`` with similar displacements."""
     columns = system.port_compliance.contact_columns
     sizes, shapes = np.linalg.eigh(columns @ columns.T)
     scaled = shapes * np.sqrt(np.maximum(sizes, 0.0))
@@ -123,10 +123,10 @@ def similar_loads(system: System, inputs: Matrix, size: int) -> list[Indices]:
 
 
 def solved_cases(system: Joint, free: Matrix) -> ContactStates:
-    """Return contact of cases whose pairs move (n_case, n_relative) without it.
+    """Return contact of cases with displacements of the pairs (n_case, n_relative) without it.
 
-    Similar cases are solved side by side where contact yields in proportion to pressure, and one
-    from the other else.
+    Similar cases are solved side by side where closure is proportional to pressure; otherwise each
+    starts from the solution of another.
     """
     contact, solver = system.contact, system.static_contact.increments
     contact.check_cases()
@@ -159,7 +159,7 @@ def solved_cases(system: Joint, free: Matrix) -> ContactStates:
 
 
 def port_forces(ports: PortCompliance, inputs: Matrix) -> Matrix:
-    """Return forces at the ports of inputs: an initial force N₀ shortens its bolt."""
+    """Return forces at the ports from inputs: an initial force N₀ shortens its bolt."""
     signed = np.array(inputs, dtype=float)
     signed[..., ports.bolts] *= -1.0
     return signed
@@ -168,7 +168,7 @@ def port_forces(ports: PortCompliance, inputs: Matrix) -> Matrix:
 def relative_forces(
     system: System, contact_forces: Matrix, shear_forces: Matrix | None = None
 ) -> Matrix:
-    """Return forces Pᵀ Nᵀ λ (..., n_dof) of contact forces (..., n_point), Eq. (15.11).
+    """Return forces Pᵀ Nᵀ λ (..., n_dof) from contact forces (..., n_point), Eq. (15.11).
 
     Tangential components are (..., n_tangent, n_point).
     """
@@ -178,9 +178,9 @@ def relative_forces(
 
 
 def similar_groups(vectors: Matrix, size: int) -> list[Indices]:
-    """Divide vectors (n, k) into groups of at most a size, similar groups after each other.
+    """Divide vectors (n, k) into groups of at most ``size``, with similar groups in sequence.
 
-    They are halved again and again across the line between two that are far from each other.
+    Groups are halved repeatedly, across the line between two distant members.
     """
 
     def divided(rows: Indices) -> list[Indices]:

@@ -1,7 +1,7 @@
-"""The contact of a step: an increment whose laws hold at its end, or on the mean over it.
+"""Contact in a time step: an increment whose laws hold at its end, or for the mean over it.
 
-A step is an increment of ``docs/theory/friction.md`` with the compliance of the step: the same
-local law, the slip so far as the state.
+A step is an increment of ``docs/theory/friction.md`` with the compliance of the step: it has the
+same local law, and the slip so far as state.
 """
 
 from collections.abc import Sequence
@@ -24,12 +24,12 @@ from faying.simulation.path_steps import PathStep
 
 
 class StepContact(Protocol):
-    """How contact enters the balance of a step."""
+    """The contact law in the balance of a time step."""
 
     def solve(
         self, free: Matrix, states: Sequence[ContactState], last: Matrix
     ) -> tuple[Matrix, Sequence[PathStep], Sequence[ContactState]]:
-        """Return the new forces of the balance, contact at the end, and its state, of all cases.
+        """Return contact forces of the balance, steps and contact states at the end, of all cases.
 
         Forces have all components, (n_case, components * n_point), as ``last`` at the start of the
         step. Without them pairs move by ``free`` (n_case, n_relative).
@@ -57,33 +57,32 @@ class EndContact:
             offset = contact.offset(state.slip)
             increment = solver.solve(relative, offset, _start(solver, relative, state))
             slip = state.slip + increment.slack[1:]
-            ends.append(_end(relative, increment, increment.dissipation, slip))
+            ends.append(_step_end(relative, increment, increment.dissipation, slip))
             acting.append(increment.forces[: contact.components].ravel())
-            states_after.append(_state(ends[-1], increment))
+            states_after.append(_contact_state(ends[-1], increment))
         return np.array(acting), ends, states_after
 
 
 @final
 @dataclass(frozen=True, eq=False)
 class MeanContact:
-    """The mean forces of a step obey the law, and work no more than contact had stored.
+    """The mean forces of a step obey the law, and their work is bounded by the stored energy.
 
-    With W = D + G R Gᵀ, by which laws and residual compliance give way, and γ the relative
-    displacements at the points without that, the slip at the start subtracted, 2 λ̄ solves an
-    increment with
+    With W = D + G R Gᵀ, the compliance of laws and residual, and γ the relative displacements at
+    the points without it, minus the slip at the start, 2 λ̄ solves an increment with
 
         z = γ₁ + W (2 λ̄ − λ₀).                                                                 (F4)
 
-    λ₁ is 2 λ̄ − λ₀ where that obeys the law too, else what the law says at γ₁ with the slip that
-    the mean has left. Where a point stays closed λ̄ is the mean of its forces at both ends; where it
-    opens, the force half way; where it closes, half the force at the end. Hard contact without
-    residual compliance has no force that belongs to an instant: the mean over the step stands for
-    that at its end, half a step late.
+    λ₁ is 2 λ̄ − λ₀ if that obeys the law too, else the force of the law at γ₁ with the slip after
+    the mean. Where a point stays closed λ̄ is the mean of its forces at both ends; where it
+    opens, the force at half the step; where it closes, half the force at the end. Hard contact
+    without residual compliance has no force at an instant: the mean over the step stands for
+    the force at its end, half a step late.
 
     Raises
     ------
     ModelError
-        If contact has friction and is hard, or a law closes otherwise than in proportion to force.
+        If contact has friction and is hard, or the closure of a law is not proportional to force.
     """
 
     condensed: CondensedContact
@@ -94,7 +93,7 @@ class MeanContact:
     def solve(
         self, free: Matrix, states: Sequence[ContactState], last: Matrix
     ) -> tuple[Matrix, Sequence[PathStep], Sequence[ContactState]]:
-        """Solve one increment for each case, and the law at the end where that is not obeyed."""
+        """Solve one increment for each case, and the law at the end where that is violated."""
         solver, contact = self.condensed.increments, self.condensed.contact
         means, ends, states_after = [], [], []
         k = contact.components
@@ -107,17 +106,17 @@ class MeanContact:
             slip = state.slip + mean.slack[1:] + end.slack[1:]
             dissipated = 0.5 * mean.dissipation + end.dissipation
             means.append(mean.forces[:k].ravel())
-            ends.append(_end(relative, end, dissipated, slip))
-            states_after.append(_state(ends[-1], mean))
+            ends.append(_step_end(relative, end, dissipated, slip))
+            states_after.append(_contact_state(ends[-1], mean))
         return np.array(means), ends, states_after
 
     def _at_end(self, mean: Increment, forces: Matrix) -> Increment:
-        """Return forces at the end, with the slip that they add to that of the mean."""
+        """Return the increment at the end: forces, and the slip beyond that of the mean."""
         none = np.zeros_like(forces)
         opened = np.concatenate([mean.slack[:1], none[1:]])
         D = self._laws.closure(none)[1]
         hard = D[0] == 0
-        if self._obeyed(forces) and not (self._residual is None and hard.any()):
+        if self._is_admissible(forces) and not (self._residual is None and hard.any()):
             return replace(mean, forces=forces, slack=opened)
         z_free = opened - self._given_way(forces)
         if self._residual is not None:
@@ -129,14 +128,14 @@ class MeanContact:
         elastic = np.where(hard, 0.5 * mean.forces, self._laws.admissible(stuck))
         return replace(mean, forces=elastic, slack=z_free + self._laws.closure(elastic)[0])
 
-    def _obeyed(self, forces: Matrix) -> bool:
-        """Say whether forces 2 λ̄ − λ₀ press, so only closed points, and shear as they may."""
+    def _is_admissible(self, forces: Matrix) -> bool:
+        """Return whether forces 2 λ̄ − λ₀ are admissible: compression within friction limits."""
         rubbing, largest = self.condensed.contact.rubbing, np.abs(forces).max()
         limit = self.condensed.contact.friction * forces[0, rubbing] + ROUND_OFF * largest
         return not (forces[0] < 0).any() and not (np.hypot(*forces[1:, rubbing]) > limit).any()
 
     def _given_way(self, forces: Matrix) -> Matrix:
-        """W λ (3, n_point)."""
+        """Return W λ (3, n_point)."""
         contact, R = self.condensed.contact, self._residual
         way = self._laws.closure(forces)[0]
         return (
@@ -149,14 +148,14 @@ class MeanContact:
 
     @cached_property
     def _law(self) -> IncrementSolver:
-        """The law where nothing but laws and residual compliance gives way."""
+        """The solver of the law with laws and residual compliance as the only compliance."""
         alone: Contact = replace(self.condensed.contact, residual_compliance=None)
         residual = cast("Compliance", self._residual)
         return CondensedContact(contact=alone, compliance=between(residual)).increments
 
     @cached_property
     def _residual(self) -> Compliance | None:
-        """R, unless contact is hard and R no more than what round-off leaves."""
+        """R; None where contact is hard and R is round-off."""
         R, contact = self.condensed.contact.residual_compliance, self.condensed.contact
         if not isinstance(R, np.ndarray) or (contact.flexibility > 0).all():
             return R
@@ -164,8 +163,8 @@ class MeanContact:
         return R if np.diagonal(R).max() > SOLVED * whole.max() else None
 
 
-def _end(free: Vector, increment: Increment, dissipation: float, slip: Matrix) -> PathStep:
-    """Return where a step ends, with what has slipped so far (2, n_point)."""
+def _step_end(free: Vector, increment: Increment, dissipation: float, slip: Matrix) -> PathStep:
+    """Return the step at its end, with the slip so far (2, n_point)."""
     return PathStep(
         relative=free,
         increment=increment,
@@ -175,14 +174,14 @@ def _end(free: Vector, increment: Increment, dissipation: float, slip: Matrix) -
     )
 
 
-def _state(end: PathStep, begin: Increment) -> ContactState:
-    """Return where contact stands after a step; the next one begins at an increment."""
+def _contact_state(end: PathStep, begin: Increment) -> ContactState:
+    """Return the contact state after a step; the next one starts at the increment ``begin``."""
     active = end.increment.forces[0] > 0
     return ContactState(active=active, slip=end.slip, forces=begin.forces, moved=begin.moved)
 
 
 def _start(solver: IncrementSolver, free: Vector, state: ContactState) -> Increment | None:
-    """Return where a step begins: where the one before ended."""
+    """Return the start of a step: the contact state after the one before."""
     if state.forces is None:
         return None
     return Increment(

@@ -1,4 +1,4 @@
-"""Steps of transients side by side: one factorization, and what is linear done for all at once."""
+"""Time steps of transients side by side, with one factorization for all cases."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -42,13 +42,13 @@ def transient_solver(
     step: float,
     integrator: Integrator | None = None,
 ) -> "TransientSolver":
-    """Factorize what all transients of a system with one time step share.
+    """Return the solver of all transients of a system with one time step.
 
     Parameters
     ----------
     step : [time]
     integrator
-        :class:`ImplicitEuler` unless given.
+        :class:`ImplicitEuler` by default.
 
     Raises
     ------
@@ -68,7 +68,7 @@ def transient_solver(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TransientSolver:
-    """What all transients of a system with one time step have in common.
+    """The solver of all transients of a system with one time step.
 
     Attributes
     ----------
@@ -145,7 +145,7 @@ class TransientSolver:
         return solutions
 
     def begun(self, loads: Sequence[Load], starts: Sequence[Solution]) -> list[Restart]:
-        """Return where responses stand that start from static solutions."""
+        """Return restarts of responses that begin at static solutions."""
         return begun(self.system, self.scheme, self.step, loads, starts)
 
     def advanced(
@@ -182,7 +182,7 @@ class TransientSolver:
             inputs = np.concatenate([[[start.inputs] for start in starts], inputs], axis=1)
             times = np.concatenate([[0.0], times])
         with threads_for(self.condensed.order), guard.watching():
-            ends = self._walk(here, external, history, first, progress)
+            ends = self._advance(here, external, history, first, progress)
         ledgers = guard.audit()
         history.gaps[:, first:] -= system.contact.closed_by(history.forces[:, first:])
         solutions = [
@@ -208,7 +208,7 @@ class TransientSolver:
             replace(end, ledger=ledger) for end, ledger in zip(ends, ledgers, strict=True)
         ]
 
-    def _walk(
+    def _advance(
         self,
         here: Sequence[Restart],
         external: Matrix,
@@ -216,10 +216,10 @@ class TransientSolver:
         first: int,
         progress: Callable[[int], object] | None,
     ) -> list[Restart]:
-        """Write the instants from ``first`` on; compiled, or else side by side."""
+        """Write the instants from ``first`` on, by the compiled loop or side by side."""
         n_case, n_step = external.shape[:2]
         if self._compiled is not None:
-            walk = partial(self._walk_compiled, self._compiled)
+            walk = partial(self._advance_compiled, self._compiled)
             cases = zip(here, external, strict=True)
             return [
                 walk(start, applied, history.of_case(case), first, progress)
@@ -238,9 +238,9 @@ class TransientSolver:
     def _step(
         self, motion: Motion, states: Sequence[ContactState], applied: Matrix
     ) -> tuple[Motion, Sequence[ContactState], Sequence[PathStep]]:
-        """Return the motion one step on, where contact stands after it, and how it ended.
+        """Return the motion after a step, its contact states, and the steps of contact.
 
-        What is linear is done for all cases at once, with one case a column.
+        Linear operations are done for all cases at once, with one case a column.
         """
         system, scheme = self.system, self.scheme
         right = scheme.right_hand_side(system, motion, self.step) + scheme.force_weight * applied
@@ -261,7 +261,7 @@ class TransientSolver:
     def _compiled(self) -> CompiledSteps | None:
         return compiled_steps(self.system, self.scheme, self.step, self.effective, self.condensed)
 
-    def _walk_compiled(
+    def _advance_compiled(
         self,
         compiled: CompiledSteps,
         here: Restart,
@@ -270,7 +270,7 @@ class TransientSolver:
         first: int,
         progress: Callable[[int], object] | None,
     ) -> Restart:
-        """Write the instants of one case; steps that the loop leaves are done here."""
+        """Write the instants of one case; steps the loop cannot do are done in Python."""
         motion, state = stacked(here.motion), here.contact
         n, failures = 0, 0
         while n < len(external):
@@ -295,7 +295,7 @@ class TransientSolver:
 
 @contextmanager
 def _naming_step(number: int, step: float) -> Iterator[None]:
-    """Say of contact that is not solved in which step it is."""
+    """Add the number and time of the step to errors of contact."""
     try:
         yield
     except ConvergenceError as error:

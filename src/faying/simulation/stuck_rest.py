@@ -1,13 +1,13 @@
-"""What shapes leave of the linear motion of a joint whose closed points stick, in a few directions.
+"""The part of the linear motion of a joint with stuck points that some shapes omit, by few vectors.
 
 Under f exp(iΩt), with given harmonics q of M-orthonormal shapes Φ, the rest v = u − Φ q has
 
     Yᵀ (K + iΩC − Ω²M) Y x = Yᵀ f − Yᵀ (K + iΩC) Φ q,   v = Y x,   Φᵀ M Y = 0.              (F17)
 
-The directions Y are those of the series v = Σ (K⁻¹M)ʲ K⁻¹ (f − iΩCΦq) in Ω², of which its first
-term alone is the static rest of mode acceleration (R. E. Cornwell, R. R. Craig & C. P. Johnson, On
-the application of the mode-acceleration method, Earthq. Eng. Struct. Dyn. 11, 1983): between them,
-by Galerkin, one term has the error of two of the series.
+The directions Y are those of the series v = Σ (K⁻¹M)ʲ K⁻¹ (f − iΩCΦq) in Ω², whose first term alone
+is the static rest of mode acceleration (R. E. Cornwell, R. R. Craig & C. P. Johnson, On the
+application of the mode-acceleration method, Earthq. Eng. Struct. Dyn. 11, 1983). By Galerkin's
+method, one term has the error of two terms of the series.
 """
 
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ class StuckRest:
     stiffness, damping : (n_mode + n_rest, n_mode + n_rest)
         K and C between them.
     forced : (n_mode + n_rest,)
-        What the load does to them.
+        Generalized forces of the load.
     """
 
     directions: Matrix
@@ -58,7 +58,7 @@ class StuckRest:
         shapes: Matrix,
         load: Matrix,
     ) -> "StuckRest":
-        """Return it for shapes (n_dof, n) and both parts of a load (n_dof, 2).
+        """Return the motion for shapes (n_dof, n) and both parts of a load (n_dof, 2).
 
         The stiffness (n_dof, n_dof) is that of the joint whose closed points stick.
         """
@@ -68,7 +68,7 @@ class StuckRest:
             moved = factor.solve(forces)
             size = np.sqrt(np.einsum("ij,ij->j", moved, M @ moved))
             moved = moved[:, size > 0] / size[size > 0]
-            # Twice, since the first leaves round-off of what it takes.
+            # Twice, since the first projection leaves round-off.
             for _ in range(2):
                 moved = moved - W @ (W.T @ (M @ moved))
             mass, ways = la.eigh(moved.T @ (M @ moved))
@@ -94,7 +94,7 @@ class StuckRest:
         return np.asarray(la.solve(dynamic, self.forced))
 
     def led(self, circular: float) -> tuple[ComplexMatrix, ComplexMatrix]:
-        """Return x of the load and of each shape (n_rest, 1 + n_mode), and its slope over Ω."""
+        """Return x due to the load and to each shape (n_rest, 1 + n_mode), and its slope over Ω."""
         m = self.n_mode
         dynamic, slope = self._dynamic(circular)[m:], 1j * self.damping[m:]
         right = np.column_stack([self.forced[m:], -dynamic[:, :m]])

@@ -1,4 +1,4 @@
-"""Solutions as tables of pandas and labelled arrays of xarray, which faying can do without."""
+"""Solutions as tables of pandas and labelled arrays of xarray, both optional packages."""
 
 from collections.abc import Mapping
 from importlib import import_module
@@ -27,9 +27,9 @@ FIELDS = {
 
 def dataframe(solution: ContactFields, system: System, times: Vector | None) -> "DataFrame":
     """Return a row per contact point, and per instant or case where there are several."""
-    pandas: Any = _imported("pandas")
-    units, places = units_of(system.units), _places(system)
-    along, values = _along(solution, times)
+    pandas: Any = _import_optional("pandas")
+    units, places = units_of(system.units), _point_columns(system)
+    along, values = _leading_axis(solution, times)
     n_point = len(places["point"])
     columns: dict[str, Any] = {}
     if along:
@@ -54,9 +54,9 @@ def dataset(
 
     Boundaries have components and their displacements (..., n), bolts their force (...).
     """
-    xarray: Any = _imported("xarray")
-    units, places = units_of(system.units), _places(system)
-    along, values = _along(solution, times)
+    xarray: Any = _import_optional("xarray")
+    units, places = units_of(system.units), _point_columns(system)
+    along, values = _leading_axis(solution, times)
     leading = (along,) if along else ()
     coordinates: dict[str, Any] = {"point": np.arange(len(places["interface"]))}
     for name in ("interface", "x", "y", "z", "area"):
@@ -85,7 +85,7 @@ def dataset(
     return labelled
 
 
-def _imported(name: str) -> Any:
+def _import_optional(name: str) -> Any:
     try:
         return import_module(name)
     except ImportError:
@@ -93,8 +93,8 @@ def _imported(name: str) -> Any:
         raise ModelError(message) from None
 
 
-def _along(solution: ContactFields, times: Vector | None) -> tuple[str, Vector | Indices]:
-    """Return what the leading axis is called, nothing where there is none, and its values."""
+def _leading_axis(solution: ContactFields, times: Vector | None) -> tuple[str, Vector | Indices]:
+    """Return name and values of the leading axis; an empty name where there is none."""
     if solution.gap.ndim == 1:
         return "", np.empty(0)
     if times is None:
@@ -102,8 +102,8 @@ def _along(solution: ContactFields, times: Vector | None) -> tuple[str, Vector |
     return "time", times
 
 
-def _places(system: System) -> dict[str, Any]:
-    """Return columns of all contact points: interface, number within it, place and area."""
+def _point_columns(system: System) -> dict[str, Any]:
+    """Return columns of all contact points: interface, number within it, coordinates and area."""
     interfaces = system.interfaces
     counts = [len(interface.weights) for interface in interfaces.values()]
     points = np.concatenate(

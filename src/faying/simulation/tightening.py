@@ -28,7 +28,7 @@ NOTHING_LOST: Mapping[str, PreloadLoss] = MappingProxyType({})
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Tightening:
-    """How the bolts were tightened.
+    """The course of tightening.
 
     Attributes
     ----------
@@ -37,12 +37,12 @@ class Tightening:
     bolts
         Names in the order of the columns of ``bolt_forces``.
     stages
-        What was done in each row of ``bolt_forces``.
+        Action of each row of ``bolt_forces``.
     bolt_forces : (n_stage, n_bolt) [force]
         Forces of all bolts after each increment; shows how tightening one relaxes another.
     path : (n_load, n_bolt) [force]
-        Initial forces of all bolts, increment by increment, that lead any model of the joint where
-        tightening did. The last row alone where contact remembers nothing of the others.
+        Initial forces of all bolts, increment by increment, that bring any model of the joint to
+        the same state. The last row alone where contact has no history.
     """
 
     initial_forces: Mapping[str, float]
@@ -62,7 +62,7 @@ class Tightening:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TightenedJoint:
-    """A joint where tightening left it.
+    """A joint and its state after tightening.
 
     Attributes
     ----------
@@ -77,9 +77,9 @@ class TightenedJoint:
     end: PathStep
 
     def rest(self, system: System) -> Solution:
-        """Return the state of the system whose joint this is; one entry.
+        """Return the state of the system after tightening; one entry.
 
-        Where it was tightened without the friction of the system, that begins there.
+        Where it was tightened without the friction of the system, friction starts there.
         """
         inputs = _inputs(system, self.tightening.path[-1])
         return left_by(system, self.joint, inputs, self.end, "preload")
@@ -92,21 +92,21 @@ def tighten(
     increments: int = 10,
     losses: Mapping[str, PreloadLoss] = NOTHING_LOST,
 ) -> Tightening:
-    """Tighten bolts one after the other to their nominal final forces.
+    """Tighten bolts in sequence to their nominal final forces.
 
-    The joint starts unstressed and free of slip, bolts that are not named at the initial forces
-    they are locked at. Each bolt is turned to its nominal force while the others stay locked; a
-    last pass on all of several bolts together restores what the neighbours took away, so every bolt
-    ends at its nominal force. After that bolts lose their losses: relaxation, then embedding.
+    The joint starts unstressed and free of slip; bolts that are not named have the initial forces
+    they are locked at. Each bolt is turned to its nominal force while the others stay locked. A
+    last pass on several bolts together restores the force lost to neighbours, so every bolt ends
+    at its nominal force. Then the losses follow: relaxation, then embedding.
 
     Parameters
     ----------
     forces
         Bolt name to final axial force [force], in tightening order.
     increments
-        Equal parts of each force, where contact remembers the way there.
+        Equal parts of each force, where contact depends on the path.
     losses
-        Bolt name to what it loses after all are tightened.
+        Bolt name to its loss after all are tightened.
 
     Raises
     ------
@@ -119,9 +119,9 @@ def tighten(
 
     Notes
     -----
-    One contact problem between pairs for each increment, in which the initial forces are unknown
-    beside the contact forces (T1). With friction a model that is only locked at the initial forces
-    is not in the state that tightening leaves: :func:`faying.solve_path` follows ``loads`` there.
+    One contact problem between pairs for each increment, whose unknowns are initial forces and
+    contact forces (T1). With friction a model that is only locked at the initial forces is not in
+    the state after tightening: :func:`faying.solve_path` with ``loads`` leads there.
 
     Examples
     --------
@@ -143,7 +143,7 @@ def tightened_joint(
     increments: int = 10,
     losses: Mapping[str, PreloadLoss] = NOTHING_LOST,
 ) -> TightenedJoint:
-    """Tighten bolts as :func:`tighten` does; return the joint where that leaves it."""
+    """Tighten bolts as :func:`tighten` does; return the joint with its state after it."""
     names, state = checked_bolts(system, forces), initial_bolt_forces(system)
     steps, path = [unstressed(system)], list[Vector]()
     if state.any() or not forces:
@@ -158,7 +158,7 @@ def tightened_joint(
         if not np.array_equal(problem.bolts, chosen):
             problem, alike = BoltsByForce(joint=system, bolts=chosen), 0
         if start is not None and (alike > 1 or (alike and not steps[-2].increment.begun)):
-            # What the bolt moved in its increment before, it moves about once more.
+            # Prediction: the bolt moves the joint as in its increment before.
             start = replace(start, moved=2.0 * start.moved - steps[-2].increment.moved)
         alike += 1
         increment, state = problem.solve(goal, state, step.slip, start)
@@ -192,7 +192,7 @@ def tightened_joint(
 
 
 def open_interfaces(points: Mapping[str, slice], pressed: Vector) -> Iterator[str]:
-    """Yield of each interface that is open at all of its points that bolts do not press it.
+    """Yield a message for each interface that stays open at all points under the bolts.
 
     ``points`` are those of each interface, ``pressed`` pressures or forces (n_point,).
     """
@@ -207,7 +207,7 @@ def open_interfaces(points: Mapping[str, slice], pressed: Vector) -> Iterator[st
 def _stages(
     names: Sequence[str], forces: Mapping[str, float], increments: int
 ) -> Iterator[tuple[str, Indices, Vector]]:
-    """Yield what is done, the bolts (n_chosen,) it is done to, and the forces they get."""
+    """Yield each action, its bolts (n_chosen,), and their forces after it."""
     for name, target in forces.items():
         chosen = np.array([names.index(name)], dtype=np.int64)
         for number in range(1, increments + 1):
@@ -219,7 +219,7 @@ def _stages(
 
 
 def _step(joint: Joint, initial: Vector, contact: Increment, slip: Matrix) -> PathStep:
-    """Return an increment that led to initial forces (n_bolt,) as a step of a path."""
+    """Return the increment for initial forces (n_bolt,) as a step of a path."""
     return PathStep(
         relative=moved_alone(joint, _inputs(joint, initial)[None])[0],
         increment=contact,
@@ -230,7 +230,7 @@ def _step(joint: Joint, initial: Vector, contact: Increment, slip: Matrix) -> Pa
 
 
 def _inputs(joint: Joint, initial: Vector) -> Vector:
-    """Return the inputs (n_input,) of initial forces (n_bolt,) alone."""
+    """Return the inputs (n_input,) for initial forces (n_bolt,) alone."""
     ports = joint.port_compliance
     inputs = np.zeros(len(ports.input_rows))
     inputs[ports.bolts] = initial
@@ -238,15 +238,15 @@ def _inputs(joint: Joint, initial: Vector) -> Vector:
 
 
 def checked_bolts(system: Joint, forces: Mapping[str, float]) -> list[str]:
-    """Return the names of all bolts, after a look at those that are to be tightened."""
+    """Return the names of all bolts; refuse forces that cannot be tightened."""
     names = list(system.bolts)
-    _check(forces, names)
+    _check_forces(forces, names)
     _check_stiffness(system)
     _check_clamping(system, forces)
     return names
 
 
-def _check(forces: Mapping[str, float], names: list[str]) -> None:
+def _check_forces(forces: Mapping[str, float], names: list[str]) -> None:
     for name, force in forces.items():
         check_known(name, names, "bolt")
         if not (np.isfinite(force) and force > 0):
@@ -254,9 +254,9 @@ def _check(forces: Mapping[str, float], names: list[str]) -> None:
 
 
 def _check_stiffness(system: Joint) -> None:
-    """Refuse bolts of given matrices that are stiffer than the structure they are part of.
+    """Refuse bolts of given matrices that are stiffer than the structure that contains them.
 
-    K ⪰ k eᵀe exactly where k e K⁻¹ eᵀ ≤ 1; bolts faying assembled itself always satisfy it.
+    K ⪰ k eᵀe exactly where k e K⁻¹ eᵀ ≤ 1; bolts assembled by faying always satisfy it.
     """
     ports = system.port_compliance
     for number, bolt in enumerate(system.bolts.values()):

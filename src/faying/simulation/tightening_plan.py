@@ -1,10 +1,10 @@
-"""Tightening plans: what each bolt is brought to in its turn, so that all end at their targets.
+"""Tightening plans: the force to which each bolt is tightened in turn, so that all meet targets.
 
-Tightening a bolt closes the joint beside it and relaxes those before it (elastic interaction).
-What they end at is decided by their initial forces N₀ alone, which a turn of the nut sets: the plan
-finds those that give all targets together (T1), turns each nut straight to its own, and tells the
-force that this means at its turn. A bolt that would have to push meanwhile is loose. With friction
-the way matters too: the whole sequence is followed again until the targets are met.
+Tightening a bolt closes the joint beside it and relaxes the bolts before it (elastic interaction).
+Final forces depend on the initial forces N₀ alone, which turns of the nuts set. The plan solves for
+the N₀ of all targets together (T1), turns each nut straight to its N₀, and reports the bolt force
+at its turn. A bolt that would be in compression meanwhile is loose. With friction final forces
+depend on the sequence too: the plan follows the whole sequence until the targets are met.
 """
 
 from collections.abc import Mapping, Sequence
@@ -40,11 +40,11 @@ class TighteningPlan(Frozen):
     passes : (n_turn,)
         Pass of each turn, from 1.
     settings : (n_turn,) [force]
-        What the bolt has when its turn is done: what wrench or tensioner is set to.
+        Force of the bolt at the end of its turn: the setting of wrench or tensioner.
     bolt_forces : (n_turn, n_bolt) [force]
-        Of all bolts after each turn.
+        Forces of all bolts after each turn.
     unplanned : (n_target, n_bolt) [force]
-        The same where each bolt is brought to its target once, in the same order.
+        The same without a plan: each bolt is tightened to its target once, in the same order.
     initial_forces : [force]
         Bolt to the N₀ it is locked at in the end.
 
@@ -80,7 +80,7 @@ class TighteningPlan(Frozen):
 
     @property
     def reached_unplanned(self) -> Vector:
-        """Forces over targets that are reached without the plan (n_target,)."""
+        """Final forces without the plan over the targets (n_target,)."""
         return self._over_targets(self.unplanned)
 
     def _over_targets(self, forces: Matrix) -> Vector:
@@ -91,21 +91,21 @@ class TighteningPlan(Frozen):
 def tightening_plan(
     system: Joint, forces: Mapping[str, float], *, passes: int = 1, increments: int = 10
 ) -> TighteningPlan:
-    """Plan what each bolt is tightened to in turn, so that all end at their final forces.
+    """Plan the force to which each bolt is tightened in turn, so that all meet their targets.
 
     Parameters
     ----------
     system
-        Not tightened yet: nuts that wait their turn are finger-tight. Bolts that are not named keep
-        the initial force they are locked at.
+        Model before tightening: nuts are finger-tight until their turn. Bolts that are not named
+        keep the initial force they are locked at.
     forces
         Bolt name to final axial force [force], in the order of every pass.
     passes
-        Rounds. With m the largest setting over its target in one round, P rounds need about
-        1 / (1 − rᴾ), r = 1 − 1/m: initial forces rise to shares (1 − rᵖ) / (1 − rᴾ) of the final
-        ones, so that every round needs the same where forces are in proportion.
+        Number of rounds. A largest setting over target of m in one round becomes about
+        1 / (1 − rᴾ), r = 1 − 1/m, in P rounds: initial forces rise to shares (1 − rᵖ) / (1 − rᴾ)
+        of the final ones, so that settings are equal in all rounds if forces are proportional.
     increments
-        Steps of each turn with friction, as of :func:`faying.preload` along its path.
+        Steps of each turn with friction, as in :func:`faying.preload`.
 
     Raises
     ------
@@ -117,7 +117,7 @@ def tightening_plan(
     Notes
     -----
     Without friction a contact problem for each turn and one for all bolts together. With friction
-    ``increments`` of them for each turn, two to four times over, and one for each bolt.
+    ``increments`` problems for each turn, two to four times over, and one for each bolt.
 
     Examples
     --------
@@ -158,7 +158,7 @@ def tightening_plan(
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Walk:
-    """Turns of bolts, one after the other, from the joint as it is locked.
+    """Sequences of turns of bolts, from the locked joint.
 
     Attributes
     ----------
@@ -171,14 +171,14 @@ class _Walk:
     increments: int
 
     def solved(self, targets: Vector) -> Vector:
-        """Return initial forces (n_bolt,) that give the targets together, without friction."""
+        """Return initial forces (n_bolt,) of the targets together, without friction."""
         problem = BoltsByForce(joint=smooth_joint(self.system), bolts=self.bolts)
         return problem.solve(targets, initial_bolt_forces(self.system), 0.0, None)[1]
 
     def meeting(self, targets: Vector, initial: Vector, shares: Vector) -> tuple[Vector, Matrix]:
-        """Return initial forces whose sequence meets the targets, and the forces on the way.
+        """Return initial forces whose sequence meets the targets, and the bolt forces on the way.
 
-        With friction a quasi-Newton method that begins with the slope without.
+        With friction by a quasi-Newton method that starts with the slope without friction.
         """
         reached, slope = self.followed(initial, shares), None
         for _ in range(MOST_TRIALS):
@@ -196,7 +196,7 @@ class _Walk:
             initial[self.bolts] += change
             previous, reached = reached[-1, self.bolts], self.followed(initial, shares)
             moved = reached[-1, self.bolts] - previous
-            # Broyden's change of the inverse (Math. Comp. 19 (1965) 577).
+            # Broyden's update of the inverse (Math. Comp. 19 (1965) 577).
             along = change @ slope
             slope = slope + np.outer(change - slope @ moved, along) / (along @ moved)
         worst = int(np.abs(miss / targets).argmax())
@@ -208,7 +208,7 @@ class _Walk:
         raise ConvergenceError(message)
 
     def followed(self, initial: Vector, shares: Vector) -> Matrix:
-        """Return the forces (n_turn, n_bolt) after each turn to shares of initial forces."""
+        """Return bolt forces (n_turn, n_bolt) after each turn to a share of the initial forces."""
         state, rows = self._start, []
         start = state.nuts
         for share in shares.tolist():
@@ -222,7 +222,7 @@ class _Walk:
         return np.array(rows)
 
     def brought(self, targets: Vector) -> Matrix:
-        """Return the forces (n_target, n_bolt) after each bolt is brought to its target once."""
+        """Return bolt forces (n_target, n_bolt) after each bolt is tightened to its target once."""
         state, rows = self._start, []
         for bolt, target in zip(self.bolts.tolist(), targets.tolist(), strict=True):
             for part in self._parts:

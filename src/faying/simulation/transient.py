@@ -34,19 +34,19 @@ def solve_transient(
         Constant forces act as a step; histories are taken at the end of each step.
     step, duration : [time]
     integrator
-        :class:`ImplicitEuler` unless given.
+        :class:`ImplicitEuler` by default.
     initial
         Static solution to start from; by default the joint under its bolts alone.
     progress
-        Called with the number of steps done since the last call: one, unless they are compiled.
+        Called with the number of steps done since the last call: one, or more if compiled.
     compiled
         Deprecated, without effect: steps of a reduced model are compiled where numba is installed
         (extra ``compiled``; 15 s once per installation), the same results up to round-off.
     tolerance
         Largest pressure error of the time steps over the largest pressure. With it each ``step``
-        is done in as many steps as that takes, up to 64: ``substeps`` of the solution tells how
-        many, ``step_error`` their estimated errors, whose sum is at most the tolerance unless 64
-        steps did not do.
+        is divided as needed, up to 64 parts: ``substeps`` of the solution holds their number,
+        ``step_error`` the estimated errors, whose sum is at most the tolerance unless 64 parts do
+        not suffice.
 
     Returns
     -------
@@ -60,8 +60,8 @@ def solve_transient(
 
     Notes
     -----
-    One factorization of the effective matrix, then per step two back-substitutions and a warm
-    contact problem. Contact is implicit: the forces at the end of a step obey Eq. (15.7) or
+    One factorization of the effective matrix, then per step two back-substitutions and a contact
+    problem with a warm start. Contact is implicit: forces at the end of a step obey Eq. (15.7) or
     (15.12) there.
 
     Examples
@@ -103,14 +103,14 @@ def solve_transient_cases(
         Static solutions to start from, one for each load, for instance of several preloads; by
         default the joint under its bolts alone.
     progress
-        Called with the number of steps done since the last call, those of all loads together.
+        Called with the number of steps of all loads done since the last call.
     compiled
         As in :func:`solve_transient`.
 
     Returns
     -------
     list of Solution
-        In the order of the loads; the same as one by one, up to round-off.
+        In the order of the loads; equal to separate solutions up to round-off.
 
     Raises
     ------
@@ -119,9 +119,9 @@ def solve_transient_cases(
 
     Notes
     -----
-    The matrix products and back-substitutions of a step are done for all cases at once, contact
-    problems one after the other, each from where its own case was. All histories are in memory
-    together: 3 n_dof + 2 n_point numbers per case and instant.
+    The matrix products and back-substitutions of a step are done for all cases at once; contact
+    problems are solved case by case. All histories are in memory together: 3 n_dof + 2 n_point
+    numbers per case and instant.
 
     Examples
     --------

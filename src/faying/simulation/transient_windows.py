@@ -1,4 +1,4 @@
-"""Transients a window of their instants at a time: memory is that of one window."""
+"""Transients in windows of their instants: memory holds one window."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol
@@ -15,7 +15,7 @@ Progress = Callable[[int], object]
 
 
 class Steps(Protocol):
-    """What advances transients of a system from instant to instant."""
+    """Solver that advances transients of a system from instant to instant."""
 
     @property
     def system(self) -> System:
@@ -24,11 +24,11 @@ class Steps(Protocol):
 
     @property
     def step(self) -> float:
-        """Between two instants [time]."""
+        """Time between two instants [time]."""
         ...
 
     def begun(self, loads: Sequence[Load], starts: Sequence[Solution]) -> list[Restart]:
-        """Return where transients stand that start from static solutions."""
+        """Return restarts of transients that begin at static solutions."""
         ...
 
     def advanced(
@@ -41,7 +41,7 @@ class Steps(Protocol):
         last: int,
         progress: Progress | None,
     ) -> tuple[list[Solution], list[Restart]]:
-        """Return the instants up to ``end``, after the starts where there are any, and their ends.
+        """Return the instants up to ``end``, with the starts if there are any, and the restarts.
 
         ``end`` and ``last`` are numbers of the last instant of the window, and of the run.
         """
@@ -60,14 +60,13 @@ def transient_windows(
 ) -> Iterator[tuple[list[Solution], list[Restart]]]:
     """Integrate responses side by side, a window of their instants at a time.
 
-    A window has ``length`` intervals, all that are left unless given. Responses start from static
-    solutions, one for each load, or from the joint under its bolts; those that go on from restarts
-    do not have the start among their instants. ``progress`` is called with the number of steps done
-    since the last call, those of all loads together.
+    A window has ``length`` intervals, by default all. Responses start from static solutions, one
+    for each load, or from the joint under its bolts; continued from restarts, they omit the start.
+    ``progress`` is called with the number of steps of all loads done since the last call.
 
-    Yielded are of each load the instants of the window, and where it stands after them. Windows of
-    a run that was resumed are the same, to the bit, as those it would have had. Energy that appears
-    from nothing is logged.
+    Yields the instants of the window for each load, and the restarts after them. Windows of a
+    resumed run are the same, to the bit, as those without interruption. Spurious gains of energy
+    are logged.
     """
     check_times(steps.step, duration)
     last = round(duration / steps.step)

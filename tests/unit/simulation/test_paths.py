@@ -18,7 +18,7 @@ from faying.model.boundary import Boundary
 from faying.simulation.bolts_by_force import BoltsByForce
 from faying.simulation.cycles import load_work, loop_area, repeat, repeats
 from faying.simulation.path import moved_alone, path_inputs, path_start
-from faying.simulation.path_steps import _ahead, follow
+from faying.simulation.path_steps import _extrapolated, follow
 from faying.simulation.start import released_state
 from faying.simulation.tightening import tightened_joint
 from small_system import SmallSystem
@@ -166,7 +166,7 @@ def test_an_increment_begins_where_what_slipped_slips_on_or_sticks(way, slides):
     relative = moved_alone(system, path_inputs(system, [pulled(), pulled(20.0), pulled(25.0)]))
     *_, step = follow(system.static_contact.increments, relative, path_start(system, None))
     assert np.abs(step.increment.slack[1:]).max() > 0
-    start = _ahead(step, relative[-1] + way * (relative[-1] - relative[-2]))
+    start = _extrapolated(step, relative[-1] + way * (relative[-1] - relative[-2]))
     contact = system.contact
     z = contact.moved(start.moved) + contact.offset(step.slip)
     stiffness = LawsAtPoints(contact=contact).respond(z)[1]

@@ -1,4 +1,4 @@
-"""A second-order scheme whose energy cannot grow, whatever the contact does."""
+"""A second-order scheme whose energy cannot grow, whatever contact does."""
 
 from dataclasses import dataclass
 from typing import final
@@ -14,7 +14,7 @@ from faying.simulation.step_contact import MeanContact, StepContact
 @final
 @dataclass(frozen=True)
 class EnergyDecaying(SpectralRadius):
-    """Second order, a chosen damping of what the step cannot resolve, and no growth of energy.
+    """Second order, chosen damping of unresolved frequencies, and no growth of energy.
 
     The midpoint rule with a term of second order that damps. With Δ and a bar for the change and
     the mean over a step, and w and a for velocity and acceleration that follow their motion with
@@ -23,18 +23,18 @@ class EnergyDecaying(SpectralRadius):
         M Δv/h + C Δu/h + K (ū + d² h Δw) = f̄ + Gᵀλ̄,     Δu/h = v̄ + d² h Δa,
         Δu/h = w̄ + 2 d Δw,                                Δv/h = ā + 2 d Δa,
 
-    d = (1 − ρ)/(2 (1 + ρ)). The mean contact force λ̄ is what :class:`~.MeanContact` finds:
-    it never works more than the contact's stored energy gives. The
-    proof is in ``docs/theory/time_integration.md``. Models with residual compliance have poor
-    pressures under it (``docs/theory/transient_accuracy.md``): take another scheme for them.
+    d = (1 − ρ)/(2 (1 + ρ)). The mean contact force λ̄ of :class:`~.MeanContact` never does more
+    work than the stored energy of contact can give. The proof is in
+    ``docs/theory/time_integration.md``. For models with residual compliance its pressures are
+    poor (``docs/theory/transient_accuracy.md``): take another scheme for them.
 
     Attributes
     ----------
     rho_infinity
         Spectral radius at infinite frequency, 0 (annihilates) to 1 (no damping; the midpoint rule).
-        Above 0 what the step cannot resolve rings on in pressures. A motion of 100 steps a period
-        is damped by 6e-5 of critical at 0, by 1e-7 at 0.8, an eighth of it with half the step: to
-        tell damping of a joint take 0.8, as :func:`faying.ring_down` does.
+        Above 0 unresolved frequencies ring on in pressures. A motion of 100 steps a period is
+        damped by 6e-5 of critical at 0, by 1e-7 at 0.8, an eighth of that with half the step.
+        To measure the damping of a joint take 0.8, as :func:`faying.ring_down` does.
 
     Examples
     --------
@@ -57,27 +57,27 @@ class EnergyDecaying(SpectralRadius):
 
     @property
     def lag(self) -> float:
-        """The number d, in steps."""
+        """The parameter d, in steps."""
         return 0.5 * (1 - self.rho_infinity) / (1 + self.rho_infinity)
 
     @property
     def lead(self) -> float:
-        """Weight d²/(½ + 2 d) of what the lag adds to the midpoint rule."""
+        """Weight d²/(½ + 2 d) of the lagging terms beside the midpoint rule."""
         return self.lag**2 / (0.5 + 2 * self.lag)
 
     @property
     def order(self) -> int:
-        """Two: errors fall to a quarter with half the step."""
+        """Two: half the step has a quarter of the error."""
         return 2
 
     @property
     def force_weight(self) -> float:
-        """Forces at both ends count alike."""
+        """One half: forces at both ends have the same weight."""
         return 0.5
 
     @property
     def needs_acceleration(self) -> bool:
-        """What lags behind starts at rest, with no energy of its own."""
+        """False: lagging velocities start at zero, and without energy."""
         return False
 
     def step_contact(self, condensed: CondensedContact) -> StepContact:
@@ -90,7 +90,7 @@ class EnergyDecaying(SpectralRadius):
         return system.M / (new * step**2) + system.C / step + new * system.K
 
     def right_hand_side(self, system: System, motion: Motion, step: float) -> Vector:
-        """Return what the start of the step contributes, the contact force there excepted."""
+        """Return the terms of the start of the step, without the contact force there."""
         u, v, a, new = motion.u, motion.v, motion.a, 0.5 + self.lead
         inertia = system.M @ (u / step**2 + (v - self.lead * step * a) / step) / new
         elastic = system.K @ ((1 - new) * u - self.lead * step * motion.lagging)
@@ -98,7 +98,7 @@ class EnergyDecaying(SpectralRadius):
         return right
 
     def kept_force(self, applied: Vector, contact: Vector) -> Vector:  # noqa: ARG002
-        """Return the external forces; of contact its mean over the step is in the balance."""
+        """Return the external forces; contact enters the balance as the mean over the step."""
         return applied
 
     def advance(self, motion: Motion, u: Vector, force: Vector, step: float) -> Motion:

@@ -14,7 +14,7 @@ from faying.simulation.step_contact import EndContact, StepContact
 @final
 @dataclass(frozen=True)
 class GeneralizedAlpha(SpectralRadius):
-    """Second order with a chosen damping of frequencies the step cannot resolve.
+    """Second order with a chosen damping of frequencies that the step cannot resolve.
 
     Balance holds between the ends of the step, M a_m + C v_f + K u_f = f_f with
     x_m = (1 − α_m) x₁ + α_m x₀ and x_f = (1 − α_f) x₁ + α_f x₀; displacement and velocity follow
@@ -65,7 +65,7 @@ class GeneralizedAlpha(SpectralRadius):
 
     @property
     def order(self) -> int:
-        """Two: errors fall to a quarter with half the step."""
+        """Two: half the step has a quarter of the error."""
         return 2
 
     @property
@@ -75,7 +75,7 @@ class GeneralizedAlpha(SpectralRadius):
 
     @property
     def needs_acceleration(self) -> bool:
-        """The acceleration at the start enters."""
+        """True: a step uses the acceleration at its start."""
         return True
 
     def effective_matrix(self, system: System, step: float) -> SparseMatrix | Matrix:
@@ -85,7 +85,7 @@ class GeneralizedAlpha(SpectralRadius):
         return mass * system.M + damping * system.C + (1 - self.alpha_f) * system.K
 
     def right_hand_side(self, system: System, motion: Motion, step: float) -> Vector:
-        """Return what the start of the step contributes."""
+        """Return the terms of the start of the step."""
         u, v, a = motion.u, motion.v, motion.a
         beta, gamma, new = self.beta, self.gamma, 1 - self.alpha_f
         inertia = (1 - self.alpha_m) / beta * (u / step**2 + v / step)

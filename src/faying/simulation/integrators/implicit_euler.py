@@ -38,17 +38,17 @@ class ImplicitEuler:
 
     @property
     def order(self) -> int:
-        """First order: errors halve with the step."""
+        """One: half the step has half the error."""
         return 1
 
     @property
     def force_weight(self) -> float:
-        """New forces enter fully."""
+        """One: only the new forces enter."""
         return 1.0
 
     @property
     def needs_acceleration(self) -> bool:
-        """Displacement and velocity are enough."""
+        """False: a step uses displacement and velocity alone."""
         return False
 
     def effective_matrix(self, system: System, step: float) -> SparseMatrix | Matrix:

@@ -1,4 +1,4 @@
-"""What a one-step integrator must say about itself."""
+"""The interface of one-step time integrators."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -18,10 +18,10 @@ class Motion:
     u, v, a : (n_dof,) or (n_dof, n_case)
         Displacement, velocity, acceleration.
     force : (n_dof,) or (n_dof, n_case)
-        Forces at that instant that the scheme keeps: external and contact forces, f_e + Gᵀλ, or
-        external ones alone.
+        Forces at that instant, as the next step uses them: external and contact forces,
+        f_e + Gᵀλ, or external ones alone.
     lagging : (n_dof,) or (n_dof, n_case)
-        Velocity that lags behind, of schemes that damp by it.
+        Lagging velocity, of schemes that use one for damping.
     contact : (n_point,) or (n_point, n_case)
         Contact forces λ at that instant.
     """
@@ -44,7 +44,7 @@ class Integrator(Protocol):
 
     @property
     def order(self) -> int:
-        """Power of the step with which errors of smooth motions fall."""
+        """Order of convergence for smooth motions."""
         ...
 
     @property
@@ -66,16 +66,16 @@ class Integrator(Protocol):
         ...
 
     def step_contact(self, condensed: CondensedContact) -> StepContact:
-        """Return how contact, condensed with the compliance of a step, enters its balance."""
+        """Return the contact law of a step for contact condensed to its compliance."""
         ...
 
     def kept_force(self, applied: Vector, contact: Vector) -> Vector:
-        """Return what of the external forces and those of contact the next step asks for."""
+        """Return the forces at the end of a step that the next step needs."""
         ...
 
     def advance(self, motion: Motion, u: Vector, force: Vector, step: float) -> Motion:
         """Return the motion at the end of a step that ends at displacement ``u``.
 
-        The contact forces λ are left to be set.
+        The contact forces λ of the motion are not set here.
         """
         ...

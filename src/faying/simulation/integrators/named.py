@@ -1,4 +1,4 @@
-"""Integrators by the names that studies and the command line give them."""
+"""Integrators by their names in studies and on the command line."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import fields
@@ -24,9 +24,9 @@ DAMPED = [
 
 
 def named_integrator(name: str | None, rho_infinity: float | None = None) -> Integrator:
-    """Return an integrator by its name, the seed's implicit Euler where it is None.
+    """Return an integrator by its name; None is implicit Euler.
 
-    ``rho_infinity`` is that of the :data:`DAMPED` ones; each has a default of its own.
+    ``rho_infinity`` applies to the :data:`DAMPED` ones; each has its default.
     """
     if name is None:
         return ImplicitEuler()

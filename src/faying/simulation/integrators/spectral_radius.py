@@ -1,4 +1,4 @@
-"""How much a scheme damps what its step cannot resolve."""
+"""The parameter of numerical damping of frequencies that a step cannot resolve."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from faying.exceptions import ModelError
 
 @dataclass(frozen=True)
 class SpectralRadius:
-    """The choice that schemes with algorithmic damping offer.
+    """The damping parameter of schemes with algorithmic damping.
 
     Attributes
     ----------
