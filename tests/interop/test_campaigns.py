@@ -29,7 +29,7 @@ from faying.execution import (
     run_grouped_campaign,
     transient_campaign,
 )
-from faying.execution.campaign import _guarded
+from faying.execution.campaign import _prepare_safely
 from faying.study.keys.schema import read_study
 from faying.study.stages.worker_tasks import pieces
 from faying.workflow.run import run
@@ -493,9 +493,9 @@ def test_an_interrupted_study_resumes_with_what_workers_have_finished(study, tmp
 
 
 def test_another_version_on_a_worker_is_refused():
-    (failure,) = _guarded(campaign_tasks.mixed, "0.0.1")((["fine"], [0]))
+    (failure,) = _prepare_safely(campaign_tasks.mixed, "0.0.1")((["fine"], [0]))
     assert failure.preparing
-    assert "this call is of 0.0.1; install the same version everywhere" in failure.message
+    assert "but this process has 0.0.1; install the same version everywhere" in failure.message
 
 
 # Command line -------------------------------------------------------------------------------------

@@ -18,9 +18,9 @@ from faying.cli.tighten import tighten
 from faying.exceptions import FayingError
 
 BAD_INPUT = 2
-"""Exit status of anything the user can mend."""
+"""Exit status of errors that the user can correct."""
 
-# Tracebacks are for us: a plain one can be pasted into a bug report.
+# Plain tracebacks can be pasted into bug reports.
 app = typer.Typer(
     name="faying",
     help="Contact pressure in bolted joints at the cost of a reduced model.",
@@ -67,7 +67,7 @@ def _options(
 
 
 def main() -> None:
-    """Run the command line; bad input ends in one message and status 2, never in a traceback."""
+    """Run the command line; bad input gives one message and exit status 2, not a traceback."""
     try:
         app()
     except FayingError as error:
@@ -79,7 +79,7 @@ def main() -> None:
         message = f"out of memory ({error}); use a coarser mesh, or fewer loads, steps and modes"
     else:
         return
-    # A name from a file might hold what steers a terminal.
+    # Names from files may contain control characters of terminals.
     shown = "".join(c if c.isprintable() or c == "\n" else ascii(c)[1:-1] for c in message)
     typer.echo(f"faying: {shown}", err=True)
     sys.exit(BAD_INPUT)

@@ -16,16 +16,14 @@ if TYPE_CHECKING:
     from faying.study.stages.books import ProgressBar
 
 StudyPath = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study file.")]
-Resume = Annotated[
-    bool, typer.Option("--resume", help="Keep what an interrupted call has finished.")
-]
+Resume = Annotated[bool, typer.Option("--resume", help="Continue an interrupted call.")]
 Ignored = Annotated[
     list[str] | None,
     typer.Option(metavar="WORD", help="Leave out of a deck: plastic, friction, temperature."),
 ]
 Scheduler = Annotated[
     str | None,
-    typer.Option(metavar="ADDRESS|FILE", help="Dask cluster in place of such processes."),
+    typer.Option(metavar="ADDRESS|FILE", help="Dask cluster instead of processes."),
 ]
 Integrator = Annotated[
     str | None,
@@ -36,21 +34,21 @@ Integrator = Annotated[
 
 
 def results_folder(default: str) -> Any:
-    """Return the option of a folder for results, which has a name unless one is given."""
+    """Return the option for the results folder with its default name."""
     text = f"Folder for results.  [default: {default}]"
     return typer.Option(help=text, show_default=False)
 
 
 def workers_for(work: str) -> Any:
-    """Return the option of how many processes share some work."""
+    """Return the option for the number of processes that share some work."""
     return typer.Option(help=f"Processes that share {work}.")
 
 
 def usable_folder(out: Path) -> Path:
-    """Return a folder for results that exists or can be made."""
+    """Return a results folder after making it and checking that it can be written."""
     try:
         out.mkdir(parents=True, exist_ok=True)
-        # Found out now rather than when the results of an hour are to be written.
+        # Fail before the computation rather than after it.
         with TemporaryFile(dir=out):
             pass
     except OSError as error:
@@ -60,7 +58,7 @@ def usable_folder(out: Path) -> Path:
 
 
 def shared_executor(workers: int, scheduler: str | None, stack: ExitStack) -> "Executor | None":
-    """Return what shares the work, if anything; closed with the stack."""
+    """Return the executor of the workers, None for this process alone; the stack closes it."""
     if scheduler is None and workers == 1:
         return None
     from faying.execution import DaskExecutor, ProcessExecutor
@@ -77,7 +75,7 @@ def shared_executor(workers: int, scheduler: str | None, stack: ExitStack) -> "E
 def study_work(
     path: Path, workers: int = 1, scheduler: str | None = None
 ) -> Iterator[tuple["Study", "ProgressBar", "Executor | None"]]:
-    """Read a study, show how far work on it is, and share it among workers."""
+    """Yield a study, a progress bar, and the executor of its workers, if any."""
     from rich.console import Console
 
     from faying.cli.progress import progress_bar

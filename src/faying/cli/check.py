@@ -1,4 +1,4 @@
-"""``faying check``: read everything, solve nothing, say what was understood."""
+"""``faying check``: read the study and the model, and print them without solving."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -63,7 +63,7 @@ def check(
         missing_contact(name, interface.area, interface.declared_area)
         for name, interface in model.interfaces.items()
     ]
-    # The units of a bare deck are nowhere said.
+    # A deck without a study has no units.
     materials = loaded.assembly.materials
     constants = () if bare else [*doubts(materials, checked.units), *bolt_doubts(checked, loaded)]
     jumps = [
@@ -84,12 +84,12 @@ def check(
         for path in (_picture(loaded, model, out / "model.png"), *_gap_pictures(model, out)):
             console.print(f"Wrote {path}")
     if preview.free.count and not bare:
-        # Last, so that what can move is seen in the tables and the picture first.
+        # Raised last, after tables and pictures have shown what can move.
         check_held(model, loaded.remedy)
 
 
 def _picture(loaded: "LoadedModel", model: "Model", path: Path) -> Path:
-    """Draw the model into a file."""
+    """Draw the model into a file, and return its path."""
     from matplotlib.figure import Figure
 
     from faying.joint.picture import plot_model
@@ -104,7 +104,7 @@ def _picture(loaded: "LoadedModel", model: "Model", path: Path) -> Path:
 
 
 def _gap_pictures(model: "Model", out: Path) -> Iterator[Path]:
-    """Draw the gaps of interfaces whose surfaces part into a file, where there are such."""
+    """Draw the initial gaps of interfaces into a file, if any, and yield its path."""
     from faying.reduction.projection import contact_surfaces
     from faying.report.figures.maps import draw_initial_gaps
     from faying.report.style import save

@@ -1,4 +1,4 @@
-"""Tables that say what faying understood of a study and its model."""
+"""Tables of ``faying check``: how a study and its model were read."""
 
 import json
 from collections.abc import Iterable, Iterator
@@ -57,16 +57,16 @@ def described(study: Study, loaded: LoadedModel, preview: ModelPreview) -> Itera
     if model.assembly.ignored:
         yield text_table(
             "Notes on the source",
-            ["left out, or taken otherwise"],
+            ["left out or approximated"],
             ([text] for text in model.assembly.ignored),
         )
     yield from _missing(study, preview)
 
 
 def _missing(study: Study, preview: ModelPreview) -> Iterator[Table]:
-    """Say what a run would still need, and the beginning of a study that says it."""
+    """Yield tables of what a run still needs, and of study lines to add."""
     if preview.needs:
-        columns = ["what a run would still need"]
+        columns = ["missing for a run"]
         yield text_table("Not ready to run", columns, ([need] for need in preview.needs))
     lines = []
     if is_bare(study.path):
@@ -90,7 +90,7 @@ def _overview(study: Study, model: Model) -> Table:
     weight = mass_properties(assembly)
     kinds = sorted({block.kind for block in assembly.mesh.blocks})
     formulation = f" ({assembly.element})" if "hex8" in kinds else ""
-    # Round-off of a symmetric model reads as zero.
+    # Round-off of a symmetric model is shown as zero.
     centre = np.where(np.abs(weight.centre) < 1e-9 * _extent(assembly.mesh), 0.0, weight.centre)
     units = study.units.split("-")
     n_shell = sum(len(block.ids) for block in assembly.shells)
@@ -110,14 +110,14 @@ def _overview(study: Study, model: Model) -> Table:
 
 
 def _factorization(memory: FactorMemory) -> str:
-    """Say which library will factorize, and what that takes."""
-    about = "" if memory.counted else ", give or take a factor of two"
+    """Return the factorization library and its memory as text."""
+    about = "" if memory.counted else ", within a factor of two"
     free = free_memory()
     there = "" if free is None else f"; {gigabytes(free)} are free"
     enough = free is None or memory.peak <= free
     return (
-        f"{memory.backend}, {gigabytes(memory.factor)} of factors, {gigabytes(memory.peak)} while "
-        f"they are made and used between pairs{' one by one' * memory.one_by_one}{about}{there}"
+        f"{memory.backend}, {gigabytes(memory.factor)} of factors, {gigabytes(memory.peak)} at the "
+        f"peak, with the compliance of pairs{' one by one' * memory.one_by_one}{about}{there}"
         f"{'' if enough else ', which is not enough'}"
     )
 
@@ -160,7 +160,7 @@ def _materials(assembly: Assembly) -> Table:
 
 
 def _connections(assembly: Assembly) -> Table:
-    """List what holds and joins the bodies, contact aside."""
+    """Return the table of supports, couplings, springs and masses."""
     kinds = {
         **_supports(assembly),
         "rigid couplings (RBE2)": [
@@ -180,7 +180,7 @@ def _connections(assembly: Assembly) -> Table:
 
 
 def _supports(assembly: Assembly) -> dict[str, list[int]]:
-    """Return the numbers of supported nodes by what is held of them."""
+    """Return the node counts of the supports by their components."""
     ids: dict[str, list[int]] = {}
     for support in assembly.supports:
         names = " ".join(DISPLACEMENT_NAMES[component] for component in support.components)
@@ -206,7 +206,7 @@ def _friction(model: Model) -> Iterator[Table]:
 
 
 def _sides(model: Model) -> Table:
-    """List the bodies each interface joins; matrices have none that could be named."""
+    """Return the table of the bodies at both sides of each interface."""
     label = model.assembly.mesh.bodies
     names = np.array([*body_names(model.assembly.mesh), "matrices"])
     rows = (
@@ -222,7 +222,7 @@ def _sides(model: Model) -> Table:
 
 
 def _signs(interface: Interface) -> tuple[str, str]:
-    """Return the mean normal, and the side that has the contact points."""
+    """Return the mean normal, and the side of the contact points, as texts."""
     mean = np.round(interface.weights @ interface.normals / interface.area, 4) + 0
     directions = "" if interface.flat else "several directions, on average "
     return directions + _point(
@@ -263,13 +263,13 @@ def _bolts(study: Study, loaded: LoadedModel, model: Model) -> Table:
 
 
 def _force_of(loaded: LoadedModel, name: str) -> object:
-    """Say the final force of a bolt, or the initial one it is locked at."""
+    """Return the preload of a bolt, or its initial force if it is locked at that."""
     locked = loaded.initial_forces.get(name)
     return loaded.preloads.get(name) if locked is None else f"initial {locked:.6g}"
 
 
 def _tightened(spec: BoltSpec) -> str:
-    """Say what a bolt is made of."""
+    """Return the elements, nodes or axis of a bolt as text."""
     if spec.elements is not None:
         ids = list(spec.elements)
         return f"element{'s' * (len(ids) > 1)} {listed(ids)}"
@@ -280,7 +280,7 @@ def _tightened(spec: BoltSpec) -> str:
 
 
 def _deck_loads(study: Study, loaded: LoadedModel) -> Table:
-    """List nodal loads of the source, and which load cases apply them."""
+    """Return the table of loads of the source, and of the load cases that apply them."""
     rows = (
         (
             name,
@@ -304,7 +304,7 @@ def _users(study: Study, load: str) -> list[str]:
 
 
 def _unused_loads(study: Study, loaded: LoadedModel) -> Iterator[Table]:
-    """Say what would apply the loads of the source that no load case does, word for word."""
+    """Yield the study lines that apply the unused loads of the source."""
     unused = [name for name in loaded.assembly.loads if not _users(study, name)]
     unused.sort(key=lambda name: name != loaded.source.selected_load)
     if not unused:
@@ -314,21 +314,21 @@ def _unused_loads(study: Study, loaded: LoadedModel) -> Iterator[Table]:
         text = quoted(name)
         lines += ["[[load_case]]", f"name = {json.dumps(_case_name(study, name))}"]
         lines += ['kind = "static"', f"forces = [{{ deck_load = {text}, value = 1.0 }}]", ""]
-    title = "To apply loads of the source that no load case does, paste into the study"
+    title = "Loads of the source that no load case applies; to apply them, add to the study"
     yield text_table(title, ["TOML"], ([line] for line in lines[:-1]))
 
 
 def _case_name(study: Study, load: str) -> str:
-    """Return a name for a load case that no other has."""
+    """Return an unused name for a load case."""
     names = {case.name for case in study.load_cases}
     name = load if load.startswith("step") else f"load {load}"
     return f"{name} of the deck" if name in names else name
 
 
 def _rigid_body_modes(parts: FreeParts) -> Table:
-    """Say what can move while nothing but contact resists."""
+    """Return the table of rigid-body modes that only contact resists."""
     if parts.count is None:
-        rows = [("not looked for", "too many bodies and loose nodes")]
+        rows = [("not computed", "too many bodies and loose nodes")]
     else:
         whole = [("the whole", AS_A_WHOLE.format(count=parts.whole))] if parts.whole else []
         rows = [*parts.parts.items(), *whole] or [("none", "everything is held")]

@@ -1,4 +1,4 @@
-"""``faying export``: hand a reduced model over to another program."""
+"""``faying export``: write a reduced model in the format of another program."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def model_sizes(rom: "ReducedModel") -> str:
-    """Say which model it is and what its numbers are measured in."""
+    """Return the method, sizes and units of a reduced model as text."""
     units = rom.unit_set
     counts = {
         "coordinate": len(rom.K),
@@ -50,7 +50,7 @@ def export(
         ),
     ] = None,
 ) -> None:
-    """Hand a reduced model of a run over to another program."""
+    """Write a reduced model of a run in the format of another program."""
     from faying.export.formats import MEANINGS, default_name, format_named, run_model
     from faying.export.formats import export as write
     from faying.study.stages.recover import results_of

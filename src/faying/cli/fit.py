@@ -1,4 +1,4 @@
-"""``faying fit`` and ``faying band``: what a test says of a joint, what ranges leave open."""
+"""``faying fit`` and ``faying band``: parameters from measured curves, bands of backbones."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -26,9 +26,9 @@ def fit(
     workers: Workers = 1,
     scheduler: Scheduler = None,
 ) -> None:
-    """Find the parameters of a study by its measured curves, with intervals and what stays open.
+    """Fit the parameters of a study to its measured curves, with confidence intervals.
 
-    Run again it goes on from what an interrupted fit has computed.
+    When run again, it continues an interrupted fit.
     """
     from faying.workflow.fit import fit_study
 
@@ -45,9 +45,9 @@ def band(
     workers: Workers = 1,
     scheduler: Scheduler = None,
 ) -> None:
-    """Compute the band of backbones that the ranges of a study's parameters leave open.
+    """Compute the band of backbones over the parameter ranges of a study.
 
-    Run again it goes on from what an interrupted call has computed.
+    When run again, it continues an interrupted call.
     """
     from faying.workflow.fit import band_of_study
 

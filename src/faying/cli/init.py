@@ -1,4 +1,4 @@
-"""``faying init``: a first study of a deck or mesh; ``faying schema``: what editors check by."""
+"""``faying init``: a first study of a deck or mesh; ``faying schema``: the schema for editors."""
 
 from pathlib import Path
 from typing import Annotated
@@ -19,23 +19,23 @@ def init(
         ),
     ] = None,
     overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace a study that is there.")
+        bool, typer.Option("--overwrite", help="Replace an existing study.")
     ] = False,
     ignore: Ignored = None,
 ) -> None:
-    """Look at a deck or mesh and write a commented study that runs where the file allows it."""
+    """Write a first study of a deck or mesh, with comments on what to decide."""
     from faying.draft.first_study import first_study
     from faying.draft.study_text import DECIDE
     from faying.exceptions import refuse_study
     from faying.files.atomic import write_text
 
     if not deck.is_file():
-        refuse_study(f"{deck} is no file; name a deck or a mesh")
+        refuse_study(f"{deck} is not a file; give a deck or a mesh")
     target = out or deck.with_suffix(".toml")
     if target.suffix.lower() != ".toml":
-        refuse_study(f"--out {target}: the name of a study ends in .toml; add it")
+        refuse_study(f"--out {target}: the name of a study must end in .toml; add it")
     if target.exists() and not overwrite:
-        refuse_study(f"{target} is there already; name another with --out, or give --overwrite")
+        refuse_study(f"{target} exists already; give another path with --out, or --overwrite")
     study = first_study(deck, target, ignore or ())
     write_text(target, study.text)
     typer.echo(f"Wrote {target}; {study.undecided} lines to decide, marked {DECIDE[:-1]}")

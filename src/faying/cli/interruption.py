@@ -1,4 +1,4 @@
-"""How to go on with a command that Ctrl-C or SIGTERM has stopped."""
+"""Continuing a command that Ctrl-C or SIGTERM has stopped."""
 
 import shlex
 import signal
@@ -12,15 +12,15 @@ from typing import NoReturn
 import typer
 
 INTERRUPTED, TERMINATED = 130, 143
-"""Exit status after Ctrl-C and after SIGTERM, as shells have it."""
+"""Exit status after Ctrl-C and after SIGTERM, as in shells."""
 
 
 class _Terminated(KeyboardInterrupt):
-    """SIGTERM: batch systems send it before they kill."""
+    """SIGTERM, which batch systems send before they kill a process."""
 
 
 def _terminate(_signal: int, _frame: FrameType | None) -> NoReturn:
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # a second one ends it at once
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # a second signal ends the process at once
     raise _Terminated
 
 
@@ -29,13 +29,13 @@ ANSWERS = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: _terminate
 
 @contextmanager
 def resumable(command: Sequence[str], folder: Path, others: str = "") -> Iterator[None]:
-    """Say how to go on with a command that is stopped, and end with the status of the signal.
+    """Print how to continue a command that is stopped, and exit with the status of the signal.
 
-    The command is what was given, without ``--resume``, with what else to give; ``unfinished`` in
-    the folder keeps what is finished.
+    ``command`` is the command line without ``--resume``, and ``others`` further text; the
+    folder's ``unfinished`` keeps finished results.
     """
     handlers = {}
-    if threading.current_thread() is threading.main_thread():  # which alone hears signals
+    if threading.current_thread() is threading.main_thread():  # only it receives signals
         for number, answer in ANSWERS.items():
             if signal.getsignal(number) is not signal.SIG_IGN:
                 handlers[number] = signal.signal(number, answer)
@@ -44,9 +44,9 @@ def resumable(command: Sequence[str], folder: Path, others: str = "") -> Iterato
     except KeyboardInterrupt as stopped:
         unfinished = folder / "unfinished"
         again = shlex.join([*command, *(["--resume"] if unfinished.exists() else [])]) + others
-        said = f"what is finished is kept in {unfinished}. Go on with"
+        said = f"finished results are kept in {unfinished}. Continue with"
         if not unfinished.exists():
-            said = "nothing was finished yet. Begin again with"
+            said = "nothing was finished yet. Start again with"
         typer.echo(f"Interrupted; {said}\n  {again}", err=True)
         status = TERMINATED if isinstance(stopped, _Terminated) else INTERRUPTED
         raise typer.Exit(status) from None

@@ -1,4 +1,4 @@
-"""Loads of a study as rows of the tables of ``faying check``."""
+"""Rows of loads for the tables of ``faying check``."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""What a run prints when it ends: how far each method's pressures are off, and where to read on."""
+"""Output at the end of a run: pressure errors of the methods, verdict, and paths of results."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -12,13 +12,13 @@ from faying.display.quantities import percent
 from faying.study.results.values import FULL_MODEL
 
 STYLES = {"met": "", "not met": "bold red", "unknown": "yellow"}
-"""How a row of the verdict is written."""
+"""Style of a row of the verdict."""
 
 
 def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> None:
-    """Print one row per method with its largest basis, one column per load case."""
+    """Print the pressure errors, one row per method with its largest basis, and the remarks."""
     cases = summary["load_cases"]
-    # Pressures of backbones are those of the preloaded joint, which tell nothing of vibrations.
+    # Pressures of backbones belong to the preloaded joint and say nothing about vibrations.
     pressed = {name: case for name, case in cases.items() if case["kind"] != "backbone"} or cases
     full = all(case["reference"]["model"] == FULL_MODEL for case in cases.values())
     of = FULL_MODEL if full else "reference"
@@ -36,7 +36,7 @@ def show_outcome(summary: Mapping[str, Any], out: Path, console: Console) -> Non
 
 
 def show_verdict(summary: Mapping[str, Any], console: Console) -> None:
-    """Print the verdict on the joint: a row for each bolt and interface, and a sentence."""
+    """Print the verdict on the joint: a row for each bolt and interface, advice, and a sentence."""
     verdict = summary["verdict"]
     if verdict["table"]:
         rows = [row.values() for row in verdict["table"]]
@@ -50,10 +50,10 @@ def show_verdict(summary: Mapping[str, Any], console: Console) -> None:
 
 
 def end(summary: Mapping[str, Any], out: Path, console: Console, solved: str) -> None:
-    """Print warnings and the verdict, and exit by them.
+    """Print warnings and the verdict, and exit with their status.
 
-    The status is 1 where something did not converge, 3 of a joint that does not hold, or of which
-    what is demanded is not known.
+    The status is 1 where a load case did not converge, and 3 where the joint does not hold or a
+    requirement could not be judged.
     """
     for warning in summary["warnings"]:
         typer.echo(f"Warning: {warning}", err=True)

@@ -1,4 +1,4 @@
-"""How far a command is: a bar where somebody looks at it, lines where they go to a file."""
+"""Progress of a command: a bar in a terminal, lines elsewhere."""
 
 from contextlib import AbstractContextManager, nullcontext
 from time import monotonic
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 @final
 class Lines:
-    """A line on standard error for every stage as it begins, with the time since the first."""
+    """Progress as lines on standard error, with the time since the first stage began."""
 
     def __init__(self) -> None:
         self._start = self._last = monotonic()
@@ -20,7 +20,7 @@ class Lines:
         self._said = ""
 
     def add_task(self, description: str, *, total: float | None = None) -> int:
-        """Tell that a stage begins."""
+        """Print that a stage begins, and return its number."""
         self._tasks[number := len(self._tasks)] = description, total, 0.0
         if description != self._said:
             self._tell(description)
@@ -28,7 +28,7 @@ class Lines:
         return number
 
     def advance(self, task: int, advance: float = 1) -> None:
-        """Tell now and then how much of a stage is done."""
+        """Print every half minute how much of a stage is done."""
         description, total, done = self._tasks[task]
         self._tasks[task] = description, total, done + advance
         if monotonic() - self._last > 30.0:  # seconds
@@ -37,12 +37,12 @@ class Lines:
             )
 
     def update(self, task: int, *, description: str, **_: Any) -> None:
-        """Tell that a stage has become another."""
+        """Print the new description of a stage."""
         self._tasks[task] = description, *self._tasks[task][1:]
         self._tell(description)
 
     def remove_task(self, task: int) -> None:
-        """Forget a stage that is done; what follows of its name is told again where others were."""
+        """Do nothing at the end of a stage."""
 
     def _tell(self, text: str) -> None:
         self._last = monotonic()
@@ -53,9 +53,9 @@ class Lines:
 def progress_bar(
     console: "Console", *, remaining: bool = False, lines: bool = True
 ) -> AbstractContextManager[Any]:
-    """Return a bar that goes away when it is done; lines where no terminal shows it.
+    """Return a progress bar that disappears at the end, or lines without a terminal.
 
-    It says how long it will still take if ``remaining``. Commands of seconds have no lines.
+    The bar shows the remaining time if ``remaining``. Commands of seconds print no ``lines``.
     """
     if not console.is_terminal and lines:
         return nullcontext(Lines())
@@ -67,7 +67,7 @@ def progress_bar(
         TimeRemainingColumn,
     )
 
-    # Brackets in the names of load cases are no markup.
+    # Brackets in names of load cases are not markup.
     columns = [TextColumn("{task.description}", markup=False), BarColumn(), TaskProgressColumn()]
     if remaining:
         columns.append(TimeRemainingColumn())

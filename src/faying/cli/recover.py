@@ -60,13 +60,13 @@ def recover(
         integrator=named_integrator(integrator) if integrator else None,
     )
     recovered = recover_history(results, history, options)
-    _tell(results, recovered)
+    _print_recovered(results, recovered)
     for path in _written(results, recovered, folder, history.stem):
         typer.echo(f"Wrote {path}")
 
 
-def _tell(results: "Results", recovered: "RecoveredRecord") -> None:
-    """Say what was understood of the history, and the largest pressures."""
+def _print_recovered(results: "Results", recovered: "RecoveredRecord") -> None:
+    """Print how the history was read, and the largest pressures."""
     from faying.cli.tables import plain_console, shown
     from faying.study.stages.recover import peak_table
 
@@ -87,7 +87,7 @@ def _tell(results: "Results", recovered: "RecoveredRecord") -> None:
 def _written(
     results: "Results", recovered: "RecoveredRecord", folder: Path, stem: str
 ) -> list[Path]:
-    """Write what was recovered, and pictures of the instant of largest pressure."""
+    """Write recovered pressures and fields at the instant of largest pressure; return the paths."""
     from faying.export.vtk import write_fields_vtu
     from faying.files.names import file_names
     from faying.study.results.store import write_recovered

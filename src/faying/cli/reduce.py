@@ -1,4 +1,4 @@
-"""``faying reduce``: one reduced model in one file."""
+"""``faying reduce``: a reduced model in a file."""
 
 from pathlib import Path
 from typing import Annotated
@@ -28,7 +28,7 @@ def reduce(
         typer.Option("--shapes/--no-shapes", help="Keep displacements of all nodes, for pictures."),
     ] = True,
 ) -> None:
-    """Reduce the model of a study into one file, which `faying solve` needs nothing else with."""
+    """Reduce the model of a study into one file for `faying solve`."""
     from faying.cli.export import model_sizes
     from faying.workflow.reduce import reduce_study
 

@@ -1,4 +1,4 @@
-"""``faying report`` and ``faying view``: the report of a finished run, built again or opened."""
+"""``faying report`` and ``faying view``: build or open the report of a finished run."""
 
 import webbrowser
 from pathlib import Path
@@ -23,14 +23,14 @@ def report(
 def view(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a finished run.")],
     browser: Annotated[
-        bool, typer.Option("--browser/--no-browser", help="Open it, or print where it is.")
+        bool, typer.Option("--browser/--no-browser", help="Open the report, or print its path.")
     ] = True,
 ) -> None:
     """Open DIR/report.html in the browser."""
     page = (folder / "report.html").resolve()
     if not page.is_file():
         refuse_study(
-            f"{folder} holds no report.html; name the folder of a finished 'faying run', or build "
+            f"{folder} holds no report.html; give the folder of a finished 'faying run', or build "
             "the report of one with 'faying report DIR'"
         )
     if not browser:

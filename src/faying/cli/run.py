@@ -1,4 +1,4 @@
-"""``faying run`` computes a study; ``faying demo`` the bolted cantilever with every method."""
+"""``faying run``: compute a study; ``faying demo``: compute the built-in bolted cantilever."""
 
 from pathlib import Path
 from time import perf_counter
@@ -26,7 +26,7 @@ def run(
     workers: Annotated[int, workers_for("transients of the full model")] = 1,
     scheduler: Scheduler = None,
 ) -> None:
-    """Run a study: every method on every load case; results, pictures and a report in a folder."""
+    """Run a study: every method on every load case, with results and a report in a folder."""
     folder = out or Path(f"{study.stem}-results")
     compute(study, folder, resume=resume, workers=workers, scheduler=scheduler)
 
@@ -34,16 +34,16 @@ def run(
 def compute(
     path: Path, out: Path, *, resume: bool, workers: int = 1, scheduler: str | None = None
 ) -> None:
-    """Run the study of a file into a folder and exit with 1 if something did not converge."""
-    since = perf_counter()  # importing what computes takes a second
+    """Run a study file, write its results to a folder, and exit with the status of the verdict."""
+    since = perf_counter()  # the imports take a second
     with resumable(["faying", "run", str(path), "--out", str(out)], out):
         from rich.console import Console
 
         with study_work(path, workers, scheduler) as (study, bar, executor):
             if not study.load_cases and not study.frequencies:
                 refuse_study(
-                    f"{path.name} has neither [[load_case]] nor [[frequency]]; add one, there is "
-                    "nothing to compute"
+                    f"{path.name} has neither [[load_case]] nor [[frequency]], there is nothing "
+                    "to compute; add one"
                 )
             usable_folder(out)
             from faying.workflow.run import run as run_study
@@ -62,6 +62,6 @@ def demo(
     out: Annotated[Path, typer.Option(help="Folder for results.")] = Path("faying-demo"),
     quick: Annotated[bool, typer.Option("--quick", help="A coarse mesh: under a minute.")] = False,
 ) -> None:
-    """Run the built-in study: a bolted cantilever, every method, a report."""
+    """Run the built-in study of a bolted cantilever with every method and a report."""
     studies = Path(__file__).parent.parent / "study"
     compute(studies / ("demo-quick.toml" if quick else "demo.toml"), out, resume=False)

@@ -1,4 +1,4 @@
-"""``faying solve``: many loads on a reduced model, without the full one."""
+"""``faying solve``: many loads on a reduced model, without the full model."""
 
 from contextlib import ExitStack
 from pathlib import Path
@@ -59,7 +59,7 @@ def solve(
     workers: Annotated[int, workers_for("static cases and loads over time")] = 1,
     scheduler: Scheduler = None,
 ) -> None:
-    """Solve many loads on a reduced model: metrics of all, fields of the worst, envelopes."""
+    """Solve many loads on a reduced model: metrics of all cases, fields of the worst ones."""
     folder = out or Path(f"{loads.stem}-solved")
     command = ["faying", "solve", str(model), str(loads), "--out", str(folder)]
     with resumable(command, folder, ", and the other options as before"):
@@ -110,7 +110,7 @@ def solve(
 
 
 def _show(summary: "Mapping[str, Any]", folder: Path) -> None:
-    """Print the worst of every metric."""
+    """Print the worst value of every metric, and its case."""
     from faying.cli.tables import plain_console, text_table
 
     console = plain_console()

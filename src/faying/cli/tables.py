@@ -12,7 +12,7 @@ from faying.display.table import Table as DescribedTable
 
 
 def plain_console() -> Console:
-    """Return a console for which brackets, around units and in names, are no markup."""
+    """Return a console that prints brackets, as of units, rather than reading them as markup."""
     return Console(markup=False, highlight=False)
 
 
@@ -22,7 +22,7 @@ def text_table(
     rows: Iterable[Iterable[object]],
     styles: Iterable[str] = (),
 ) -> Table:
-    """Return a table without the columns in which nothing stands; rows may have styles."""
+    """Return a table without empty columns; rows may have styles."""
     pad = title is not None
     table = Table(title=title, title_justify="left", box=box.SIMPLE_HEAD, pad_edge=pad)
     cells = [list(map(_text, row)) for row in rows]
@@ -36,7 +36,7 @@ def text_table(
 
 
 def shown(title: str, table: DescribedTable) -> Table:
-    """Return a table that is described by its columns."""
+    """Return a table of the package as a table of the console."""
     return text_table(title, table.columns, ([cell.text for cell in row] for row in table.rows))
 
 

@@ -1,4 +1,4 @@
-"""``faying tighten``: what each bolt is tightened to in turn."""
+"""``faying tighten``: the force to tighten each bolt to, turn by turn."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def tighten(
     study: StudyPath,
     passes: Annotated[
-        int, typer.Option(min=1, help="Rounds; more of them need smaller forces meanwhile.")
+        int, typer.Option(min=1, help="Rounds; more rounds need smaller overshoot.")
     ] = 1,
     out: Annotated[
         Path | None,
@@ -26,9 +26,9 @@ def tighten(
         ),
     ] = None,
 ) -> None:
-    """Plan the tightening: what each bolt is brought to in turn, so that all end at their preloads.
+    """Plan the force to tighten each bolt to in turn, so that all bolts end at their preloads.
 
-    The order is that of the bolts in the study.
+    Bolts are tightened in the order of the study.
     """
     from faying.workflow.tighten import overstressed, plan_of_study, torques_per_force, write_plan
 
@@ -42,15 +42,15 @@ def tighten(
     if used:
         worst = max(used, key=used.__getitem__)
         message = (
-            f"Warning: {', '.join(used)} would yield while tightened ({worst}: {used[worst]:.0%} "
-            "of its yield stress); take more --passes, which need smaller forces meanwhile"
+            f"Warning: {', '.join(used)} would yield while tightening ({worst}: {used[worst]:.0%} "
+            "of its yield stress); use more --passes, which need smaller overshoot"
         )
         typer.echo(message, err=True)
     typer.echo(f"Wrote {target}")
 
 
 def _show(plan: "TighteningPlan", units: "Units", torques: "Mapping[str, float]") -> None:
-    """Print the turns, and what the plan gains."""
+    """Print the turns of a plan, and the bolt forces without a plan."""
     from faying.cli.tables import plain_console, shown
     from faying.display.table import FL, Column, described
 
@@ -70,7 +70,7 @@ def _show(plan: "TighteningPlan", units: "Units", torques: "Mapping[str, float]"
     console.print(shown("Tighten in this order", described("turn", turns, columns, units)))
     unplanned, reached = plan.reached_unplanned, plan.reached
     console.print(
-        f"All bolts end within {abs(reached - 1).max():.2%} of their preloads. One round straight "
+        f"All bolts end within {abs(reached - 1).max():.2%} of their preloads. One round directly "
         f"to the preloads, in this order, would leave them at {unplanned.min():.1%} to "
         f"{unplanned.max():.1%}.",
         soft_wrap=True,

@@ -1,1 +1,1 @@
-"""How values show themselves: in a line, in a notebook, on axes."""
+"""Values as text, as notebook tables, and on plot axes."""

@@ -1,4 +1,4 @@
-"""Axes for quick looks, and what is drawn on them."""
+"""Matplotlib axes for quick plots, and coloured areas on them."""
 
 from typing import Any
 
@@ -11,7 +11,7 @@ from faying.display.style import PRESSURE_MAP
 
 
 def new_axes(*, projection: str | None = None, size: tuple[float, float] = (7.0, 4.5)) -> Any:
-    """Return the only axes of a new figure of pyplot, which shows in windows and notebooks."""
+    """Return the axes of a new pyplot figure, which shows in windows and notebooks."""
     from matplotlib import pyplot
 
     figure = pyplot.figure(figsize=size, layout="constrained")
@@ -19,7 +19,7 @@ def new_axes(*, projection: str | None = None, size: tuple[float, float] = (7.0,
 
 
 def draw_areas(axes: Axes, places: Matrix, areas: Vector, values: Vector, label: str) -> Axes:
-    """Draw values at points of a plane (n, 2), each as a square of the area it stands for."""
+    """Draw values at points of a plane (n, 2), each as a square with the area of the point."""
     half = np.sqrt(areas)[:, None, None] / 2
     corners = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     squares = PolyCollection(

@@ -1,4 +1,4 @@
-"""A value in a line of text, and as a small table in a notebook."""
+"""Values shown as one line of text, and as a small table in a notebook."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
@@ -6,7 +6,7 @@ from html import escape
 
 
 class Shown(ABC):
-    """A value that is shown by what it is rather than by all its numbers.
+    """A value that is shown by a short summary rather than by all its numbers.
 
     Dataclasses that are shown so are declared with ``repr=False``.
     """
@@ -14,7 +14,7 @@ class Shown(ABC):
     @property
     @abstractmethod
     def facts(self) -> Mapping[str, str]:
-        """What is shown of it, each with its meaning; quick to compute."""
+        """Texts that summarize the value, by their labels; quick to compute."""
 
     def __repr__(self) -> str:
         inner = ", ".join(f"{meaning}: {value}" for meaning, value in self.facts.items())
@@ -41,7 +41,7 @@ def with_unit(value: float, unit: str) -> str:
 
 
 def listed(names: Iterable[object]) -> str:
-    """Return what things are called, and how many there are besides the first few.
+    """Return the first few names as text, and the number of the remaining ones.
 
     Examples
     --------
@@ -54,7 +54,7 @@ def listed(names: Iterable[object]) -> str:
 
 
 def bulleted(mistakes: Sequence[str]) -> str:
-    """Return mistakes one a line, and how many there are besides the first few.
+    """Return the first few mistakes, one a line, and the number of the remaining ones.
 
     Examples
     --------
@@ -67,7 +67,7 @@ def bulleted(mistakes: Sequence[str]) -> str:
 
 
 def counted(names: Mapping[str, object]) -> str:
-    """Return how many there are of something and what they are called, a few of them.
+    """Return the number of names, and the first few of them in parentheses.
 
     Examples
     --------
@@ -80,7 +80,7 @@ def counted(names: Mapping[str, object]) -> str:
 
 
 WORTH_SAYING = 0.05
-"""Share of a quantity from which it is said what else there is beside it."""
+"""Share of a quantity above which a second contribution is mentioned beside the first."""
 
 MOST_SHOWN = 8
-"""Names, mistakes or files that are written out; the others are counted."""
+"""Number of names, mistakes or files that are written out; the rest are counted."""

@@ -1,4 +1,4 @@
-"""The map a surface is drawn in: its plane, or a cylinder unrolled, arc across and axis up."""
+"""Maps of surfaces: a plane, or an unrolled cylinder with its arc across and its axis up."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from faying.digits import SHORT_DIGITS, SOLVED
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Plane:
-    """The plane a map is drawn in.
+    """A plane onto which a surface is projected to draw it.
 
     Attributes
     ----------
@@ -19,7 +19,7 @@ class Plane:
     labels
         Names of the map's axes.
     flat
-        Whether the surface lies in it; otherwise the map is a projection.
+        Whether the surface lies in the plane; otherwise the map is a projection.
     """
 
     axes: Matrix
@@ -32,22 +32,22 @@ class Plane:
         return coordinates
 
     def directions(self, _points: Matrix, vectors: Matrix) -> Matrix:
-        """Return the components (n, 2) along the map of vectors (n, 3), the same at all points."""
+        """Return the components (n, 2) of vectors (n, 3) along the axes of the map."""
         return self.project(vectors)
 
     def whole(self, polygons: Matrix) -> Matrix:
-        """Return polygons (n, n_corner, 2) of the map as they are: it is cut nowhere."""
+        """Return polygons (n, n_corner, 2) of the map unchanged: a plane has no cut."""
         return polygons
 
 
 def plane_of(points: Matrix, normals: Matrix, weights: Vector) -> Plane:
-    """Return the plane of a flat surface, or the best one of a curved surface.
+    """Return the plane of a flat surface, or the best-fitting plane of a curved one.
 
-    Points (n, 3) are on it; normals (n_point, 3) and weights (n_point,) are of its contact points.
+    The surface has points (n, 3), and contact points with normals (n_point, 3) and weights.
 
     Notes
     -----
-    Its axes follow the two basic axes that lie best in it, so that a map reads like a drawing.
+    The map's axes are the two basic axes closest to the plane, as in a drawing.
     """
     normal = _normal(points, normals, weights)
     keep = np.delete(np.arange(3), np.abs(normal).argmax())
@@ -84,34 +84,34 @@ def _unit(vector: Vector) -> Vector:
 
 
 ROUND = 0.02
-"""Distance of points from a circle, over its radius, up to which a surface is one, and difference
-of diameters that are one: chords, and nodes that were rounded. Holes of listed sizes differ by
+"""Distance of points from a circle, over its radius, up to which a surface is a cylinder, and
+difference of equal diameters: chords, and rounded nodes. Holes of standard sizes differ by
 5 %."""
 
 ACROSS = 0.05
-"""Root mean square of the normals' component along an axis that they go round."""
+"""Largest root mean square of the normals' component along the axis of a cylinder."""
 
 BENT = 0.5
-"""Least share of the normals in either direction across the axis: a quarter of a circle has 0.8."""
+"""Least share of the normals in each direction across the axis: a quarter circle has 0.8."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Unrolled:
-    """The map of a cylinder, cut open where it has least points.
+    """The map of a cylinder, cut open at its widest gap between points.
 
     Attributes
     ----------
     axes : (3, 3)
         Two directions across the axis, and the axis.
     centre : (2,) [length]
-        Of the circle, along the first two.
+        Centre of the circle, along the first two directions.
     radius : [length]
     cut : [rad]
         Angle where the map begins.
     labels
         Names of the map's axes.
     flat
-        Whether the surface lies in a plane: it does not.
+        Whether the surface lies in a plane: always False.
     """
 
     axes: Matrix
@@ -143,7 +143,7 @@ class Unrolled:
         return angles
 
     def whole(self, polygons: Matrix) -> Matrix:
-        """Return polygons (n, n_corner, 2) of the map, those over the cut drawn at its end."""
+        """Return polygons (n, n_corner, 2) of the map, with those across the cut at its end."""
         arcs = polygons[..., :1]
         over = np.ptp(arcs, axis=1, keepdims=True) > self.period / 2
         moved = np.where(over & (arcs < self.period / 2), self.period, 0.0)
@@ -152,9 +152,9 @@ class Unrolled:
 
 
 def unrolled(points: Matrix, normals: Matrix) -> Unrolled | None:
-    """Return the map of points (n, 3) on a cylinder; None where they lie on none.
+    """Return the map of points (n, 3) on a cylinder; None where no cylinder fits them.
 
-    The circle is that of least squares (Kåsa 1976).
+    The circle is fitted by least squares (Kåsa 1976).
     """
     if len(points) < 4 or len(normals) < 4:
         return None

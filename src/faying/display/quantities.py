@@ -7,7 +7,7 @@ from faying.digits import SOLVED
 
 
 def number(value: float, digits: int = 3) -> str:
-    """Return a number with some significant digits, in scientific form only where it must be.
+    """Return a number with some significant digits, in scientific form if very large or small.
 
     Examples
     --------
@@ -41,7 +41,7 @@ def quantity(value: float, unit: str, digits: int = 3) -> str:
 
 
 def percent(fraction: float) -> str:
-    """Return a fraction as percent; errors of rounding say so.
+    """Return a fraction in percent; values below solver accuracy become a bound.
 
     Examples
     --------

@@ -9,14 +9,14 @@ BOLT_COLOUR = "#B2182B"
 INTERFACE_COLOUR = "#111111"
 
 LINE = 66
-"""Characters of a title that the narrowest figure holds."""
+"""Characters per line of a title that fit the narrowest figure."""
 
 
 def heading(text: str) -> str:
-    """Return the title of a figure, broken so that long names of users stay in the picture."""
+    """Return the title of a figure, wrapped so that long names stay in the picture."""
     return plain("\n".join(fill(line, LINE) for line in text.splitlines()))
 
 
 def plain(text: str) -> str:
-    """Return text that matplotlib shows as it is: names may hold dollar signs."""
+    """Return text with dollar signs escaped, which matplotlib takes for mathematics."""
     return text.replace("$", r"\$")

@@ -1,6 +1,6 @@
-"""Tables: columns that say what they hold, in which unit, and how it is read off a row.
+"""Tables: columns with a title, a dimension, and a function from a row to the entry.
 
-One description makes the head, the text of a cell and the number that a csv file gets.
+Titles, texts of cells and the numbers of csv files come from the same columns.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -20,7 +20,7 @@ PRESSURE, FL = "force/length²", "force·length"
 
 @dataclass(frozen=True, kw_only=True)
 class Cell:
-    """One cell: text, the number it stands for, and a grade that colours and marks it."""
+    """A cell: its text, its number, and a grade that sets its colour and mark."""
 
     text: str
     value: float | None = None
@@ -28,7 +28,7 @@ class Cell:
 
     @property
     def mark(self) -> str:
-        """The grade as a character, for print and for eyes that see colours otherwise."""
+        """The grade as a character, for print and for colour-blind readers."""
         return MARKS[self.grade]
 
 
@@ -37,17 +37,17 @@ Entry = Cell | str | float | None
 
 @dataclass(frozen=True)
 class Column:
-    """One column.
+    """A column of a table.
 
     Attributes
     ----------
     title
     value
-        Takes a row to its entry; None is none.
+        Function from a row to its entry; None leaves the cell empty.
     dimension
-        As ``"force/length²"``, or a unit such as ``"%"``.
+        A dimension such as ``"force/length²"``, or a unit such as ``"%"``.
     digits
-        Significant ones that are shown.
+        Number of significant digits.
     """
 
     title: str
@@ -58,7 +58,7 @@ class Column:
 
 @dataclass(frozen=True, kw_only=True)
 class Table:
-    """A table; the first column holds row heads.
+    """A table whose first column holds the names of the rows.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class Table:
         Heads, with units.
     rows
     names
-        Heads as a csv file has them, each different from the others.
+        Column names of a csv file, all different.
     """
 
     columns: tuple[str, ...]
@@ -77,9 +77,9 @@ class Table:
 def described(
     head: str, rows: Iterable[tuple[str, Any]], columns: Iterable[Column], units: Units
 ) -> Table:
-    """Return a table of named rows, without columns in which nothing stands; names alone are none.
+    """Return a table of named rows, without empty columns; without rows if all are empty.
 
-    ``head`` is that of the first column, which has the names.
+    ``head`` is the title of the first column, which holds the names.
     """
     named = list(rows)
     entries = [(definition, [definition.value(row) for _, row in named]) for definition in columns]
@@ -116,15 +116,15 @@ def cell(entry: Entry, column: Column) -> Cell:
 
 
 LARGE = 1e6
-"""Whole numbers beyond are shown with their leading digits alone."""
+"""Whole numbers above this are rounded to their leading digits."""
 
 
 def graded(fraction: float, grade: str, digits: int = 3) -> Cell:
-    """Return a share in percent with its grade."""
+    """Return the cell of a fraction in percent with its grade."""
     text = cell(100 * fraction, Column("", lambda row: row, "%", digits)).text
     return Cell(text=text, value=100 * fraction if np.isfinite(fraction) else None, grade=grade)
 
 
 def largest(values: Mapping[str, float]) -> str | None:
-    """Return the name of the largest of some values; None where there is none."""
+    """Return the name of the largest value; None without values."""
     return max(values, key=values.__getitem__) if values else None

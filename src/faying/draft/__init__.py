@@ -1,1 +1,1 @@
-"""A first study of a deck or mesh: what is there, what can be guessed, what must be decided."""
+"""First studies of decks and meshes: what was found, what is guessed, what the user decides."""

@@ -1,4 +1,4 @@
-"""Bolts: beams and springs between bodies, and places where holes of several bodies line up."""
+"""Bolts: beams and springs between bodies, and holes of several bodies on one axis."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -20,35 +20,35 @@ from faying.model.specs import BoltSpec
 from faying.units import LENGTHS
 
 PARALLEL = 1 - 1e-4
-"""Cosine between axes that are one."""
+"""Least cosine of the angle between the axes of holes in line."""
 
 ASIDE = 0.25
-"""Largest distance of two axes that are one, over the smaller radius."""
+"""Largest distance between the axes of holes in line, over the smaller radius."""
 
 ACROSS = np.sqrt(0.5)
-"""Cosine between a spring and the normal of a face above which it is across rather than along."""
+"""Cosine between a spring and a face normal above which the spring crosses the interface."""
 
 WASHER = 1.5
-"""Radius of a washer over that of the hole. Holes of one bolt differ by less, as a thread's from
-the one it comes through: a wider one would let the washer through."""
+"""Radius of a washer over the radius of its hole. Holes of the same bolt differ by less, such as
+a threaded and a clearance hole: a wider hole would let the washer through."""
 
 DIAMETER = 0.9
-"""Diameter of a bolt over that of its hole, of holes that no size is listed for."""
+"""Diameter of a bolt over the diameter of its hole, for holes of no standard size."""
 
 MOST_CHAINS = 500
-"""Chains of beams beyond which they are a frame rather than bolts."""
+"""Number of beam chains above which they are taken for a frame rather than bolts."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Line:
-    """A chain of beams, or a spring, that holds together what it joins.
+    """A chain of beams, or a spring, that clamps bodies together.
 
     Attributes
     ----------
     elements
-        Ids.
+        Element ids.
     spring
-        Whether it is one.
+        Whether the line is a spring.
     """
 
     elements: tuple[int, ...]
@@ -57,16 +57,16 @@ class Line:
 
 @dataclass(frozen=True, kw_only=True)
 class Hole:
-    """Holes of several bodies on one axis.
+    """A hole through several bodies on one axis.
 
     Attributes
     ----------
     bodies
-        Through which it goes.
+        Numbers of the bodies.
     ends : [length]
-        Centres of the outer ends.
+        Centres of both outer ends.
     radius : [length]
-        Of the narrowest.
+        Radius of the narrowest body's hole.
     filled
         Whether a shank of solids is inside.
     """
@@ -78,9 +78,9 @@ class Hole:
 
 
 def clamping_lines(assembly: Assembly, normals: Sequence[Vector]) -> list[Line]:
-    """Find chains of beams that clamp bodies; where there are none, single springs that do.
+    """Return the beam chains that clamp bodies, or single springs where there are none.
 
-    Normals are those of the faces of different bodies that face each other; springs along them may
+    The normals belong to faces of different bodies that face each other; springs along them may
     be bolts.
     """
     beams = [tuple(chain) for chain in _chains(assembly)]
@@ -96,7 +96,7 @@ def clamping_lines(assembly: Assembly, normals: Sequence[Vector]) -> list[Line]:
 
 
 def _clamps(assembly: Assembly, elements: tuple[int, ...]) -> bool:
-    """Tell whether elements form a chain that holds bodies together."""
+    """Return whether elements form a chain that clamps bodies."""
     spec = BoltSpec(name="bolt", elements=elements)
     try:
         seats = element_seats(assembly, bolt_axis_element(assembly, spec))
@@ -107,7 +107,7 @@ def _clamps(assembly: Assembly, elements: tuple[int, ...]) -> bool:
 
 
 def _chains(assembly: Assembly) -> list[list[int]]:
-    """Return the ids of beams that hang together, by chain."""
+    """Return the ids of connected beams, chain by chain."""
     if not assembly.beams:
         return []
     ends = np.array([beam.nodes for beam in assembly.beams])
@@ -124,7 +124,7 @@ def _chains(assembly: Assembly) -> list[list[int]]:
 
 
 def _lone_springs(assembly: Assembly, normals: Sequence[Vector]) -> list[int]:
-    """Return the ids of springs across faces, where no other joins the same nodes."""
+    """Return the ids of springs across faces that share both nodes with no other spring."""
     between = defaultdict(list)
     for spring in assembly.springs:
         nodes = frozenset(node for node, _ in spring.ends)
@@ -141,7 +141,7 @@ def _across(spring: Spring, normals: Sequence[Vector]) -> bool:
 
 
 def holes_in_line(cylinders: Cylinders) -> list[Hole]:
-    """Find the holes of at least two bodies that lie on one axis, end to end.
+    """Return the holes that pass through at least two bodies on one axis.
 
     Notes
     -----
@@ -163,7 +163,7 @@ def holes_in_line(cylinders: Cylinders) -> list[Hole]:
 
 
 def _in_line(cylinders: Cylinders, first: Indices, others: Indices) -> Mask:
-    """Tell which cylinders (n_some, n_other) share an axis and follow each other on it."""
+    """Return which pairs of cylinders (n_first, n_other) share an axis and adjoin on it."""
     axes, points = cylinders.axes[first], cylinders.points[first]
     away = cylinders.points[others][None] - points[:, None]
     along = np.einsum("abd,ad->ab", away, axes)
@@ -197,13 +197,13 @@ def _hole(cylinders: Cylinders, members: Indices) -> Hole:
 
 
 def size_of(hole: Hole, units: str) -> str | None:
-    """Return the size of the bolt whose clearance hole it is; None where none has such a hole."""
+    """Return the bolt size of a clearance hole; None where no standard size fits."""
     metre = LENGTHS.get(units.split("-")[0])
     return None if metre is None else size_through(2 * hole.radius * metre)
 
 
 def bolt_diameter(hole: Hole, units: str) -> float:
-    """Return the diameter of the bolt in a hole [length]."""
+    """Return the diameter [length] of the bolt in a hole."""
     size = size_of(hole, units)
     if size is None:
         return DIAMETER * 2 * hole.radius
@@ -211,7 +211,7 @@ def bolt_diameter(hole: Hole, units: str) -> float:
 
 
 def pattern(holes: list[Hole]) -> list[Hole]:
-    """Return the holes that look like those of bolts: the most of one size, the smallest of equals.
+    """Return the likely bolt holes: the most frequent size, the smallest where several tie.
 
     A flange has many bolts and one bore.
     """

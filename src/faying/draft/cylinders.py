@@ -12,33 +12,33 @@ from faying.model.mesh import Mesh
 from faying.model.surface import Facets, facet_area_vectors
 
 SMOOTH = np.cos(np.radians(40.0))
-"""Cosine between neighbouring facets of one smooth face: circles of nine edges and more."""
+"""Least cosine between neighbouring facets of a smooth face: circles of at least nine edges."""
 
 AXIAL_SHARE = 0.03
-"""Share of the normals along the axis, squared, in a cylinder: flat triangles tilt on it."""
+"""Largest squared component of a cylinder's normals along its axis: flat triangles tilt."""
 
 STEPS = 8
-"""Of Gauss and Newton from an axis estimated by normals to that of the nodes."""
+"""Gauss-Newton steps from the axis that normals estimate to the axis that fits the nodes."""
 
 FULL_CIRCLE_SUM = 0.05
-"""Largest sum of the normals over their number in a full circle; half a one has 0.6."""
+"""Largest sum of unit normals over their number in a full circle; a half circle has 0.6."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Cylinders(Frozen):
-    """Full cylinders among the faces of solids; arrays have an entry for each.
+    """Full cylinders among the faces of solids; arrays have an entry for each cylinder.
 
     Attributes
     ----------
     bodies : (n,)
-        Whose they are.
+        Body of each cylinder.
     holes : (n,)
-        Whether the solid is outside.
+        Whether the cylinder is a hole rather than a shank.
     points, axes : (n, 3)
-        A point of each axis, and its direction, the largest component positive.
+        A point on each axis, and its direction with the largest component positive.
     radii : (n,) [length]
     spans : (n, 2) [length]
-        Where they begin and end along the axis, from the point.
+        First and last position along the axis, measured from the point.
     """
 
     bodies: Indices
@@ -54,13 +54,13 @@ class Cylinders(Frozen):
 
 
 def cylinders(mesh: Mesh) -> Cylinders:
-    """Find the full cylinders among the outer faces of the solids.
+    """Return the full cylinders among the outer faces of the solids.
 
     Notes
     -----
-    Smooth faces are parts of a graph of facets; of each, the axis is first that to which the
-    normals are nearly perpendicular, then the cylinder is fitted to the corners by least squares.
-    Time is that of sorting the edges.
+    Smooth faces are the connected parts of a graph of facets. The axis of each is first the
+    direction normal to the facet normals; least squares then fit the cylinder to the corners.
+    Sorting the edges takes most of the time.
     """
     facets = mesh.exterior
     vectors = facet_area_vectors(mesh.nodes, facets)
@@ -72,15 +72,15 @@ def cylinders(mesh: Mesh) -> Cylinders:
     area = np.bincount(face, size, n_face)
     widths, frames = np.linalg.eigh(spread / np.maximum(area, np.finfo(float).tiny)[:, None, None])
     mean = np.linalg.norm(_sums(face, n_face, vectors), axis=1)
-    # A full circle looks in all directions of a plane alike.
+    # The normals of a full circle point in all directions of a plane alike.
     curved = (widths[:, 0] < AXIAL_SHARE) & (widths[:, 1] > 0.3) & (mean < FULL_CIRCLE_SUM * area)
     lead = np.abs(frames[:, :, 0]).argmax(axis=1)[:, None]
     axes = frames[:, :, 0] * np.sign(np.take_along_axis(frames[:, :, 0], lead, axis=1))
-    return _fitted(mesh.nodes, facets, normals, face, axes, np.flatnonzero(curved))
+    return _fit_cylinders(mesh.nodes, facets, normals, face, axes, np.flatnonzero(curved))
 
 
 def _smooth_faces(facets: Facets, normals: Matrix) -> tuple[int, Indices]:
-    """Label facets (n_facet,) by the smooth face they belong to."""
+    """Return the number of smooth faces, and the face of each facet (n_facet,)."""
     corners = facets.corners
     edges = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2))
     owner = np.repeat(np.arange(len(facets)), 4)
@@ -98,7 +98,7 @@ def _smooth_faces(facets: Facets, normals: Matrix) -> tuple[int, Indices]:
 
 
 def _sums(groups: Indices, count: int, values: Matrix) -> Matrix:
-    """Add values (n, ...) by group (count, ...)."""
+    """Return the sums (count, ...) of values (n, ...) by group (n,)."""
     total = np.zeros((count, *values.shape[1:]))
     np.add.at(total, groups, values)
     return total
@@ -113,7 +113,7 @@ def _across(axes: Matrix) -> Matrix:
 
 
 def _least_squares(places: Matrix, of: Indices, axes: Matrix) -> tuple[Matrix, Matrix, Vector]:
-    """Fit cylinders to places (n_place, 3) from estimates of their axes; points, axes, radii."""
+    """Return points, axes and radii of cylinders fitted to places (n_place, 3)."""
     n = len(axes)
     points = _sums(of, n, places) / np.bincount(of, minlength=n)[:, None]
     away = places - points[of]
@@ -126,7 +126,7 @@ def _least_squares(places: Matrix, of: Indices, axes: Matrix) -> tuple[Matrix, M
         flat = np.einsum("nd,nda->na", away, across[of])
         distance = np.linalg.norm(flat, axis=1)
         radial = flat / np.maximum(distance, np.finfo(float).tiny)[:, None]
-        # Lengths in radii, so that shifts and tilts are of one size.
+        # Lengths over the radius, so that shifts and tilts are of equal magnitude.
         tilt = (along / radii[of])[:, None] * radial
         slopes = np.column_stack([radial, tilt, np.ones(len(places))])
         left = _sums(of, n, slopes[:, :, None] * slopes[:, None])
@@ -144,7 +144,7 @@ def _means(groups: Indices, count: int, values: Vector) -> Vector:
     return means
 
 
-def _fitted(
+def _fit_cylinders(
     nodes: Matrix,
     facets: Facets,
     normals: Matrix,
@@ -152,7 +152,7 @@ def _fitted(
     axes: Matrix,
     curved: Indices,
 ) -> Cylinders:
-    """Fit circles to the faces that may be cylinders, and keep those that are round."""
+    """Fit cylinders to the curved faces, and return the ones that are round."""
     number = np.full(len(axes), -1, dtype=np.int64)
     number[curved] = np.arange(len(curved))
     rows = np.flatnonzero(number[face] >= 0)

@@ -1,4 +1,4 @@
-"""From a file to the text of a first study that runs, where the file allows it."""
+"""The text of a first study of a deck or mesh, which runs where the file allows it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -44,21 +44,21 @@ from faying.study.inputs.load_model import build
 from faying.study.keys.schema import parse_study
 
 LOAD_SHARE = 0.05
-"""Load that stands where none is said, over the sum of the preloads."""
+"""Placeholder load of a file without loads, over the sum of the preloads."""
 
 Direction = tuple[float, float, float]
 
 
 @dataclass(frozen=True, kw_only=True)
 class FirstStudy:
-    """A first study.
+    """The text of a first study.
 
     Attributes
     ----------
     undecided
-        Number of lines that are marked.
+        Number of lines marked for a decision of the user.
     problem
-        Why it does not run yet; empty where it does.
+        Why the study does not run yet; empty where it runs.
     """
 
     text: str
@@ -67,10 +67,10 @@ class FirstStudy:
 
 
 def first_study(path: Path, target: Path, ignore: Sequence[str] = ()) -> FirstStudy:
-    """Look at a deck or mesh and write the study that it is a study of.
+    """Return a first study of a deck or mesh.
 
-    The target is where it will stand; its paths are relative to that. What the deck has and the
-    model shall not is ignored.
+    The target is the path of the study file, to which its paths are relative. Keywords and cards
+    in ``ignore`` are left out of the model.
 
     Raises
     ------
@@ -79,22 +79,22 @@ def first_study(path: Path, target: Path, ignore: Sequence[str] = ()) -> FirstSt
 
     Notes
     -----
-    The model of the study is built to see that it can be, and to tell areas and gaps; once more,
-    with weak springs, where the first says that they are wanted.
+    The model of the study is built as a check, and to state areas and gaps. It is built again
+    with weak springs where the first attempt asks for them.
     """
     findings = _findings(read_model_file(path, ignore))
-    built, problem = _tried(study_text(findings, target, {}), target)
+    built, problem = _try_to_build(study_text(findings, target, {}), target)
     if REMEDY in problem:
         supported = replace(findings, weak_springs=True)
-        joints, remaining = _tried(study_text(supported, target, {}), target)
+        joints, remaining = _try_to_build(study_text(supported, target, {}), target)
         if not remaining:
             findings, built, problem = supported, joints, ""
     text = study_text(findings, target, built, problem)
     return FirstStudy(text=text, undecided=text.count(DECIDE), problem=problem)
 
 
-def _tried(text: str, target: Path) -> tuple[Mapping[str, Interface], str]:
-    """Build the model of a study; return its interfaces, or why there are none."""
+def _try_to_build(text: str, target: Path) -> tuple[Mapping[str, Interface], str]:
+    """Build the model of a study; return its interfaces, or the message why that failed."""
     try:
         return build(parse_study(text, target)).interfaces, ""
     except FayingError as error:
@@ -102,7 +102,7 @@ def _tried(text: str, target: Path) -> tuple[Mapping[str, Interface], str]:
 
 
 def _findings(file: ModelFile) -> Findings:
-    """Look for interfaces, bolts, supports and loads where the file does not say them."""
+    """Return likely interfaces, bolts, supports and loads where the file states none."""
     described, assembly = file.described, file.described.assembly
     faces = facing_bodies(assembly)
     faces.sort(key=lambda face: (not face.touching, -face.area))
@@ -124,18 +124,18 @@ def _findings(file: ModelFile) -> Findings:
             findings, held=tuple(names), pins=() if names else tuple(pins(assembly, contact))
         )
     across = faces[0].normal if faces else (0.0, 0.0, 1.0)
-    return findings if assembly.loads else _loaded(findings, contact, along or across)
+    return findings if assembly.loads else _with_load(findings, contact, along or across)
 
 
 def _bolts(
     file: ModelFile, normals: Sequence[Vector]
 ) -> tuple[list[BoltEntry], list[Hole], list[Hole], Direction | None]:
-    """Return bolts, holes that may be those of others, those made use of, and where one points."""
+    """Return bolts, holes without a bolt, holes that get a bolt, and the direction of a bolt."""
     described, assembly = file.described, file.described.assembly
     if described.bolts:
         preloaded = {*described.preloads, *described.initial_forces}
         untold = [bolt for bolt in described.bolts if bolt.name not in preloaded]
-        entries = [BoltEntry(name=bolt.name, preload=_strained(assembly, bolt)) for bolt in untold]
+        entries = [BoltEntry(name=b.name, preload=_shank_preload(assembly, b)) for b in untold]
         return entries, [], [], _pointing(assembly, described.bolts[0])
     entries, specs = [], []
     for number, line in enumerate(clamping_lines(assembly, normals), start=1):
@@ -144,14 +144,14 @@ def _bolts(
             BoltEntry(
                 name=specs[-1].name,
                 keys={"elements": f"[{', '.join(map(str, line.elements))}]"},
-                preload=_strained(assembly, specs[-1]),
+                preload=_shank_preload(assembly, specs[-1]),
                 remark=f"{'spring' if line.spring else 'beam'} that holds bodies together",
             )
         )
     holes = holes_in_line(cylinders(assembly.mesh))
     if specs:
         return entries, holes, [], _pointing(assembly, specs[0])
-    # Where shanks are of solids, another hole is no place for a bolt but a bore.
+    # Where shanks are meshed with solids, empty holes are bores.
     empty = [] if any(bolt.filled for bolt in holes) else pattern(holes)
     strained = STRAIN * _modulus(assembly)
     for number, hole in enumerate(empty, start=1):
@@ -180,8 +180,8 @@ def _modulus(assembly: Assembly) -> float:
     return materials[0].youngs_modulus if materials else 1.0
 
 
-def _strained(assembly: Assembly, spec: BoltSpec) -> float:
-    """Return the force that stands for a preload: a strain of the shank; 0 of a spring."""
+def _shank_preload(assembly: Assembly, spec: BoltSpec) -> float:
+    """Return a placeholder preload from a strain of the shank; 0 for a spring."""
     try:
         cut = bolt_axis_element(assembly, spec)
     except ModelError:
@@ -191,8 +191,8 @@ def _strained(assembly: Assembly, spec: BoltSpec) -> float:
     return 0.0
 
 
-def _loaded(findings: Findings, contact: Indices, along: Direction) -> Findings:
-    """Add where a load enters, and one that is small against the preloads."""
+def _with_load(findings: Findings, contact: Indices, along: Direction) -> Findings:
+    """Add a set or node for a load, and a force that is small against the preloads."""
     file, assembly = findings.file, findings.file.described.assembly
     mesh = assembly.mesh
     preloads = [
@@ -200,7 +200,7 @@ def _loaded(findings: Findings, contact: Indices, along: Direction) -> Findings:
         *(entry.preload or 0.0 for entry in findings.bolts),
     ]
     extent = float(np.ptp(mesh.nodes, axis=0).max())
-    # Where no bolt tells, a stress over the extent squared that strains by a millionth.
+    # Without bolts: a strain of a millionth over the extent squared.
     force = LOAD_SHARE * sum(preloads) or DECK_DIGITS * _modulus(assembly) * extent**2
     by_name = [
         entry
@@ -230,12 +230,12 @@ def _loaded(findings: Findings, contact: Indices, along: Direction) -> Findings:
 
 
 def _is_face(mesh: Mesh, name: str) -> bool:
-    """Say whether a node set may be that of a face: one or two nodes do not determine a motion."""
+    """Return whether a node set may cover a face: two nodes do not determine a motion."""
     return len(mesh.node_sets[name]) > 2
 
 
 def _movable(findings: Findings) -> Mask:
-    """Mark the translations (n_node, 3) that can take a load; all where constraints contradict."""
+    """Return which translations (n_node, 3) can be loaded; all where constraints contradict."""
     assembly, mesh = findings.file.described.assembly, findings.file.mesh
     fixed = [(nodes_of_set(assembly, name), [*range(6)]) for name in findings.held]
     for pin in findings.pins:

@@ -1,4 +1,4 @@
-"""What a first study needs of a model file: its faces, supports and loads by name."""
+"""Decks and meshes as a first study reads them: units, materials, named sets, nodes to hold."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -20,31 +20,31 @@ from faying.study.judgement.model_warnings import doubts
 from faying.study.keys.deck_study import STUDY, check_not_ansys
 
 UNITS = ("mm-t-s", "m-kg-s", "mm-kg-s", "mm-kg-ms", "in-slinch-s")
-"""Unit sets that are tried, the usual one first."""
+"""Unit systems in the order in which they are tried."""
 
 METRES = 2.0
-"""Extent of a mesh below which its unit is taken for the metre."""
+"""Extent of a mesh below which its unit of length is taken for the metre."""
 
 STEELS = {
     "mm-t-s": Material(youngs_modulus=210e3, poissons_ratio=0.3, density=7.85e-9, name=ANY_GROUP),
     "m-kg-s": Material(youngs_modulus=210e9, poissons_ratio=0.3, density=7850.0, name=ANY_GROUP),
 }
-"""Steel, for meshes that say nothing of what they are made of."""
+"""Steel for meshes without materials, by unit system."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ModelFile:
-    """A file, read.
+    """A deck or mesh that has been read.
 
     Attributes
     ----------
     source
-        As studies name it.
+        Name of the source in studies.
     units
-        The first of :data:`UNITS` in which the materials are those of solids, or that suits the
-        size; the first of all where none does.
+        The first of :data:`UNITS` in which the materials are plausible, or which suits the
+        size; the first of all where none fits.
     suits
-        Whether one does.
+        Whether any unit system fits.
     separate
         Volume groups of a mesh that share nodes with others, taken as parts that touch.
     stand_in
@@ -62,7 +62,7 @@ class ModelFile:
 
     @property
     def mesh(self) -> Mesh:
-        """Nodes and solids."""
+        """The nodes and solids."""
         return self.described.assembly.mesh
 
 
@@ -72,13 +72,13 @@ def read_model_file(path: Path, ignore: Sequence[str] = ()) -> ModelFile:
     Raises
     ------
     StudyError
-        If it is a study already, or a mesh is told to ignore something.
+        If the file is a study already, or is a mesh and ``ignore`` names something.
     FormatError, ModelError
         If it cannot be read.
     """
     check_not_ansys(path)
     if path.suffix.lower() == STUDY:
-        refuse_study(f"{path} is a study already; name the deck or mesh it begins with")
+        refuse_study(f"{path} is a study already; give its deck or mesh instead")
     for source in SOURCES.values():
         if path.suffix.lower() in source.suffixes:
             keys = SourceKeys(file=path, ignore=tuple(ignore))
@@ -95,23 +95,23 @@ def read_model_file(path: Path, ignore: Sequence[str] = ()) -> ModelFile:
                 ignore=tuple(ignore),
             )
     if ignore:
-        refuse_study(f"{path} is no deck that could hold more than is read; leave --ignore out")
+        refuse_study(f"--ignore applies to decks, and {path} is a mesh; leave --ignore out")
     return _mesh(path)
 
 
 def _unit_set(materials: Mapping[int, Material]) -> str | None:
-    """Return the first of :data:`UNITS` in which materials can be those of solids, if any."""
+    """Return the first of :data:`UNITS` in which all materials are plausible, if any."""
     return next((units for units in UNITS if not [*doubts(materials, units)]), None)
 
 
 def _mesh(path: Path) -> ModelFile:
-    """Read a mesh, with materials of its own or steel."""
+    """Read a mesh with its materials, or with steel where it has none."""
     stand_in: Material | None = None
     try:
         assembly = read_mesh_file(path, materials={})
         units = _unit_set(assembly.materials)
     except FormatError:
-        # Whatever else is wrong with it is told by the second reading.
+        # Any other fault of the file is reported by the second reading.
         assembly = read_mesh_file(path, materials={ANY_GROUP: STEELS["mm-t-s"]})
         units = "m-kg-s" if float(np.ptp(assembly.mesh.nodes, axis=0).max()) < METRES else UNITS[0]
         stand_in = STEELS[units]
@@ -131,7 +131,7 @@ def _mesh(path: Path) -> ModelFile:
 
 
 def _sharing(mesh: Mesh) -> tuple[str, ...]:
-    """Return the volume groups to separate where all solids hang together: all but the first."""
+    """Return all volume groups but the first where all solids are connected by nodes."""
     if len(np.unique(mesh.bodies[mesh.bodies >= 0])) != 1:
         return ()
     covered = np.empty(0, dtype=np.int64)
@@ -145,12 +145,12 @@ def _sharing(mesh: Mesh) -> tuple[str, ...]:
 
 HELD = re.compile(r"fix|clamp|held|hold|support|ground|encast|spc", re.IGNORECASE)
 LOADED = re.compile(r"load|tip|force|pull|push|press|traction", re.IGNORECASE)
-"""What sets are often called that are held, and that are loaded."""
+"""Usual names of held sets, and of loaded sets."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Pin:
-    """A node held so that with two others it keeps a body from moving and nothing else."""
+    """One of three nodes that hold a body statically determinate."""
 
     node: int
     components: tuple[str, ...]
@@ -162,7 +162,7 @@ def named(mesh: Mesh, pattern: re.Pattern[str]) -> list[str]:
 
 
 def pins(assembly: Assembly, contact: Indices) -> list[Pin]:
-    """Hold the largest body at three nodes, statically determinate, that touch no other bodies."""
+    """Return three nodes away from contact that hold the largest body statically determinate."""
     mesh = assembly.mesh
     usable = _outside(assembly, contact)
     label = mesh.bodies
@@ -189,7 +189,7 @@ def pins(assembly: Assembly, contact: Indices) -> list[Pin]:
 
 
 def far_node(assembly: Assembly, fixed: Indices, contact: Indices) -> int | None:
-    """Return the id of the node of the outside that is farthest from what is held."""
+    """Return the id of the free surface node that is farthest from the held nodes."""
     mesh = assembly.mesh
     usable = _outside(assembly, contact)
     usable[fixed] = False
@@ -202,7 +202,7 @@ def far_node(assembly: Assembly, fixed: Indices, contact: Indices) -> int | None
 
 
 def _outside(assembly: Assembly, contact: Indices) -> Mask:
-    """Tell which nodes are corners of outer facets, touch no other body and follow no other."""
+    """Return which nodes are surface corners without contact, coupling or equation."""
     mesh = assembly.mesh
     usable = np.zeros(len(mesh.nodes), dtype=bool)
     usable[mesh.exterior.corners.ravel()] = True
@@ -215,7 +215,7 @@ def _outside(assembly: Assembly, contact: Indices) -> Mask:
 
 
 def loose_groups(assembly: Assembly, used: list[str], contact: Indices) -> list[str]:
-    """Return the face sets that are neither taken nor touch another body."""
+    """Return the face sets that are not used and not wholly in contact."""
     inside = np.zeros(len(assembly.mesh.nodes) + 1, dtype=bool)
     inside[contact] = True
     groups = []

@@ -1,4 +1,4 @@
-"""The text of a first study: what a file says, and marked lines for what it does not."""
+"""The text of a first study: facts of the file, and marked lines that the user decides."""
 
 import os
 import re
@@ -20,25 +20,25 @@ from faying.study.keys.schema import EDITOR_SCHEMA
 from faying.units import units_of
 
 DECIDE = "DECIDE:"
-"""Stands in every line that an engineer must decide."""
+"""Mark of the lines that an engineer must decide."""
 
 STRAIN = 1.5e-3
-"""Strain of the shank by the preload that stands where none is said."""
+"""Strain of the shank under a placeholder preload."""
 
 GRADE = "8.8"
-"""Of a bolt until it is decided."""
+"""Placeholder for the property class of a bolt."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class BoltEntry:
-    """A ``[[bolt]]`` of the study.
+    """A ``[[bolt]]`` entry of the study.
 
     Attributes
     ----------
     keys
-        As TOML writes them, beside name and preload.
+        TOML values of the keys beside name and preload.
     preload : [force] or None
-        What stands there until it is decided; None where the deck says it.
+        Placeholder; None where the deck gives the preload.
     """
 
     name: str
@@ -49,26 +49,26 @@ class BoltEntry:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Findings:
-    """Everything a first study is written from.
+    """What was found in a file, from which a first study is written.
 
     Attributes
     ----------
     faces
-        Bodies that face each other, those that touch first.
+        Pairs of bodies that face each other, touching pairs first.
     active
-        How many of these become interfaces.
+        Number of the first faces that become interfaces.
     bolts, holes
-        What is tightened, and holes where others may be.
+        Bolts, and holes where further bolts may be.
     made
-        Holes that bolts are made for.
+        Holes that get a bolt.
     held, pins
-        Sets and nodes that are held beside the supports of the file.
+        Sets and nodes to hold where the file has no supports.
     loaded_set, loaded_node
-        Where the load enters where the file has none.
+        Set or node of the placeholder load of a file without loads.
     weak_springs
-        Whether the model takes them to be held.
+        Whether the model needs weak springs as supports.
     component, force
-        Of that load.
+        Component and value of the placeholder load.
     """
 
     file: ModelFile
@@ -89,16 +89,16 @@ class Findings:
 def study_text(
     findings: Findings, target: Path, built: Mapping[str, Interface], problem: str = ""
 ) -> str:
-    """Return the study, to stand at a target.
+    """Return the text of the study at a target path.
 
-    It tells the areas and gaps of the interfaces that were built of its model, or the problem why
-    it does not run yet.
+    Comments state areas and gaps of the interfaces that were built, or the problem because of
+    which the study does not run yet.
     """
     lines = [f"#:schema {EDITOR_SCHEMA.as_uri()}"]
     lines += _comment(
-        f"Begun by faying init from {findings.file.path.name}. What that does not say is marked "
-        f"with the word {DECIDE[:-1]}: search for it, decide, and take the mark away. faying check "
-        f"{target.name} tells what was understood, faying run {target.name} computes it."
+        f"Begun by faying init from {findings.file.path.name}. What the file leaves open is marked "
+        f"with the word {DECIDE[:-1]}: search for it, decide, and delete the mark. faying check "
+        f"{target.name} shows how the study is read, faying run {target.name} computes it."
     )
     if problem:
         lines += _comment(f"{DECIDE} it does not run yet: {problem}")
@@ -124,7 +124,7 @@ def _comment(text: str) -> list[str]:
 def _head(findings: Findings, target: Path) -> Iterator[str]:
     file, mesh = findings.file, findings.file.mesh
     yield f"title = {quoted(file.path.stem)}"
-    suits = "suits its materials or size" if file.suits else "none tried suits its materials"
+    suits = "fits its materials or size" if file.suits else "none tried fits its materials"
     yield f'units = "{file.units}"  # {DECIDE} the file does not say; {suits}'
     yield ""
     yield "[model]"
@@ -136,7 +136,7 @@ def _head(findings: Findings, target: Path) -> Iterator[str]:
         names = ", ".join(map(quoted, file.separate))
         yield f"separate = [{names}]  # {DECIDE} parts that touch; they share nodes in the mesh"
     if findings.weak_springs:
-        why = "contact and its friction alone hold some body; support it if that is not meant"
+        why = "only contact and friction hold some body; add a support if that is not intended"
         yield f'weak_springs = "auto"  # {DECIDE} {why}'
     parts = [quoted(name) for name in body_names(mesh)]
     extent = " × ".join(f"{size:.4g}" for size in np.ptp(mesh.nodes, axis=0).tolist())
@@ -183,7 +183,7 @@ def _interfaces(findings: Findings, built: Mapping[str, Interface]) -> Iterator[
         yield from _comment(f"{DECIDE} no faces of different bodies face each other: no interface")
     if findings.file.described.has_joined_faces and findings.faces:
         yield from _comment(
-            f"{DECIDE} bodies are tied or cut at bolts, so that faces below may be joined already"
+            f"{DECIDE} the file has ties or cut bolts, so the faces below may be joined already"
         )
     for number, face in enumerate(findings.faces):
         name = "joint" if findings.active == 1 and number == 0 else f"joint-{number + 1}"
@@ -205,7 +205,7 @@ def _interfaces(findings: Findings, built: Mapping[str, Interface]) -> Iterator[
 
 
 def _body(names: Sequence[str], findings: Findings, number: int) -> str:
-    """Return what selects a body: the set that is all of it, or its number."""
+    """Return the selection of a body: the name of its set, or its number."""
     name = names[number]
     used = {*findings.file.described.assembly.face_sets, *findings.file.mesh.node_sets}
     return f"body {number}" if name in used else name
@@ -273,9 +273,9 @@ def _bolts(findings: Findings) -> Iterator[str]:
 
 
 def hole_keys(hole: Hole, units: str) -> dict[str, str]:
-    """Return the keys of a bolt in a hole."""
+    """Return the study keys of a bolt in a hole, with their TOML values."""
     size = size_of(hole, units)
-    # Digits of the fit of a cylinder are no digits of the drawing.
+    # The fitted cylinder has more digits than the drawing.
     places = np.round(hole.ends, 4 - int(np.floor(np.log10(hole.radius)))) + 0.0
     ends = ", ".join(f"[{', '.join(map(_number, end))}]" for end in places.tolist())
     if size is not None:
@@ -289,7 +289,7 @@ def hole_keys(hole: Hole, units: str) -> dict[str, str]:
 
 
 def _number(value: float) -> str:
-    """Return a TOML number of seven digits."""
+    """Return a number of seven digits as TOML."""
     text = f"{value:.7g}"
     return text if set(text) & set(".en") else f"{text}.0"
 
@@ -301,13 +301,13 @@ def _held(findings: Findings) -> Iterator[str]:
         yield from _comment(f"The file holds {count} nodes; [[support]] holds more")
     for name in findings.held:
         yield "[[support]]"
-        yield f"set = {quoted(name)}  # {DECIDE} held only for its name"
+        yield f"set = {quoted(name)}  # {DECIDE} held because of its name alone"
         yield ""
     if findings.pins:
         sets = ", ".join(map(quoted, [*mesh.node_sets][:12])) or "none"
         yield from _comment(
-            f"{DECIDE} nothing says what is held. These three nodes keep the largest body in place "
-            f"and nothing more; hold a set instead (there are: {sets})"
+            f"{DECIDE} the file has no supports. These three nodes hold the largest body in place "
+            f"without constraining its strain; hold a set instead (sets: {sets})"
         )
     for pin in findings.pins:
         yield "[[support]]"
@@ -356,8 +356,8 @@ def _rest(findings: Findings) -> Iterator[str]:
     yield 'methods = ["compliance"]'
     yield ""
     yield from _comment(
-        f"{DECIDE} what the joint must hold in every load case; faying run then ends with status 3 "
-        "where it does not"
+        f"{DECIDE} requirements on the joint in every load case; faying run exits with status 3 "
+        "where one is not met"
     )
     units = units_of(findings.file.units)
     yield "# [requirement]"

@@ -1,4 +1,4 @@
-"""Campaigns: many tasks on one prepared model, here, in processes or on a cluster.
+"""Campaigns: many tasks on one prepared model, in this process, in several or on a cluster.
 
 See docs/how-to/run_on_a_cluster.md.
 """

@@ -1,4 +1,4 @@
-"""A campaign: named tasks, computed by an executor, kept as they come, resumable."""
+"""Campaigns: named tasks, computed by an executor, with results stored so that it can resume."""
 
 import hashlib
 import signal
@@ -30,48 +30,48 @@ def run_campaign(
     keep: Bundles | Path | str | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Mapping[str, Arrays]:
-    """Compute named tasks, each giving named arrays.
+    """Compute named tasks, each of which returns named arrays.
 
     Parameters
     ----------
     prepare
-        What a worker does once; returns the function from a task to a mapping of arrays. A function
+        Called once by a worker; returns the function from a task to a mapping of arrays. A function
         of a module, or ``functools.partial`` of one.
     tasks
-        Name of each task to what is given to that function.
+        Arguments of that function by the name of the task.
     executor
-        Where; in this process unless given.
+        Executor of the tasks; this process unless given.
     keep
-        Folder in which results are kept as they come, made if it is not there. A campaign that was
-        stopped goes on from there when it is run again; results of other tasks, of another
-        ``prepare`` or another faying are not taken for these. With a :class:`Checkpoint` in its
-        place the names alone are the keys. Without, results are kept in memory.
+        Folder in which results are stored at once, made if it does not exist. A campaign that was
+        stopped continues from it when it is run again; results of other tasks, of another
+        ``prepare`` or another version of faying are ignored. With a :class:`Checkpoint` in its
+        place the names alone are the keys. With None, results are kept in memory.
     progress
-        Called with the name of each task when its result is there.
+        Called with the name of each task when its result is complete.
 
     Returns
     -------
     Mapping
-        Name of the task to its arrays, in the order of ``tasks``; read from the folder when asked
-        for, so memory does not grow with the campaign.
+        Arrays by the name of the task, in the order of ``tasks``; read from the folder on access,
+        so that memory does not grow with the campaign.
 
     Raises
     ------
     FayingError
-        Of the class that a task raised, and with its name, after all others are finished and kept.
-        Of ``prepare``, at once.
+        The error of a task, with its name, after all others are finished and stored.
+        The error of ``prepare``, at once.
     CampaignError
         If a task raised another error or did not return arrays, or killed its workers.
 
     Notes
     -----
-    Equal numbers whatever the executor and however many workers, as long as each process has as
-    many threads: libraries sum in another order with others. Workers begin alike and agree to the
-    last bit; a process that did something else before, like an interactive one, differs by 1e-12.
+    Every executor and number of workers gives equal numbers, as long as each process has as
+    many threads, because the order of sums depends on threads. Workers agree to the
+    last bit; a process that did other work before, like an interactive one, differs by 1e-12.
     """
     groups = [{name: task} for name, task in tasks.items()]
     return run_grouped_campaign(
-        partial(_singly, prepare), groups, executor, keep=keep, progress=progress
+        partial(_prepare_for_groups, prepare), groups, executor, keep=keep, progress=progress
     )
 
 
@@ -83,17 +83,17 @@ def run_grouped_campaign(
     keep: Bundles | Path | str | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Mapping[str, Arrays]:
-    """Compute named tasks that are worked at in groups, each giving named arrays of its own.
+    """Compute named tasks in groups; each task returns named arrays.
 
     Parameters
     ----------
     prepare
-        As in :func:`run_campaign`, but what it returns is given a list of tasks, and returns
+        As in :func:`run_campaign`, but the returned function takes a list of tasks, and returns
         or yields one mapping of arrays for each.
     groups
-        Names of tasks to what is given to that function; :func:`grouped` makes such groups.
+        Mappings from names to tasks; :func:`grouped` makes such groups.
     executor, keep, progress
-        As in :func:`run_campaign`; what is kept is one result per task, whatever its group.
+        As in :func:`run_campaign`; one result is stored per task, whatever its group.
 
     Returns
     -------
@@ -107,10 +107,10 @@ def run_grouped_campaign(
 
     Notes
     -----
-    A worker is given a whole group, and one that dies a whole group again. Where only some results
-    of a group are kept it is computed as a whole once more, and the missing ones are taken: in
-    other company their last digits would differ. Where a task of a group fails, each of the group
-    is computed alone, so that the others are kept.
+    A worker computes a whole group, and another repeats it if the worker dies. Where some results
+    of a group are missing, the whole group is computed again and the missing ones are stored: in
+    another group their last digits would differ. Where a task of a group fails, each of the group
+    is computed alone, so that the results of the others are stored.
     """
     _ignore_broken_pipes()
     tasks = _ungrouped(groups)
@@ -123,7 +123,7 @@ def run_grouped_campaign(
                 progress(name)
     failures: dict[str, Failure] = {}
     outcomes = _outcomes(prepare, groups, set(missing), executor or SerialExecutor())
-    with closing(outcomes):  # else workers would go on as long as somebody looks at the error
+    with closing(outcomes):  # otherwise workers would run on as long as the error is held
         for name, outcome in outcomes:
             if isinstance(outcome, Failure):
                 failures[name] = outcome
@@ -132,15 +132,15 @@ def run_grouped_campaign(
             if progress is not None:
                 progress(name)
     if failures:
-        raise _raised(failures, [name for name in missing if name in failures])
-    return _Kept(store, keys)
+        raise _first_error(failures, [name for name in missing if name in failures])
+    return _StoredResults(store, keys)
 
 
 def _ignore_broken_pipes() -> None:
-    """Let a pipe to a worker that died be an error, as Python does from its start.
+    """Restore Python's default that writing to the pipe of a dead worker raises an error.
 
-    ``gmsh.initialize`` takes that back: what is written to such a pipe would then end this process
-    without a word. Only the main thread may say it.
+    ``gmsh.initialize`` revokes it: writing to such a pipe would then end this process
+    without a message. Only the main thread may set signal handlers.
     """
     if hasattr(signal, "SIGPIPE") and threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGPIPE, signal.SIG_IGN)
@@ -148,7 +148,7 @@ def _ignore_broken_pipes() -> None:
 
 @dataclass(frozen=True)
 class Failure:
-    """What an error was, in words that can be sent and shown."""
+    """The class name and message of an error, which can be sent between processes."""
 
     kind: str
     message: str
@@ -156,11 +156,11 @@ class Failure:
 
 
 Group = tuple[list[Any], list[int]]
-"""Tasks of a group, and the places of those whose results are wanted."""
+"""Tasks of a group, and the indices of the tasks whose results are needed."""
 
 
-def _singly(prepare: Prepare) -> Callable[[list[Any]], Iterator[Any]]:
-    """Prepare a function of one task for groups."""
+def _prepare_for_groups(prepare: Prepare) -> Callable[[list[Any]], Iterator[Any]]:
+    """Prepare the function of single tasks, and return it for groups."""
     return partial(map, prepare())
 
 
@@ -181,7 +181,7 @@ def _outcomes(
     missing: Set[str],
     executor: Executor,
 ) -> Generator[tuple[str, Arrays | Failure], None, None]:
-    """Yield the result of each missing task or why there is none."""
+    """Yield name and result, or failure, of each missing task."""
     todo = [group for group in groups if not missing.isdisjoint(group)]
     if not todo:
         return
@@ -190,7 +190,7 @@ def _outcomes(
     sent: list[Group] = [
         (list(group.values()), places) for group, places in zip(todo, asked, strict=True)
     ]
-    results = executor.map(partial(_guarded, prepare, __version__), sent)
+    results = executor.map(partial(_prepare_safely, prepare, __version__), sent)
     with closing(results):
         try:
             for number, outcomes in results:
@@ -205,20 +205,20 @@ def _outcomes(
 
 
 def _lost(n_together: int) -> Failure:
-    fewer = f" or let fewer than {n_together} go side by side" if n_together > 1 else ""
+    fewer = f" or compute fewer than {n_together} side by side" if n_together > 1 else ""
     text = (
-        "every worker that tried it died; one that runs out of memory dies like this, "
-        f"give each more of it{fewer}"
+        "every worker that tried it died; workers that run out of memory die like this, "
+        f"give each more memory{fewer}"
     )
     return Failure("CampaignError", text)
 
 
-def _guarded(prepare: Prepare, version: str) -> Callable[[Group], list[Arrays | Failure]]:
-    """Prepare on a worker, with errors that come back as values: others' results go on."""
+def _prepare_safely(prepare: Prepare, version: str) -> Callable[[Group], list[Arrays | Failure]]:
+    """Prepare on a worker, and return errors as values so that other tasks go on."""
     try:
         if version != __version__:
             message = (
-                f"a worker has faying {__version__}, this call is of {version}; "
+                f"a worker has faying {__version__}, but this process has {version}; "
                 "install the same version everywhere"
             )
             raise CampaignError(message)
@@ -245,12 +245,12 @@ def _guarded(prepare: Prepare, version: str) -> Callable[[Group], list[Arrays | 
 
 def _arrays(result: Any) -> dict[str, Matrix]:
     if not isinstance(result, Mapping):
-        message = f"it returned {type(result).__name__}; return a mapping of names to arrays"
+        message = f"the task returned {type(result).__name__}; return a mapping of names to arrays"
         raise CampaignError(message)
     arrays = {str(name): np.asarray(value) for name, value in result.items()}
     for name, value in arrays.items():
         if value.dtype.hasobject:
-            message = f"'{name}' of what it returned is no array of numbers or text"
+            message = f"the task returned '{name}', which is not an array of numbers or text"
             raise CampaignError(message)
     return arrays
 
@@ -264,8 +264,8 @@ def _failure(error: Exception, *, preparing: bool) -> Failure:
     return Failure("CampaignError", f"preparing failed, {text}" if preparing else text, preparing)
 
 
-def _raised(failures: Mapping[str, Failure], names: Sequence[str]) -> FayingError:
-    """Return the error of the first task that failed, naming the others."""
+def _first_error(failures: Mapping[str, Failure], names: Sequence[str]) -> FayingError:
+    """Return the error of the first failed task, with the names of the other failed ones."""
     first, others = names[0], names[1:]
     more = ""
     if others:
@@ -294,7 +294,7 @@ def _store(keep: Bundles | Path | str | None) -> Bundles:
 
 
 def _keys(prepare: Prepare, tasks: Mapping[str, Any], *, plain: bool) -> Iterator[tuple[str, str]]:
-    """Yield name and key of each task; the key says what was asked, unless the name does."""
+    """Yield name and key of each task; the key is a hash of the task, or its name if plain."""
     if plain:
         yield from ((name, name) for name in tasks)
         return
@@ -306,8 +306,8 @@ def _keys(prepare: Prepare, tasks: Mapping[str, Any], *, plain: bool) -> Iterato
 
 
 @dataclass(frozen=True)
-class _Kept(Mapping[str, Arrays]):
-    """Results that are read when asked for."""
+class _StoredResults(Mapping[str, Arrays]):
+    """Results that are read from a store on access."""
 
     store: Bundles
     keys_of: Mapping[str, str]

@@ -1,4 +1,4 @@
-"""Named bundles of arrays in a folder: each is complete or absent, whatever stops the program."""
+"""Named bundles of arrays in a folder, written so that each is complete or absent."""
 
 import hashlib
 import shutil
@@ -21,13 +21,13 @@ Arrays = Mapping[str, Matrix]
 
 
 class Bundles:
-    """Named bundles of arrays, kept as they come: here in memory."""
+    """Named bundles of arrays in memory."""
 
     def __init__(self) -> None:
         self._bundles: dict[str, Arrays] = {}
 
     def bundle(self, key: str, compute: Callable[[], Arrays]) -> Arrays:
-        """Return the arrays kept under a key, or compute and keep them."""
+        """Return the arrays under a key; compute and store them if they are missing."""
         if self.has(key):
             return self.get(key)
         arrays = compute()
@@ -35,7 +35,7 @@ class Bundles:
         return arrays
 
     def fill(self, keys: Sequence[str], compute: Callable[[], Iterable[Arrays]]) -> None:
-        """Compute bundles that only come together, unless all are there, and keep the missing."""
+        """Compute bundles together where one is missing, and store the missing ones."""
         if all(map(self.has, keys)):
             return
         for key, arrays in zip(keys, compute(), strict=True):
@@ -43,15 +43,15 @@ class Bundles:
                 self.put(key, arrays)
 
     def has(self, key: str) -> bool:
-        """Say whether there is a bundle under a key."""
+        """Return whether a key has a bundle."""
         return key in self._bundles
 
     def get(self, key: str) -> Arrays:
-        """Return the arrays kept under a key."""
+        """Return the arrays under a key."""
         return self._bundles[key]
 
     def put(self, key: str, arrays: Arrays) -> None:
-        """Keep arrays under a key."""
+        """Store arrays under a key."""
         self._bundles[key] = arrays
 
 
@@ -62,11 +62,11 @@ class Checkpoint(Bundles):
     folder: Path
 
     def has(self, key: str) -> bool:
-        """Say whether there is a bundle under a key."""
+        """Return whether a key has a bundle."""
         return self._path(key).exists()
 
     def get(self, key: str) -> Arrays:
-        """Return the arrays kept under a key.
+        """Return the arrays under a key.
 
         Raises
         ------
@@ -81,7 +81,7 @@ class Checkpoint(Bundles):
             raise FormatError(message) from None
 
     def put(self, key: str, arrays: Arrays) -> None:
-        """Keep arrays under a key, atomically.
+        """Store arrays under a key, atomically.
 
         Raises
         ------
@@ -93,8 +93,8 @@ class Checkpoint(Bundles):
                 _write(temporary, arrays)
         except OSError as error:
             message = (
-                f"cannot keep the result of '{key}' in {self.folder}: {error.strerror}; "
-                "make room or choose another folder"
+                f"cannot store the result of '{key}' in {self.folder}: {error.strerror}; "
+                "free disk space or choose another folder"
             )
             raise FormatError(message) from None
 
@@ -107,12 +107,12 @@ class Checkpoint(Bundles):
 
 
 def open_checkpoint(out: Path, study_text: str, *, resume: bool) -> Checkpoint:
-    """Open the checkpoint of a results folder; start afresh unless asked to resume.
+    """Open the checkpoint of a results folder, emptied unless the run resumes.
 
     Raises
     ------
     StudyError
-        If a run is to be resumed whose study text or faying version differs.
+        If the run to resume had another study text or version of faying.
     """
     folder, mark = out / "unfinished", hashlib.sha256(f"{__version__}\n{study_text}".encode())
     stamp = folder / "study.sha256"
@@ -130,14 +130,14 @@ def open_checkpoint(out: Path, study_text: str, *, resume: bool) -> Checkpoint:
 
 @contextmanager
 def results_in(out: Path, mark: str, *, resume: bool) -> Iterator[Checkpoint]:
-    """Hold a folder for results, and yield the checkpoint of what leads to them.
+    """Lock a results folder, and yield its checkpoint for intermediate results.
 
-    It is discarded where they are written without an error.
+    The checkpoint is discarded where the results are written without an error.
 
     Raises
     ------
     StudyError
-        As :func:`open_checkpoint`, or if another process holds the folder.
+        As :func:`open_checkpoint`, or if another process has locked the folder.
     """
     out.mkdir(parents=True, exist_ok=True)
     with held(out):
@@ -149,7 +149,7 @@ def results_in(out: Path, mark: str, *, resume: bool) -> Iterator[Checkpoint]:
 
 
 def _write(path: Path, arrays: Arrays) -> None:
-    """Write as ``np.savez`` does, which cannot have an array called ``file``."""
+    """Write arrays like ``np.savez``, which does not accept the name ``file``."""
     with zipfile.ZipFile(path, "w") as archive:
         for name, value in arrays.items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as member:

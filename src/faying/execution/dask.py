@@ -1,4 +1,4 @@
-"""Tasks on a Dask cluster: a scheduler anywhere, or one of this machine (extra ``cluster``)."""
+"""Tasks on a Dask cluster, remote or on this machine (extra ``cluster``)."""
 
 import hashlib
 import json
@@ -23,7 +23,7 @@ from faying.files.child_python import STARTUP_SECONDS
 from faying.iterations import RETRIES
 
 CONNECT_SECONDS = 15.0
-"""How long a scheduler may take to answer."""
+"""Seconds that a scheduler may take to answer."""
 
 
 class DaskExecutor:
@@ -38,7 +38,7 @@ class DaskExecutor:
     def __init__(self, client: Any) -> None:
         self._client = client
         self._owned = ExitStack()
-        # Workers of a batch system may come hours later; those of this machine are there.
+        # Workers of a batch system may start hours later, local ones start at once.
         self._patient, self._seen = True, 0.0
 
     @classmethod
@@ -57,7 +57,7 @@ class DaskExecutor:
                 {
                     # Dask gives up a task when more workers than this have died.
                     "distributed.scheduler.allowed-failures": RETRIES - 1,
-                    # And the place of a worker not back by then: on a busy machine that takes long.
+                    # It gives up a worker not restarted by then, slow on a busy machine.
                     "distributed.deploy.lost-worker-timeout": "10 minutes",
                 }
             )
@@ -65,7 +65,7 @@ class DaskExecutor:
         cluster = distributed.LocalCluster(
             n_workers=n_workers,
             threads_per_worker=1,
-            # Factorizations can neither be spilled nor shared: a limit would only end workers.
+            # Factorizations cannot be spilled or shared: a limit would only end workers.
             memory_limit=0,
             dashboard_address=":0",  # whichever port is free
         )
@@ -81,18 +81,18 @@ class DaskExecutor:
         Parameters
         ----------
         scheduler
-            Its address, as ``tcp://node17:8786``, or the file it was told to write
+            Its address, such as ``tcp://node17:8786``, or the scheduler file
             (``dask scheduler --scheduler-file FILE``).
 
         Raises
         ------
         CampaignError
-            If the extra is missing, the file is no such file, or nothing answers.
+            If the extra is missing, the file is not a scheduler file, or nothing answers.
         """
         distributed = _package()
         address = _address(scheduler)
         try:
-            _knock(address)
+            _check_reachable(address)
             client = distributed.Client(address, timeout=CONNECT_SECONDS, set_as_default=False)
         except (OSError, ValueError, TypeError) as error:
             reason = str(error).splitlines()[0] if str(error) else type(error).__name__
@@ -107,14 +107,14 @@ class DaskExecutor:
 
     @property
     def n_workers(self) -> int:
-        """Workers that are connected now."""
+        """Number of workers connected at present."""
         return len(self._client.nthreads())
 
     def map(self, prepare: Prepare, tasks: Sequence[Any]) -> Results:
-        """Yield place and result of each task as they come."""
-        # By value where a module is a script, which workers do not have.
+        """Yield index and result of each task in the order of completion."""
+        # Functions of scripts go by value, since workers do not have the script.
         payload: bytes = import_module("cloudpickle").dumps(prepare)
-        # A task rather than scattered data: computed again where its worker dies.
+        # A task rather than scattered data: it is computed again if its worker dies.
         sent = self._client.submit(bytes, payload, key=f"faying-prepare-{uuid.uuid4().hex}")
         pool = self._client.get_executor(pure=False, retries=2)
         submit = partial(pool.submit, compute, sent, hashlib.sha256(payload).hexdigest())
@@ -123,11 +123,11 @@ class DaskExecutor:
         self._seen, lost = perf_counter(), list[int]()
         try:
             suspects = yield from tried(range(len(tasks)), together=len(tasks))
-            # Dask blames all that a worker had before it, so that each is tried alone.
+            # Dask blames all tasks of a dead worker, so each suspect is tried alone.
             for task in suspects if len(suspects) > 1 else ():
                 lost += yield from tried([task], together=1)
         except ModuleNotFoundError as error:
-            message = f"a Dask worker lacks a package: {error}; install the same ones everywhere"
+            message = f"a Dask worker lacks a package: {error}; install the same packages on all"
             raise CampaignError(message) from None
         except (CancelledError, OSError) as error:
             message = (
@@ -139,13 +139,13 @@ class DaskExecutor:
             raise LostTasksError(lost or suspects)
 
     def _watch(self) -> float:
-        """Wait as long as there are workers, or may be."""
+        """Return the seconds to wait; raise if all local workers have died."""
         if self._patient or self._client.nthreads():
             self._seen = perf_counter()
         if perf_counter() - self._seen > STARTUP_SECONDS:
             message = (
                 "all Dask workers of this machine have died and were not replaced; "
-                "one that runs out of memory dies like this, use fewer"
+                "workers that run out of memory die like this, use fewer"
             )
             raise CampaignError(message)
         return 5.0
@@ -164,12 +164,12 @@ class DaskExecutor:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Close it."""
+        """Close the executor."""
         self.close()
 
 
 def _package() -> Any:
-    """Return Dask's package, whose annotations are too partial to be used."""
+    """Return the package of Dask, untyped since its annotations are incomplete."""
     try:
         return import_module("distributed")
     except ImportError:
@@ -180,11 +180,11 @@ def _package() -> Any:
         raise CampaignError(message) from None
 
 
-def _knock(address: str) -> None:
-    """Open the address once and close it again; raises OSError or ValueError where nothing answers.
+def _check_reachable(address: str) -> None:
+    """Connect to an address once; raise OSError or ValueError where nothing answers.
 
-    A client that could not connect leaves its event loop and threads behind in this process, so
-    none is started for an address that nobody listens at.
+    A client that cannot connect leaves its event loop and threads in this process, so none
+    is started for a dead address.
     """
     addressing = import_module("distributed.comm.addressing")
     scheme, location = addressing.parse_address(address)
@@ -195,7 +195,7 @@ def _knock(address: str) -> None:
 
 
 def _address(scheduler: str) -> str:
-    """Return the address a scheduler file holds, or what is one already."""
+    """Return the address in a scheduler file, or the argument if it is an address."""
     path = Path(scheduler or "(no name)")
     if "://" in scheduler or not (path.suffix == ".json" or path.exists()):
         return scheduler
@@ -209,7 +209,7 @@ def _address(scheduler: str) -> str:
         return str(address)
     message = (
         f"cannot read scheduler file {path}: {reason}; "
-        "give the one that 'dask scheduler --scheduler-file FILE' wrote"
+        "give the file that 'dask scheduler --scheduler-file FILE' wrote"
     )
     raise CampaignError(message)
 
@@ -219,15 +219,15 @@ _TURN = threading.Lock()
 
 
 def compute(payload: bytes, digest: str, task: Any) -> Any:
-    """Compute a task on a worker; its threads take turns, for a factorization is for one."""
+    """Compute a task on a worker, one thread at a time since factorizations are not shared."""
     with _TURN:
         return _prepared(payload, digest)(task)
 
 
 def _prepared(payload: bytes, digest: str) -> Function:
-    """Prepare once, whatever the number of tasks."""
+    """Return the prepared function, which all tasks of a worker share."""
     if digest not in _PREPARED:
-        while len(_PREPARED) >= 2:  # the last two are kept
+        while len(_PREPARED) >= 2:  # keep the last two
             _PREPARED.popitem(last=False)
         _PREPARED[digest] = pickle.loads(payload)()
     _PREPARED.move_to_end(digest)

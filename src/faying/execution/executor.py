@@ -1,4 +1,4 @@
-"""What every executor offers: prepare once per worker, then one function call per task."""
+"""The interface of executors: prepare once per worker, then call a function per task."""
 
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Sequence
@@ -10,45 +10,45 @@ from faying.exceptions import CampaignError
 from faying.iterations import RETRIES
 
 Function = Callable[[Any], Any]
-"""From a task to its result; both can be pickled."""
+"""Function from a task to its result; both can be pickled."""
 
 Prepare = Callable[[], Function]
-"""What a worker does once: build a model, factorize it, return the function of the tasks.
+"""Called once by a worker: builds a model, factorizes it, returns the function of the tasks.
 
-It is sent to the workers, so it is a function of a module, or ``functools.partial`` of one. What it
-returns is not sent: factorizations, which do not pickle, may live in it.
+It is pickled, so it must be a function of a module, or ``functools.partial`` of one. The function
+it returns is not, so that this may hold factorizations.
 """
 
 Results = Generator[tuple[int, Any], None, None]
-"""Places of tasks and their results; closing it ends what still works on them."""
+"""Indices of tasks and their results; closing the generator ends running tasks."""
 
 
 class Executor(Protocol):
-    """Something that maps tasks to results."""
+    """A computer of tasks."""
 
     @property
     def n_workers(self) -> int:
-        """Workers there are at present."""
+        """Number of workers at present."""
         ...
 
     def map(self, prepare: Prepare, tasks: Sequence[Any]) -> Results:
-        """Yield the place of each task and its result, as they come, in any order.
+        """Yield index and result of each task in the order of completion.
 
         Parameters
         ----------
         prepare
             Called once by each worker.
         tasks
-            Tasks of a worker that dies are given to others.
+            Arguments of the prepared function. Tasks of a dead worker are given to others.
 
         Raises
         ------
         LostTasksError
-            At the end, after all other results: tasks whose workers died again and again.
+            After all other results, for tasks that killed several workers.
         CampaignError
-            If there is no worker to be had.
+            If no worker is available.
         Exception
-            Whatever ``prepare`` or its function raise, at once.
+            Any error of ``prepare`` or its function, at once.
         """
         ...
 
@@ -62,11 +62,11 @@ def results_of(
     death: type[Exception],
     watch: Callable[[], float | None] = lambda: None,
 ) -> Generator[tuple[int, Any], None, list[int]]:
-    """Yield place and result of some tasks as they come; return those whose workers died.
+    """Yield index and result of tasks as they complete; return the tasks whose workers died.
 
-    ``submit`` sends a task to a worker, ``together`` of them at a time; futures raise ``death``
-    where it died. ``watch``, called before each waiting, returns how many seconds to wait at most
-    before it is called again, or raises where there is nothing to wait for.
+    ``submit`` sends a task to a worker; ``together`` tasks run at a time. Futures raise ``death``
+    where a worker died. ``watch``, called before each wait, returns the seconds to wait at most,
+    or raises where waiting is useless.
     """
     waiting, running, suspects = deque(places), dict[Future[Any], int](), list[int]()
     try:
@@ -89,35 +89,35 @@ def results_of(
 
 
 class LostTasksError(CampaignError):
-    """Tasks that killed every worker they were given to.
+    """Error for tasks that killed every worker.
 
     Attributes
     ----------
     places
-        Which of the tasks.
+        Indices of the tasks.
     """
 
     def __init__(self, places: Sequence[int]) -> None:
         self.places = tuple(places)
         shown = ", ".join(str(task + 1) for task in self.places)
         message = (
-            f"every worker that tried task number {shown} died, {RETRIES} at least; a worker "
-            "dies without a message where memory runs out: give each more of it"
+            f"every worker that tried task number {shown} died, at least {RETRIES}; a worker "
+            "dies without a message where memory runs out: give each more memory"
         )
         super().__init__(message)
 
 
 @dataclass(frozen=True)
 class SerialExecutor:
-    """The reference of all executors: nothing is sent anywhere."""
+    """Executor in this process, the reference of all others."""
 
     @property
     def n_workers(self) -> int:
-        """Always one: this process."""
+        """Number of workers: always one."""
         return 1
 
     def map(self, prepare: Prepare, tasks: Sequence[Any]) -> Results:
-        """Yield place and result of each task in their order."""
+        """Yield index and result of each task in order."""
         if not tasks:
             return
         function = prepare()

@@ -1,6 +1,6 @@
-"""Which tasks are worked at together: decided by the tasks alone, whoever computes them.
+"""Groups of tasks that are computed together, determined by the tasks alone.
 
-In whose company a transient is stepped changes its round-off; how many workers there are must not.
+The group of a transient changes its round-off; the number of workers must not.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,26 +11,26 @@ from typing import TypeVar
 from faying.exceptions import CampaignError
 
 FEWEST_TOGETHER = 4
-"""Side by side unless told, and groups that are left before more than these go together.
+"""Default number of tasks side by side, and number of groups below which groups do not grow.
 
-A response then costs half of what it costs alone. Of as many groups two workers have several each;
+A response then costs half of what it costs alone. With four groups two workers have two each;
 with more workers the time that larger groups save outweighs idle ones: eight side by side take a
 third to a half longer than four.
 """
 
 MOST_TOGETHER = 8
-"""Side by side at most unless told, for 0.35 to 0.45; 16 save a fifth of that, for more memory."""
+"""Most tasks side by side by default, at 0.35 to 0.45 of the cost; 16 save a fifth more."""
 
 T = TypeVar("T")
 
 
 def grouped(tasks: Mapping[str, T], size: int | None = None) -> list[dict[str, T]]:
-    """Divide tasks, in their order, into groups of about the same size.
+    """Return the tasks in order, divided into groups of about equal size.
 
     Parameters
     ----------
     size
-        Of a group at most. Unless told a quarter of the tasks, but 4 at least and 8 at most: the
+        Largest size of a group. By default a quarter of the tasks, at least 4 and at most 8: the
         first few side by side save most, and groups are what workers share.
 
     Raises
@@ -47,7 +47,7 @@ def grouped(tasks: Mapping[str, T], size: int | None = None) -> list[dict[str, T
 
 
 def even_parts(items: Sequence[T], size: int) -> list[Sequence[T]]:
-    """Divide a sequence into as few parts of at most ``size`` as there can be, evenly."""
+    """Return a sequence divided evenly into the fewest parts of at most ``size`` items."""
     count = ceil(len(items) / size)
     ends = [len(items) * part // max(count, 1) for part in range(count + 1)]
     return [items[start:end] for start, end in pairwise(ends)]

@@ -1,4 +1,4 @@
-"""Tasks in processes of this machine; where one dies others go on with its task."""
+"""Tasks in processes of this machine; where a process dies, another repeats its task."""
 
 import os
 import pickle
@@ -24,14 +24,14 @@ CONTEXT = get_context("spawn")
 
 @dataclass(frozen=True)
 class ProcessExecutor:
-    """Processes of this machine.
+    """Executor with several processes of this machine.
 
     Attributes
     ----------
     n_workers
-        Processes at a time, no more than there are tasks. They end with the campaign.
+        Number of processes, at most the number of tasks. They end with the campaign.
     threads
-        Threads of the linear algebra in each.
+        Threads of the linear algebra in each process.
 
     Notes
     -----
@@ -49,10 +49,10 @@ class ProcessExecutor:
                 raise CampaignError(message)
 
     def map(self, prepare: Prepare, tasks: Sequence[Any]) -> Results:
-        """Yield place and result of each task as they come.
+        """Yield index and result of each task in the order of completion.
 
-        A pool whose process dies is lost as a whole: what was being computed in it is computed
-        again at the end, each task alone, so that only those are given up that kill by themselves.
+        The death of a process ends its whole pool. Tasks that ran in it are computed
+        again at the end, each alone, so that only tasks that kill a process alone are given up.
         """
         lost = list[int]()
         with closing(_Workers(pickled(prepare), self.threads)) as workers:
@@ -70,7 +70,7 @@ class ProcessExecutor:
 
 
 class _Workers:
-    """Processes of a pool, which is made anew where one of them has died."""
+    """A pool of processes, replaced where one of them has died."""
 
     def __init__(self, payload: bytes, threads: int) -> None:
         self.payload, self.threads, self.count, self.unprepared = payload, threads, 1, 0
@@ -78,7 +78,7 @@ class _Workers:
         self.pool: ProcessPoolExecutor | None = None
 
     def submit(self, task: Any) -> "Future[Any]":
-        """Send a task to a process; make them anew where one has died."""
+        """Submit a task to the pool, which is replaced where a process has died."""
         try:
             return self._pool().submit(_computed, task)
         except BrokenProcessPool:
@@ -93,7 +93,7 @@ class _Workers:
         return self.pool
 
     def _replace(self) -> None:
-        """Give up a pool in which a process died; refuse to go on where none is ever ready."""
+        """Close a pool in which a process died; raise where processes repeatedly die at start."""
         self.unprepared = 0 if self.ready.is_set() else self.unprepared + 1
         if self.unprepared == RETRIES:
             message = (
@@ -105,9 +105,9 @@ class _Workers:
         self.close()
 
     def close(self) -> None:
-        """End the processes, whatever they are at."""
+        """End the processes at once."""
         if self.pool is not None:
-            # What terminate_workers of Python 3.14 does.
+            # As terminate_workers of Python 3.14.
             for process in list((self.pool._processes or {}).values()):
                 process.terminate()
             self.pool.shutdown(cancel_futures=True)
@@ -115,7 +115,7 @@ class _Workers:
 
 
 def pickled(value: object) -> bytes:
-    """Return what is sent to the workers."""
+    """Return the pickled bytes of a value for the workers."""
     try:
         return pickle.dumps(value)
     except (pickle.PicklingError, AttributeError, TypeError) as error:
@@ -127,14 +127,14 @@ def pickled(value: object) -> bytes:
 
 
 _SENT: dict[str, Any] = {}
-"""In a worker: what it prepares from, and the function that came of it."""
+"""In a worker: the pickled ``prepare``, and the function that it returned."""
 
 
 def _begin(payload: bytes, ready: Any, threads: int) -> None:
-    """Begin a worker, which ends with its parent and leaves Ctrl-C to it.
+    """Initialize a worker, which ends with its parent and leaves Ctrl-C to it.
 
-    Threads are set here and not by variables of the parent's environment, which its other threads
-    may read at that moment.
+    Threads are set here, not by environment variables of the parent, which its other threads
+    may be reading.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     limit_threads(threads)
@@ -150,7 +150,7 @@ def _end_with_parent() -> None:
 
 
 def _computed(task: Any) -> Any:
-    """Compute a task on a worker, which prepares before its first."""
+    """Compute a task on a worker, after preparation at the first task."""
     try:
         if "function" not in _SENT:
             _SENT["function"] = pickle.loads(_SENT["payload"])()
@@ -162,7 +162,7 @@ def _computed(task: Any) -> Any:
 
 
 def _sendable(error: Exception) -> Exception:
-    """Return an error, in words where it cannot be sent itself."""
+    """Return an error, replaced by its message where it cannot be pickled."""
     try:
         pickle.loads(pickle.dumps(error))
     except Exception:

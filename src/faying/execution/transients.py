@@ -1,4 +1,4 @@
-"""Campaign of transient runs: one model, many loads, some of them side by side."""
+"""Campaigns of transient responses of one model to many loads, several loads side by side."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
@@ -32,7 +32,7 @@ def transient_campaign(
     keep: Path | str | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Mapping[str, Arrays]:
-    """Integrate the responses of one full or reduced model to many loads.
+    """Compute the transient responses of one full or reduced model to many loads.
 
     Parameters
     ----------
@@ -40,22 +40,22 @@ def transient_campaign(
         Builds the preloaded model; called once by each worker, which factorizes it once for all
         its loads. A function of a module, or ``functools.partial`` of one.
     loads
-        By name.
+        Loads by name.
     executor
-        Where; in this process unless given.
+        Executor of the tasks; this process unless given.
     step, duration : [time]
     integrator
         :class:`ImplicitEuler` unless given.
     take
-        What is kept of each solution, a function of a module; :func:`responses` unless given.
+        Function of a module from a solution to the arrays to keep; :func:`responses` unless given.
     side_by_side
-        Loads a worker advances together at most; unless given, :func:`grouped` decides by how many
-        there are. Their histories are in memory at once, so that fewer go together where
-        :data:`faying.simulation.instants.HISTORY_BYTES` do not hold them.
+        Largest number of loads that a worker integrates together; :func:`grouped` chooses it unless
+        given. Their histories are in memory at once, so the number is smaller where
+        :data:`faying.simulation.instants.HISTORY_BYTES` are too few for them.
     keep
         Folder in which results are kept as they come, to resume from; see :func:`run_campaign`.
     progress
-        Called with the name of each load when its result is there.
+        Called with the name of each load when its result is complete.
 
     Returns
     -------
@@ -65,13 +65,13 @@ def transient_campaign(
     Raises
     ------
     FayingError
-        As :func:`run_campaign`, or if the number side by side is not positive.
+        As :func:`run_campaign`, or if ``side_by_side`` is not positive.
 
     Notes
     -----
-    Side by side the factorization is read once a step for all loads of a group. Groups follow from
-    the order and number of the loads: whoever computes them, they are the same, and so are the
-    numbers. Another grouping moves pressures by 1e-10 of the largest or so.
+    The factorization is read once a step for all loads of a group. Groups depend on the order and
+    number of the loads alone, so that every executor gives the same numbers. Other groups change
+    pressures by about 1e-10 of the largest.
     """
     prepare = partial(
         _prepare, build, step=step, duration=duration, integrator=integrator, take=take or responses
@@ -81,7 +81,7 @@ def transient_campaign(
 
 
 def responses(solution: Solution) -> Arrays:
-    """Return what is seen of a transient, without the states of the whole structure.
+    """Return pressures, gaps, forces and boundary displacements of a transient solution.
 
     Returns
     -------
@@ -108,10 +108,10 @@ def _prepare(
     integrator: Integrator | None,
     take: Callable[[Solution], Arrays],
 ) -> Callable[[Sequence[Load]], Iterator[Arrays]]:
-    """Build and factorize on a worker."""
+    """Build and factorize the model on a worker, and return the function of its tasks."""
     system = build()
     solver, start = transient_solver(system, step=step, integrator=integrator), solve_static(system)
-    # Nothing here may hold a solution: the histories of all that were beside it hang on it.
+    # Keep no solution here: it refers to the histories of its whole group.
     return lambda loads: map(take, step_responses(solver, loads, duration=duration, initial=start))
 
 
@@ -123,7 +123,7 @@ def step_responses(
     initial: Solution | None,
     progress: Callable[[int], object] | None = None,
 ) -> Iterator[Solution]:
-    """Integrate responses from one state, as many side by side as have room in memory."""
+    """Yield the responses to loads from one state, as many side by side as memory holds."""
     count = runs_at_once(solver.system, round(duration / solver.step) + 1)
     for part in even_parts(loads, count):
         yield from solver.solve_cases(

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import cast
 
 from faying.exceptions import StudyError, refuse, refuse_study
-from faying.files.atomic import moved, writing
+from faying.files.atomic import move_into_place, writing
 from faying.files.names import file_names
 from faying.reduction.model_reader import read_reduced_model
 from faying.reduction.reduced_model import ReducedModel
@@ -236,4 +236,4 @@ def _written(
 
 def _moved(file: Path, target: Path) -> Path:
     target.parent.mkdir(parents=True, exist_ok=True)
-    return moved(file, target)
+    return move_into_place(file, target)

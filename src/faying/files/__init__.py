@@ -1,1 +1,1 @@
-"""Files: written complete or not at all, read where they fit in memory, and their names."""
+"""Files: atomic writing, reading of untrusted files, and file names."""

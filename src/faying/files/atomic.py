@@ -1,7 +1,7 @@
-"""Writing by one process at a time: a file is complete or absent, never half written.
+"""Atomic writing by one process at a time: a file is complete or absent, never half written.
 
-Who writes holds the temporary file by a lock, of which the system lets go however the process ends:
-what nobody holds was left over by one that was killed.
+The writer locks its temporary file, and the system releases the lock however the process ends:
+a temporary file without a lock was left over by a process that was killed.
 """
 
 import errno
@@ -17,9 +17,9 @@ from faying.exceptions import FormatError, StudyError
 
 @contextmanager
 def held(folder: Path) -> Iterator[None]:
-    """Hold a folder; the system lets go of it however the process ends.
+    """Lock a folder; the system releases the lock however the process ends.
 
-    File systems without locks, as some network drives, hold nothing.
+    On file systems without locks, such as some network drives, nothing is locked.
     """
     if os.name == "nt":  # folders have no handles there
         yield
@@ -42,12 +42,12 @@ def held(folder: Path) -> Iterator[None]:
 
 
 def hold(handle: int) -> None:
-    """Hold what is open until it is closed.
+    """Lock an open file or folder until it is closed.
 
     Raises
     ------
     BlockingIOError
-        If another process, or another handle of this one, holds it.
+        If another process, or another handle of this process, has locked it.
     OSError
         If the system or the file system has no locks.
     """
@@ -59,12 +59,12 @@ def hold(handle: int) -> None:
 
 
 LEFT_OVER = re.compile(r"\.[^/]+(\.\w+)\.[a-z0-9_]{8}\1")
-"""Names of temporary files: those of the files whose places they take, and eight characters."""
+"""Names of temporary files: the name of the final file, and eight characters."""
 
 
 @contextmanager
 def writing(path: Path) -> Iterator[None]:
-    """Say in words that something cannot be written."""
+    """Turn errors of writing a file into a :class:`FormatError`."""
     try:
         yield
     except OSError as error:
@@ -75,19 +75,19 @@ def writing(path: Path) -> Iterator[None]:
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Yield a temporary path in the same folder that takes the place of ``path`` at the end.
+    """Yield the path of a temporary file in the same folder, which replaces ``path`` at the end.
 
     Raises
     ------
     FormatError
-        If it cannot be written, inside too.
+        If the file cannot be written.
     """
     temporary, handle = None, None
     try:
         with writing(path):
             temporary, handle = _temporary(path)
             yield temporary
-            moved(temporary, path)
+            move_into_place(temporary, path)
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)
@@ -96,14 +96,14 @@ def replacing(path: Path) -> Iterator[Path]:
 
 
 def _temporary(path: Path) -> tuple[Path, int | None]:
-    """Make a temporary file and hold it, where the system has locks."""
+    """Make a temporary file, and lock it where the system has locks."""
     while True:
         handle, name = tempfile.mkstemp(
             dir=path.parent, prefix=f".{path.name}.", suffix=path.suffix
         )
         try:
             hold(handle)
-        except BlockingIOError:  # taken for left over before it was held
+        except BlockingIOError:  # another process took it for left over before it was locked
             os.close(handle)
             continue
         except OSError:
@@ -115,7 +115,7 @@ def _temporary(path: Path) -> tuple[Path, int | None]:
 
 
 def remove_left_over(folder: Path) -> None:
-    """Remove temporary files of a folder, where there is one, that no process holds any more."""
+    """Remove the temporary files of a folder that no process has locked."""
     for file in folder.iterdir() if folder.is_dir() else ():
         if not LEFT_OVER.fullmatch(file.name) or file.is_symlink() or not file.is_file():
             continue
@@ -126,14 +126,14 @@ def remove_left_over(folder: Path) -> None:
         try:
             hold(handle)
             file.unlink(missing_ok=True)
-        except OSError:  # somebody writes it, or the system cannot tell
+        except OSError:  # another process writes it, or the system has no locks
             pass
         finally:
             os.close(handle)
 
 
-def moved(temporary: Path, path: Path) -> Path:
-    """Put a complete file into its place, readable by all as temporary files are not."""
+def move_into_place(temporary: Path, path: Path) -> Path:
+    """Move a complete temporary file to its final path, and make it readable by all."""
     temporary.chmod(0o644)
     return temporary.replace(path)
 

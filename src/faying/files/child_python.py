@@ -1,11 +1,11 @@
-"""Python in a process of its own, for what a file of a stranger must not do to this one."""
+"""A separate Python process for reading untrusted files, which may crash or stall it."""
 
 import os
 import sys
 from collections.abc import Mapping
 
 STARTUP_SECONDS = 120.0
-"""Seconds by the clock that a process may take to begin on a busy machine; 2 to 20 are usual."""
+"""Seconds of wall time that a process may take to start on a busy machine; 2 to 20 are usual."""
 
 SLOWEST_READING = 1e6
 """Bytes a second below which reading counts as stalled; healthy files take a hundredth of that."""
@@ -17,5 +17,5 @@ def python_command(*arguments: str) -> list[str]:
 
 
 def python_environment() -> Mapping[str, str]:
-    """Return the environment in which it finds the modules that this process finds."""
+    """Return the environment in which a child process finds the modules of this process."""
     return {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}

@@ -1,4 +1,4 @@
-"""What files of others hold, taken into memory only where it is a file and fits.
+"""Contents of untrusted files, read only where they are regular files that fit in memory.
 
 A deck may include a device or a pipe, which never end; a file may be larger than the memory. Both
 are known before the first byte is read.
@@ -11,16 +11,16 @@ from pathlib import Path
 from faying.linalg.memory import free_memory, gigabytes
 
 MOST_ROWS = 100_000_000
-"""Rows of a matrix from which its size is taken for damage: its factors would take terabytes."""
+"""Rows above which the size of a matrix counts as damaged: its factors would take terabytes."""
 
 
 def file_bytes(path: Path) -> bytes:
-    """Return what a file holds.
+    """Return the contents of a file.
 
     Raises
     ------
     OSError
-        If it cannot be read, is no regular file, or is larger than the memory that is free.
+        If the file cannot be read, is not a regular one, or is larger than the free memory.
     ValueError
         If the path has a NUL character.
     """
@@ -29,16 +29,16 @@ def file_bytes(path: Path) -> bytes:
 
 
 def file_size(path: Path) -> int:
-    """Return the bytes of a file.
+    """Return the size of a file in bytes.
 
     Raises
     ------
     OSError
-        If it is no regular file; a pipe would be waited for.
+        If the file is not a regular one; reading a pipe would wait.
     """
     status = path.stat()
     if not stat.S_ISREG(status.st_mode):
-        raise OSError(errno.EINVAL, "it is a folder, device or pipe and no file", str(path))
+        raise OSError(errno.EINVAL, "it is a folder, device or pipe, not a file", str(path))
     return status.st_size
 
 
@@ -50,13 +50,13 @@ def file_text(path: Path, errors: str = "strict") -> str:
     OSError
         As :func:`file_bytes`.
     UnicodeDecodeError
-        If it is no UTF-8, unless ``errors`` says otherwise.
+        If the file is not UTF-8, unless ``errors`` says otherwise.
     """
     return file_bytes(path).decode("utf-8-sig", errors)
 
 
 def check_room(n_bytes: int, path: Path) -> None:
-    """Refuse what is larger than the memory that is free.
+    """Refuse a file that is larger than the free memory.
 
     Raises
     ------
@@ -67,21 +67,21 @@ def check_room(n_bytes: int, path: Path) -> None:
 
 
 def check_fits(n_bytes: int, free: int | None, path: Path) -> None:
-    """Refuse what is larger than so many bytes; None is not known."""
+    """Refuse a file larger than the free bytes of memory, where these are known."""
     if free is not None and n_bytes > free:
         reason = f"it holds {gigabytes(n_bytes)}, and {gigabytes(free)} of memory are free"
         raise OSError(errno.ENOMEM, reason, str(path))
 
 
 def reason_of(error: BaseException) -> str:
-    """Return in a line why a reader gave up."""
+    """Return the reason why reading failed, in one line."""
     if isinstance(error, MemoryError):
         return "a size in it asks for more memory than there is, so it is damaged"
     return " ".join((str(error) or type(error).__name__).split())[:200]
 
 
 def check_rows(shape: tuple[int, ...]) -> None:
-    """Refuse a matrix with more rows or columns than any structure has."""
+    """Refuse a matrix with more than :data:`MOST_ROWS` rows or columns."""
     if max(shape, default=0) > MOST_ROWS:
-        message = f"it says {max(shape)} rows or columns, and {MOST_ROWS} are the most"
+        message = f"it declares {max(shape)} rows or columns, more than the limit of {MOST_ROWS}"
         raise ValueError(message)

@@ -1,4 +1,4 @@
-"""Rows of csv files, whatever stands in them, and new ones."""
+"""Rows of csv files, read and written."""
 
 import csv
 from collections.abc import Iterable, Iterator
@@ -11,12 +11,12 @@ from faying.files.atomic import replacing
 def csv_rows(
     path: Path, lines: Iterable[str], *, first: int = 1
 ) -> Iterator[tuple[int, list[str]]]:
-    """Yield number, from ``first`` on, and cells of each row.
+    """Yield the number of each row, counted from ``first``, and its cells.
 
     Raises
     ------
     FormatError
-        If a cell is longer than any number or name, as behind a quote that nothing closes.
+        If a cell is too long, as after a quote that is never closed.
     """
     rows = csv.reader(lines)
     try:
@@ -28,9 +28,9 @@ def csv_rows(
 
 
 def write_rows(path: Path, rows: Iterable[Iterable[object]], number: str = "%.7g") -> None:
-    """Write rows, the names of the columns first, atomically.
+    """Write rows of a table atomically; the first row holds the column names.
 
-    Numbers that are no whole ones have the format ``number``.
+    Floating-point numbers have the format ``number``.
 
     Raises
     ------

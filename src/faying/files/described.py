@@ -1,4 +1,4 @@
-"""Values in self-describing HDF5 files: every member says what it is and in which unit.
+"""Values in self-describing HDF5 files: every member has a description and a unit.
 
 A value is a group, a mapping is a group with one member per key, an array, number or text is a
 dataset. Every member has the attribute ``description``; datasets of numbers also have ``unit`` (as
@@ -30,13 +30,13 @@ from faying.files.meanings import Meaning, Table
 from faying.units import Units
 
 Node = Any
-"""A group or data set of a file; or a mapping of such, or an array, that stand for them."""
+"""A group or dataset of a file, or the mapping or array in memory that corresponds to it."""
 
 PARTS = "real and imaginary part"
 """Name of the last axis of complex numbers."""
 
 SMALL_ARRAY = 64
-"""Arrays of up to this many numbers are not worth a compressed chunk."""
+"""Number of values up to which an array is stored uncompressed."""
 
 
 SPARSE: Table = {
@@ -57,11 +57,11 @@ class Format:
     name, version
         The attributes ``format``, "faying " and the name, and ``format_version``.
     wanted
-        What to name instead, for messages.
+        What the user should give instead, for messages.
     remedy
         What to do about a file of another version, or a damaged one.
     description
-        Of the whole file.
+        Description of the whole file.
     """
 
     name: str
@@ -75,9 +75,9 @@ class Format:
 def new_file(
     path: Path, kind: Format, attributes: Mapping[str, str], units: Units
 ) -> Iterator[h5py.File]:
-    """Yield a new file that takes its place once it is complete.
+    """Yield a new file that is moved to its path once it is complete.
 
-    Its root has the attributes beside those of the format and the units.
+    Its root has the attributes, and also the format and the units.
 
     Raises
     ------
@@ -86,7 +86,7 @@ def new_file(
     """
     from faying import __version__
 
-    # In memory first: HDF5 cannot close a file whose disk is full, and complains of it for ever.
+    # Built in memory: HDF5 cannot close a file on a full disk, and repeats the error for ever.
     options = {"driver": "core", "backing_store": False, "block_size": 2**20}
     with replacing(path) as temporary:
         with h5py.File(temporary, "w", track_order=True, **options) as file:
@@ -106,9 +106,9 @@ def new_file(
 
 @contextmanager
 def described_file(path: Path, kind: Format) -> Iterator[h5py.File]:
-    """Yield a file of a format; what goes wrong while it is read is said in one message."""
+    """Yield a file of a format, opened for reading; errors inside become one message."""
     if not path.is_file():
-        refuse(f"{path} does not exist; name {kind.wanted}")
+        refuse(f"{path} does not exist; give {kind.wanted}")
     with open_hdf5(path, kind.wanted, kind.remedy) as file:
         _check_header(file, kind, path)
         yield file
@@ -116,7 +116,7 @@ def described_file(path: Path, kind: Format) -> Iterator[h5py.File]:
 
 def _check_header(file: h5py.File, kind: Format, path: Path) -> None:
     if file.attrs.get("format") != f"faying {kind.name}":
-        refuse(f"{path} is an HDF5 file but not one of faying's {kind.name}; name {kind.wanted}")
+        refuse(f"{path} is an HDF5 file, but holds no faying {kind.name}; give {kind.wanted}")
     version = file.attrs.get("format_version", 0)
     if version != kind.version:
         refuse(
@@ -127,7 +127,7 @@ def _check_header(file: h5py.File, kind: Format, path: Path) -> None:
 
 
 def new_group(group: h5py.Group, name: str, meaning: Meaning) -> h5py.Group:
-    """Make a group that keeps the order of its members."""
+    """Return a new group that keeps the order of its members."""
     inner = group.create_group(member_name(name), track_order=True)
     inner.attrs["description"] = meaning.description
     return inner
@@ -140,10 +140,10 @@ def write_members(
     units: Units,
     tables: Mapping[type, Table] = types.MappingProxyType({}),
 ) -> None:
-    """Write members of a group as its table has them; those that are None stay absent.
+    """Write the members of a group in the order of its table, leaving out None.
 
-    So do values within that readers take for absent ones. ``tables`` are those of the dataclasses
-    among the members, and of those within.
+    Members equal to the default of their dataclass are left out too. ``tables`` describe the
+    dataclasses among the members, and within them.
     """
     for name, meaning in table.items():
         _write(group, name, members[name], meaning, units, tables)
@@ -157,7 +157,7 @@ def _write(
     units: Units,
     tables: Mapping[type, Table],
 ) -> None:
-    """Write a member, by what it is."""
+    """Write a member as a group or dataset, by its type."""
     if value is None:
         return
     if sp.issparse(value):
@@ -181,7 +181,7 @@ def _write(
 
 
 def is_default(value: Any, name: str) -> bool:
-    """Say whether a field holds the very dataclass that is taken where a file has none."""
+    """Return whether a field holds its default dataclass, which a file may leave out."""
     member = getattr(value, name)
     return is_dataclass(member) and member is getattr(type(value), name, None)
 
@@ -218,13 +218,13 @@ def _is_text(value: tuple[Any, ...]) -> bool:
 
 
 def member_name(name: str) -> str:
-    """Return a name as HDF5 takes it for a member of a group."""
+    """Return the HDF5 name of a member, with slashes and percent signs escaped."""
     quoted = name.replace("%", "%25").replace("/", "%2F")
     return "%2E" if quoted == "." else quoted
 
 
 def items(group: h5py.Group) -> Iterator[tuple[str, Any]]:
-    """Yield the members of a group by their names as they were before they were written."""
+    """Yield the members of a group with their original, unescaped names."""
     for name in group:
         yield unquote(name), group[name]
 
@@ -240,14 +240,14 @@ def member(group: h5py.Group, name: str) -> Any:
 def numbers(
     group: h5py.Group, name: str, shape: tuple[int, ...] | None = None, dtype: Any = np.float64
 ) -> Any:
-    """Return the numbers of a member, which must have the shape; any where None.
+    """Return the numbers of a member of the given shape, or of any shape if None.
 
     Raises
     ------
     KeyError
-        If there is none.
+        If the member is missing.
     ValueError
-        If it holds anything else, or numbers that are not finite.
+        If the member has another shape or type, or a value is not finite.
     """
     data = member(group, name)
     _check_kind(data, "iub" if dtype is np.int64 else "fiub", "numbers")
@@ -260,7 +260,7 @@ def numbers(
 
 
 def texts(group: h5py.Group, name: str) -> tuple[str, ...]:
-    """Return the texts of a member, one or several; none where there is none."""
+    """Return the texts of a member; an empty tuple where it is missing."""
     if name not in group or group[name].size == 0:
         return ()
     _check_kind(group[name], "OS", "texts")
@@ -273,7 +273,7 @@ def sparse_matrix(group: h5py.Group, name: str) -> SparseMatrix:
     Raises
     ------
     ValueError
-        If its parts do not fit together.
+        If its arrays are not consistent.
     """
     node = member(group, name)
     values, columns, starts, shape = (
@@ -285,9 +285,9 @@ def sparse_matrix(group: h5py.Group, name: str) -> SparseMatrix:
 
 
 def read_value(group: Node, kind: type, tables: Mapping[type, Table]) -> Any:
-    """Read a dataclass; the annotations of its fields say how.
+    """Read a dataclass by the annotations of its fields.
 
-    Of dataclasses with a table its members are read, of others all fields.
+    The members of its table are read; all fields where it has no table.
     """
     hints = get_type_hints(kind)
     defaulted = {
@@ -308,7 +308,7 @@ def read_value(group: Node, kind: type, tables: Mapping[type, Table]) -> Any:
 
 
 def read_member(node: Node, hint: Any, tables: Mapping[type, Table]) -> Any:
-    """Read a member as the type it is annotated with."""
+    """Read a member as the type of its annotation."""
     origin, arguments = get_origin(hint), get_args(hint)
     if origin in (types.UnionType, Union):
         return read_member(node, arguments[0], tables)
@@ -341,7 +341,7 @@ def _read_tuple(
 ) -> tuple[Any, ...]:
     if isinstance(node, Mapping):
         return tuple(read_value(entry, arguments[0], tables) for _, entry in items(node))
-    if node.size == 0:  # written as texts, whatever it would hold
+    if node.size == 0:  # empty tuples of any type are written as texts
         return ()
     _check_kind(node, "OSU" if arguments[0] is str else "fiub", "a list", ndim=1)
     return tuple((_texts(node) if arguments[0] is str else node[()]).tolist())
@@ -352,7 +352,7 @@ def _texts(node: Node) -> Any:
 
 
 def _check_kind(node: Node, kinds: str, expected: str, ndim: int | None = None) -> None:
-    """Refuse a member that is of another kind."""
+    """Refuse a member of another kind of data or number of axes."""
     matches = not isinstance(node, Mapping) and node.dtype.kind in kinds
     if not matches or ndim not in (None, node.ndim):
         refuse_value(f"'{getattr(node, 'name', '')}' does not hold {expected}")

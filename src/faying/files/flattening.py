@@ -1,7 +1,7 @@
-"""Values of data classes as named arrays, and back by the annotations of their fields.
+"""Dataclasses flattened to named arrays, and restored by the annotations of their fields.
 
-A member of a member is called ``outer/inner``, as is what a mapping or a tuple of values holds
-under a name or number; what is None is left out, or is taken where nothing is, and an empty mapping
+Nested members are called ``outer/inner``, where ``inner`` is a field, a key of a mapping or a
+number of a tuple. None is left out, and restored where an array is missing. An empty mapping
 is called ``name/``.
 """
 
@@ -19,7 +19,7 @@ T = TypeVar("T")
 
 
 def flattened(value: object) -> dict[str, Matrix]:
-    """Return the members of a value, and theirs, as arrays by name.
+    """Return all nested members of a value as arrays by name.
 
     Examples
     --------
@@ -47,12 +47,12 @@ def flattened(value: object) -> dict[str, Matrix]:
 
 
 def restored(kind: type[T], arrays: Mapping[str, Matrix]) -> T:
-    """Return the value that :func:`flattened` took apart; arrays of other names are ignored.
+    """Return the value that :func:`flattened` has flattened; arrays of other names are ignored.
 
     Raises
     ------
     KeyError
-        If a member is missing that has no default.
+        If a member without default is missing.
     """
     tree: dict[str, Any] = {}
     for name, array in arrays.items():

@@ -1,7 +1,7 @@
-"""HDF5 files that others wrote, opened for reading.
+"""Untrusted HDF5 files, checked and opened for reading.
 
-The HDF5 library trusts the bytes of a file: a few damaged ones can let it loop for ever or crash.
-One process, started with the first file, looks through all files before this one opens them.
+The HDF5 library trusts the bytes of a file: a few damaged bytes can make it loop or crash.
+A separate process, started with the first file, checks every file before this process opens it.
 """
 
 import atexit
@@ -27,23 +27,23 @@ from faying.files.contents import reason_of
 from faying.linalg.memory import free_memory
 
 STALLED_SECONDS = 20.0
-"""Seconds of a processor after which a file counts as damaged, where the system counts them."""
+"""Processor seconds after which checking a file counts as stalled."""
 
 _LOCK = threading.Lock()
 _WATCHES: dict[int, "subprocess.Popen[str]"] = {}
 
 
 def look_through(path: Path, *, whole: bool = True) -> None:
-    """Let the other process walk through a file.
+    """Check a file in the separate process.
 
-    All its data are to be read if it is whole: then they must be there, and fit in memory.
+    If ``whole``, all its data must be present and fit in memory.
     """
     extra = path.stat().st_size / SLOWEST_READING if path.is_file() else 0.0
     seconds = STALLED_SECONDS + extra
     file = {"path": str(path.resolve()), "room": free_memory()}
     request = {**file, "whole": whole, "seconds": seconds}
     with _LOCK:
-        answer = _asked(json.dumps(request), STARTUP_SECONDS + extra)
+        answer = _request_answer(json.dumps(request), STARTUP_SECONDS + extra)
     if answer is None:
         message = "the HDF5 library crashes or stalls on it"
         raise OSError(message)
@@ -53,12 +53,12 @@ def look_through(path: Path, *, whole: bool = True) -> None:
         raise OSError(answer["wrong"])
 
 
-def _asked(request: str, limit: float) -> Any:
-    """Return the answer, or None where the other process ended or took too long."""
+def _request_answer(request: str, limit: float) -> Any:
+    """Return the answer of the separate process; None where it ended or took too long."""
     watch = _WATCHES.get(os.getpid())
     if watch is None or watch.poll() is not None:
-        _end()
-        watch = _WATCHES[os.getpid()] = _started()
+        _end_process()
+        watch = _WATCHES[os.getpid()] = _start_process()
     assert watch.stdin is not None
     assert watch.stdout is not None
     timer = threading.Timer(limit, watch.kill)
@@ -72,12 +72,12 @@ def _asked(request: str, limit: float) -> Any:
         pass
     finally:
         timer.cancel()
-        if not line.endswith("\n"):  # an interrupt too: its answer would be taken for the next
-            _end()
+        if not line.endswith("\n"):  # also an interrupt: a late answer would pass for the next
+            _end_process()
     return json.loads(line) if line.endswith("\n") else None
 
 
-def _started() -> "subprocess.Popen[str]":
+def _start_process() -> "subprocess.Popen[str]":
     return subprocess.Popen(
         python_command("-m", "faying.files.hdf5_walk"),
         stdin=subprocess.PIPE,
@@ -90,7 +90,7 @@ def _started() -> "subprocess.Popen[str]":
 
 
 @atexit.register
-def _end() -> None:
+def _end_process() -> None:
     watch = _WATCHES.pop(os.getpid(), None)
     if watch is not None:
         watch.kill()
@@ -100,15 +100,15 @@ def _end() -> None:
 
 @contextmanager
 def open_hdf5(path: Path, expected: str, remedy: str) -> Iterator[h5py.File]:
-    """Open a file whose data are all its own and fit in memory.
+    """Open a file for reading whose data lie in the file itself and fit in memory.
 
-    Another process has looked through it before: see :mod:`faying.files.hdf5_walk`. Messages end
-    with what was expected of what is no such file, and with the remedy for one that is damaged.
+    A separate process checks it before: see :mod:`faying.files.hdf5_walk`. Messages end with
+    ``expected`` for a file of another kind, and with ``remedy`` for a damaged one.
 
     Raises
     ------
     FormatError
-        If it cannot be read; also if what is done with it inside meets damage.
+        If the file cannot be read, here or within the ``with`` statement.
     """
     check_hdf5(path, expected, remedy)
     try:
@@ -121,9 +121,9 @@ def open_hdf5(path: Path, expected: str, remedy: str) -> Iterator[h5py.File]:
 
 
 def check_hdf5(path: Path, expected: str, remedy: str, *, whole: bool = True) -> None:
-    """Refuse a file that is damaged or leads elsewhere, before this process opens it.
+    """Refuse a file that is damaged or links to other files, before this process opens it.
 
-    All its data are to be read if it is whole: then they must be there, and fit in memory.
+    If ``whole``, all its data must be present and fit in memory.
     """
     try:
         look_through(path, whole=whole)
@@ -135,6 +135,6 @@ def check_hdf5(path: Path, expected: str, remedy: str, *, whole: bool = True) ->
 
 
 def damaged(path: Path, error: Exception, remedy: str) -> FormatError:
-    """Return the message about a file in which an error was met."""
+    """Return the error about a damaged file."""
     reason = f"{path} is damaged, or another program wrote it ({reason_of(error)}); {remedy}"
     return FormatError(reason)

@@ -1,7 +1,7 @@
-"""What an HDF5 file of a stranger holds, looked through by a process that may crash or stall.
+"""Check of an untrusted HDF5 file by a separate process, which may crash or stall.
 
-Such a file may lead elsewhere, to other files by links, external or virtual storage, or round in
-circles; and a few bytes may announce terabytes. None of this is followed or taken into memory.
+Such a file may refer to other files by links, external or virtual storage, or contain
+circular groups; and a few bytes may announce terabytes. All of this is refused.
 """
 
 import json
@@ -17,15 +17,15 @@ from faying.exceptions import refuse_value
 from faying.files.contents import check_fits
 
 MOST_PACKED = 1100
-"""Bytes that a compressed byte can stand for: deflate reaches 1032."""
+"""Largest number of bytes per compressed byte: deflate reaches 1032."""
 
 AT_ONCE = 2**28
-"""Bytes of texts looked at together; each is at most as long as the file."""
+"""Bytes of texts read together; each text is at most as long as the file."""
 
 
 def serve() -> None:
-    """Answer requests, one line of JSON each, until there are none."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # is meant for who asks
+    """Answer requests, one line of JSON each, until the input ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent process
     for line in sys.stdin:
         request = json.loads(line)
         if hasattr(signal, "setitimer"):
@@ -50,7 +50,7 @@ def _answer(request: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _check(file: h5py.File, path: Path, room: int | None, *, whole: bool) -> None:
-    """Walk through the groups, each of which has one name; look at the data if all are read."""
+    """Check links and names of all groups, and the size of all data if ``whole``."""
     total, groups = 0, [file]
     dict(file.attrs)
     while groups:
@@ -58,7 +58,7 @@ def _check(file: h5py.File, path: Path, room: int | None, *, whole: bool) -> Non
         for name in group:
             entry = f"'{group.name.rstrip('/')}/{name}'"
             if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-                message = f"{entry} is a link to another place; nothing but its own data is read"
+                message = f"{entry} is a link to another place; only its own data are read"
                 raise ValueError(message)
             node = group[name]
             if h5py.h5o.get_info(node.id).rc > 1:
@@ -75,14 +75,14 @@ def _check(file: h5py.File, path: Path, room: int | None, *, whole: bool) -> Non
 
 def _require_own_data(node: h5py.Dataset | h5py.Datatype, entry: str) -> None:
     if not isinstance(node, h5py.Dataset) or node.is_virtual or node.external:
-        refuse_value(f"{entry} is no dataset that holds its own data")
+        refuse_value(f"{entry} is not a dataset that holds its own data")
 
 
 def _size(node: h5py.Dataset, entry: str, path: Path, room: int | None) -> int:
-    """Bytes of a dataset in memory."""
+    """Return the bytes of a dataset in memory."""
     announced, stored = node.size * node.dtype.itemsize, node.id.get_storage_size()
     if announced > MOST_PACKED * stored:
-        refuse_value(f"{entry} says shape {node.shape}, {announced:.3g} bytes, and holds {stored}")
+        refuse_value(f"{entry} has shape {node.shape}, {announced:.3g} bytes, but stores {stored}")
     text = h5py.check_string_dtype(node.dtype)
     if (text is None and node.dtype.kind not in "fiub") or (text is not None and node.ndim > 1):
         refuse_value(f"{entry} holds neither numbers nor a list of texts")
@@ -92,7 +92,7 @@ def _size(node: h5py.Dataset, entry: str, path: Path, room: int | None) -> int:
 
 
 def _text_size(node: h5py.Dataset, path: Path, room: int | None) -> int:
-    """Bytes of texts, many of which may be the same place in the file."""
+    """Return the bytes of texts, many of which may be stored once in the file."""
     if node.shape == ():
         return len(node[()])
     total, step = 0, max(AT_ONCE // path.stat().st_size, 1)

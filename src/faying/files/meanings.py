@@ -1,12 +1,12 @@
-"""What the entries of a stored value mean, as the docstring of its class says it.
+"""Meanings of stored values, read from the docstrings of their classes.
 
 Each entry under ``Attributes`` of a stored dataclass reads
 
     name : (n_point,) [force/length²]
         What it is.
 
-with the names of its axes (none for one value) and its dimension in words (``1`` for plain numbers,
-none for text and groups). ``[into n_node]`` are whole numbers that point into that axis.
+with the names of its axes (none for scalars) and its dimension in words (``1`` for plain numbers,
+none for text and groups). ``[into n_node]`` marks whole numbers that are indices into that axis.
 """
 
 import inspect
@@ -23,17 +23,17 @@ _ROLE = re.compile(r":\w+:`~?\.?([^`]*)`")
 
 @dataclass(frozen=True)
 class Meaning:
-    """Meaning of one field.
+    """The meaning of a field.
 
     Attributes
     ----------
     description
     dimension
-        In words, as ``"force/length²"``; ``"1"`` is a plain number; empty for text and groups.
+        Such as ``"force/length²"``; ``"1"`` for plain numbers; empty for text and groups.
     shape
-        Names of the axes; empty for one value.
+        Names of the axes; empty for scalars.
     index
-        Axis that whole numbers point into.
+        Axis of which whole numbers are indices.
     """
 
     description: str
@@ -43,11 +43,11 @@ class Meaning:
 
 
 Table = Mapping[str, Meaning]
-"""Members of a group and what they mean."""
+"""Meanings of the members of a group by name."""
 
 
 def meanings(kind: type) -> Table:
-    """Return what the docstrings of a dataclass and its bases say of its fields, in their order."""
+    """Return the meanings of the fields of a dataclass, from its docstring and its bases'."""
     said: dict[str, Meaning] = {}
     for base in reversed(inspect.getmro(kind)):
         said.update(_entries(base.__doc__))
@@ -55,15 +55,15 @@ def meanings(kind: type) -> Table:
     missing = [name for name in names if name not in said or not said[name].description]
     if missing:
         message = (
-            f"the docstring of {kind.__name__} does not say what {', '.join(missing)} mean; "
-            "describe them there, and run Python without -OO, which drops docstrings"
+            f"the docstring of {kind.__name__} does not describe {', '.join(missing)}; "
+            "add them there, and run Python without -OO, which drops docstrings"
         )
         raise TypeError(message)
     return {name: said[name] for name in names}
 
 
 def tables_within(*kinds: type, without: Container[type] = ()) -> dict[type, Table]:
-    """Return what dataclasses and all dataclasses in their fields mean, those without excepted."""
+    """Return the tables of dataclasses and of all dataclasses in their fields, but ``without``."""
     tables: dict[type, Table] = {}
     waiting: list[Any] = list(reversed(kinds))
     while waiting:
@@ -77,7 +77,7 @@ def tables_within(*kinds: type, without: Container[type] = ()) -> dict[type, Tab
 
 
 def _entries(docstring: str | None) -> Iterator[tuple[str, Meaning]]:
-    """Yield the entries under ``Attributes``."""
+    """Yield name and meaning of each entry under ``Attributes``."""
     text = inspect.cleandoc(docstring or "")
     section = re.search(r"^Attributes\n-+\n((?:.*\n?)*?)(?=\n\S+\n-+\n|\Z)", text, re.MULTILINE)
     if section is None:

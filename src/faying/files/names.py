@@ -1,10 +1,10 @@
-"""File names from names a user chose."""
+"""File names from the names of users."""
 
 import re
 from collections.abc import Iterable
 
 LONGEST_STEM = 120
-"""Bytes of a stem; names of files end at 255, and others stand before and behind it."""
+"""Most bytes of a stem; file names have up to 255, with prefix and suffix."""
 
 
 def file_names(names: Iterable[str]) -> dict[str, str]:
@@ -21,7 +21,7 @@ def file_names(names: Iterable[str]) -> dict[str, str]:
         plain = re.sub(r"[^\w+-]+", "-", name).encode()[:LONGEST_STEM].decode(errors="ignore")
         plain = plain.strip("-") or "unnamed"
         stem, number = plain, 1
-        # Some file systems do not tell cases apart.
+        # Some file systems ignore case.
         while stem.casefold() in used:
             number += 1
             stem = f"{plain}-{number}"

@@ -17,18 +17,18 @@ from faying.files.csv_rows import csv_rows
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class NumberTable:
-    """A table as read.
+    """A table of numbers read from a file.
 
     Attributes
     ----------
     path
     names
-        Of the columns of numbers.
+        Names of the columns of numbers.
     values : (n_row, n_column)
     lines : (n_row,)
-        Number of the line that each row stands in.
+        Line number of each row.
     labels
-        Names of the rows; None where no column has them.
+        Names of the rows; None without a column of names.
     """
 
     path: Path
@@ -42,7 +42,7 @@ class NumberTable:
         return self.values[:, self.names.index(name)]
 
     def place(self, row: int) -> str:
-        """Say where a row stands."""
+        """Return file and line of a row."""
         return f"{self.path}, line {self.lines[row]}"
 
 
@@ -56,9 +56,9 @@ def read_numbers(
 ) -> NumberTable:
     """Read a CSV file of numbers; empty lines and comments after # are left out.
 
-    Messages say ``what`` the file is. The column ``label`` holds names; # is part of names then,
-    but where it begins a line. A first line that names the columns is not needed where ``unnamed``
-    does. No number exceeds the largest magnitude.
+    Messages call the file ``what``. The column ``label`` holds names, which may contain # except
+    at the beginning of a line. The first line names the columns; it may be missing where
+    ``unnamed`` gives their names. No magnitude may exceed ``largest``.
     """
     lines = lines_of(path, what)
     if label is None:
@@ -67,11 +67,11 @@ def read_numbers(
 
 
 def lines_of(path: Path, what: str) -> list[str]:
-    """Return the lines of a table; messages say ``what`` it is."""
+    """Return the lines of a text file, which messages call ``what``."""
     try:
         return file_text(path).splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "it is no UTF-8 text"
+        reason = error.strerror if isinstance(error, OSError) else "it is not UTF-8 text"
         message = f"cannot read {what} {path}: {reason}; give a csv file in UTF-8"
         raise FormatError(message) from None
 
@@ -111,14 +111,14 @@ def numbers_in(
 
 
 def read_number_table(path: Path, columns: Sequence[Sequence[str]], what: str) -> NumberTable:
-    """Read a CSV file that has one of some sets of columns, in any order.
+    """Read a CSV file that must have one of several sets of columns, in any order.
 
-    Messages say ``what`` the file is.
+    Messages call the file ``what``.
 
     Raises
     ------
     FormatError
-        As :func:`read_numbers`; or if the file has other columns, or no numbers.
+        As :func:`read_numbers`, or if the file has other columns or no numbers.
     """
     table = read_numbers(path, what)
     table = replace(table, names=tuple(name.lower() for name in table.names))
@@ -134,10 +134,10 @@ def read_number_table(path: Path, columns: Sequence[Sequence[str]], what: str) -
 
 
 def check_times(path: Path, times: Vector, place: Callable[[int], str], *, fewest: int = 1) -> None:
-    """Refuse instants that cannot be followed.
+    """Refuse times that do not increase, or are too few.
 
-    ``place`` says where an instant stands. Where two instants are needed (``fewest``) they do not
-    begin before 0.
+    ``place`` returns file and line of an instant. Where at least two instants are needed, the
+    first must not be negative.
     """
     if len(times) < fewest:
         refuse(f"{path}: found {len(times)} instants, expected {fewest} or more")
@@ -153,7 +153,7 @@ def check_times(path: Path, times: Vector, place: Callable[[int], str], *, fewes
 
 
 def _cells(path: Path, number: int, line: str) -> list[str]:
-    """Split a line; commas within quotes belong to a name."""
+    """Return the cells of a line; commas within quotes belong to a name."""
     row = next(csv_rows(path, [line], first=number))[1] if '"' in line else line.split(",")
     return [cell.strip() for cell in row]
 
@@ -165,7 +165,7 @@ def _width(path: Path, number: int, line: str) -> int:
 def _column_values(
     rows: Sequence[tuple[int, str]], columns: Sequence[int], kind: type
 ) -> np.ndarray[Any, Any] | None:
-    """Return columns (n_row, n_column) of lines; None where a cell is of another kind."""
+    """Return columns (n_row, n_column) of lines; None where a cell has another type."""
     if not rows or not columns:
         return np.empty((len(rows), len(columns)))
     try:
@@ -198,7 +198,7 @@ def _check_names(path: Path, line: int, names: Sequence[str]) -> None:
         wrong = "columns are separated by semicolons; separate them by commas, with decimal points"
     twice = [name for number, name in enumerate(names) if name in names[:number]]
     if twice:
-        wrong = f"column '{twice[0]}' is there twice; keep one"
+        wrong = f"column '{twice[0]}' occurs twice; keep one"
     if wrong:
         refuse(f"{path}, line {line}: {wrong}")
 

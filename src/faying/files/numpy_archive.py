@@ -1,7 +1,7 @@
-"""Arrays of NumPy archives (``.npz``), whoever wrote them.
+"""Arrays of untrusted NumPy archives (``.npz``).
 
-The size of every array is known from its header before there is memory for it, and pickled objects,
-which run code as they are read, are refused.
+The size of every array is read from its header before memory is allocated. Pickled objects,
+which could run code, are refused.
 """
 
 import math
@@ -28,7 +28,7 @@ def read_arrays(path: Path) -> dict[str, npt.NDArray[Any]]:
     Raises
     ------
     OSError
-        If the file cannot be read, or its arrays are larger than the memory that is free.
+        If the file cannot be read, or its arrays are larger than the free memory.
     Exception
         Whatever a damaged archive makes ``zipfile``, ``zlib`` and NumPy raise.
     """
@@ -39,14 +39,14 @@ def read_arrays(path: Path) -> dict[str, npt.NDArray[Any]]:
 
 
 def read_matrices(path: Path) -> dict[str, npt.NDArray[Any] | SparseMatrix]:
-    """Return the arrays of an archive by name, large full matrices as sparse ones.
+    """Return the arrays of an archive by name, large dense matrices as sparse ones.
 
-    Zeros of these take no memory.
+    Their zeros take no memory.
 
     Raises
     ------
     OSError
-        If the file cannot be read, or an array is larger than the memory that is free.
+        If the file cannot be read, or an array is larger than the free memory.
     Exception
         Whatever a damaged archive makes ``zipfile``, ``zlib`` and NumPy raise.
     """
@@ -84,7 +84,7 @@ def _by_rows(
 
 
 def _size(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> int:
-    """Bytes of an array, which are those that follow its header."""
+    """Return the bytes of an array, checked against the bytes after its header."""
     with archive.open(member) as file:
         shape, _, kind = _header(file, member.filename)
         n_bytes = math.prod(shape) * kind.itemsize
@@ -93,16 +93,16 @@ def _size(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> int:
             raise ValueError(message)
         if file.tell() + n_bytes != member.file_size:
             refuse_value(
-                f"'{member.filename}' says shape {shape} of {kind}, which is {n_bytes} bytes, and "
-                f"holds {member.file_size - file.tell()}"
+                f"'{member.filename}' has shape {shape} of {kind}, which is {n_bytes} bytes, but "
+                f"stores {member.file_size - file.tell()}"
             )
     return n_bytes
 
 
 def _header(file: IO[bytes], name: str) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
-    """Return shape, whether columns follow one another, and type."""
+    """Return shape, whether the order is by columns, and type of an array."""
     version = npy.read_magic(file)
     if version not in _HEADERS:
-        refuse_value(f"'{name}' is no array as numpy.savez writes it")
+        refuse_value(f"'{name}' is not an array in the format of numpy.savez")
     shape, by_columns, kind = _HEADERS[version](file)
     return shape, by_columns, kind

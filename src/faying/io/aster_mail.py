@@ -150,7 +150,7 @@ def _nodes(section: _Section) -> tuple[Names, Matrix]:
     names = rows[:, 0]
     again = np.unique(names, return_counts=True)
     if (again[1] > 1).any():
-        section.refuse(f"node '{again[0][again[1] > 1][0]}' is there twice; rename one")
+        section.refuse(f"node '{again[0][again[1] > 1][0]}' occurs twice; rename one")
     try:
         points = np.char.replace(np.char.upper(rows[:, 1:]), "D", "E").astype(np.float64)
     except ValueError as error:

@@ -44,7 +44,7 @@ def check_finite(group: h5py.Group) -> None:
 
 
 def check_distinct(indices: Indices, length: int, entry: str) -> None:
-    """Refuse indices beyond a length, and one that is there twice."""
+    """Refuse indices beyond a length, and one that occurs twice."""
     if len(indices) and not 0 <= indices.min() <= indices.max() < length:
         refuse_value(f"'{entry}' points beyond the {length} coordinates")
     if len(np.unique(indices)) < len(indices):

@@ -1,8 +1,8 @@
-"""The cases that decide among many: found by what is cheap, and judged one by one as a run does.
+"""The deciding cases among many: found by cheap estimates, and judged one by one as in a run.
 
-A case decides where some metric is worst, or where a joint opens or slides first. The factors of
-the latter are estimated of all cases; those that come first are followed, then twice as many as
-before are tried again and again, until none of them opens or slides before.
+A case decides if a metric is worst in it, or if the joint opens or slides first in it. Load factors
+of opening and sliding are estimated for all cases. The cases of the least estimates are followed,
+then batches of doubling size, until none in a batch opens or slides earlier.
 """
 
 from collections import defaultdict
@@ -23,14 +23,14 @@ from faying.simulation.solution import Solution
 from faying.study.inputs.load_set import LoadSet
 
 TRIED_CASES = 8
-"""Cases that are tried first beside the one that is followed, which costs eight times as much.
+"""Cases of the first batch beside the followed case, which costs eight times as much.
 
-Of 1000 random loads on a roof joint the first to open was the first or second by estimates; of 24
-on a coarse lap joint that opens at three times the load it was among the first nine, and not five.
+Among 1000 random loads on a roof joint the first to open was first or second by estimates; among
+24 on a coarse lap joint that opens at three times the load it was among the first nine, not five.
 """
 
 TRIED_BY_PATHS = 2
-"""The same where each is followed in increments."""
+"""Cases of the first batch where each is followed in increments."""
 
 
 def least_factor(
@@ -39,11 +39,11 @@ def least_factor(
     sooner: Callable[[Indices, float], Indices],
     tried: int,
 ) -> None:
-    """Follow the cases of the least factors of something that happens.
+    """Follow the cases in which an event (opening, sliding) has the least load factors.
 
-    Estimates (n_case,) of the factors are NaN of cases that are not judged. ``exact`` follows a
-    case to its factor; ``sooner`` tells of some cases those in which it may happen before a factor,
-    the first first. So many cases are tried first.
+    Estimated factors (n_case,) are NaN for cases that are not judged. ``exact`` follows a case and
+    returns its factor; ``sooner`` returns the cases among some whose event may come before a
+    factor, the earliest first. The first batch has ``tried`` cases.
     """
     order = np.argsort(estimates, kind="stable")[: np.count_nonzero(~np.isnan(estimates))]
     if not len(order):
@@ -61,19 +61,19 @@ def least_factor(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Deciding:
-    """Static cases of a joint, judged as a run judges them.
+    """Static cases of a joint, whose openings and slip reserves are computed as in a run.
 
     Attributes
     ----------
     rom
     loads
-        With the static cases.
+        Loads with the static cases.
     areas
-        Name to the points (n_point,) of what opens.
+        Contact points (n_point,) of each area that may open, by its name.
     open_below
-        Share of the area pressed at rest below which it is open.
+        Share of an area's pressed part at rest below which it counts as open.
     along
-        Whether areas are followed on the paths of joints with friction too.
+        Whether openings are also followed on the paths of joints with friction.
     """
 
     rom: ReducedModel
@@ -83,12 +83,12 @@ class Deciding:
     along: bool
 
     def openings(self, estimates: Matrix) -> dict[str, Openings]:
-        """Return the openings of the cases that open an area before all others do.
+        """Return the openings of the cases in which an area opens first.
 
-        Estimates are (n_case, n_area).
+        Estimated load factors are (n_case, n_area).
         """
         joint, loads, found = self.rom.joint, self.loads, dict[str, dict[str, float]]()
-        # The same case often opens more than one area first.
+        # One case often opens several areas first.
         reached = defaultdict[int, dict[float, Increment]](dict)
         for (name, points), column in zip(self.areas.items(), estimates.T, strict=True):
             search = partial(opening_factors, areas={name: points}, open_below=self.open_below)
@@ -112,10 +112,10 @@ class Deciding:
         }
 
     def reserves(self, rest: Solution, slides: Matrix, opens: Matrix) -> dict[str, SlipReserve]:
-        """Return the slip reserves of the cases that slide or open before all others do.
+        """Return the slip reserves of the cases that slide or open first.
 
-        None where no interface slides. Estimated factors are (n_case, n_interface) of interfaces
-        with friction, and (n_case, n_area).
+        Empty where no interface slides. Estimated load factors are (n_case, n_interface)
+        of interfaces with friction, and (n_case, n_area).
         """
         found: dict[str, SlipReserve] = {}
 

@@ -1,4 +1,4 @@
-"""Find the parameters of a study by its measured curves, and the band of what is not known."""
+"""Parameters of a study fitted to measured curves, and bands of backbones over their ranges."""
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -30,8 +30,8 @@ from faying.study.stages.varied import Curves, prepare_curves, unpacked_curves
 
 
 @contextmanager
-def _kept(out: Path) -> Iterator[Path]:
-    """Yield the folder whose curves the same study takes over, until it is done with them."""
+def _curve_folder(out: Path) -> Iterator[Path]:
+    """Lock a results folder, and yield its folder for computed curves, removed at the end."""
     out.mkdir(parents=True, exist_ok=True)
     with held(out):
         yield out / "unfinished"
@@ -45,24 +45,24 @@ def fit_study(
     progress: ProgressBar | None = None,
     executor: Executor | None = None,
 ) -> Identification:
-    """Find the parameters of a study whose backbones come closest to its measured curves.
+    """Return the parameters of a study whose backbones fit its measured curves best.
 
     Parameters
     ----------
     out
         Receives ``fit.json``, and for each measured curve ``fit_CURVE.csv`` and ``.png``. An
-        interrupted fit of the same study goes on from what it has computed.
+        interrupted fit of the same study continues from its computed curves.
     executor
         Computes the trials of a step side by side.
 
     Raises
     ------
     FayingError
-        If there is no parameter, no measured curve or no scatter, or as ``faying run``.
+        If the study has no parameter, measured curve or scatter, or as ``faying run``.
     """
     parameters, measured = _parameters(study), measured_curves(study)
     books = Books(progress)
-    with _kept(out) as folder, books.stage("trials") as advance:
+    with _curve_folder(out) as folder, books.stage("trials") as advance:
 
         def compute(trials: Sequence[Mapping[str, float]]) -> list[dict[str, Backbone]]:
             computed = _curves(study, trials, folder, executor)
@@ -76,9 +76,9 @@ def fit_study(
         stems = file_names([test.name for test in measured])
         for test in measured:
             curve, stem = result.curves[test.name], stems[test.name]
-            _write(out / f"fit_{stem}.csv", _beside(test, curve))
+            _write(out / f"fit_{stem}.csv", _compared_columns(test, curve))
             draw_fit(curve, test).savefig(out / f"fit_{stem}.png")
-        write_text(out / "fit.json", json.dumps(plain(_told(result, measured)), indent=2) + "\n")
+        write_text(out / "fit.json", json.dumps(plain(_summary(result, measured)), indent=2) + "\n")
     return result
 
 
@@ -89,32 +89,32 @@ def band_of_study(
     progress: ProgressBar | None = None,
     executor: Executor | None = None,
 ) -> Mapping[str, BackboneBand]:
-    """Compute backbones of a study at the design of its ``[band]`` and the bands they fill.
+    """Compute backbones of a study at the design points of its ``[band]``, and return their bands.
 
     Parameters
     ----------
     out
         Receives ``band.json`` with the design, and ``band_CASE-mode-N.csv`` and ``.png`` of
-        each load case and mode. An interrupted call with the same study goes on from what it has
-        computed.
+        each load case and mode. An interrupted call with the same study continues from its
+        computed curves.
     executor
         Computes samples side by side.
 
     Returns
     -------
     Mapping
-        ``"CASE, mode N"`` to its band.
+        Bands by ``"CASE, mode N"``.
 
     Raises
     ------
     FayingError
-        If there is no parameter or no backbone, or as ``faying run``.
+        If the study has no parameter or no backbone, or as ``faying run``.
     """
     trials = design(_parameters(study), study.band.design, study.band.samples)
     if not any(case.kind == "backbone" for case in study.load_cases):
         refuse_study(f'{study.path.name} has no [[load_case]] of kind = "backbone"; add one')
     measured, books = measured_curves(study), Books(progress)
-    with _kept(out) as folder:
+    with _curve_folder(out) as folder:
         with books.stage("samples", len(trials)) as advance:
             samples = _curves(study, trials, folder, executor, advance)
         bands = {
@@ -136,7 +136,7 @@ def band_of_study(
 
 
 def _parameters(study: Study) -> list[Parameter]:
-    """Return the parameters of a study, each starting at what the file has, if it is a number."""
+    """Return the parameters of a study; the fit starts at the values of the study file."""
     if not study.parameters:
         refuse_study(f"{study.path.name} has no [[parameter]]; add one with its keys and range")
     from tomllib import loads
@@ -158,7 +158,7 @@ def _curves(
     executor: Executor | None,
     advance: Callable[[int], object] | None = None,
 ) -> list[Curves]:
-    """Compute the backbones of trials, or take over those that are kept."""
+    """Return the backbones of trials, computed or read from the folder."""
     prepare = partial(prepare_curves, study.source.text, study.source.path)
     tasks = {
         ", ".join(f"{name} = {value!r}" for name, value in trial.items()): dict(trial)
@@ -174,8 +174,8 @@ def _curves(
     return [unpacked_curves(arrays) for arrays in computed.values()]
 
 
-def _beside(measured: MeasuredCurve, computed: Backbone) -> dict[str, Any]:
-    """Return the columns of a measured curve, of the computed one and of their deviations."""
+def _compared_columns(measured: MeasuredCurve, computed: Backbone) -> dict[str, Any]:
+    """Return columns with a measured curve, the computed curve and their deviations."""
     figures = compared(measured, {str(measured.mode): computed})
     return {name: column for name, column in figures.items() if isinstance(column, list)}
 
@@ -195,12 +195,12 @@ def _columns(band: BackboneBand) -> dict[str, list[float]]:
 
 
 def _write(path: Path, columns: Mapping[str, Sequence[Any]]) -> None:
-    """Write columns as csv; what is None stays empty."""
+    """Write columns as csv; None gives an empty cell."""
     write_rows(path, (columns, *zip(*columns.values(), strict=True)), "%s")
 
 
-def _told(result: Identification, measured: Sequence[MeasuredCurve]) -> dict[str, Any]:
-    """Return what ``fit.json`` says."""
+def _summary(result: Identification, measured: Sequence[MeasuredCurve]) -> dict[str, Any]:
+    """Return the contents of ``fit.json``."""
     names = list(result.values)
     return {
         "faying": __version__,

@@ -1,4 +1,4 @@
-"""Reduce a study's model once, into one file that is solved without the full model."""
+"""Reduction of a study's model to one file, which is solved without the full model."""
 
 import hashlib
 import json
@@ -40,25 +40,25 @@ def reduce_study(
     progress: ProgressBar | None = None,
     report: Callable[[str], object] | None = None,
 ) -> ReducedModel:
-    """Reduce the model of a study by one method and write it to a file.
+    """Reduce the model of a study by one method, write it to a file and return it.
 
     Parameters
     ----------
     out
-        File, written atomically.
+        Path of the file, which is written atomically.
     method
-        One of those with a basis, whether or not the study names it.
+        A method with a basis, whether or not the study names it.
     joint_modes
-        Of methods that have them; by default the most that the study names.
+        Number of joint modes of methods that have them; by default the largest number of the study.
     shapes
-        Keep the trial vectors, as :meth:`ReducedModel.save`.
+        Store the trial vectors, as :meth:`ReducedModel.save`.
     report
-        Called with a sentence for each load case that a number of normal modes was chosen for.
+        Called with a sentence about the chosen number of normal modes for each load case.
 
     Returns
     -------
     ReducedModel
-        As written.
+        The reduced model in the file.
 
     Raises
     ------
@@ -67,8 +67,8 @@ def reduce_study(
 
     Notes
     -----
-    The offline part of a run for one method: no load case is solved, but with
-    ``normal_modes = "auto"`` those over time by reduced models.
+    This is the offline part of a run for one method. No load case is solved, except that
+    ``normal_modes = "auto"`` solves load cases over time with reduced models.
     """
     chosen = _method(method)
     counts = [joint_modes] if joint_modes else list(study.reduction.joint_modes)[-1:]
@@ -78,8 +78,8 @@ def reduce_study(
     alone = study.model_copy(update={"reduction": section})
     if chosen.trained and not section.training.box:
         refuse_study(
-            f"method '{chosen.name}' learns from training loads and {study.path.name} has none; "
-            f"add [reduction.training] with a box, or take method '{EXACT}'"
+            f"method '{chosen.name}' needs training loads, and {study.path.name} has none; "
+            f"add [reduction.training] with a box, or use method '{EXACT}'"
         )
     books = Books(progress)
     joint = prepare_joint(alone, books)
@@ -111,12 +111,12 @@ def reduce_study(
 
 
 def _tightened(joint: PreparedJoint) -> dict[str, str]:
-    """Say how a joint was tightened: initial bolt forces, increment by increment."""
+    """Return the tightening path for the file: initial bolt forces, increment by increment."""
     return {PRELOAD_PATH: json.dumps([dict(load.bolt_forces) for load in joint.preload_path])}
 
 
 def _method(name: str) -> Method:
-    """Return a method that a file of one model can hold."""
+    """Return the method of a name; refuse methods that give no reduced model."""
     names = [method.name for method in METHODS.values() if method.forces is None]
     if name not in names:
         refuse_study(f"method: {one_of(name, names)}")

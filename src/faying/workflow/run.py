@@ -1,4 +1,4 @@
-"""Run a study: every method on every load case, next to the full model."""
+"""Runs of studies: every method on every load case, compared with the full model."""
 
 import json
 from collections.abc import Mapping
@@ -38,7 +38,7 @@ from faying.study.stages.validation import validate
 from faying.study.stages.worker_tasks import compute_pieces
 
 Solved = dict[str, tuple[CaseResult, list[str]]]
-"""Load case name to its result, and what did not converge."""
+"""Result of each load case by name, and sentences about solutions that did not converge."""
 
 
 def run(
@@ -50,16 +50,16 @@ def run(
     executor: Executor | None = None,
     since: float | None = None,
 ) -> Mapping[str, Any]:
-    """Compute a study, leave its results in a folder, and return what ``summary.json`` says.
+    """Compute a study, write its results to a folder, and return the contents of ``summary.json``.
 
     Parameters
     ----------
     out
         Receives ``results.h5``, ``summary.json``, ``study.toml``, interface and report files.
     resume
-        Take over what an interrupted run of the same study has finished.
+        Continue an interrupted run of the same study.
     executor
-        Computes transients of the full model beforehand, where there are some.
+        Computes transients of the full model beforehand.
     since
         Instant of ``time.perf_counter`` at which the program started, from which the run is timed.
 
@@ -72,17 +72,17 @@ def run(
     """
     with results_in(out, study.text, resume=resume) as checkpoint, ExitStack() as limits:
         books = Books(progress, since, checkpoint)
-        # Libraries are loaded for it, which a full disk makes talk: the folder is tried before.
+        # Loaded after the folder was opened, since libraries print messages on a full disk.
         with books.timed("libraries"):
             limits.enter_context(one_thread())
         results = _computed(study, books, executor)
         _write_files(study, results, out, books)
-        # Once more, for what the report took is known only now.
+        # Written again with the time of the report.
         return _write_summary(replace(results, timings=books.account()), out)
 
 
 def _computed(study: Study, books: Books, executor: Executor | None) -> Results:
-    """Compute everything."""
+    """Compute all results of a study."""
     if executor is not None:
         compute_pieces(study, executor, books)
     joint = prepare_joint(study, books)
@@ -127,7 +127,7 @@ def _computed(study: Study, books: Books, executor: Executor | None) -> Results:
 
 
 def _confirmed(study: Study, runner: CaseRunner, solved: Solved) -> Solved:
-    """Compare the static cases of the largest certified errors with the full model."""
+    """Solve the static cases of the largest certified errors with the full model as well."""
     bounds = {
         case.name: _largest_bound(solved[case.name][0])
         for case in study.load_cases
@@ -142,7 +142,7 @@ def _confirmed(study: Study, runner: CaseRunner, solved: Solved) -> Solved:
 
 
 def _largest_bound(case: CaseResult) -> float:
-    """Return the largest certified energy error of all methods; infinite where there is none."""
+    """Return the largest certified energy error of all methods; infinite without a certificate."""
     bounds = [
         result.certified_energy_error
         for sizes in case.methods.values()
@@ -152,7 +152,7 @@ def _largest_bound(case: CaseResult) -> float:
 
 
 def _write_files(study: Study, results: Results, out: Path, books: Books) -> None:
-    """Write results, summary and pictures, the report last."""
+    """Write results, summary, tables and pictures, and the report last."""
     from faying.export.vtk import write_interface_vtu
 
     with books.stage("files"):

@@ -1,4 +1,4 @@
-"""Solve many loads on a reduced model: a piece of them at a time, so that memory stays flat."""
+"""Many loads solved on a reduced model, piece by piece so that memory does not grow."""
 
 import hashlib
 import json
@@ -47,7 +47,7 @@ def solve_loads(
     progress: ProgressBar | None = None,
     executor: Executor | None = None,
 ) -> Mapping[str, Any]:
-    """Solve loads on a reduced model, without the full one; return what ``summary.json`` says.
+    """Solve loads on a reduced model, and return the contents of ``summary.json``.
 
     Parameters
     ----------
@@ -55,28 +55,28 @@ def solve_loads(
         Receives ``metrics.csv`` of the static cases, ``history_NAME.csv`` of each transient (or
         ``.parquet``), ``fields.h5`` and ``summary.json``.
     tightening
-        Of a joint with friction: initial bolt forces, increment by increment, from whose end all
-        loads begin; none where it was tightened without friction.
+        Initial bolt forces of a joint with friction, increment by increment; all loads begin at
+        their end. None where the joint was tightened without friction.
     resume
-        Take over what an interrupted call with the same model, loads and options has finished,
-        static cases and transients piece by piece.
+        Continue an interrupted call with the same model, loads and options,
+        from its finished pieces of static cases and transients.
     executor
         Shares pieces of the static cases, and the transients, among its workers.
 
     Raises
     ------
     ModelError
-        If a requirement names an interface that is not there, or it is not known how a joint with
-        friction was tightened.
+        If a requirement names an unknown interface, or the tightening of a joint with friction
+        is unknown.
     StudyError
-        If a case to be kept is not there, or another call is writing to the folder. Cases that do
+        If a case to keep does not exist, or another call is writing to the folder. Cases that do
         not converge are recorded instead.
 
     Notes
     -----
-    Memory, of each worker as well, is that of a piece of the cases, of the model, of the loads and
-    of the table of static cases. The pieces are the same whatever ran before and whoever computes
-    them, and so are their numbers.
+    Each process holds one piece of the cases, the model, the loads and the table of static cases
+    in memory. Pieces, and so the numbers, do not depend on earlier calls or on the
+    executor.
     """
     chosen = options or SolveOptions()
     check_table_format(chosen.table)
@@ -84,11 +84,11 @@ def solve_loads(
     unknown = [name for name in chosen.named if name not in loads.names]
     if unknown:
         remedy = nearest(unknown[0], loads.names[:20])
-        refuse_study(f"there is no static case '{unknown[0]}' to keep; {remedy}")
+        refuse_study(f"the loads have no static case '{unknown[0]}' to keep; {remedy}")
     if tightening is None:
         rom.contact.check_frictionless(
-            "so that what a load leaves depends on how the bolts were tightened, and nothing says "
-            "how: make the file anew with faying reduce; in Python give solve_loads the bolt_loads "
+            "so results depend on how the bolts were tightened, and the file does not tell "
+            "how: write it again with faying reduce; in Python give solve_loads the bolt_loads "
             "of preload_path_of(file) as tightening, or follow the loads with faying.solve_path"
         )
     path = tuple(tightening or ())
@@ -132,12 +132,12 @@ def solve_loads(
 
 
 def bolt_loads(path: Sequence[Mapping[str, float]]) -> list[Load]:
-    """Return loads of initial bolt forces alone."""
+    """Return increments of initial bolt forces as loads."""
     return [Load(name="preload", bolt_forces=forces) for forces in path]
 
 
 def stated(requirements: Requirements) -> list[str]:
-    """Return the names of the requirements that demand something."""
+    """Return the names of the requirements that are set."""
     return [name for name, value in vars(requirements).items() if value not in (None, ())]
 
 
@@ -149,7 +149,7 @@ def _written(
     out: Path,
     options: SolveOptions,
 ) -> dict[str, Any]:
-    """Write tables and fields; return what the summary says of them."""
+    """Write tables and fields, and return their entries of the summary."""
     units, count, ending = rom.unit_set, options.worst, options.table
     fields = None
     every = [*([] if static is None else [static]), *transients.values()]
@@ -182,7 +182,7 @@ def _described(every: Sequence[SolvedCases], units: Units) -> dict[str, Any]:
 
 
 def _worst(solved: SolvedCases, count: int) -> dict[str, Any]:
-    """Return how many there are, and the worst of each metric."""
+    """Return the number of cases, and the worst cases of each metric."""
     worst = {
         metric: [{"case": solved.label(row), "value": plain(value)} for row, value in entries]
         for metric, entries in solved.worst(count).items()
@@ -191,7 +191,7 @@ def _worst(solved: SolvedCases, count: int) -> dict[str, Any]:
 
 
 def _barely_held(written: Mapping[str, Any]) -> list[str]:
-    """Say where weak springs carry most, if that is too much."""
+    """Return warnings about cases in which weak springs carry too much."""
     static = {"": written["static"]} if "static" in written else {}
     shares: dict[str, dict[str, float]] = {}
     for name, figures in {**static, **written.get("transients", {})}.items():
@@ -226,7 +226,7 @@ def _fields(solved: SolvedCases, count: int, named: Sequence[int]) -> SolvedFiel
 
 
 def _mark(rom: ReducedModel, loads: LoadSet, options: SolveOptions, path: Sequence[Load]) -> str:
-    """Return what tells one model with its loads and options from others."""
+    """Return a hash of a model, its loads and options."""
     mark, contact = hashlib.sha256(), rom.contact
     model = (rom.K, rom.M, rom.C, contact.relative_operator, contact.initial_gap)
     for array in (*model, contact.flexibility, loads.inputs):

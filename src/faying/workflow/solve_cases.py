@@ -1,4 +1,4 @@
-"""Many static cases, or a transient, solved on a reduced model a part at a time."""
+"""Static cases and transients solved on a reduced model, piece by piece."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -34,32 +34,32 @@ from faying.study.stages.books import FAILED, Books
 from faying.workflow.solved_cases import Demanded, SolvedCases, arrays_of, factors_of
 
 FEWEST, MOST = 16, 2000
-"""Cases of a piece."""
+"""Least and largest number of cases of a piece."""
 
 Piece = Indices | TimedLoad
-"""Rows of static cases, or a transient."""
+"""Row numbers of static cases, or a transient load."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SolveOptions:
-    """What to keep, and how.
+    """Options of solving many loads.
 
     Attributes
     ----------
     worst
-        Cases of each metric whose fields are kept.
+        Number of worst cases of each metric whose fields are stored.
     named
-        Static cases whose fields are kept as well.
+        Names of further static cases whose fields are stored.
     certificates
-        Whether static cases are certified, where the model knows the full one's compliance.
+        Whether errors of static cases are bounded, where the model has the full compliance.
     table
         Format of the tables of metrics.
     requirements
-        What must hold.
+        Requirements on the joint.
     strengths
-        What the strength of bolts is judged by.
+        Strengths of the bolts.
     margins
-        Standard that is demanded of it, with its factors.
+        Standard of the strength margins, with its factors.
     """
 
     worst: int = 1
@@ -73,24 +73,24 @@ class SolveOptions:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CaseSolver:
-    """What all pieces share.
+    """Solver of the pieces of many loads.
 
     Attributes
     ----------
     rom
-        The model.
+        The reduced model.
     loads
-        What is solved.
+        Loads to solve.
     checkpoint
-        Keeps finished pieces.
+        Store of finished pieces.
     books
-        Of the call.
+        Progress and timings of the call.
     options
-        What to keep, and how.
+        Options of the call.
     demanded
-        What requirements judge.
+        Areas and rings that requirements judge.
     rest
-        The preloaded joint, where all loads begin.
+        State of the preloaded joint, at which all loads begin.
     """
 
     rom: ReducedModel
@@ -103,22 +103,22 @@ class CaseSolver:
 
     @cached_property
     def named(self) -> list[int]:
-        """Rows of the static cases whose fields are kept in any case."""
+        """Rows of the static cases whose fields are stored by name."""
         return [self.loads.names.index(name) for name in self.options.named]
 
     @property
     def increments(self) -> int:
-        """Increments of a static case from the preload: those of a study, or one is as good."""
+        """Increments of a static case from the preload; one where the path does not matter."""
         return self.rom.contact.increments(DEFAULT_INCREMENTS)
 
     @property
     def memoryless(self) -> bool:
-        """Whether static cases can be solved whatever came before them."""
+        """Whether static solutions do not depend on the load path."""
         return self.increments == 1
 
     @cached_property
     def judge(self) -> Certifier | None:
-        """What certifies static cases; None where it is not asked for, or they are paths."""
+        """Certifier of static cases; None if not requested, or if solutions depend on paths."""
         if not (self.options.certificates and self.memoryless):
             return None
         with self.books.timed("certificates"), self.books.attempt("certified bounds"):
@@ -126,15 +126,15 @@ class CaseSolver:
         return None
 
     def share(self, executor: Executor) -> None:
-        """Have workers compute the pieces that are not there yet.
+        """Have workers compute the missing pieces.
 
-        Static pieces come back from the workers; of transients, which may be long, workers keep the
-        pieces themselves, so they must see the folder of the checkpoint.
+        Workers return static pieces. They store the pieces of transients, which may be long,
+        themselves, so they must see the folder of the checkpoint.
 
         Raises
         ------
         FayingError
-            As without workers, or if workers fail; what is finished is kept.
+            As without workers, or if workers fail; finished pieces are stored.
         """
         transients = {end_key(load): load for load in self.loads.transients}
         pieces: dict[str, Piece] = {**transients, **self._static_pieces}  # the longest first
@@ -152,11 +152,11 @@ class CaseSolver:
             )
 
     def piece(self, piece: Piece) -> Arrays:
-        """Solve a piece of the static cases, or a transient; return what is kept under its key."""
-        return self._walked(piece) if isinstance(piece, TimedLoad) else self._static_piece(piece)
+        """Solve a piece of the static cases, or a transient; return the arrays to store."""
+        return self._integrate(piece) if isinstance(piece, TimedLoad) else self._static_piece(piece)
 
     def static(self) -> SolvedCases:
-        """Solve static cases, or take what workers or an interrupted call have finished."""
+        """Solve the static cases that are not in the checkpoint; return all of them."""
         failed = list[str]()
         with self.books.stage("static cases", len(self.loads.names)) as advance:
             for key, rows in self._static_pieces.items():
@@ -173,7 +173,7 @@ class CaseSolver:
         )
 
     def transient(self, load: TimedLoad) -> SolvedCases:
-        """Solve a transient, from where an interrupted call has kept it."""
+        """Solve a transient, continued from the checkpoint; return its instants."""
         end = self.checkpoint.bundle(end_key(load), partial(self.piece, load))
         return SolvedCases(
             checkpoint=self.checkpoint,
@@ -185,7 +185,7 @@ class CaseSolver:
 
     @cached_property
     def _static_pieces(self) -> dict[str, Indices]:
-        """Rows of each piece of similar static cases, by the key it is kept under."""
+        """Rows of each piece of similar static cases, by its key in the checkpoint."""
         loads = self.loads
         groups = similar_loads(self.rom, loads.inputs, self._length) if loads.names else []
         return {f"static {number}": np.sort(rows) for number, rows in enumerate(groups)}
@@ -202,11 +202,11 @@ class CaseSolver:
 
     @property
     def _length(self) -> int:
-        """Cases or instants of a piece."""
+        """Number of cases or instants of a piece."""
         return min(max(PIECE_NUMBERS // self.rom.contact.n_points, FEWEST), MOST)
 
     def _static_piece(self, rows: Indices) -> Arrays:
-        """Solve one piece of the static cases; return what is kept of it."""
+        """Solve a piece of the static cases; return the arrays to store."""
         judge = self.judge
         solved, failed = self._solved(rows)
         with self.books.timed("certificates"):
@@ -222,7 +222,7 @@ class CaseSolver:
         return arrays | {FAILED: np.array(failed, dtype=str)}
 
     def _solved(self, rows: Indices) -> tuple[list[tuple[Indices, Solution]], list[str]]:
-        """Solve static cases together; where one fails, in halves until it is alone."""
+        """Solve static cases together; where one fails, in halves down to single cases."""
         try:
             return [(rows, self._ends(self.loads.inputs[rows]))], []
         except ConvergenceError as error:
@@ -234,13 +234,13 @@ class CaseSolver:
         ]
 
     def _ends(self, inputs: Matrix) -> Solution:
-        """Solve static cases, where it matters in increments from the preload as in a study."""
+        """Return the ends of static cases, in increments from the preload where paths matter."""
         return solve_ramps(self.rom, inputs, self.rest, increments=DEFAULT_INCREMENTS)
 
     def followed(self, rows: Sequence[int]) -> dict[int, CaseState]:
-        """Return static cases as a run judges them, every increment.
+        """Return the states of static cases at every increment, as a run judges them.
 
-        None where there is one: it is what was solved.
+        The result is empty where a case has one increment, which is the solution itself.
         """
         shares = np.arange(1, self.increments + 1) / self.increments
         states: dict[int, CaseState] = {}
@@ -250,10 +250,10 @@ class CaseSolver:
             states[row] = state_of(path, slice(None), bent_bolts(self.rom.bolts))
         return states
 
-    def _walked(self, load: TimedLoad) -> Arrays:
-        """Keep the pieces of a transient; return their number, and what went wrong.
+    def _integrate(self, load: TimedLoad) -> Arrays:
+        """Store the pieces of a transient; return their number, and messages of failures.
 
-        It goes on after the last piece that an interrupted call has kept.
+        It continues after the last stored piece of an interrupted call.
         """
         name, count, restart, gain = load.load.name, 0, None, 0.0
         if self.checkpoint.has(_stand_key(load)):
@@ -292,17 +292,17 @@ class CaseSolver:
 
 
 def on_worker(solver: CaseSolver) -> Callable[[Piece], Arrays]:
-    """Return what solves a piece on a worker."""
+    """Return the function that solves a piece on a worker."""
     if solver.loads.transients and not solver.checkpoint.folder.is_dir():
         refuse_study(
-            f"a worker does not see {solver.checkpoint.folder}, where it keeps what it finishes of "
+            f"a worker does not see {solver.checkpoint.folder}, where it stores finished pieces of "
             "loads over time; choose a folder that all machines share with --out"
         )
     return solver.piece
 
 
 def end_key(load: TimedLoad) -> str:
-    """Return the key under which it is kept that a transient is finished."""
+    """Return the key of the checkpoint that marks a transient as finished."""
     return f"transient {load.load.name} end"
 
 
@@ -316,5 +316,5 @@ def _piece_key(load: TimedLoad, number: int) -> str:
 
 
 def _stand_key(load: TimedLoad) -> str:
-    """Return the key under which it is kept how far a transient has come."""
+    """Return the key of the checkpoint for the progress of a transient."""
     return f"transient {load.load.name} stand"

@@ -1,4 +1,4 @@
-"""The joint judged over many solved cases: those that decide as a run judges its own."""
+"""Assessment of a joint over many solved cases: the deciding ones are judged as in a run."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -32,14 +32,14 @@ from faying.workflow.solve_cases import CaseSolver, SolveOptions
 from faying.workflow.solved_cases import BENDING, OPENS, SLIDES, Demanded, SolvedCases
 
 STATIC = ""
-"""Name of the static cases among sets of cases."""
+"""Name of the set of static cases."""
 
 ALL_STATIC = "all static cases"
-"""Where a range of stress over all of them is from."""
+"""Load case of a stress range over all static cases."""
 
 
 def demanded_of(options: SolveOptions, rom: ReducedModel, rest: Solution) -> Demanded:
-    """Return what is asked of every case because a requirement judges it."""
+    """Return the rings, areas and points that requirements judge in every case."""
     requirements = options.requirements
     radius = requirements.no_opening_within
     near = {}
@@ -59,9 +59,9 @@ def demanded_of(options: SolveOptions, rom: ReducedModel, rest: Solution) -> Dem
 
 
 def _areas(options: SolveOptions, rom: ReducedModel) -> dict[str, TangentialRows]:
-    """Return what is carried along the areas whose slip is judged by sums, by name.
+    """Return the tangential force rows, by name, of the areas whose slip is judged by sums.
 
-    Those around bolts are judged by the margins of a standard alone.
+    Areas around bolts are judged only by the margins of a standard.
     """
     of_smooth = options.requirements.slip_friction
     judged = slip_coefficients(rom.contact, options.strengths.smallest_friction, of_smooth)
@@ -74,7 +74,7 @@ def _areas(options: SolveOptions, rom: ReducedModel) -> dict[str, TangentialRows
 
 
 def _rings(rings: Sequence[ClosedRing], rom: ReducedModel) -> Iterator[tuple[str, Ring]]:
-    """Yield the rings that are demanded, with the names of their metrics."""
+    """Yield the rings of the requirements, with the names of their metrics."""
     places = [ring_surface(ring, rom.interfaces) for ring in rings]
     for number, (ring, surface) in enumerate(zip(rings, places, strict=True), start=1):
         several = places.count(surface) > 1
@@ -87,7 +87,7 @@ def solved_checks(
     static: SolvedCases | None,
     transients: Mapping[str, SolvedCases],
 ) -> tuple[tuple[Verdict, ...], tuple[Check, ...]]:
-    """Judge a joint over the cases and instants that decide, and its bolts over all."""
+    """Return verdicts and checks of a joint in its deciding cases, and of its bolts in all."""
     rom, loads = solver.rom, solver.loads
     options, sets = solver.options, {**({} if static is None else {STATIC: static}), **transients}
     decided, paths = dict[int, CaseState](), dict[int, CaseState]()
@@ -111,7 +111,7 @@ def solved_checks(
             loads=loads,
             areas=demanded.opens,
             open_below=demanded.open_below,
-            # Openings that take paths are followed where they are demanded.
+            # Openings on paths are followed only where a requirement needs them.
             along=options.requirements.min_opening_factor is not None,
         )
         slides, opens = static.of_all(SLIDES, OPENS)
@@ -140,7 +140,7 @@ def solved_checks(
         if histories:
             histories |= {loads.names[row]: state for row, state in paths.items()}
         ends = judge.ends(histories)
-        apart = [_told_apart(end, loads) for end in ends]
+        apart = [_merged_end(end, loads) for end in ends]
         stressed = with_threads(assessment, histories, threads, rom.units, apart, loads.repetitions)
         solved = {*histories, *(name for end in ends for name in end.solved)}
         worst = _worst_rows(loads, options.strengths, apart, stressed.checks)
@@ -157,14 +157,14 @@ def solved_checks(
 
 
 def _loads(loads: LoadSet, rows: Iterable[int]) -> list[InputRow]:
-    """Return static cases as loads, each once."""
+    """Return distinct static cases as loads."""
     return [InputRow(name=loads.names[row], row=loads.inputs[row]) for row in dict.fromkeys(rows)]
 
 
 def _worst_rows(
     loads: LoadSet, strengths: BoltStrengths, ends: Sequence[PreloadEnd], checks: Sequence[Check]
 ) -> set[int]:
-    """Return the static cases that decide a check, or in which a fibre of a thread is at an end."""
+    """Return the static cases that decide a check or have extreme stress in a thread fibre."""
     stated = [check for check in checks if check.case == STATIC and check.instant is not None]
     rows = {int(check.instant or 0) for check in stated}
     rows |= {loads.names.index(check.case) for check in checks if check.case in loads.repetitions}
@@ -177,7 +177,7 @@ def _worst_rows(
 
 
 def _history(cases: SolvedCases, rom: ReducedModel) -> CaseState:
-    """Return the bolts in all cases that were solved as one over "time", which is their number."""
+    """Return bolt forces and moments in all solved cases, with the row number as time."""
     bent, metrics = bent_bolts(rom.bolts), [metric.name for metric in cases.metrics]
     table, *moments = cases.of_all("metrics", *(f"{BENDING}{name}" for name in bent))
     forces = {name: table[:, metrics.index(f"bolt_force.{name}")] for name in rom.bolts}
@@ -190,8 +190,8 @@ def _history(cases: SolvedCases, rom: ReducedModel) -> CaseState:
     )
 
 
-def _told_apart(end: PreloadEnd, loads: LoadSet) -> PreloadEnd:
-    """Return an end with what was solved anew among all static cases, and those counted apart."""
+def _merged_end(end: PreloadEnd, loads: LoadSet) -> PreloadEnd:
+    """Return an end of the preload scatter with its solved cases merged into the static ones."""
     if STATIC not in end.cases:
         return replace(end, solved=frozenset())
     static = end.cases[STATIC]
@@ -231,7 +231,7 @@ def _rows(state: CaseState, rows: Sequence[int]) -> CaseState:
 
 
 def _labelled(check: Check, sets: Mapping[str, SolvedCases]) -> Check:
-    """Return a check with the case or instant whose number it has."""
+    """Return a check with the name of its case or instant in place of the row number."""
     label = check.case
     if check.instant is not None:
         label = sets[check.case].named(check.case, int(check.instant))

@@ -1,4 +1,4 @@
-"""Pieces of many solved cases: what is kept of each, and what is read of all of them."""
+"""Stored pieces of many solved cases: the arrays of a piece, and figures over all pieces."""
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
@@ -27,20 +27,20 @@ Judged = tuple[Indices, Solution, Certificate | None]
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Demanded:
-    """What is asked of every case because a requirement judges it.
+    """Rings, areas and contact points that requirements judge in every case.
 
     Attributes
     ----------
     rings
-        Around holes, by name.
+        Rings around holes, by name.
     areas
-        What is carried along areas whose slip is judged in static cases.
+        Tangential force rows of areas whose slip is judged in static cases.
     opens
-        Name to the points (n_point,) of what may open in static cases.
+        Contact points (n_point,) of each area that may open in static cases, by its name.
     open_below
         Share of the area pressed at rest below which it is open.
     pressed
-        Bolt to the points (n_point,) around it that must stay pressed.
+        Contact points (n_point,) around each bolt that must stay pressed.
     """
 
     rings: Mapping[str, Ring] = field(default_factory=dict)
@@ -59,10 +59,10 @@ def arrays_of(
     worst: int,
     chosen: Collection[int] = (),
 ) -> dict[str, np.ndarray]:
-    """Return the arrays that are kept of some cases or instants.
+    """Return the arrays to store of a piece of cases or instants.
 
-    Rows (n_row,) of the piece increase; those without a solution did not converge. Fields are kept
-    of the worst cases of each metric and of the chosen rows.
+    Rows (n_row,) of the piece increase; rows without a solution did not converge. Fields are stored
+    for the worst cases of each metric and for the chosen rows.
     """
     pressed = demanded.pressed.values()
 
@@ -77,10 +77,10 @@ def arrays_of(
         )
 
     n_smallest = len(rom.bolts) + len(rom.interfaces) + len(pressed)
-    table = _placed(rows, solved, (len(metrics),), figures)
-    minima = _placed(rows, solved, (n_smallest,), smallest)
+    table = _table_of_rows(rows, solved, (len(metrics),), figures)
+    minima = _table_of_rows(rows, solved, (n_smallest,), smallest)
     moments = {
-        f"{BENDING}{bolt}": _placed(rows, solved, (2, 2), partial(_bending, bolt))
+        f"{BENDING}{bolt}": _table_of_rows(rows, solved, (2, 2), partial(_bending, bolt))
         for bolt in bent_bolts(rom.bolts)
     }
     places = {
@@ -110,7 +110,7 @@ def arrays_of(
 def factors_of(
     rows: Indices, solved: Sequence[Judged], demanded: Demanded, rest: Solution
 ) -> dict[str, np.ndarray]:
-    """Return the factors at which static cases would open areas, and slide, as estimated."""
+    """Return estimated load factors at which static cases open areas, and slide."""
     system = rest.system
     rubbing = system.contact.rubbing_interfaces
 
@@ -126,18 +126,18 @@ def factors_of(
         return np.asarray(1 / np.maximum(used, ROUND_OFF))
 
     return {
-        OPENS: _placed(rows, solved, (len(demanded.opens),), opens),
-        SLIDES: _placed(rows, solved, (len(rubbing),), slides),
+        OPENS: _table_of_rows(rows, solved, (len(demanded.opens),), opens),
+        SLIDES: _table_of_rows(rows, solved, (len(rubbing),), slides),
     }
 
 
-def _placed(
+def _table_of_rows(
     rows: Indices,
     solved: Sequence[Judged],
     shape: tuple[int, ...],
     values: Callable[[Solution, Certificate | None], Matrix],
 ) -> Matrix:
-    """Return values of the rows (n_row, *shape), NaN where there is no solution."""
+    """Return values (n_row, *shape) of the rows, NaN without a solution."""
     table = np.full((len(rows), *shape), np.nan)
     for numbers, solution, certificate in solved:
         table[np.searchsorted(rows, numbers)] = values(solution, certificate)
@@ -149,13 +149,13 @@ def _bending(bolt: str, solution: Solution, _: object) -> Matrix:
 
 
 BENDING = "bending "
-"""What begins the names of arrays of bending moments, before that of the bolt."""
+"""Prefix of the array names of bending moments, before the name of the bolt."""
 
 OPENS, SLIDES = "opens", "slides"
-"""Names of the arrays of factors at which cases would open areas, and slide, as estimated."""
+"""Names of the arrays of estimated load factors at which cases open areas, and slide."""
 
 SMALLEST = "smallest"
-"""Name of the array of what requirements judge at its least, beside the worst of metrics."""
+"""Name of the array of quantities whose smallest value requirements judge."""
 
 _EXTREMES = tuple(field.name for field in fields(Envelope))
 
@@ -167,17 +167,17 @@ class SolvedCases:
     Attributes
     ----------
     checkpoint
-        Where they are.
+        Store of the pieces.
     keys
-        Their names there.
+        Keys of the pieces in the store.
     metrics
-        Columns of their tables.
+        Columns of the tables.
     label
-        Takes the number of a case or instant to what people call it.
+        Function from the number of a case or instant to its name.
     failed
-        What went wrong, a sentence each.
+        Messages of cases that failed.
     ordered
-        Whether the pieces follow each other; those of static cases are similar ones instead.
+        Whether pieces hold consecutive rows; pieces of static cases hold similar ones instead.
     """
 
     checkpoint: Bundles
@@ -188,11 +188,11 @@ class SolvedCases:
     ordered: bool = True
 
     def __iter__(self) -> Iterator[Arrays]:
-        """Yield the arrays of one piece after the other."""
+        """Yield the arrays of each piece."""
         return map(self.checkpoint.get, self.keys)
 
     def envelope(self) -> Envelope | None:
-        """Return the envelope of all cases; None where none was solved."""
+        """Return the envelope of all cases; None if no case was solved."""
         parts = (
             Envelope(**{name: arrays[name] for name in _EXTREMES})  # type: ignore[arg-type]
             for arrays in self
@@ -202,7 +202,7 @@ class SolvedCases:
         return None if first is None else reduce(lambda a, b: joined([a, b]), parts, first)
 
     def rows(self) -> Iterator[tuple[list[str], Matrix]]:
-        """Yield labels and metrics of one piece after the other."""
+        """Yield labels and metrics of each piece."""
         if self.ordered:
             for arrays in self:
                 yield [self.label(row) for row in arrays["rows"].tolist()], arrays["metrics"]
@@ -211,7 +211,7 @@ class SolvedCases:
         yield [self.label(row) for row in range(len(table))], table
 
     def worst(self, count: int) -> dict[str, list[tuple[int, float]]]:
-        """Return row and value of the worst cases of each metric that has some, the worst first."""
+        """Return row and value of the worst cases of each metric, the worst first."""
         worst: dict[str, list[tuple[int, float]]] = {}
         for arrays in self:
             table, rows = arrays["metrics"], arrays["rows"]
@@ -228,12 +228,12 @@ class SolvedCases:
         return {name: entries for name, entries in worst.items() if entries}
 
     def deciding(self, count: int) -> list[int]:
-        """Return the worst rows of metrics, and where what is judged at its least is smallest."""
+        """Return the rows with the worst metrics or the smallest judged quantities."""
         worst = {row for entries in self.worst(count).values() for row, _ in entries}
         return sorted(worst | smallest_rows(*self.of_all(SMALLEST)))
 
     def states(self, rows: Collection[int]) -> dict[int, CaseState]:
-        """Return the states of those of some rows that were kept, as they are judged."""
+        """Return the stored states of rows, by row number."""
         start = "bolt_force."
         columns = {
             metric.name.removeprefix(start): column
@@ -260,18 +260,18 @@ class SolvedCases:
         return dict(sorted(states.items()))
 
     def named(self, history: str, row: int) -> str:
-        """Return what a static case is called, or an instant of a history."""
+        """Return the name of a static case, or of an instant of a history."""
         return f"{history} at {self.label(row)}" if history else self.label(row)
 
     def of_all(self, *names: str) -> list[Matrix]:
-        """Return arrays of all cases or instants, in their order, from one reading of the parts."""
+        """Return arrays of all cases or instants in order of their rows."""
         parts = [[arrays["rows"], *(arrays[name] for name in names)] for arrays in self]
         rows, *joined_arrays = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
         order = np.argsort(rows, kind="stable")
         return [array[order] for array in joined_arrays]
 
     def fields(self, rows: Sequence[int]) -> tuple[list[int], Matrix, Matrix]:
-        """Return which of some rows were kept, with pressures and gaps (n_row, n_point)."""
+        """Return the stored rows among some, with pressures and gaps (n_row, n_point)."""
         fields_of: dict[int, tuple[Vector, Vector]] = {}
         for arrays in self:
             for number, row in enumerate(arrays["kept"].tolist()):
@@ -283,7 +283,7 @@ class SolvedCases:
 
 
 def smallest_rows(table: Matrix) -> set[int]:
-    """Return the rows of the smallest value of each column; none where none is a number."""
+    """Return the row of the smallest value of each column, without columns that are all NaN."""
     known = table[:, ~np.isnan(table).all(axis=0)]
     return set(np.nanargmin(known, axis=0).tolist()) if known.size else set()
 
@@ -293,6 +293,6 @@ def _sign(metric: Metric) -> float:
 
 
 def worst_rows(metric: Metric, values: Vector, count: int) -> Indices:
-    """Return the rows of the worst values, the first of equal ones; none that is not a number."""
+    """Return the rows of the worst values without NaN, the first of equal ones."""
     order = np.argsort(_sign(metric) * values, kind="stable")[:count]
     return order[~np.isnan(values[order])]

@@ -1,4 +1,4 @@
-"""Plan how the bolts of a study are tightened."""
+"""Tightening plans of studies."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -20,12 +20,12 @@ from faying.study.stages.offline import joint_while_tightened
 def plan_of_study(
     study: Study, *, passes: int = 1, progress: ProgressBar | None = None
 ) -> TighteningPlan:
-    """Plan the tightening of a study's bolts, in the order of the study, to their preloads.
+    """Return a plan that tightens a study's bolts to their preloads in the order of the study.
 
     Parameters
     ----------
     passes
-        Rounds, as of :func:`faying.tightening_plan`.
+        Number of rounds, as in :func:`faying.tightening_plan`.
 
     Raises
     ------
@@ -38,7 +38,7 @@ def plan_of_study(
         check_interfaces(study, loaded)
         targets = {name: force for name, force in loaded.preloads.items() if force > 0}
         if not targets:
-            refuse_study(f"{study.path.name}: no bolt has a preload to be brought to; give one")
+            refuse_study(f"{study.path.name}: no bolt has a preload; give one")
         model = build_loaded(loaded).with_bolt_forces(loaded.initial_forces)
     with books.stage("compliance"):
         _ = model.static_contact
@@ -48,12 +48,12 @@ def plan_of_study(
 
 
 def torques_per_force(study: Study) -> dict[str, float]:
-    """Return M_A / F_M [length] of the bolts whose size and friction in thread and head are told.
+    """Return M_A / F_M [length] of the bolts with known size and friction in thread and head.
 
     Raises
     ------
     ModelError
-        If a thread makes no sense.
+        If the data of a thread are inconsistent.
     """
     threads = {bolt.name: thread_of(bolt, study.units) for bolt in study.bolts}
     return {
@@ -65,12 +65,12 @@ def torques_per_force(study: Study) -> dict[str, float]:
 
 
 def overstressed(study: Study, plan: TighteningPlan) -> dict[str, float]:
-    """Return the bolts that yield while they are tightened, with how far their strength is used.
+    """Return the bolts that yield while tightened, with stress over yield stress.
 
     Raises
     ------
     ModelError
-        If a thread makes no sense.
+        If the data of a thread are inconsistent.
     """
     largest: dict[str, float] = {}
     for bolt, setting in zip(plan.turned, plan.settings.tolist(), strict=True):
@@ -86,9 +86,9 @@ def overstressed(study: Study, plan: TighteningPlan) -> dict[str, float]:
 
 
 def write_plan(plan: TighteningPlan, path: Path, torques: Mapping[str, float]) -> None:
-    """Write a plan as csv: a row for each turn, with the forces of all bolts after it.
+    """Write a plan as csv, one row per turn with the forces of all bolts after it.
 
-    Torques are per force [length], of the bolts of which they are known; the others have none.
+    Torques per force [length] are given by bolt; bolts without one get an empty cell.
 
     Raises
     ------

@@ -122,7 +122,7 @@ def test_the_memory_of_the_factorization_is_foreseen(check, monkeypatch):
     said = " ".join(cells(check({})[1], "factorization"))
     name = available_backends()[0]
     # A thousand degrees of freedom: a few megabytes, and workspace of PARDISO's threads.
-    taken = r"(\S+) GB of factors, (\S+) GB while they are made"
+    taken = r"(\S+) GB of factors, (\S+) GB at the peak"
     found = re.fullmatch(rf"factorization {name}, {taken}.*; 300 GB are free", said)
     assert found, said
     factor, peak = map(float, found.groups())
@@ -132,7 +132,7 @@ def test_the_memory_of_the_factorization_is_foreseen(check, monkeypatch):
     assert status == 0
     assert " ".join(cells(lines, "factorization")).endswith("are free, which is not enough")
     monkeypatch.setenv("FAYING_FACTORIZATION", "superlu")
-    assert "give or take" in " ".join(cells(check({})[1], "factorization"))
+    assert "within a factor of two" in " ".join(cells(check({})[1], "factorization"))
 
 
 def test_supports_say_what_they_hold(check):

@@ -207,7 +207,7 @@ def test_a_command_interrupted_early_says_how_to_begin_again(tmp_path, capsys, s
     finally:
         signal.signal(signal.SIGINT, before)
     assert ended.value.exit_code == status
-    said = "Interrupted; nothing was finished yet. Begin again with\n  faying run 'a b.toml'\n"
+    said = "Interrupted; nothing was finished yet. Start again with\n  faying run 'a b.toml'\n"
     assert capsys.readouterr().err == said
 
 

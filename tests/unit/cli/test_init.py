@@ -74,9 +74,9 @@ def test_holes_of_pipe_flanges_have_a_size(hole, size):
 @pytest.mark.parametrize(
     ("factor", "units", "why"),
     [
-        (1.0, "mm-t-s", "suits its materials"),
-        (1e3, "mm-kg-s", "suits its materials"),  # mN and kPa
-        (1e7, "mm-t-s", "none tried suits its materials"),
+        (1.0, "mm-t-s", "fits its materials"),
+        (1e3, "mm-kg-s", "fits its materials"),  # mN and kPa
+        (1e7, "mm-t-s", "none tried fits its materials"),
     ],
 )
 def test_units_are_those_in_which_the_materials_can_be(tmp_path, factor, units, why):
@@ -125,7 +125,7 @@ def test_nothing_is_overwritten_unless_told(tmp_path):
     path = written(tmp_path, stacked(LOWER, UPPER))
     target = tmp_path / "rings.toml"
     target.write_text("mine")
-    with pytest.raises(StudyError, match=r"rings\.toml is there already; .*--overwrite"):
+    with pytest.raises(StudyError, match=r"rings\.toml exists already; .*--overwrite"):
         CliRunner().invoke(app, ["init", str(path)], catch_exceptions=False)
     assert target.read_text() == "mine"
     CliRunner().invoke(app, ["init", str(path), "--overwrite"], catch_exceptions=False)

@@ -204,7 +204,7 @@ def test_unconstrained_body_in_a_process_of_its_own(tmp_path):
     [
         (b"0,0\n1,1\n0.5,2\n", ["line 3", "0.5 does not come after 1", "must increase"]),
         (b"", ["push.csv is empty", "give a line of column names"]),
-        (b"\xff\xfe\x00\x81", ["no UTF-8 text", "give a csv file in UTF-8"]),
+        (b"\xff\xfe\x00\x81", ["not UTF-8 text", "give a csv file in UTF-8"]),
     ],
 )
 @BOTH

@@ -317,7 +317,7 @@ def test_check_says_how_many_increments_there_are(call, tmp_path):
     ("old", "new", "match"),
     [
         ("modes = [2, 1]\n", "", r"needs 'modes', as modes = \[1, 2\]"),
-        ("[2, 1]", "[1, 1]", "a mode is there twice; keep one"),
+        ("[2, 1]", "[1, 1]", "a mode occurs twice; keep one"),
         ("[2, 1]", "[0]", "modes"),
         ("[0.001, 0.1, 3]", "[0.1, 0.001, 3]", "give the smaller amplitude first"),
         ("amplitude_range = [0.001, 0.1, 3]", "amplitudes = [-1.0]", "amplitudes"),

@@ -167,7 +167,7 @@ def test_a_run_keeps_its_levels_and_resumes(folder, monkeypatch):
     [
         ("from = 640.0", "from = 670.0", "not below to = 660; exchange or change them"),
         ("value = 2.0", "value = 0.0", "all forces are zero; give one an amplitude"),
-        ("levels = [0.1, 1.0]", "levels = [1.0, 1.0]", "a level is there twice; keep one"),
+        ("levels = [0.1, 1.0]", "levels = [1.0, 1.0]", "a level occurs twice; keep one"),
         ("samples = 16", "samples = 3", "expected four for each harmonic, 4, or more"),
         ('"tip"', '"top"', "no boundary 'top'; did you mean 'tip'"),
         ("points = 2", "points = 1", "points"),

@@ -536,7 +536,7 @@ MISTAKES = [
         'kind = "path"\nincrements = 3',
         'only kind = "static" or "cycle" or "backbone" has it',
     ),
-    ("amplitudes = [1.5, 0.5]", "amplitudes = [1.5, 1.5]", "an amplitude is there twice"),
+    ("amplitudes = [1.5, 0.5]", "amplitudes = [1.5, 1.5]", "an amplitude occurs twice"),
     ("amplitudes = [1.5, 0.5]", "amplitudes = [-1.0]", "found -1.0, expected greater than 0"),
     ("increments = 4\nforces", "increments = 4\nstep = 1e-5\nforces", 'kind = "static" has no'),
     (
@@ -567,7 +567,7 @@ def test_mistakes_are_said_with_their_place(tmp_path, old, new, match):
         ("tip.Fx,tip.Fz\n1,1\n1\n", "line 3: found 1 cells, expected 2"),
         ("tip.Fx,tip.Fz\nnan,1\n", r"line 2: found 'nan' in column 'tip\.Fx'"),
         ("tip.Fx,tip.Fz\none,1\n", r"found 'one' in column 'tip\.Fx'"),
-        ("tip.Fx,tip.Fx,tip.Fz\n1,1,1\n", r"column 'tip\.Fx' is there twice"),
+        ("tip.Fx,tip.Fx,tip.Fz\n1,1,1\n", r"column 'tip\.Fx' occurs twice"),
         ("tip.Fx\n1\n", r"no column for 'tip\.Fz'; add it, or call the only column 'factor'"),
         ("tip.Fx,factor\n1,1\n", r"found 'factor' and 'tip\.Fx'; give one factor for all"),
         ("tip.Fx,,tip.Fz\n1,1,1\n", "a column has no name"),

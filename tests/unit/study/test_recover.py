@@ -238,7 +238,7 @@ CSV = "time,q1,tip.Fz\n0,0,0\n1,0,0\n2,0,0\n3,0,0\n"
         (CSV.replace("tip.Fz", "tip.Fs"), r"unknown column 'tip.Fs'; did you mean 'tip.Fz'\?"),
         (CSV.replace("time", "tme"), r"unknown column 'tme'; did you mean 'time'\?"),
         (CSV.replace("time", "q2"), "has no column 'time'"),
-        (CSV.replace("tip.Fz", "q1"), "column 'q1' is there twice"),
+        (CSV.replace("tip.Fz", "q1"), "column 'q1' occurs twice"),
         (CSV.replace("q1", "q2"), "column 'q1' is missing"),
         (CSV.replace("tip.Fz", "a2"), "column 'q2' is missing"),
         (

@@ -115,7 +115,7 @@ def test_data_in_other_files(path, tmp_path):
         del file["nodes"]
         file.create_dataset("nodes", shape, "f8", external=str(tmp_path / "secret"))
 
-    assert "no dataset that holds its own data" in refused(path, external)
+    assert "not a dataset that holds its own data" in refused(path, external)
 
     def virtual(file):
         layout = h5py.VirtualLayout(file["nodes"].shape, "f8")
@@ -124,7 +124,7 @@ def test_data_in_other_files(path, tmp_path):
         file.create_virtual_dataset("nodes", layout)
 
     write_results(RESULTS, path)
-    assert "no dataset that holds its own data" in refused(path, virtual)
+    assert "not a dataset that holds its own data" in refused(path, virtual)
 
 
 def test_groups_that_go_round_in_circles(path):
@@ -139,7 +139,7 @@ def test_sizes_beyond_the_file(path):
         options = {"chunks": (1000, 100), "compression": "gzip"}
         file.create_dataset("nodes", (10**10, 100), "f8", **options)
 
-    assert "says shape (10000000000, 100), 8e+12 bytes, and holds 0" in refused(path, huge)
+    assert "has shape (10000000000, 100), 8e+12 bytes, but stores 0" in refused(path, huge)
 
 
 @pytest.mark.long
@@ -217,7 +217,7 @@ def test_histories_of_strangers(tmp_path):
         read_imported_history(path, joint)
     with h5py.File(path, "w") as file:
         file.create_dataset("times", (10**12,), "f8", chunks=(1000,), compression="gzip")
-    with pytest.raises(FormatError, match="says shape"):
+    with pytest.raises(FormatError, match="has shape"):
         read_imported_history(path, joint)
 
 

@@ -310,7 +310,7 @@ BAD_TABLES = {
     "tip.Fz,tip.Mx\n1,2\n1,x\ninf,3": r"(?s)line 3: found 'x' in column 'tip.Mx'.*line 4.*'inf'",
     "tip.Fz,tip.Mx\n1,2\n1": r"line 3: found 1 cells, expected 2",
     "1,2\n3,4": "line 1: found numbers",
-    "tip.Fz,tip.Fz\n3,4": "'tip.Fz' is there twice",
+    "tip.Fz,tip.Fz\n3,4": "'tip.Fz' occurs twice",
     "case,tip.Fz\na,1\na,2": "two rows have the name 'a'",
     "tip.Fz": "found 0 rows",
     "case\na": "expected a header with columns of loads",
@@ -477,7 +477,7 @@ def test_parquet_larger_than_the_memory_is_refused_before_it_is_read(tmp_path, m
 def test_pipes_are_not_waited_for(tmp_path):
     pytest.importorskip("pyarrow", reason="pyarrow is not installed")
     os.mkfifo(tmp_path / "pipe.parquet")
-    with pytest.raises(StudyError, match=r"pipe\.parquet: .*device or pipe and no file"):
+    with pytest.raises(StudyError, match=r"pipe\.parquet: .*device or pipe, not a file"):
         read_load_table(tmp_path / "pipe.parquet")
 
 

@@ -110,7 +110,7 @@ def test_files_that_do_not_say_how_they_were_tightened_are_refused(reduced, tmp_
     result = CliRunner().invoke(app, ["solve", str(old), str(loads), "--out", str(tmp_path / "x")])
     assert result.exit_code != 0
     rom = fy.read_reduced_model(old)
-    with pytest.raises(ModelError, match=r"'joint' has friction.*make the file anew"):
+    with pytest.raises(ModelError, match=r"'joint' has friction.*write it again"):
         solve_loads(rom, read_loads(loads, rom), tmp_path / "out")
     with h5py.File(old, "a") as members:
         members["provenance"][PRELOAD_PATH] = "[1]"

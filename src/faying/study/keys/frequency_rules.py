@@ -31,7 +31,7 @@ def frequency_problems(study: Study) -> Iterator[Problem]:
             text = f"found {swept.lowest:g}, which is not below to = {swept.highest:g}"
             wrong[*location, "from"] = f"{text}; exchange or change them"
         if len(set(swept.levels)) < len(swept.levels):
-            wrong[*location, "levels"] = "a level is there twice; keep one"
+            wrong[*location, "levels"] = "a level occurs twice; keep one"
         fewest = 4 * (swept.harmonics or FEWEST)
         if swept.samples is not None and swept.samples < fewest:
             text = f"found {swept.samples}, expected four for each harmonic, {fewest}, or more"

@@ -34,7 +34,7 @@ def backbone_problems(study: Study, location: Location, case: LoadCaseSection) -
         text = "kind = \"backbone\" needs 'modes', as modes = [1, 2]; add it"
         yield study.in_table(location, text)
     if len(set(case.modes)) < len(case.modes):
-        text = "a mode is there twice; keep one"
+        text = "a mode occurs twice; keep one"
         yield study.problem((*location, "modes"), text)
     if bool(case.amplitudes) == (case.amplitude_range is not None):
         text = (
@@ -120,7 +120,7 @@ def increment_problems(
         except FormatError as error:
             yield study.problem((*location, "factors"), str(error))
     if len(set(case.amplitudes)) < len(case.amplitudes):
-        text = "an amplitude is there twice; keep one"
+        text = "an amplitude occurs twice; keep one"
         yield study.problem((*location, "amplitudes"), text)
 
 

@@ -43,7 +43,7 @@ def parquet_table(path: Path, label: str) -> NumberTable:
         file = parquet.ParquetFile(path, read_dictionary=[label] if label in header else None)
         twice = [name for number, name in enumerate(header) if name in header[:number]]
         if twice:
-            refuse_study(f"{path.name}: column '{twice[0]}' is there twice; keep one")
+            refuse_study(f"{path.name}: column '{twice[0]}' occurs twice; keep one")
         read = file.read([label]).column(label) if label in header else None
         names = None if read is None else _names(path, label, read)
         numeric = [name for name in header if name != label]

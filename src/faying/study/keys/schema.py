@@ -131,7 +131,7 @@ def _remedy(text: str, error: str) -> str:
     position = re.search(r"at line (\d+)", error)
     line = text.splitlines()[int(position[1]) - 1] if position else ""
     if "overwrite" in error or "twice" in error:
-        return "the key or table is there twice, keep one"
+        return "the key or table occurs twice, keep one"
     if re.search(r"[=\[{,]\s*[-+]?\d+,\d", line):
         return "write numbers with a decimal point, as in 5.0"
     if "\\" in line:
