@@ -37,6 +37,7 @@ MASSES = {
     "slinch": 175.126835246476,
 }
 TIMES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0, "h": 3600.0}
+FREQUENCIES = {"s": "Hz", "ms": "kHz", "us": "MHz", "µs": "MHz"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,10 +57,17 @@ class Units:
     force: str
     pressure: str
 
+    @property
+    def frequency(self) -> str:
+        """Cycles in a unit of time: 1/s might be read as radians in a second."""
+        return FREQUENCIES.get(self.time, f"1/{self.time}")
+
     def of(self, dimension: str) -> str:
         """Return the unit of a dimension such as ``"force/length³"``; ``"1"`` has none."""
         if dimension == "force/length²":
             return self.pressure
+        if dimension == "1/time":
+            return self.frequency
         text = dimension
         for name in ("length", "mass", "time", "force"):
             text = text.replace(name, getattr(self, name))

@@ -105,12 +105,12 @@ class Backbone(Frozen, Shown):
         units = units_of(self.units)
         ranges = {
             "amplitudes": (self.amplitude, self._amplitude_unit),
-            "frequencies": (self.frequency, f"1/{units.time}"),
+            "frequencies": (self.frequency, units.frequency),
             "damping ratios": (100 * self.damping_ratio, "%"),
         }
         return {
             "mode": str(self.mode),
-            "small vibrations": with_unit(self.small_frequency, f"1/{units.time}"),
+            "small vibrations": with_unit(self.small_frequency, units.frequency),
             "measured at": self.measured_at,
             **{
                 name: f"{values.min():.4g} to {with_unit(values.max(), unit)}"
@@ -162,7 +162,7 @@ class Backbone(Frozen, Shown):
         right.semilogx(abscissa, self.frequency, "s--", color=frequency)
         left.set_xlabel(columns[over])
         left.set_ylabel("damping ratio [%]", color=damping)
-        right.set_ylabel(f"frequency [1/{units.time}]", color=frequency)
+        right.set_ylabel(f"frequency [{units.frequency}]", color=frequency)
         left.set_title(f"mode {self.mode}")
         return left
 

@@ -50,7 +50,7 @@ class BackboneBand(Frozen, Shown):
         length = amplitude_unit(self.measured_at, self.units)
         ranges = {
             "amplitudes": (self.amplitude, self.amplitude, length),
-            "frequencies": (self.frequency_low, self.frequency_high, f"1/{units.time}"),
+            "frequencies": (self.frequency_low, self.frequency_high, units.frequency),
             "damping ratios": (100 * self.damping_low, 100 * self.damping_high, "%"),
         }
         return {

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from faying.assessment.check import Check, Outcome, PartKind, worst_check
+from faying.assessment.joint_record import REST
 from faying.display.quantities import number, percent, quantity
 from faying.units import Units
 
@@ -209,7 +210,7 @@ def place_of(check: Check, units: Units) -> str:
 
 def _where(check: Check, units: Units) -> str:
     place = place_of(check, units)
-    return f", in {place}" if place else ""
+    return f", {place if place.startswith(REST) else f'in {place}'}" if place else ""
 
 
 def _questions(checks: Iterable[Check]) -> tuple[str, ...]:

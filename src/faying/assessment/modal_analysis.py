@@ -35,6 +35,7 @@ from faying.simulation.cycles import MOST_CYCLES
 from faying.simulation.load import Load
 from faying.simulation.path import path_start, solve_path
 from faying.simulation.solution import Solution
+from faying.units import units_of
 
 
 @final
@@ -303,12 +304,13 @@ def _remarks(
         k, n = np.unravel_index(int(np.argmax(largest)), largest.shape)
         others = swing.neighbours
         reached = min(row.reached for row in rows if row.met[k, n] > WORTH_SAYING)
+        rate = units_of(swing.system.units).frequency
         remarks.append(
             f"{MULTIPLES[k]} times the frequency meets mode {others.modes[n]} of "
-            f"{others.circular[n] / (2 * np.pi):.5g}, which friction makes swing from "
-            f"{with_unit(reached, unit)} on, up to {largest[k, n]:.0%} of the velocity of this "
-            "mode: cycles have no inertia of other modes and may damp several times too little; "
-            "fy.frequency_response and fy.ring_down have it"
+            f"{with_unit(others.circular[n] / (2 * np.pi), rate)}, which friction makes swing "
+            f"from {with_unit(reached, unit)} on, up to {largest[k, n]:.0%} of the velocity of "
+            "this mode: cycles have no inertia of other modes and may damp several times too "
+            "little; fy.frequency_response and fy.ring_down have it"
         )
     changing = [row.reached for row in rows if not row.stationary]
     if changing:

@@ -33,12 +33,15 @@ class Peak:
         Of the fundamental.
     phase : [degree]
         Of the displacement against the load.
+    at_end
+        Whether that is where the curve begins or ends, so that no peak lies in it.
     """
 
     level: float
     frequency: float
     amplitude: float
     phase: float
+    at_end: bool = False
 
 
 @final
@@ -233,6 +236,7 @@ class ResponseCurve:
             frequency=float(self.frequency[row]),
             amplitude=float(np.abs(response[row])),
             phase=float(np.angle(response[row], deg=True)),
+            at_end=row in (0, len(response) - 1),
         )
 
 
@@ -264,7 +268,7 @@ class FrequencyResponse(Shown):
     @property
     def facts(self) -> Mapping[str, str]:
         """The load, its levels and the range of frequencies."""
-        unit = f"1/{units_of(self.units).time}"
+        unit = units_of(self.units).frequency
         low, high = self.linear.frequency[[0, -1]].tolist()
         return {
             "load": ", ".join(self.load),
@@ -318,7 +322,7 @@ class FrequencyResponse(Shown):
         unit = amplitude_unit(component, self.units)
         above.set_ylabel(f"amplitude of {component} per level [{unit}]")
         below.set_ylabel("phase [°]")
-        below.set_xlabel(f"frequency [1/{units.time}]")
+        below.set_xlabel(f"frequency [{units.frequency}]")
         above.legend()
         return above, below
 

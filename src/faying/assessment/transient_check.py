@@ -60,7 +60,7 @@ class TransientCheck:
         )
         verb = "confirms" if self.agrees else "contradicts"
         return (
-            f"level {self.level:g}: a transient of {self.periods} periods{left} {verb} the peak: "
-            f"harmonics are off by {self.difference:+.2%} in amplitude and {self.turn:+.2g}° in "
-            "phase"
+            f"level {self.level:g}: a transient of {self.periods} periods{left} {verb} "
+            f"the largest motion: harmonics are off by {self.difference:+.2%} in amplitude and "
+            f"{self.turn:+.2g}° in phase"
         )

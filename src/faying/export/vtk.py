@@ -199,7 +199,7 @@ def _vibration_modes(rom: ReducedModel, shapes: Matrix, units: Units) -> dict[st
     frequencies, vectors = model.modes(MOST_MODES)
     # The displacements behind a residual compliance need the finite elements.
     part = " of trial vectors" if rom.contact.residual_compliance is not None else ""
-    unit = "Hz" if units.time == "s" else f"1/{units.time}"
+    unit = units.frequency
     modes = {}
     for number in range(len(frequencies)):
         frequency = frequencies[number]

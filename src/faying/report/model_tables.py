@@ -43,7 +43,7 @@ def _normal_modes(results: Results) -> Iterator[tuple[str, str]]:
     count, units = results.normal_modes, results.unit_set
     if count is None:
         return
-    below = quantity(count.below, "Hz" if units.time == "s" else units.of("1/time"), 4)
+    below = quantity(count.below, units.frequency, 4)
     statement = f"{count.found} below {below}, not counted: {count.reason}"
     if count.counted is not None:
         statement = f"{count.found} of {count.counted} below {below} found"

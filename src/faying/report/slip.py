@@ -8,6 +8,7 @@ import numpy as np
 
 from faying._typing import Indices, Vector
 from faying.assessment.growth import PRECISION
+from faying.assessment.response_curve import Peak
 from faying.assessment.slip import SLIP, STICK
 from faying.assessment.slip_demand import SMALLEST_FRICTION, SlipDemand
 from faying.assessment.slip_reserve import SlipReserve
@@ -222,9 +223,12 @@ def _where(results: Results, case: CaseResult) -> str | None:
 
 
 def peak_table(results: Results) -> Table:
-    """Return the peak of each level, what contact does there, and what the backbone expected."""
+    """Return where each level is largest, what contact does there, and what the backbone expects.
+
+    Levels that are largest at an end of the frequencies are told so: they have no peak.
+    """
     peaks = {
-        f"{name}, level {number(level.peak.level)}": (record.at, level)
+        f"{name}, level {number(level.peak.level)}{_beyond(level.peak)}": (record.at, level)
         for name, record in results.frequencies.items()
         for level in record.peaks()
     }
@@ -234,14 +238,14 @@ def peak_table(results: Results) -> Table:
 
     columns = (
         Column("of", lambda row: row[0]),
-        Column("peak at", lambda row: row[1].peak.frequency, "1/time", 5),
+        Column("largest at", lambda row: row[1].peak.frequency, "1/time", 5),
         Column("amplitude", lambda row: row[1].peak.amplitude, "length"),
         Column("damping ratio", percent_of("damping_ratio"), "%", 3),
         Column("slipping area", percent_of("slip_share"), "%", 3),
         Column("opened", percent_of("open_share"), "%", 3),
         Column("largest pressure", lambda row: row[1].there("peak_pressure"), PRESSURE),
         Column(
-            "peak by the backbone",
+            "largest by the backbone at",
             lambda row: row[1].expected and row[1].expected.frequency,
             "1/time",
             5,
@@ -250,27 +254,36 @@ def peak_table(results: Results) -> Table:
             "amplitude by it", lambda row: row[1].expected and row[1].expected.amplitude, "length"
         ),
     )
-    return described("peak", peaks.items(), columns, results.unit_set)
+    return described("level", peaks.items(), columns, results.unit_set)
+
+
+def _beyond(peak: Peak) -> str:
+    """Say that a curve has no peak between its frequencies; nothing where it has."""
+    return ", no peak between its frequencies" if peak.at_end else ""
 
 
 def measured_table(results: Results) -> Table:
     """Return peaks of a test, and how far computed ones are from them."""
     compared = [pair for record in results.frequencies.values() for pair in record.compared()]
 
-    def off(field: str) -> Callable[[Any], float | None]:
-        def of(pairs: Any) -> float | None:
-            measured, computed = pairs[field]
-            error = 100 * (computed / measured - 1)
-            return error if np.isfinite(error) else None
+    def known(value: float) -> float | None:
+        return value if np.isfinite(value) else None
 
-        return of
+    def measured(field: str) -> Callable[[Any], float | None]:
+        return lambda pairs: known(pairs[field][0])
+
+    def off(field: str) -> Callable[[Any], float | None]:
+        return lambda pairs: known(100 * (pairs[field][1] / pairs[field][0] - 1))
+
+    def damping(pairs: Any) -> float | None:
+        return known(100 * pairs["damping_ratio"][0])
 
     columns = (
-        Column("measured peak at", lambda pairs: pairs["frequency"][0], "1/time", 5),
+        Column("measured peak at", measured("frequency"), "1/time", 5),
         Column("off by", off("frequency"), "%", 3),
-        Column("measured amplitude", lambda pairs: pairs["amplitude"][0], "length"),
+        Column("measured amplitude", measured("amplitude"), "length"),
         Column("amplitude off by", off("amplitude"), "%", 3),
-        Column("measured damping ratio", lambda pairs: 100 * pairs["damping_ratio"][0], "%", 3),
+        Column("measured damping ratio", damping, "%", 3),
         Column("damping ratio off by", off("damping_ratio"), "%", 3),
     )
     return described("test", compared, columns, results.unit_set)

@@ -90,6 +90,6 @@ def test_backbone_has_damping_left_and_frequency_right():
     assert np.array_equal(right.get_lines()[0].get_ydata(), [120.0, 12.0])
     assert to_hex(left.get_lines()[0].get_color()) != to_hex(right.get_lines()[0].get_color())
     assert left.get_xlabel() == "amplitude at tip.rx [rad]"
-    assert right.get_ylabel() == "frequency [1/s]"
+    assert right.get_ylabel() == "frequency [Hz]"
     assert "amplitudes: 1 to 10 rad" in repr(found)
     assert "damping ratios: 1 to 10 %" in repr(found)

@@ -23,6 +23,7 @@ from faying.report.model_tables import applied_loads
 from faying.report.questions import questions
 from faying.report.slip import slip_sentence
 from faying.study.inputs.load_model import build
+from faying.study.judgement.remarks import vibrations
 from faying.study.judgement.summary import summarize
 from faying.study.keys.schema import parse_study, read_study
 from faying.study.results.store import read_results
@@ -58,10 +59,33 @@ def test_vibrations_are_told_first_and_no_fatigue_is_judged_by_the_joint_at_rest
         assert with_unit(value, "") in said
     assert f"damping ratio {percent(curve.damping_ratio[-1])}" in said
     assert summary["verdict"]["sentence"].startswith("The joint holds as far as it is judged")
+    assert summary["verdict"]["sentence"].endswith("of what is allowed, at rest.")
     (question,) = summary["verdict"]["open_questions"]
     assert question.startswith("fatigue of bolt: ")
     checks = [check for part in summary["verdict"]["parts"] for check in part["checks"]]
     assert {check["case"] for check in checks if check["quantity"] == "yield"} == {"at rest"}
+
+
+def test_the_headline_names_what_is_damped_most_and_where_all_slips(results):
+    case = results.cases["ring"]
+    curve = case.reference.backbones["1"]
+    humped = replace(
+        curve,
+        damping_ratio=np.array([0.01, 0.08, 0.02]),
+        macroslip=np.array([False, True, True]),
+        remarks=("both",),
+    )
+    other = replace(case.reference.backbones["2"], remarks=("both", "this"))
+    shown = replace(case, reference=replace(case.reference, backbones={"1": humped, "2": other}))
+    shown = replace(results, cases={"ring": shown})
+    said, _ = vibrations(shown)
+    middle = with_unit(curve.amplitude[1], "mm")
+    for value in (curve.frequency[0], curve.frequency[1], curve.frequency[2]):
+        assert f"{with_unit(value, 'Hz')} with damping ratio" in said
+    assert f"damping ratio 8.0 % at {middle}, " in said
+    assert said.endswith(f", all that touches slips from {middle} on")
+    caption = backbone_figure(shown, shown.cases["ring"]).caption
+    assert "Modes 1, 2: both. Mode 2: this." in caption
 
 
 class Bars:

@@ -11,7 +11,7 @@ from faying.assessment.response_curve import ResponseCurve
 from faying.exceptions import StudyError
 from faying.files.flattening import flattened, restored
 from faying.report.figures.frequency import frequency_figure
-from faying.report.slip import measured_table
+from faying.report.slip import measured_table, peak_table
 from faying.study.judgement.remarks import vibrations
 from faying.study.judgement.summary import summarize
 from faying.study.keys.schema import parse_study, read_study
@@ -124,7 +124,7 @@ def test_a_run_keeps_its_levels_and_resumes(folder, monkeypatch):
     assert record.backbone.mode == 1
     small, large = record.response.curves
     assert {640.0, 660.0} <= set(small.frequency.round(9))
-    assert [peak.at_end for peak in record.peaks()] == [False, False]
+    assert [level.peak.at_end for level in record.peaks()] == [False, False]
     assert "peaks at" in "".join(vibrations(kept))
     *_, highest = record.peaks()
     rise = slice(highest.index + 1)
@@ -134,6 +134,10 @@ def test_a_run_keeps_its_levels_and_resumes(folder, monkeypatch):
     cut = replace(record, response=replace(record.response, curves=(rising,)))
     (said,) = vibrations(replace(kept, frequencies={"shaker": replace(cut, checks=())}))
     assert "is largest, without a peak between 'from' and 'to', at" in said
+    (at_end,) = peak_table(replace(kept, frequencies={"shaker": cut})).rows
+    assert at_end[0].text == "shaker, level 1, no peak between its frequencies"
+    (beside_cut,) = measured_table(replace(kept, frequencies={"shaker": cut})).rows
+    assert [cell.text for cell in beside_cut[1:5]] == ["—", "—", "—", "—"]
     again = restored(ResponseCurve, flattened(large))
     np.testing.assert_array_equal(again.harmonics, large.harmonics)
     np.testing.assert_array_equal(again.contact.load_work, large.contact.load_work)

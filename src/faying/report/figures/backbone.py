@@ -134,8 +134,13 @@ def backbone_figure(results: Results, case: CaseResult) -> Drawn | None:
     shift.set_xlabel(f"{what} [{unit_of(backbone, units)}]")
     loops.set_title("loops at the largest amplitude", loc="left")
     figure.suptitle(heading(f"{case.name}: backbones, full model"))
+    modes: dict[str, list[str]] = {}
+    for mode, backbone in curves.items():
+        for text in backbone.remarks:
+            modes.setdefault(text, []).append(mode)
     remarks = " ".join(
-        f"Mode {mode}: {text}." for mode, backbone in curves.items() for text in backbone.remarks
+        f"Mode{'s' if len(those) > 1 else ''} {', '.join(those)}: {text}."
+        for text, those in modes.items()
     )
     remarks += "".join(masing_remark(mode, backbone) for mode, backbone in curves.items())
     said = "; ".join(sentence(test, curves) for test in tests)
@@ -259,7 +264,7 @@ def _axes(measured_at: str, units: str) -> tuple[Axes, Axes]:
     figure = new_figure(6.5, 6.2)
     upper, lower = figure.subplots(2, 1, sharex=True)
     _over_amplitudes(upper)
-    upper.set_ylabel(f"frequency [1/{units_of(units).time}]")
+    upper.set_ylabel(f"frequency [{units_of(units).frequency}]")
     lower.set_ylabel("damping ratio [%]")
     lower.set_xlabel(f"amplitude at {measured_at} [{amplitude_unit(measured_at, units)}]")
     return upper, lower

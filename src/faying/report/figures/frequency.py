@@ -24,8 +24,8 @@ def frequency_figure(results: Results, name: str) -> Drawn:
     below = figure.add_subplot(3, 1, 3, sharex=above)
     record.response.plot(record.at, (above, below), expected=record.expected)
     if record.backbone is not None and record.expected is not None:
-        ridge = [curve.peak(record.at) for curve in record.expected.curves if len(curve.frequency)]
-        ridge.sort(key=lambda peak: peak.level)
+        tops = [curve.peak(record.at) for curve in record.expected.curves if len(curve.frequency)]
+        ridge = sorted((peak for peak in tops if not peak.at_end), key=lambda peak: peak.level)
         size = [peak.amplitude / peak.level for peak in ridge]
         above.plot([peak.frequency for peak in ridge], size, "k+", label="peaks by the backbone")
     levels = [curve.level for curve in record.response.curves]

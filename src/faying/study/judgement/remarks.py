@@ -85,25 +85,32 @@ def vibrations(results: Results) -> list[str]:
 
 
 def _modes(results: Results) -> Iterator[str]:
-    """Say what the frequency and damping of each backbone are at its ends."""
-    rate = f"1/{results.unit_set.time}"
+    """Say what frequency and damping of each backbone are at its ends and where most is damped."""
+    rate = results.unit_set.frequency
     for name, case in results.cases.items():
         for mode, curve in case.reference.backbones.items():
             unit = amplitude_unit(curve.measured_at, results.units)
             size = results.unit_set.of("force·length") if curve.over == "energy" else unit
-            ends = dict.fromkeys((0, len(curve.frequency) - 1))
             levels = curve.energy if curve.over == "energy" else curve.amplitude
-            told = (
-                f"{with_unit(curve.frequency[end], rate)} with damping ratio "
-                f"{percent(curve.damping_ratio[end])} at {with_unit(levels[end], size)}"
-                for end in ends
+            most = int(curve.damping_ratio.argmax())
+            shown = dict.fromkeys((0, most, len(curve.frequency) - 1))
+            slides = levels[curve.macroslip.astype(bool)]
+            beyond = (
+                f", all that touches slips from {with_unit(slides.min(), size)} on"
+                if len(slides)
+                else ""
             )
-            yield f"{name}, mode {mode} at {curve.measured_at}: {', '.join(told)}"
+            told = (
+                f"{with_unit(curve.frequency[row], rate)} with damping ratio "
+                f"{percent(curve.damping_ratio[row])} at {with_unit(levels[row], size)}"
+                for row in shown
+            )
+            yield f"{name}, mode {mode} at {curve.measured_at}: {', '.join(told)}{beyond}"
 
 
 def _peaks(results: Results) -> Iterator[str]:
     """Say where responses to harmonic loads peak, and what transients say of it."""
-    rate = f"1/{results.unit_set.time}"
+    rate = results.unit_set.frequency
     for name, record in results.frequencies.items():
         size = amplitude_unit(record.at, results.units)
         for level in record.peaks():
@@ -111,7 +118,7 @@ def _peaks(results: Results) -> Iterator[str]:
             ratio = "" if damping is None else f", damping ratio {damping:.2%}"
             missed = len(level.curve.missed)
             highest = (
-                "is largest, without a peak between 'from' and 'to'," if level.at_end else "peaks"
+                "is largest, without a peak between 'from' and 'to'," if peak.at_end else "peaks"
             )
             yield (
                 f"{name}, level {peak.level:g}: {record.at} {highest} at "

@@ -35,11 +35,6 @@ class LevelPeak:
     index: int
     expected: Peak | None
 
-    @property
-    def at_end(self) -> bool:
-        """Whether the curve is highest where it begins or ends, so that no peak lies in it."""
-        return self.index in (0, len(self.curve.frequency) - 1)
-
     def there(self, name: str) -> float | None:
         """Return what contact does there, by its name; None where contact is not looked at."""
         contact = self.curve.contact
@@ -93,20 +88,20 @@ class FrequencyRecord:
     def compared(self) -> Iterator[tuple[str, Mapping[str, tuple[float, float]]]]:
         """Yield curves of a test with pairs: what they have, and what the computed ones have.
 
-        Frequency and amplitude of the peak, and damping ratio of a fitted mode, between the
-        frequencies that both have.
+        Frequency and amplitude of the peak, NaN of a curve that is largest at an end, and damping
+        ratio of a fitted mode, between the frequencies that both have.
         """
         computed = {curve.level: curve for curve in self.response.curves}
         for name, test in self.measured.items():
             both = test.between(computed[test.level]), computed[test.level].between(test)
             if all(len(curve.frequency) for curve in both):
-                peaks = [curve.peak(self.at) for curve in both]
+                peaks = [_inner_peak(curve.peak(self.at)) for curve in both]
                 first, second = (curve.fitted_damping(self.at) for curve in both)
                 yield (
                     name,
                     {
-                        "frequency": (peaks[0].frequency, peaks[1].frequency),
-                        "amplitude": (peaks[0].amplitude, peaks[1].amplitude),
+                        "frequency": (peaks[0][0], peaks[1][0]),
+                        "amplitude": (peaks[0][1], peaks[1][1]),
                         "damping_ratio": (first, second),
                     },
                 )
@@ -116,3 +111,8 @@ class FrequencyRecord:
         for curve in self.response.curves:
             for text in curve.missed:
                 yield f"{name}, level {curve.level:g}, frequency {text}"
+
+
+def _inner_peak(peak: Peak) -> tuple[float, float]:
+    """Return frequency and amplitude of a peak, NaN where the curve has none."""
+    return (np.nan, np.nan) if peak.at_end else (peak.frequency, peak.amplitude)

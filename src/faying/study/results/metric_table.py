@@ -109,6 +109,7 @@ PEAKS = (
     "friction_share",
     "expected_frequency",
     "expected_amplitude",
+    "at_end",
 )
 """Columns of ``peaks.csv``: a row for each level."""
 
@@ -161,4 +162,4 @@ def _peaks(name: str, record: FrequencyRecord) -> Iterator[tuple[object, ...]]:
             damping = level.there("damping_ratio"), slid / lost if lost > 0 else 0.0
         expected_values = ("", "") if expected is None else (expected.frequency, expected.amplitude)
         motion = (peak.frequency, peak.amplitude, peak.phase)
-        yield name, peak.level, record.at, *motion, *damping, *expected_values
+        yield name, peak.level, record.at, *motion, *damping, *expected_values, int(peak.at_end)

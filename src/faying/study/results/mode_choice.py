@@ -23,7 +23,7 @@ def mode_sentences(choices: Mapping[str, NormalModeChoice], units: Units) -> lis
 
 
 def _sentence(case: str, choice: NormalModeChoice, units: Units) -> str:
-    unit = "Hz" if units.time == "s" else units.of("1/time")
+    unit = units.frequency
     pairs = zip(choice.counts.tolist(), choice.estimates.tolist(), strict=True)
     errors = ", ".join(f"{_share(error)} with {count}" for count, error in pairs)
     tolerance = f"{100 * choice.tolerance:.3g}%"
