@@ -228,7 +228,7 @@ def peak_table(results: Results) -> Table:
     Levels that are largest at an end of the frequencies are told so: they have no peak.
     """
     peaks = {
-        f"{name}, level {number(level.peak.level)}{_beyond(level.peak)}": (record.at, level)
+        f"{name}, level {level.peak.level:g}{_beyond(level.peak)}": (record.at, level)
         for name, record in results.frequencies.items()
         for level in record.peaks()
     }
@@ -262,6 +262,10 @@ def _beyond(peak: Peak) -> str:
     return ", no peak between its frequencies" if peak.at_end else ""
 
 
+PEAKED = ("neither curve", "the test", "the computed curve", "both")
+"""Which curves have a peak between the frequencies that both have."""
+
+
 def measured_table(results: Results) -> Table:
     """Return peaks of a test, and how far computed ones are from them."""
     compared = [pair for record in results.frequencies.values() for pair in record.compared()]
@@ -278,7 +282,12 @@ def measured_table(results: Results) -> Table:
     def damping(pairs: Any) -> float | None:
         return known(100 * pairs["damping_ratio"][0])
 
+    def with_peak(pairs: Any) -> str:
+        test, model = np.isfinite(pairs["frequency"])
+        return PEAKED[int(test) + 2 * int(model)]
+
     columns = (
+        Column("has a peak", with_peak),
         Column("measured peak at", measured("frequency"), "1/time", 5),
         Column("off by", off("frequency"), "%", 3),
         Column("measured amplitude", measured("amplitude"), "length"),

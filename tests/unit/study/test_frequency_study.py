@@ -136,8 +136,12 @@ def test_a_run_keeps_its_levels_and_resumes(folder, monkeypatch):
     assert "is largest, without a peak between 'from' and 'to', at" in said
     (at_end,) = peak_table(replace(kept, frequencies={"shaker": cut})).rows
     assert at_end[0].text == "shaker, level 1, no peak between its frequencies"
-    (beside_cut,) = measured_table(replace(kept, frequencies={"shaker": cut})).rows
-    assert [cell.text for cell in beside_cut[1:5]] == ["—", "—", "—", "—"]
+    ((name, test),) = record.measured.items()
+    flank = test.frequency > 651.0
+    falling = replace(test, frequency=test.frequency[flank], harmonics=test.harmonics[flank])
+    beside_cut = replace(record, measured={name: falling})
+    (row,) = measured_table(replace(kept, frequencies={"shaker": beside_cut})).rows
+    assert [cell.text for cell in row] == ["test, level 1", "neither curve"]
     again = restored(ResponseCurve, flattened(large))
     np.testing.assert_array_equal(again.harmonics, large.harmonics)
     np.testing.assert_array_equal(again.contact.load_work, large.contact.load_work)
@@ -150,7 +154,11 @@ def test_a_run_keeps_its_levels_and_resumes(folder, monkeypatch):
     assert beside["frequency_error"] == pytest.approx(computed.frequency / 650 - 1, rel=1e-9)
     assert beside["amplitude_error"] == pytest.approx(computed.amplitude / 0.04 - 1, rel=1e-6)
     drawn = frequency_figure(kept, "shaker")
-    assert [cell.text for cell in measured_table(kept).rows[0][:2]] == ["test, level 1", "650"]
+    assert [cell.text for cell in measured_table(kept).rows[0][:3]] == [
+        "test, level 1",
+        "both",
+        "650",
+    ]
     heights = [line.get_ydata().max() for line in drawn.figure.axes[0].lines]
     assert pytest.approx(0.04, rel=1e-9) in heights
     with (out / "frf.csv").open() as file:
