@@ -277,7 +277,7 @@ class Structure(Frozen):
         """(P K_ii⁻¹ Pᵀ)⁻¹ (n_relative, n_relative), boundary held.
 
         None of few pairs, of such as have no degrees of freedom of their own, and where dense
-        matrices of its size exceed the dense budget or the memory that is free.
+        matrices of its size exceed the dense budget or the free memory.
 
         Notes
         -----

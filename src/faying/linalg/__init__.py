@@ -1,1 +1,1 @@
-"""Factorizations and what is computed with them."""
+"""Factorizations of symmetric matrices, and computations with them."""

@@ -1,9 +1,9 @@
-"""Libraries that factorize sparse matrices: which are here, and which is to be used.
+"""Backends: the libraries that factorize sparse matrices, and the choice between them.
 
-A factorization A = L D Lᵀ leaves as many negative pivots as A has negative eigenvalues (Sylvester's
+A factorization A = L D Lᵀ has as many negative pivots as A has negative eigenvalues (Sylvester's
 law of inertia). For A = K − σM of a vibrating structure these are its natural frequencies below
-√σ/2π: the count that proves no mode was missed (B. N. Parlett, The Symmetric Eigenvalue Problem,
-§3.3).
+√σ/2π: the count that proves that no mode was missed (B. N. Parlett, The Symmetric Eigenvalue
+Problem, §3.3).
 """
 
 import os
@@ -40,20 +40,20 @@ VARIABLE = "FAYING_FACTORIZATION"
 
 
 class Backend(NamedTuple):
-    """What a library does with symmetric sparse matrices.
+    """Functions of a library for symmetric sparse matrices.
 
     Attributes
     ----------
     factorize
-        A definite one.
+        Factorize a definite matrix.
     factorize_saddle
-        An indefinite one, with zeros on its diagonal.
+        Factorize an indefinite matrix with zeros on its diagonal.
     count_negative
-        Eigenvalues, by a factorization that is not kept.
+        Count negative eigenvalues, by a factorization that is not kept.
     estimate
-        Memory of a factorization.
+        Estimate the memory of a factorization.
     estimate_border
-        Most bytes while all but ports Q (n_port, n) are eliminated (F14); zero where they are not.
+        Peak bytes of the elimination of all but ports Q (n_port, n) (F14); zero without it.
     """
 
     factorize: Callable[[SparseMatrix], MatrixFactorization]
@@ -83,12 +83,12 @@ BACKENDS = {
 
 
 def available_backends() -> tuple[str, ...]:
-    """Return the backends for sparse matrices that work here, the fastest first."""
+    """Return the names of the installed backends for sparse matrices, the fastest first."""
     return tuple(BACKENDS) if load_mkl() is not None else ("superlu",)
 
 
 def chosen_backend(backend: str | None = None) -> str:
-    """Return the backend asked for, else what the environment names, else the fastest."""
+    """Return the given backend, else that of the environment variable, else the fastest."""
     available = available_backends()
     name = backend or os.environ.get(VARIABLE) or available[0]
     if name not in available:
@@ -100,7 +100,7 @@ def chosen_backend(backend: str | None = None) -> str:
 
 
 def count_negative(A: SparseMatrix | Matrix, *, backend: str | None = None) -> int:
-    """Count the negative eigenvalues of a symmetric matrix, sparse or dense.
+    """Return the number of negative eigenvalues of a symmetric matrix, sparse or dense.
 
     Raises
     ------
@@ -117,11 +117,11 @@ def count_negative(A: SparseMatrix | Matrix, *, backend: str | None = None) -> i
 
 
 def estimate_memory(A: SparseMatrix | Matrix, *, backend: str | None = None) -> FactorMemory:
-    """Tell what :func:`~faying.linalg.factorization.factorize` of the same arguments would take.
+    """Return the memory that :func:`~faying.linalg.factorization.factorize` would take.
 
     Notes
     -----
-    PARDISO analyses the pattern, a tenth of the factorization; for SuperLU a law is fitted.
+    PARDISO analyses the pattern, a tenth of the factorization; for SuperLU by a fitted law.
     """
     if sp.issparse(A) and A.shape[0] > 0:
         return BACKENDS[chosen_backend(backend)].estimate(A)
@@ -134,10 +134,10 @@ def estimate_memory(A: SparseMatrix | Matrix, *, backend: str | None = None) -> 
 def estimate_port_memory(
     A: SparseMatrix, ports: SparseMatrix, *, backend: str | None = None
 ) -> tuple[int, int]:
-    """Tell the most bytes that ports Q (n_port, n) take beyond the factors of A.
+    """Return the peak bytes for ports Q (n_port, n) beyond the factors of A, in two parts.
 
-    Those while all but the ports are eliminated (F14), zero where they are not, and those of
-    matrices between them.
+    The first is for the elimination of all but the ports (F14), zero if there is none; the second
+    for dense matrices between the ports.
 
     Notes
     -----

@@ -1,4 +1,4 @@
-"""Sparse matrices seen node by node: fewer, larger entries make orderings cheap."""
+"""Sparse matrices in blocks of nodes: fewer, larger entries make orderings cheap."""
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +16,7 @@ MOST_FILL = 1.5
 
 
 def node_blocks(A: SparseMatrix) -> sp.bsr_array:
-    """Return A in square blocks of a node's degrees of freedom, or of one if it has no such order.
+    """Return A in square blocks of the degrees of freedom of a node, or in single entries.
 
     Padded by a unit diagonal to a whole number of blocks.
     """
@@ -31,7 +31,7 @@ def node_blocks(A: SparseMatrix) -> sp.bsr_array:
 
 
 def _padded(A: SparseMatrix, padding: int) -> sp.csr_array:
-    """Return A with a unit diagonal behind it: ``sp.block_diag`` takes ten times as long."""
+    """Return A extended by a unit diagonal, ten times as fast as ``sp.block_diag``."""
     by_row = sp.csr_array(A)
     n = by_row.shape[0]
     more = np.arange(1, padding + 1)
@@ -51,7 +51,7 @@ def single_rows(A: SparseMatrix) -> sp.bsr_array:
 
 
 def upper_blocks(A: sp.bsr_array) -> tuple[Matrix, Integers, Integers]:
-    """Return data, block columns and block row beginnings of the upper triangle."""
+    """Return the blocks of the upper triangle: data, block columns and starts of block rows."""
     n_block = len(A.indptr) - 1
     rows = np.repeat(np.arange(n_block), np.diff(A.indptr))
     upper = A.indices >= rows

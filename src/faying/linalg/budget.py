@@ -1,4 +1,4 @@
-"""How much memory dense matrices may take before sparse factors replace them."""
+"""The memory budget of dense matrices, beyond which sparse factors replace them."""
 
 from faying.linalg.memory import physical_memory
 

@@ -44,10 +44,10 @@ class DenseFactorization:
 
 
 def factorize_condensed(A: Matrix, singly: Vector) -> DenseFactorization:
-    """Factorize ΨᵀKΨ, whose own diagonal is round-off where Ψ holds a free motion.
+    """Factorize ΨᵀKΨ, whose diagonal is round-off where Ψ contains a free motion.
 
-    ``singly`` (n,) is ψᵀ diag(K) ψ of each column: twice its energy if all degrees of freedom moved
-    singly.
+    ``singly`` (n,) is ψᵀ diag(K) ψ of each column: twice the energy without coupling between
+    degrees of freedom.
     """
     scale = 1.0 / np.sqrt(np.maximum(singly, np.finfo(float).tiny))
     scaled = A * scale[:, None] * scale
@@ -67,7 +67,7 @@ def inverse(
 ) -> npt.NDArray[Any]:
     """Return the inverse of a positive definite matrix, by Cholesky, in its precision; read-only.
 
-    The matrix may be lost where it is to be overwritten.
+    With ``overwrite`` the matrix is destroyed.
     """
     # LAPACK works in column order: of a symmetric matrix the transpose is the same.
     factorize, invert = la.get_lapack_funcs(("potrf", "potri"), (matrix,))

@@ -1,4 +1,4 @@
-"""Factorization of symmetric positive definite matrices, by the best backend at hand."""
+"""Factorization of symmetric positive definite matrices, by the best available backend."""
 
 import numpy as np
 import scipy.sparse as sp
@@ -39,8 +39,8 @@ def factorize(A: SparseMatrix | Matrix, *, backend: str | None = None) -> Matrix
     Parameters
     ----------
     backend
-        ``"pardiso"`` or ``"superlu"``; by default what the environment variable
-        ``FAYING_FACTORIZATION`` names, else the fastest there is. Dense matrices go to LAPACK.
+        ``"pardiso"`` or ``"superlu"``; by default the one that the environment variable
+        ``FAYING_FACTORIZATION`` names, else the fastest. Dense matrices go to LAPACK.
 
     Raises
     ------
@@ -49,7 +49,7 @@ def factorize(A: SparseMatrix | Matrix, *, backend: str | None = None) -> Matrix
     ModelError
         If the backend is unknown or not installed.
     NotEnoughMemoryError
-        If the factors would not fit into the memory that is free.
+        If the factors would not fit into the free memory.
 
     Notes
     -----
@@ -70,7 +70,7 @@ def factorize(A: SparseMatrix | Matrix, *, backend: str | None = None) -> Matrix
 
 
 def factorize_definite(A: SparseMatrix) -> MatrixFactorization:
-    """Factorize a sparse matrix, whose softest motion is not looked for.
+    """Factorize a sparse matrix; errors do not carry its softest motion.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def factorize_definite(A: SparseMatrix) -> MatrixFactorization:
 
 
 def factorize_saddle(A: SparseMatrix) -> MatrixFactorization:
-    """Factorize a sparse symmetric matrix that is indefinite, with zeros on its diagonal.
+    """Factorize a sparse symmetric indefinite matrix with zeros on its diagonal.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def _factorize_sparse(A: SparseMatrix, backend: Backend) -> MatrixFactorization:
 
 
 def _factorize_indefinite(A: SparseMatrix, backend: Backend) -> MatrixFactorization:
-    """Tell a structure that can move from a matrix that is merely indefinite."""
+    """Factorize an indefinite matrix; refuse one of a structure that can move freely."""
     diagonal = A.diagonal()
     shifted = A + SHIFT * sp.diags_array(diagonal + diagonal.mean())
     try:

@@ -1,4 +1,4 @@
-"""GMRES for systems near one whose factors are at hand."""
+"""GMRES for linear systems close to one with known factors."""
 
 from collections.abc import Callable
 from typing import Any
@@ -17,12 +17,12 @@ def corrected(
     enough: float,
     limit: int,
 ) -> Array | None:
-    """Return x with |b − A x| ≤ enough, None where that takes too many products.
+    """Return x with |b − A x| ≤ enough; None if that takes more than ``limit`` products.
 
-    One product A x is taken in any case: b may be small beside what it moves. x is a sum of what
-    factors of a similar matrix answer in any precision, whose products are known, so that it loses
-    nothing to them (Y. Saad, SIAM J. Sci. Comput. 14 (1993) 461, doi:10.1137/0914028). The
-    precision of b (n,) is kept; the limit is that of products.
+    One product A x is always made, since b may be small beside the terms of A x. x is a sum of
+    solutions with factors of a similar matrix, in any precision. Their products are known, so the
+    precision of the factors does not limit that of x (Y. Saad, SIAM J. Sci. Comput. 14 (1993) 461,
+    doi:10.1137/0914028). x has the precision of b (n,).
     """
     size = float(np.linalg.norm(right))
     if size == 0.0:

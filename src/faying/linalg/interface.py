@@ -1,4 +1,4 @@
-"""What every factorization offers, whichever library made it."""
+"""The interface of factorizations by any library."""
 
 from typing import Protocol, runtime_checkable
 
@@ -6,7 +6,7 @@ from faying._typing import Matrix, SparseMatrix
 
 
 class Factorization(Protocol):
-    """A matrix, or what stands for one, that solves for many right-hand sides, from any thread."""
+    """A factorized matrix, or an equivalent operator; any thread may solve with it."""
 
     @property
     def backend(self) -> str:
@@ -28,5 +28,5 @@ class MatrixFactorization(Factorization, Protocol):
         ...
 
     def gram(self, columns: SparseMatrix | Matrix) -> Matrix:
-        """Return Bᵀ A⁻¹ B (k, k) for B (n, k), by whatever is cheapest with these factors."""
+        """Return Bᵀ A⁻¹ B (k, k) for B (n, k), the cheapest way with these factors."""
         ...

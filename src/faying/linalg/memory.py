@@ -1,4 +1,4 @@
-"""Memory of this machine, what a factorization will take of it, and whether there is as much."""
+"""Memory of this machine and of factorizations, and checks before memory is allocated."""
 
 import logging
 import os
@@ -23,14 +23,14 @@ SYSTEM = Path("/")
 
 
 class Limit(NamedTuple):
-    """What a control group of the Linux kernel grants [bytes]."""
+    """Memory limit of a control group of the Linux kernel [bytes]."""
 
     most: int
     free: int
 
 
 def physical_memory() -> int:
-    """Return the memory there is [bytes], limits of control groups respected."""
+    """Return the physical memory within the limits of control groups [bytes]."""
     try:
         physical = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     except (AttributeError, ValueError, OSError):
@@ -39,7 +39,7 @@ def physical_memory() -> int:
 
 
 def free_memory() -> int | None:
-    """Return the memory still to be had [bytes], or None where the system does not tell.
+    """Return the available memory [bytes]; None where the system does not report it.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def free_memory() -> int | None:
     """
     setting = os.environ.get(VARIABLE)
     if setting:
-        return _told(setting)
+        return _parsed_bytes(setting)
     try:
         facts = (SYSTEM / "proc/meminfo").read_text(encoding="ascii").splitlines()
     except OSError:
@@ -58,7 +58,7 @@ def free_memory() -> int | None:
     return min([*free, *(limit.free for limit in control_group_limits())], default=None)
 
 
-def _told(text: str) -> int:
+def _parsed_bytes(text: str) -> int:
     try:
         return int(float(text))
     except (ValueError, OverflowError):
@@ -67,7 +67,7 @@ def _told(text: str) -> int:
 
 
 def control_group_limits(system: Path | None = None) -> list[Limit]:
-    """Return the limits of memory on this process, of both versions of control groups."""
+    """Return the memory limits of this process, of both versions of control groups."""
     root = SYSTEM if system is None else system
     try:
         lines = (root / "proc/self/cgroup").read_text(encoding="utf-8").splitlines()
@@ -78,17 +78,17 @@ def control_group_limits(system: Path | None = None) -> list[Limit]:
         _, controllers, path = line.split(":", 2)
         if controllers == "":
             files = ("memory.max", "memory.current", "inactive_file")
-            limits += _limits(root / "sys/fs/cgroup", path, *files)
+            limits += _group_limits(root / "sys/fs/cgroup", path, *files)
         elif "memory" in controllers.split(","):
             files = ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file")
-            limits += _limits(root / "sys/fs/cgroup/memory", path, *files)
+            limits += _group_limits(root / "sys/fs/cgroup/memory", path, *files)
     return limits
 
 
-def _limits(base: Path, path: str, ceiling: str, used: str, idle: str) -> Iterator[Limit]:
-    """Yield the limits of a group and of those above it; files that are not there set none."""
+def _group_limits(base: Path, path: str, ceiling: str, used: str, idle: str) -> Iterator[Limit]:
+    """Yield the limits of a group and of its parents; missing files set none."""
     folder_of_group = base / path.lstrip("/")
-    # In a container the own group appears as the base itself, whatever its path is called.
+    # Inside a container, its group appears as the base itself, whatever the path says.
     for folder in dict.fromkeys([folder_of_group, *folder_of_group.parents]):
         if not folder.is_relative_to(base):
             return
@@ -110,7 +110,7 @@ NEGLIGIBLE = 1e7
 
 
 class NotEnoughMemoryError(ModelError):
-    """Factors or arrays would not fit into the memory that is free."""
+    """Factors or arrays would not fit into the free memory."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,16 +122,16 @@ class FactorMemory:
     backend
         Name of the library.
     order
-        Of the matrix.
+        Order of the matrix.
     factor
-        Held as long as the factors are [bytes].
+        Memory of the factors [bytes].
     peak
-        Most held at once while they are made [bytes]; the matrix is not counted.
+        Peak memory during the factorization [bytes], without the matrix.
     counted
         Whether the entries of the factor were counted; else a law fitted to measurements was used,
         which may be off by a factor of two.
     one_by_one
-        Whether ports are solved for one by one, for all at once would not fit.
+        Whether ports are solved one by one, because all at once would not fit.
     """
 
     backend: str
@@ -142,14 +142,14 @@ class FactorMemory:
     one_by_one: bool = False
 
     def beside(self, count: int) -> "FactorMemory":
-        """Add as many more factors that are as large, held at once."""
+        """Return the memory with this number of equal factors added, at the same time."""
         return replace(self, peak=self.peak + count * self.factor)
 
     def with_ports(self, elimination: float, dense: float) -> "FactorMemory":
-        """Add what ports take beside the factors, as it will be made.
+        """Return the memory with the solution for ports added.
 
-        That are bytes of the elimination of all but the ports, if it fits, and of matrices between
-        them.
+        ``elimination`` are bytes of the elimination of all but the ports, which is done if it fits;
+        ``dense`` those of dense matrices between them.
         """
         free = free_memory()
         fits = free is None or not elimination or self.factor + elimination <= free
@@ -158,12 +158,12 @@ class FactorMemory:
 
 
 def require_memory(expected: FactorMemory) -> None:
-    """Say before a factorization begins that it will not fit.
+    """Refuse a factorization that will not fit into memory, before it begins.
 
     Raises
     ------
     NotEnoughMemoryError
-        If the entries were counted. An estimate is announced on the logger ``"faying"`` instead.
+        If the entries were counted. An estimate is logged on ``"faying"`` instead.
     """
     free = free_memory()
     if free is None or expected.peak <= free:
@@ -179,7 +179,7 @@ def require_memory(expected: FactorMemory) -> None:
 
 
 def require_room(n_bytes: float, what: str, remedy: str) -> None:
-    """Say before arrays are made that they will not fit.
+    """Refuse arrays that will not fit into memory, before they are allocated.
 
     The message has ``what`` as its subject, in the plural, and the remedy.
     """
@@ -195,5 +195,5 @@ def require_room(n_bytes: float, what: str, remedy: str) -> None:
 
 
 def gigabytes(n_bytes: float) -> str:
-    """Return a number of bytes in words."""
+    """Return a number of bytes as text in GB."""
     return f"{n_bytes / 1e9:.2g} GB" if n_bytes < 9.95e9 else f"{n_bytes / 1e9:.0f} GB"

@@ -1,7 +1,8 @@
 """Intel's Math Kernel Library, where pip has installed it: PARDISO through ctypes.
 
-Only what :mod:`faying.linalg.pardiso` calls is bound. Parameters are those of the oneMKL Developer
-Reference, "oneMKL PARDISO Parameters in Tabular Form" and "pardiso iparm Parameter".
+Only the functions that :mod:`faying.linalg.pardiso` calls are bound. Parameters are those of the
+Developer Reference of oneMKL, "oneMKL PARDISO Parameters in Tabular Form" and "pardiso iparm
+Parameter".
 """
 
 import ctypes
@@ -32,17 +33,17 @@ from call to call.
 
 
 class MklError(RuntimeError):
-    """PARDISO refused, for a reason the caller cannot mend."""
+    """PARDISO failed for a reason that the caller cannot remove."""
 
 
 @cache
 def load_mkl() -> Any:
     """Return MKL as a ctypes library, or None where it is not installed.
 
-    It gives the same digits in every call with as many threads, unless the environment variable
-    ``MKL_CBWR`` asks for something else.
+    Results have the same digits in every call with the same number of threads, unless the
+    environment variable ``MKL_CBWR`` is set.
     """
-    for path in _candidates():
+    for path in _library_paths():
         try:
             if sys.platform == "win32":
                 _preload(path.parent)
@@ -55,8 +56,8 @@ def load_mkl() -> Any:
     return None
 
 
-def _candidates() -> list[Path]:
-    """Return the run-time libraries of the ``mkl`` wheel, then those of conda."""
+def _library_paths() -> list[Path]:
+    """Return paths of the run-time library, from the ``mkl`` wheel, then from conda."""
     try:
         files = importlib.metadata.files("mkl") or []
     except importlib.metadata.PackageNotFoundError:
@@ -68,7 +69,7 @@ def _candidates() -> list[Path]:
 
 
 def _preload(folder: Path) -> None:
-    """Load what mkl_rt.dll looks for by bare name, since ``folder`` is not on the PATH."""
+    """Load the libraries that mkl_rt.dll expects on the PATH, where ``folder`` is not."""
     os.add_dll_directory(str(folder))  # type: ignore[attr-defined, unused-ignore]
     for pattern in ("libiomp5md.dll", "mkl_core.*.dll", "mkl_intel_thread.*.dll"):
         for path in folder.glob(pattern):
@@ -84,14 +85,14 @@ class PardisoHandle:
     indices, indptr
         Block columns, ascending in each block row, and the beginning of each block row.
     border
-        Last rows that are not eliminated: :meth:`schur_complement` is formed onto them. Blocks are
-        then single numbers; MKL 2026 crashes in the analysis of larger ones.
+        Number of last rows that are not eliminated, for :meth:`schur_complement`. Blocks are then
+        single numbers; MKL 2026 crashes in the analysis of larger ones.
     kind
         ``POSITIVE_DEFINITE``: Cholesky; ``INDEFINITE``: L D Lᵀ with pivots of Bunch and Kaufman.
 
     Notes
     -----
-    Not safe to use from two threads at once. :meth:`release` frees what PARDISO holds.
+    Not safe to use from two threads at once. :meth:`release` frees the memory of PARDISO.
     """
 
     def __init__(
@@ -108,7 +109,7 @@ class PardisoHandle:
         self.block = int(data.shape[1])
         self.n = self.block * (len(indptr) - 1)
         self._border = border
-        # PARDISO overwrites the marks by the order it chose, and wants that back in later phases.
+        # PARDISO overwrites the marks by its row order, and needs this in later phases.
         self._order = np.zeros(len(indptr) - 1, dtype=np.int32)
         self._order[len(self._order) - border :] = 1
         self._parameters = parameters = np.zeros(64, dtype=np.int32)
@@ -131,33 +132,33 @@ class PardisoHandle:
 
     @property
     def entries(self) -> int:
-        """Numbers in the factor, as counted by the analysis."""
+        """Number of entries of the factor, from the analysis."""
         return int(self._parameters[17]) * self.block**2
 
     @property
     def memory(self) -> int:
-        """Bytes held once factorized."""
+        """Bytes of the factor and its tables."""
         return 1024 * int(self._parameters[15] + self._parameters[16])
 
     @property
     def expected_memory(self) -> int:
-        """Bytes that will be held once factorized: entries of the factor and tables."""
+        """Expected bytes of the factor and its tables, from the analysis."""
         return 8 * self.entries + 1024 * int(self._parameters[15])
 
     @property
     def peak(self) -> int:
-        """Most bytes held at once until factorized, as foreseen by the analysis."""
+        """Expected peak bytes of the factorization, from the analysis."""
         analysis, permanent, factor = (int(value) for value in self._parameters[14:17])
         return 1024 * max(analysis, permanent + factor)
 
     @property
     def negative(self) -> int:
-        """Negative eigenvalues, as counted by a factorization of the indefinite kind."""
+        """Number of negative eigenvalues, from an indefinite factorization."""
         return int(self._parameters[22])
 
     @property
     def perturbed(self) -> int:
-        """Pivots that were too small, and replaced."""
+        """Number of pivots that were too small and were replaced."""
         return int(self._parameters[13])
 
     def factorize(self) -> None:
@@ -171,7 +172,7 @@ class PardisoHandle:
         self._call(FACTORIZE)
 
     def schur_complement(self) -> Matrix:
-        """Eliminate all rows but the border; return what that leaves (border, border).
+        """Return the Schur complement (border, border) after elimination of all other rows.
 
         Raises
         ------
@@ -217,7 +218,7 @@ class PardisoHandle:
         if error.value == NOT_ENOUGH_MEMORY:
             message = "PARDISO ran out of memory; use a coarser mesh or a machine with more memory"
             raise MemoryError(message)
-        # Documented is -4; MKL 2026 also says -13 of matrices that are singular but for round-off.
+        # Documented is -4; MKL 2026 also returns -13 for matrices singular within round-off.
         if error.value and phase == FACTORIZE:
             raise NotDefiniteError
         if error.value:

@@ -35,9 +35,9 @@ class PardisoFactorization:
     Attributes
     ----------
     order
-        Rows of the matrix; PARDISO may hold some more, which fill a block.
+        Rows of the matrix, without those that PARDISO adds to fill a block.
     matrix
-        What was factorized.
+        The matrix that was factorized.
     """
 
     order: int
@@ -65,14 +65,14 @@ class PardisoFactorization:
         solution = np.empty(columns.shape, order="F")
         for block in column_blocks(*columns.shape):
             with self._turn:
-                solution[:, block] = _solved(self.handle, columns[:, block])
+                solution[:, block] = _solve_padded(self.handle, columns[:, block])
         return solution.reshape(B.shape)
 
     def stiffness(self, ports: SparseMatrix | Matrix) -> Matrix | None:
-        """Return (Q A⁻¹ Qᵀ)⁻¹ (n_port, n_port) of many ports Q (n_port, n), by (F14).
+        """Return (Q A⁻¹ Qᵀ)⁻¹ (n_port, n_port) for many ports Q (n_port, n), by (F14).
 
-        None of few ports, of such as have no degrees of freedom of their own, and where the
-        elimination does not fit into the memory that is free, which is logged.
+        None for few ports, for ports without distinct degrees of freedom, and, with a log entry, if
+        the elimination does not fit into the free memory.
         """
         if not sp.issparse(ports) or ports.shape[0] <= FEW_PORTS:
             return None
@@ -98,11 +98,11 @@ def factorize_pardiso(A: SparseMatrix) -> PardisoFactorization:
     NotDefiniteError
         If a pivot is not positive.
     NotEnoughMemoryError
-        If the factor would not fit into the memory that is free.
+        If the factor would not fit into the free memory.
     """
     if not A.diagonal().min(initial=np.inf) > 0:
         raise NotDefiniteError  # and PARDISO wants every diagonal entry stored
-    return _factorized(A, PardisoHandle(*upper_blocks(node_blocks(A))))
+    return _factorize_handle(A, PardisoHandle(*upper_blocks(node_blocks(A))))
 
 
 def factorize_saddle_pardiso(A: SparseMatrix) -> PardisoFactorization:
@@ -113,15 +113,15 @@ def factorize_saddle_pardiso(A: SparseMatrix) -> PardisoFactorization:
     NotDefiniteError
         If it is singular but for round-off.
     NotEnoughMemoryError
-        If the factor would not fit into the memory that is free.
+        If the factor would not fit into the free memory.
     """
     blocks = upper_blocks(single_rows(_with_diagonal(A)))
-    return _factorized(A, PardisoHandle(*blocks, kind=INDEFINITE))
+    return _factorize_handle(A, PardisoHandle(*blocks, kind=INDEFINITE))
 
 
-def _factorized(A: SparseMatrix, handle: PardisoHandle) -> PardisoFactorization:
+def _factorize_handle(A: SparseMatrix, handle: PardisoHandle) -> PardisoFactorization:
     try:
-        require_memory(_expected(handle, A.shape[0]))
+        require_memory(_expected_memory(handle, A.shape[0]))
         handle.factorize()
         if handle.perturbed:
             raise NotDefiniteError
@@ -132,29 +132,29 @@ def _factorized(A: SparseMatrix, handle: PardisoHandle) -> PardisoFactorization:
 
 
 def port_stiffness(A: SparseMatrix, ports: SparseMatrix) -> Matrix | None:
-    """Return (Q A⁻¹ Qᵀ)⁻¹ (n_port, n_port) of ports Q (n_port, n), by (F14).
+    """Return (Q A⁻¹ Qᵀ)⁻¹ (n_port, n_port) for ports Q (n_port, n), by (F14).
 
-    None where ports have no degrees of freedom of their own.
+    None where ports have no distinct degrees of freedom.
 
     Raises
     ------
     NotDefiniteError
         If a pivot is not positive.
     NotEnoughMemoryError
-        If the factor would not fit into the memory that is free.
+        If the factor would not fit into the free memory.
     """
-    handle = _bordered(A, ports)
+    handle = _analyse_bordered(A, ports)
     if handle is None:
         return None
     try:
-        require_memory(_expected(handle, A.shape[0], ports.shape[0]))
+        require_memory(_expected_memory(handle, A.shape[0], ports.shape[0]))
         return handle.schur_complement()
     finally:
         handle.release()
 
 
-def _bordered(A: SparseMatrix, ports: SparseMatrix) -> PardisoHandle | None:
-    """Analyse A with relative displacements as its last unknowns."""
+def _analyse_bordered(A: SparseMatrix, ports: SparseMatrix) -> PardisoHandle | None:
+    """Return the analysis of A with relative displacements as its last unknowns."""
     unknowns = with_relative_unknowns(ports)
     if unknowns is None:
         return None
@@ -163,18 +163,18 @@ def _bordered(A: SparseMatrix, ports: SparseMatrix) -> PardisoHandle | None:
 
 
 def count_negative_pardiso(A: SparseMatrix) -> int:
-    """Count the negative eigenvalues of a symmetric matrix.
+    """Return the number of negative eigenvalues of a symmetric matrix.
 
     Raises
     ------
     InertiaError
         If a pivot was too small to have a sign, or some grew too large.
     NotEnoughMemoryError
-        If the factor would not fit into the memory that is free.
+        If the factor would not fit into the free memory.
     """
     blocks = upper_blocks(node_blocks(_with_diagonal(A)))
     try:
-        factorization = _factorized(A, PardisoHandle(*blocks, kind=INDEFINITE))
+        factorization = _factorize_handle(A, PardisoHandle(*blocks, kind=INDEFINITE))
     except NotDefiniteError:
         reason = "the matrix is singular but for round-off"
         raise InertiaError(reason) from None
@@ -183,26 +183,26 @@ def count_negative_pardiso(A: SparseMatrix) -> int:
 
 
 def estimate_pardiso(A: SparseMatrix) -> FactorMemory:
-    """Tell what :func:`factorize_pardiso` would take, from the pattern alone."""
+    """Return the memory of :func:`factorize_pardiso`, from the pattern alone."""
     handle = PardisoHandle(*upper_blocks(node_blocks(_with_diagonal(A))))
     try:
-        return _expected(handle, A.shape[0])
+        return _expected_memory(handle, A.shape[0])
     finally:
         handle.release()
 
 
 def estimate_stiffness_pardiso(A: SparseMatrix, ports: SparseMatrix) -> int:
-    """Tell the most bytes that (Q A⁻¹ Qᵀ)⁻¹ takes beyond the factors of A, from patterns alone."""
-    handle = _bordered(_with_diagonal(A), ports) if ports.shape[0] > FEW_PORTS else None
+    """Return the peak bytes of (Q A⁻¹ Qᵀ)⁻¹ beyond the factors of A, from patterns."""
+    handle = _analyse_bordered(_with_diagonal(A), ports) if ports.shape[0] > FEW_PORTS else None
     if handle is None:
         return 0
     try:
-        return _expected(handle, A.shape[0], ports.shape[0]).peak
+        return _expected_memory(handle, A.shape[0], ports.shape[0]).peak
     finally:
         handle.release()
 
 
-def _expected(handle: PardisoHandle, order: int, n_port: int = 0) -> FactorMemory:
+def _expected_memory(handle: PardisoHandle, order: int, n_port: int = 0) -> FactorMemory:
     return FactorMemory(
         backend="pardiso",
         order=order,
@@ -213,13 +213,13 @@ def _expected(handle: PardisoHandle, order: int, n_port: int = 0) -> FactorMemor
 
 
 def _with_diagonal(A: SparseMatrix) -> SparseMatrix:
-    """Store zeros on the diagonal too, where PARDISO wants every entry."""
+    """Return a matrix with all diagonal entries stored, as PARDISO requires."""
     stored = sp.csr_array(A, copy=True)
     stored.setdiag(A.diagonal())
     return stored
 
 
-def _solved(handle: PardisoHandle, columns: Matrix) -> Matrix:
+def _solve_padded(handle: PardisoHandle, columns: Matrix) -> Matrix:
     """Solve for right-hand sides, padded to whole blocks."""
     padded = np.zeros((handle.n, columns.shape[1]), order="F")
     padded[: len(columns)] = columns

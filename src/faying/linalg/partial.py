@@ -7,12 +7,12 @@ from faying.linalg.substitution import solved_gram
 
 
 def port_compliance(ports: SparseMatrix | Matrix, factor: Factorization) -> Matrix:
-    """Compute Q A⁻¹ Qᵀ (n_port, n_port) for ports Q (n_port, n), sparse or dense.
+    """Return Q A⁻¹ Qᵀ (n_port, n_port) for ports Q (n_port, n), sparse or dense.
 
     Notes
     -----
-    At most one back-substitution per port, in blocks of bounded memory; where there is a stiffness
-    between them its inverse instead (:func:`port_stiffness`).
+    At most one back-substitution per port, in blocks of bounded memory; the inverse of the
+    stiffness between the ports, where there is one (:func:`port_stiffness`).
     """
     if isinstance(factor, MatrixFactorization):
         return factor.gram(ports.T)
@@ -20,7 +20,7 @@ def port_compliance(ports: SparseMatrix | Matrix, factor: Factorization) -> Matr
 
 
 def port_stiffness(ports: SparseMatrix, factor: MatrixFactorization) -> Matrix | None:
-    """Compute (Q A⁻¹ Qᵀ)⁻¹ of many ports by PARDISO, if these have degrees of freedom of their own.
+    """Return (Q A⁻¹ Qᵀ)⁻¹ of many ports by PARDISO, if they have distinct degrees of freedom.
 
     Notes
     -----

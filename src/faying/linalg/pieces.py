@@ -1,4 +1,4 @@
-"""Work on many things alike by the piece, so that memory stays bounded and caches hold it."""
+"""Division of vectorized work into pieces that bound memory and fit into caches."""
 
 from collections.abc import Iterator
 
@@ -7,6 +7,6 @@ PIECE_NUMBERS = 2**18
 
 
 def pieces(count: int, numbers: int = 1) -> Iterator[slice]:
-    """Divide ``count`` things of so many numbers each, in their order."""
+    """Yield slices of ``count`` items, of ``numbers`` numbers each, that fit into a piece."""
     size = max(1, PIECE_NUMBERS // max(numbers, 1))
     return (slice(start, min(start + size, count)) for start in range(0, count, size))

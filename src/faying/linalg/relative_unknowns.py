@@ -1,12 +1,12 @@
-"""Relative displacements as unknowns: what is left of a structure where all others are eliminated.
+"""Relative displacements as unknowns, and the structure after elimination of all others.
 
 Where P (n_port, n) has a degree of freedom for each of its rows, P_D is regular, and with v all the
 others
 
     u_D = P_D⁻¹ (y − P_v v),   y = P u,
 
-take unknowns v and y to displacements: y = 0 glues the two sides of a pair together. The stiffness
-between the ports, the inverse of their compliance P A⁻¹ Pᵀ, is what the elimination of v leaves,
+maps unknowns v and y to displacements: y = 0 glues the two sides of a pair together. The stiffness
+between the ports, the inverse of their compliance P A⁻¹ Pᵀ, is the Schur complement of v,
 
     Σ = A_yy − A_yv A_vv⁻¹ A_vy,                                                              (F14)
 
@@ -30,12 +30,12 @@ STEEPEST = 100.0
 
 
 def with_relative_unknowns(ports: SparseMatrix) -> SparseMatrix | None:
-    """Return what takes [v, y] to displacements (n, n); None where rows have no dofs of their own.
+    """Return the map from [v, y] to displacements (n, n); None if rows share their dofs.
 
     Notes
     -----
-    Of all choices D that with the largest product of entries of P, one for each row. Columns that
-    are alike but for their sign are those of the two sides of a pair: one of them is enough.
+    Of all choices D, the one with the largest product of entries of P, one for each row. Columns
+    that differ in sign alone belong to the two sides of a pair: one of them is enough.
     """
     n_port, n = ports.shape
     felt = np.abs(ports.T @ np.random.default_rng(0).standard_normal(n_port))
@@ -73,7 +73,7 @@ def with_relative_unknowns(ports: SparseMatrix) -> SparseMatrix | None:
 
 
 def _inverse_by_blocks(matrix: SparseMatrix) -> SparseMatrix | None:
-    """Return the inverse of a matrix that falls apart into small blocks; None if it does not."""
+    """Return the inverse of a matrix of small decoupled blocks; None if they are large."""
     count, block = connected_components(matrix, directed=False)
     sizes = np.bincount(block, minlength=count)
     width = int(sizes.max(initial=0))

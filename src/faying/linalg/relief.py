@@ -1,14 +1,14 @@
-"""Structures that can move as a whole, under forces that inertia balances ("inertia relief").
+"""Free structures under forces balanced by inertia ("inertia relief").
 
-A structure that nothing holds has rigid motions R, K R = 0, RᵀM R = I. Forces f set it in motion by
-R Rᵀf, and what is left of them, Tᵀf with T = I − R RᵀM, is in equilibrium. Displacements under it,
-without rigid motion, are
+A free structure has rigid motions R, K R = 0, RᵀM R = I. Forces f accelerate it by R Rᵀf, and the
+remaining forces, Tᵀf with T = I − R RᵀM, are in equilibrium. Displacements under them, without
+rigid motion, are
 
     K⁺ f = T K̂⁻¹ Tᵀ f,   K̂ = K + E s Eᵀ,                                                     (M11)
 
-with springs s at as many degrees of freedom as there are rigid motions, chosen so that they hold
-the structure and no more. Forces in equilibrium leave them unloaded: nothing depends on s. In dense
-matrices E s Eᵀ is M R c RᵀM, which shifts the rigid motions alone, for the same reason.
+with springs s at as many degrees of freedom as there are rigid motions, chosen so that they just
+hold the structure. Forces in equilibrium do not load them, so the result is independent of s. For
+dense matrices E s Eᵀ is M R c RᵀM, which shifts the rigid motions alone, for the same reason.
 """
 
 from dataclasses import dataclass
@@ -30,12 +30,12 @@ PREFERRED = 1e3
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Relieved:
-    """K⁺ of (M11) in place of an inverse.
+    """The operator K⁺ of (M11) in place of an inverse.
 
     Attributes
     ----------
     factor
-        Of K̂.
+        Factors of K̂.
     motions, carried : (n, n_motion)
         R and M R.
     """
@@ -51,7 +51,7 @@ class Relieved:
 
     @property
     def memory(self) -> int:
-        """Bytes the factors take."""
+        """Bytes of the factors."""
         return self.factor.memory
 
     def solve(self, right_hand_side: Matrix) -> Matrix:
@@ -72,7 +72,7 @@ class Relieved:
 
 
 def balanced(forces: Matrix, motions: Matrix, carried: Matrix) -> Matrix:
-    """Return Tᵀ f = f − M R Rᵀ f; with both exchanged T u = u − R RᵀM u."""
+    """Return Tᵀ f = f − M R Rᵀ f; with motions and carried exchanged, T u = u − R RᵀM u."""
     left: Matrix = forces - carried @ (motions.T @ forces)
     return left
 
@@ -80,12 +80,12 @@ def balanced(forces: Matrix, motions: Matrix, carried: Matrix) -> Matrix:
 def factorize_relieved(
     A: SparseMatrix | Matrix, M: SparseMatrix | Matrix, motions: Matrix
 ) -> MatrixFactorization:
-    """Factorize a stiffness, of which rigid motions (n, n_motion) with RᵀM R = I are left out.
+    """Factorize a stiffness with rigid motions (n, n_motion), RᵀM R = I, as K⁺.
 
     Raises
     ------
     SingularMatrixError
-        If anything else moves freely.
+        If any other motion is free.
     """
     if not motions.shape[1]:
         return factorize(A)
@@ -98,7 +98,7 @@ def factorize_relieved(
 
 
 def shifted(A: Matrix, carried: Matrix) -> Matrix:
-    """Return K + M R c RᵀM, dense, c such that its trace is that of K."""
+    """Return K + M R c RᵀM, dense, with c such that both terms have the same trace."""
     if not carried.shape[1]:
         return A
     supported_matrix: Matrix = A + np.trace(A) / np.sum(carried**2) * (carried @ carried.T)
@@ -106,7 +106,7 @@ def shifted(A: Matrix, carried: Matrix) -> Matrix:
 
 
 def supported(A: SparseMatrix, supports_at: Indices) -> SparseMatrix:
-    """Return K̂ = K + E s Eᵀ, s the stiffness that is there."""
+    """Return K̂ = K + E s Eᵀ with s from the diagonal of K."""
     stiffness = np.zeros(A.shape[0])
     stiffness[supports_at] = A.diagonal()[supports_at]
     supported_matrix: SparseMatrix = (A + sp.diags_array(stiffness)).tocsr()
@@ -114,9 +114,9 @@ def supported(A: SparseMatrix, supports_at: Indices) -> SparseMatrix:
 
 
 def supports(motions: Matrix, preferred: Indices | tuple[()] = ()) -> Indices:
-    """Return the degrees of freedom (n_motion,) that hold rigid motions and no more.
+    """Return degrees of freedom (n_motion,) that just hold the rigid motions.
 
-    They are among those preferred if these hold.
+    They are among the preferred ones if these suffice.
     """
     weight = np.ones(len(motions))
     weight[np.asarray(preferred, dtype=np.int64)] = PREFERRED

@@ -1,4 +1,4 @@
-"""Matrices that cannot be factorized, and the motion that says why."""
+"""Errors of matrices that cannot be factorized, with the free motion that explains them."""
 
 from collections.abc import Callable
 
@@ -18,7 +18,7 @@ mechanism comes out at the round-off of the product, 1e-16.
 
 
 class NotDefiniteError(ModelError):
-    """A backend met a pivot it cannot use."""
+    """A pivot is zero or of the wrong sign."""
 
     def __init__(self) -> None:
         super().__init__(
@@ -28,7 +28,7 @@ class NotDefiniteError(ModelError):
 
 
 class InertiaError(ModelError):
-    """The signs of the pivots cannot be relied on."""
+    """The signs of the pivots are not reliable."""
 
     def __init__(self, reason: str) -> None:
         super().__init__(
@@ -48,7 +48,7 @@ class SingularMatrixError(ModelError):
 
 
 def check_signs(A: SparseMatrix, solve: Callable[[Vector], Vector]) -> None:
-    """Check by one substitution that factors of an indefinite matrix stand for it."""
+    """Check the factors of an indefinite matrix by one substitution."""
     b = np.random.default_rng(0).standard_normal(A.shape[0])
     with np.errstate(all="ignore"):
         x = solve(b)
@@ -59,7 +59,7 @@ def check_signs(A: SparseMatrix, solve: Callable[[Vector], Vector]) -> None:
 
 
 def softest_motion(A: SparseMatrix | Matrix, factorization: Factorization) -> tuple[Vector, float]:
-    """Two inverse iterations from a fixed random start: the softest motion and its resistance."""
+    """Return the softest motion and its resistance, by two inverse iterations."""
     motion = np.random.default_rng(0).standard_normal(A.shape[0])
     diagonal = A.diagonal()
     with np.errstate(all="ignore"):

@@ -1,7 +1,7 @@
-"""The compliance between more ports than matrices between them have room for, by sparse factors.
+"""The compliance between ports by sparse factors, where dense matrices would not fit.
 
-S = Q A⁻¹ Qᵀ + X C Xᵀ with a few shapes X: what a boundary that is free adds, and the basis of a
-reduced model. S is never formed.
+S = Q A⁻¹ Qᵀ + X C Xᵀ with a few shapes X: those of a free boundary, and the basis of a reduced
+model. S is never formed.
 """
 
 from dataclasses import dataclass, replace
@@ -39,7 +39,7 @@ class SparseCompliance:
 
     @classmethod
     def of(cls, stiffness: SparseStiffness) -> "SparseCompliance":
-        """Return Q A⁻¹ Qᵀ."""
+        """Return S = Q A⁻¹ Qᵀ, without shapes."""
         none = np.zeros((stiffness.ports.shape[0], 0))
         return cls(stiffness=stiffness, shapes=none, core=np.zeros((0, 0)))
 
@@ -49,16 +49,16 @@ class SparseCompliance:
         return len(self.shapes), len(self.shapes)
 
     def __matmul__(self, forces: Matrix) -> Matrix:
-        """Return S p of forces (n_port,) or (n_port, k)."""
+        """Return S p for forces p (n_port,) or (n_port, k)."""
         moved = self.stiffness.gives(forces)
         return np.asarray(moved + self.shapes @ (self.core @ (self.shapes.T @ forces)))
 
     def __array__(self, *_: Any, **__: Any) -> NoReturn:
-        """Refuse to be formed."""
+        """Refuse to form the dense matrix."""
         refuse_dense(len(self.shapes))
 
     def plus(self, shapes: Matrix, core: Matrix) -> "SparseCompliance":
-        """Return S + X C Xᵀ of more shapes."""
+        """Return S + X C Xᵀ for more shapes."""
         return replace(
             self,
             shapes=np.hstack([self.shapes, shapes]),
@@ -69,7 +69,7 @@ class SparseCompliance:
     def across(self) -> tuple[Matrix, Matrix]:
         """Z (n_shape, n_port) and M (n_shape, n_shape) of Σ = Σ₀ − zᵀ M⁻¹ z, by Woodbury.
 
-        In shapes B that Σ₀ makes orthonormal, X = B R, S is changed by R C Rᵀ beside one.
+        In shapes B that are orthonormal in Σ₀, X = B R, S is the identity plus R C Rᵀ.
         """
         if not len(self.core):
             return self.shapes.T, self.core
@@ -92,7 +92,7 @@ Compliance: TypeAlias = Matrix | SparseCompliance
 
 
 def plus(compliance: Compliance, shapes: Matrix, core: Matrix) -> Compliance:
-    """Return S + X C Xᵀ, formed (read-only) or by sparse factors as S is."""
+    """Return S + X C Xᵀ, dense (read-only) or by sparse factors as S is."""
     if isinstance(compliance, SparseCompliance):
         return compliance.plus(shapes, core)
     total = (shapes @ core) @ shapes.T

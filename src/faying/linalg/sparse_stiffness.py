@@ -1,6 +1,6 @@
-"""The stiffness between more ports than matrices between them have room for, by sparse factors.
+"""The stiffness between ports by sparse factors, where dense matrices would not fit.
 
-(F14) is multiplied from factors of A_vv, and with springs B between the ports Q of A
+Products with (F14) use factors of A_vv. With springs B between the ports Q of A,
 
     (Σ + B)⁻¹ = Q (A + Qᵀ B Q)⁻¹ Qᵀ,                                                         (F15)
 
@@ -46,43 +46,43 @@ class SparseStiffness:
 
     @classmethod
     def of(cls, matrix: SparseMatrix, ports: SparseMatrix) -> "SparseStiffness":
-        """Return Σ; the matrix is factorized where this is asked for S."""
+        """Return Σ; the matrix is factorized at the first product with S."""
         once = cache(partial(factorize, matrix))
         return cls(matrix=matrix, ports=ports, solve=lambda forces: once().solve(forces))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Leave factors behind, which belong to this process."""
+        """Pickle without factors, which belong to this process."""
         return SparseStiffness.of, (self.matrix, self.ports)
 
     def gives(self, forces: Matrix) -> Matrix:
-        """Return Q A⁻¹ Qᵀ p of forces (n_port,) or (n_port, k)."""
+        """Return Q A⁻¹ Qᵀ p for forces p (n_port,) or (n_port, k)."""
         return np.asarray(self.ports @ self.solve(self._transposed @ forces))
 
     def times(self, moved: Matrix) -> Matrix:
-        """Return Σ y of displacements of the ports (n_port,) or (n_port, k), by substitution."""
-        directly, across, inner = *self._parts[:2], self._glued
+        """Return Σ y for displacements y of the ports (n_port,) or (n_port, k)."""
+        directly, across, inner = *self._blocks[:2], self._glued
         return np.asarray(directly @ moved - across @ inner.solve(across.T @ moved))
 
     @cached_property
     def diagonal(self) -> Vector:
-        """Diagonal of A_yy (n_port,), not below that of Σ."""
-        return np.asarray(self._parts[0].diagonal())
+        """Diagonal of A_yy (n_port,), an upper bound of that of Σ."""
+        return np.asarray(self._blocks[0].diagonal())
 
     def on_springs(self, springs: SparseMatrix) -> MatrixFactorization:
-        """Factorize A + Qᵀ B Q of symmetric springs B (n_port, n_port).
+        """Factorize A + Qᵀ B Q for symmetric springs B (n_port, n_port).
 
         Raises
         ------
         NotDefiniteError
-            If these and A do not resist every motion.
+            If A and the springs leave a motion free.
         """
         both = self.matrix + self._transposed @ springs @ self.ports
         return factorize_definite(both.tocsr())
 
     def pressing(self, rows: SparseMatrix, D: Vector) -> Callable[[Matrix], Matrix]:
-        """Return what returns forces λ (n_row, k) that close gaps (n_row, k).
+        """Return a function from gaps (n_row, k) to the forces λ (n_row, k) that close them.
 
-        Rows N (n_row, n_port) take displacements of ports to gaps, which yield D λ besides:
+        Rows N (n_row, n_port) map displacements of ports to gaps, and D is their added compliance:
 
             [ A       (N Q)ᵀ ] [  w ]   [  0 ]
             [ N Q      −D    ] [ −λ ] = [ −g ]                                               (F16)
@@ -92,11 +92,11 @@ class SparseStiffness:
         Raises
         ------
         NotDefiniteError
-            If gaps depend on each other and do not yield.
+            If gaps without compliance are linearly dependent.
         """
         G, n = (rows @ self.ports).tocsr(), self.matrix.shape[0]
         stiff = self.matrix.diagonal()
-        # Rows in units of force, for pivots are judged by the size of all entries.
+        # Rows in units of force, because pivots are compared with all entries.
         size = np.sqrt(stiff.mean() / np.maximum(D + G.multiply(G) @ (1.0 / stiff), TINY))
         G = sp.diags_array(size) @ G
         saddle = sp.block_array([[self.matrix, G.T], [G, sp.diags_array(-D * size**2)]])
@@ -110,7 +110,7 @@ class SparseStiffness:
         return closing
 
     def moved_by(self, held: MatrixFactorization, forces: Matrix) -> Matrix:
-        """Return (Σ + B)⁻¹ b of forces (n_port,) or (n_port, k), of factors on springs B."""
+        """Return (Σ + B)⁻¹ b for forces b (n_port,) or (n_port, k), by factors on springs B."""
         return np.asarray(self.ports @ held.solve(self._transposed @ forces))
 
     @cached_property
@@ -118,7 +118,7 @@ class SparseStiffness:
         return read_only(self.ports.T.tocsr())
 
     @cached_property
-    def _parts(self) -> tuple[SparseMatrix, SparseMatrix, SparseMatrix]:
+    def _blocks(self) -> tuple[SparseMatrix, SparseMatrix, SparseMatrix]:
         """A_yy, A_yv and A_vv."""
         unknowns = with_relative_unknowns(self.ports)
         if unknowns is None:
@@ -131,11 +131,11 @@ class SparseStiffness:
     @cached_property
     def _glued(self) -> MatrixFactorization:
         """Factors of A_vv."""
-        return factorize(self._parts[2])
+        return factorize(self._blocks[2])
 
 
 def refuse_dense(n_port: int) -> NoReturn:
-    """Refuse what needs a dense matrix between ports that have no room for one."""
+    """Refuse an operation that needs a dense matrix between too many ports."""
     message = (
         f"this takes dense matrices between {n_port} relative displacements, which exceed the "
         "dense budget; raise it with model.with_dense_budget, or take a coarser interface"

@@ -1,4 +1,4 @@
-"""Right-hand sides by the block, so that memory stays bounded."""
+"""Substitutions in blocks of right-hand sides, so that memory stays bounded."""
 
 from collections.abc import Callable
 
@@ -16,7 +16,7 @@ BLOCK_BYTES = 2**27
 
 
 def column_blocks(n_row: int, n_column: int) -> list[slice]:
-    """Split columns of length ``n_row`` into blocks worth solving at once."""
+    """Return slices of columns of length ``n_row`` to solve at once."""
     width = min(BLOCK, max(16, BLOCK_BYTES // (8 * max(n_row, 1))))
     return [slice(start, start + width) for start in range(0, n_column, width)]
 
@@ -37,7 +37,7 @@ def dense(columns: SparseMatrix | Matrix) -> Matrix:
 
 
 def symmetrized(matrix: Matrix) -> Matrix:
-    """Return (A + Aᵀ)/2 in the place of A, an eighth of the time that ``A += A.T`` takes."""
+    """Return (A + Aᵀ)/2, in the memory of A and in an eighth of the time of ``A += A.T``."""
     for start in range(0, len(matrix), BLOCK):
         rows, columns = matrix[start : start + BLOCK, start:], matrix[start:, start : start + BLOCK]
         mean = (rows + columns.T) * 0.5

@@ -1,4 +1,4 @@
-"""LU factorization by SciPy's SuperLU: there on every platform."""
+"""LU factorization by SciPy's SuperLU, available on every platform."""
 
 from dataclasses import dataclass, replace
 from typing import Any, final
@@ -23,7 +23,7 @@ SMALLEST = 1000
 
 
 def nested_dissection(A: SparseMatrix) -> Indices | None:
-    """Return an order of the rows that keeps the factors sparse, or None without METIS.
+    """Return an order of the rows for sparse factors; None without METIS.
 
     References
     ----------
@@ -62,7 +62,7 @@ class SuperluFactorization:
     Attributes
     ----------
     order : (n,) or None
-        Rows in the order they were eliminated in, if that was not left to SuperLU.
+        Rows in the order of elimination; None if SuperLU chooses it.
     """
 
     factors: Any
@@ -111,7 +111,7 @@ def factorize_superlu(A: SparseMatrix) -> SuperluFactorization:
 
 
 def factorize_saddle_superlu(A: SparseMatrix) -> SuperluFactorization:
-    """Factorize a symmetric indefinite matrix, with zeros on its diagonal: pivots by size."""
+    """Factorize a symmetric indefinite matrix with zeros on its diagonal, with pivoting."""
     require_memory(estimate_superlu(A))
     try:
         return SuperluFactorization(factors=spla.splu(sp.csc_array(A)), order=None)
@@ -120,7 +120,7 @@ def factorize_saddle_superlu(A: SparseMatrix) -> SuperluFactorization:
 
 
 def estimate_superlu(A: SparseMatrix) -> FactorMemory:
-    """Tell about what :func:`factorize_superlu` would take, from the order alone."""
+    """Return an estimate of the memory of :func:`factorize_superlu`, from the order alone."""
     n = A.shape[0]
     upper_bound = n * (n + 1)  # L and U, both with their diagonal
     size = BYTES_PER_ENTRY * int(min(FILL * n**FILL_EXPONENT, upper_bound))
@@ -128,20 +128,20 @@ def estimate_superlu(A: SparseMatrix) -> FactorMemory:
 
 
 def count_negative_superlu(A: SparseMatrix) -> int:
-    """Count the negative eigenvalues of a symmetric matrix by the signs of its diagonal pivots.
+    """Return the number of negative eigenvalues of a symmetric matrix, by diagonal pivots.
 
     Raises
     ------
     InertiaError
-        If the diagonal did not do: the matrix is singular, or a leading part of it nearly is.
+        If diagonal pivots fail: the matrix is singular, or a leading part of it nearly is.
 
     NotEnoughMemoryError
-        If it would probably not fit into the memory that is free.
+        If it would probably not fit into the free memory.
 
     Notes
     -----
-    SciPy copies the factors to show their diagonal: twice the memory for a moment. A count is no
-    reason to run out of it, so here an estimate is enough to refuse.
+    SciPy copies the factors to show their diagonal: twice the memory for a moment. A count is not
+    worth running out of memory, so here an estimate is enough to refuse.
     """
     expected = estimate_superlu(A)
     require_memory(replace(expected, peak=2 * expected.factor, counted=True))

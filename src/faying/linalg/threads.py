@@ -1,4 +1,4 @@
-"""Threads of the linear algebra libraries, where more of them would only wait for each other."""
+"""Thread numbers of the linear algebra libraries, limited where more threads would only wait."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -28,9 +28,9 @@ def limit_threads(threads: int) -> None:
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Keep dense linear algebra on one thread, except where :func:`threads_for` says otherwise.
+    """Keep dense linear algebra on one thread, except inside :func:`threads_for`.
 
-    Whatever the machine does meanwhile, so that digits do not depend on it.
+    The number does not depend on the load of the machine, and so neither do digits.
     """
     libraries = _controller().info()
     token = _FOUND.set({library["prefix"]: library["num_threads"] for library in libraries})
@@ -43,7 +43,7 @@ def one_thread() -> Iterator[None]:
 
 @contextmanager
 def threads_for(order: int) -> Iterator[None]:
-    """Keep dense linear algebra on one thread where its matrices are small."""
+    """Keep dense linear algebra of small matrices (by order) on one thread."""
     limits = 1 if order <= SMALL_ORDER else _FOUND.get()
     if limits is None:
         yield
@@ -54,9 +54,9 @@ def threads_for(order: int) -> Iterator[None]:
 
 @cache
 def _controller() -> ThreadpoolController:
-    """Find all libraries once, those first that are loaded when something is factorized.
+    """Return the controller of all libraries, after loading those used in factorizations.
 
-    One that came later would keep all its threads, so that digits depended on what ran before.
+    A library loaded later would keep all its threads, and digits would depend on the order.
     """
     load_mkl()
     return ThreadpoolController()

@@ -1,1 +1,1 @@
-"""Stage 3: bases and reduced models."""
+"""Reduction bases and reduced models (stage 3)."""

@@ -1,4 +1,4 @@
-"""Joint shapes that carry inertia: what ``compliance`` keeps without mass, kept with it.
+"""Attachment modes: static contact shapes with inertia, where ``compliance`` has no mass.
 
 (M8), (M9) and (M10) of ``docs/theory/method.md``.
 """
@@ -31,12 +31,12 @@ def attachment_modes(
     refined: int = REFINED_SHAPES,
     classic: Basis | None = None,
 ) -> Basis:
-    """Extend the classic basis by all static shapes of contact, and by what their inertia excites.
+    """Extend the classic basis by all static contact shapes, and by shapes of inertia forces.
 
     The static shape of a unit force at every contact pair makes static solutions exact, as the
     residual compliance of :func:`faying.reduce` does, but with inertia: transients after a jump
-    converge. The other shapes answer inertia forces: of the boundary's motion and of load
-    patterns, ``moments`` times over, and of the ``refined`` slowest shapes found so far, once:
+    converge. The other shapes are static responses to inertia forces: ``moments`` times to those of
+    boundary motions and load patterns, and once to those of the ``refined`` slowest shapes so far:
     (M8) and (M10).
 
     Parameters
@@ -46,15 +46,15 @@ def attachment_modes(
     normal_modes
         Number of fixed-interface normal modes.
     moments, refined
-        More of them, or more normal modes, carry more of what a jump excites.
+        Higher values, or more normal modes, represent the motion after a jump better.
     classic
-        Result of :func:`craig_bampton` where it is known already.
+        Result of :func:`craig_bampton` if it has been computed.
 
     Returns
     -------
     Basis
         As many vectors as contact pairs (three times as many where an interface is curved) and
-        those above. To be reduced without residual compliance: nothing is left for it.
+        those above. Reduce with it without residual compliance, which would vanish.
 
     Raises
     ------
@@ -65,8 +65,8 @@ def attachment_modes(
 
     Notes
     -----
-    One back-substitution a vector, and products of n_dof n² operations for n vectors, which are the
-    greater part for a thousand of them. A step of the reduced model costs 4 n² operations more
+    One back-substitution a vector, and products of n_dof n² operations for n vectors, which take
+    longer from about a thousand vectors on. A step of the reduced model costs 4 n² operations more
     than one of ``compliance``.
 
     Examples
@@ -102,10 +102,9 @@ def attachment_modes(
 
 
 def refined_basis(model: Model, basis: Basis, count: int = REFINED_SHAPES) -> Basis:
-    """Extend a basis by the static shapes of the inertia forces of its slowest Ritz vectors.
+    """Extend a basis by static shapes of the inertia forces of its slowest Ritz vectors.
 
-    Those of lowest frequency among the shapes that vanish on the boundary: one step of subspace
-    iteration.
+    The Ritz vectors of lowest frequency vanish on the boundary: one step of subspace iteration.
 
     Notes
     -----

@@ -1,4 +1,4 @@
-"""A reduction basis: trial vectors that remember what kind they are, Eqs. (15.18) and (15.19)."""
+"""A reduction basis: trial vectors and their kinds, Eqs. (15.18) and (15.19)."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -42,7 +42,7 @@ class Basis(Frozen, Shown):
         One shape a column, at the free degrees of freedom of the full model. Constraint modes are
         displacements per displacement; the others are scaled to ΦᵀKΦ = 1.
     kinds : n_mode kinds
-        What each column is: constraint, normal, bolt, load or joint.
+        Kind of each column: constraint, normal, bolt, load or joint.
 
     Examples
     --------
@@ -61,7 +61,7 @@ class Basis(Frozen, Shown):
 
     @property
     def facts(self) -> Mapping[str, str]:
-        """Number of trial vectors, and of what kinds they are."""
+        """Number of trial vectors, by kind."""
         kinds = ", ".join(f"{n} {kind}" for kind, n in Counter(self.kinds).items())
         return {
             "trial vectors": f"{len(self)} ({kinds})" if kinds else "0",
@@ -87,8 +87,8 @@ class Basis(Frozen, Shown):
     def with_joint_modes(self, count: int) -> "Basis":
         """Return the basis with its first ``count`` joint modes only.
 
-        Joint modes are ordered by importance and made orthogonal one after the other, so a
-        shorter basis is part of a longer one.
+        Joint modes are ordered by importance and orthogonal to those before them, so a shorter
+        basis is part of a longer one.
         """
         is_joint = np.array([kind is ModeKind.JOINT for kind in self.kinds])
         selected = ~is_joint | (np.cumsum(is_joint) <= count)
@@ -98,15 +98,15 @@ class Basis(Frozen, Shown):
         )
 
     def extended(self, shapes: Matrix, kind: ModeKind, K: SparseMatrix) -> "Basis":
-        """Return the basis and what shapes add to it, block by block where Gram-Schmidt is slow.
+        """Return the basis extended by shapes, block by block where Gram-Schmidt is slow.
 
         Parameters
         ----------
         shapes : (n_dof, n)
             They vanish on the boundary.
         kind
-            Of what they add, which is orthonormal in K, like those of this basis that vanish on
-            the boundary. The basis itself stays as it is.
+            Kind of the new vectors. They are orthonormal in K, among each other and to all vectors
+            of this basis that vanish on the boundary. The vectors of this basis do not change.
         """
         vanishing = self.of_kind(*VANISHING)
         energies = np.einsum("ij,ij->j", shapes, K @ shapes)
@@ -122,9 +122,9 @@ class Basis(Frozen, Shown):
     def orthonormalized(self, K: SparseMatrix) -> "Basis":
         """Return the basis with the shapes that vanish on the boundary orthonormal in K.
 
-        Constraint modes stay as they are, so the boundary rows of the basis remain [I 0] and the
-        superelement form survives; they are K-orthogonal to the others already. Shapes that
-        depend on those before them are dropped.
+        Constraint modes do not change, so the boundary rows of the basis remain [I 0] and the
+        superelement form survives; they are K-orthogonal to the others already. Shapes that are
+        linear combinations of earlier ones are dropped.
 
         Notes
         -----

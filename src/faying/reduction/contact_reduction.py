@@ -1,4 +1,4 @@
-"""Models whose static contact problem is itself reduced; everything else is the model's own."""
+"""Models whose static contact forces are reduced; everything else is as in the whole model."""
 
 from abc import abstractmethod
 from copy import copy
@@ -22,7 +22,7 @@ AnyModel = TypeVar("AnyModel", Model, ReducedModel)
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ReducedContact:
-    """What contact problems with forces from a reduced set have in common.
+    """Base class of contact problems with forces from a reduced set.
 
     Attributes
     ----------
@@ -49,24 +49,24 @@ class ReducedContact:
 
     @property
     def laws(self) -> LawsAtPoints:
-        """What the contact points answer."""
+        """Contact laws at the points."""
         return self.whole.increments.laws
 
     def moved_by(self, forces: Vector) -> Vector:
-        """Return S p (n_relative,) [length] of forces between the pairs."""
+        """Return S p (n_relative,) [length] for forces p between the pairs."""
         return self.whole.between.moved_by(forces)
 
     def about(self, state: Increment) -> Self:  # noqa: ARG002
-        """Return itself."""
+        """Return the solver itself."""
         return self
 
     @property
     def increments(self) -> IncrementSolver:
-        """Itself: forces are found among the reduced set alone."""
+        """The solver itself, which seeks forces in the reduced set alone."""
         return self
 
     def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
-        """Solve one case; gaps need not fit the forces where the set is poor."""
+        """Solve one case; forces and gaps contradict each other where the set is poor."""
         free_gap = self.contact.interpolation @ free + offset[0]
         active = None if start is None else start.forces[0] > 0
         forces, slack = np.zeros(offset.shape), np.zeros(offset.shape)
@@ -82,9 +82,9 @@ class ReducedContact:
 
     @abstractmethod
     def pressed(self, free_gap: Vector, active: Mask | None) -> tuple[Vector, int]:
-        """Return the contact forces (n_point,) that a free gap calls up, and linear systems solved.
+        """Return contact forces (n_point,) for a free gap, and the number of linear systems solved.
 
-        Active points are those in contact of a similar case.
+        ``active`` are the points in contact in a similar case.
         """
 
     def loosened(self, springs: ForcedSprings) -> NoReturn:  # noqa: ARG002
@@ -106,12 +106,12 @@ class ReducedContact:
 
 
 def with_static_contact(model: AnyModel, static_contact: ContactSolver) -> AnyModel:
-    """Return a copy that solves static contact with forces from a reduced set.
+    """Return a copy of a model whose static contact forces are of a reduced set.
 
-    The model, full or reduced with residual compliance, gives the compliance; the forces of the
-    reduced problem are those of all contact points.
+    The model is full, or reduced with residual compliance, and gives the compliance; the solution
+    has forces at all contact points.
     """
     model_copy = copy(model)
-    # What a model forms on first use and keeps is given to the copy instead.
+    # Replaces the contact problem that a model forms at first use.
     vars(model_copy)["static_contact"] = static_contact
     return model_copy

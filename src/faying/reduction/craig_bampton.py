@@ -8,9 +8,9 @@ from faying.reduction.normal_modes import NormalModes, fixed_interface_normal_mo
 def craig_bampton(model: Model, *, normal_modes: int = 20) -> Basis:
     """Return constraint modes, fixed-interface normal modes, a shape per bolt and load pattern.
 
-    The shape of a bolt, or of a load pattern, is the static one of a unit initial force, or load,
-    with the boundary held. Any preload is then represented exactly, by every method. A structure
-    that nothing holds has the shapes of (M12) besides.
+    The shape of a bolt, or of a load pattern, is the static response to a unit initial force, or
+    load, with the boundary held. Any preload is then represented exactly, by every method. A free
+    structure has the shapes of (M12) besides.
 
     Parameters
     ----------

@@ -6,9 +6,9 @@ applies to contact interfaces: with modes U of the contact forces and as many sa
 
     λ = E λ_z,   E = U (Zᵀ U)⁻¹,
 
-and only λ_z is evaluated by the contact law. The condensed problem becomes Zᵀ(S E) + D_z, which is
-not symmetric: it is no longer the minimum of an energy, a solution need not exist nor be the only
-one, and interpolated forces may pull.
+and only λ_z is evaluated by the contact law. The matrix of the condensed problem, Zᵀ(S E) + D_z, is
+not symmetric: there is no energy to minimize, solutions may not exist or not be unique, and
+interpolated forces may pull.
 """
 
 from dataclasses import dataclass
@@ -65,12 +65,12 @@ class DeimContact(ReducedContact):
         return sampled
 
     def pressed(self, free_gap: Vector, active: Mask | None) -> tuple[Vector, int]:
-        """Exchange the sampling points in contact until signs fit.
+        """Exchange sampling points in contact until all signs are right.
 
         Raises
         ------
         ConvergenceError
-            If they never do, which DEIM cannot rule out.
+            If that does not end, which DEIM cannot rule out.
         """
         points = self.deim.points
         closed = free_gap[points] < 0 if active is None else active[points]
@@ -92,8 +92,8 @@ def deim(contact_forces: Matrix, *, count: int) -> Deim:
 
     Notes
     -----
-    Greedy: each mode is interpolated by those before it, and the point where that fails most is
-    the next one (Chaturantabut & Sorensen 2010, algorithm 1).
+    Greedy: each mode is interpolated by the modes before it, and the point of the largest error is
+    the next sampling point (Chaturantabut & Sorensen 2010, algorithm 1).
     """
     modes = pod(contact_forces, count=count).vectors
     points = [int(np.abs(modes[:, 0]).argmax())]
@@ -109,7 +109,7 @@ def deim(contact_forces: Matrix, *, count: int) -> Deim:
 def with_deim(system: AnyModel, sampling: Deim) -> AnyModel:
     """Return a system whose contact law is evaluated at the sampling points only.
 
-    It is the full model, or a reduced one with residual compliance, which is statically as exact.
+    ``system`` is the full model, or a reduced one with residual compliance, exact in statics.
 
     Raises
     ------
@@ -129,7 +129,7 @@ def with_deim(system: AnyModel, sampling: Deim) -> AnyModel:
 
 
 def _exchange(matrix: Matrix, gap: Vector, closed: Mask) -> tuple[Vector, int]:
-    """Semismooth Newton for λ ≥ 0, matrix λ + gap ≥ 0, complementary."""
+    """Solve λ ≥ 0, matrix λ + gap ≥ 0, complementary, by a semismooth Newton method."""
     for iteration in range(1, MOST_STEPS + 1):
         index = np.flatnonzero(closed)
         forces = np.zeros_like(gap)

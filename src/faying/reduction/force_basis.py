@@ -1,8 +1,8 @@
 """Contact forces as nonnegative combinations of nonnegative vectors, with exact compliance.
 
-λ = W μ with μ ≥ 0 puts the reduced forces inside the cone of admissible ones: no pull, whatever
-the load. The condensed problem (M4) of ``docs/theory/method.md`` becomes one of the same form and
-of the size of the basis,
+λ = W μ with μ ≥ 0 keeps the reduced forces inside the cone of admissible forces: no tension under
+any load. The condensed problem (M4) of ``docs/theory/method.md`` keeps its form and has the size
+of the basis,
 
     min ½ μᵀ (Wᵀ H W) μ + (Wᵀ g_free)ᵀ μ   over μ ≥ 0,
 
@@ -32,7 +32,7 @@ class ForceBasis:
     Attributes
     ----------
     vectors : (n_point, n_force)
-        Each adds up to one, so that its coefficient μ is a contact force [force].
+        The sum of each is one, so that its coefficient μ is a contact force [force].
     """
 
     vectors: Matrix
@@ -48,7 +48,7 @@ class ForceBasis:
         return int(self.vectors.shape[1])
 
     def first(self, count: int) -> "ForceBasis":
-        """Return the first ``count`` vectors; of a greedy basis, the basis of that size."""
+        """Return the first ``count`` vectors, a basis of that size if this one is greedy."""
         return replace(self, vectors=self.vectors[:, :count])
 
 
@@ -75,7 +75,7 @@ class ForceBasisContact(ReducedContact):
         free_gap: Vector,
         active: Mask | None,  # noqa: ARG002  says nothing about the coefficients
     ) -> tuple[Vector, int]:
-        """Solve for the contact forces that a free gap (n_point,) calls up."""
+        """Return contact forces (n_point,) for a free gap, and the linear systems solved."""
         W = self.basis.vectors
         solution = contact_problem(self.reduced_flexibility, W.T @ free_gap).solve()
         return W @ solution.forces, solution.iterations
@@ -84,7 +84,7 @@ class ForceBasisContact(ReducedContact):
 def with_force_basis(system: AnyModel, basis: ForceBasis) -> AnyModel:
     """Return a system whose contact forces are nonnegative combinations of a force basis.
 
-    It is the full model, or a reduced one with residual compliance, which is statically as exact.
+    ``system`` is the full model, or a reduced one with residual compliance, exact in statics.
 
     Notes
     -----
@@ -100,12 +100,12 @@ def with_force_basis(system: AnyModel, basis: ForceBasis) -> AnyModel:
 
 
 def cone_projected_greedy(contact_forces: Matrix, *, count: int) -> ForceBasis:
-    """Pick the snapshots whose cone comes closest to all others.
+    """Select the snapshots whose cone comes closest to all others.
 
-    The snapshot farthest from the cone of those picked so far joins them, until there are enough or
-    all lie in the cone (cone-projected greedy, Benaceur et al. 2020). Distances are relative to the
-    snapshot's own norm here, so that weak preloads count like strong ones. Contact forces (n_point,
-    n_snapshot) are λ of training runs, see :mod:`faying.reduction.snapshots`.
+    The snapshot farthest from the cone of the selected ones is selected next, until there are
+    enough or all lie in the cone (cone-projected greedy, Benaceur et al. 2020). Distances are
+    relative to the norm of the snapshot, so that weak preloads count like strong ones. Contact
+    forces (n_point, n_snapshot) are λ of training runs, see :mod:`faying.reduction.snapshots`.
 
     Raises
     ------
@@ -114,11 +114,11 @@ def cone_projected_greedy(contact_forces: Matrix, *, count: int) -> ForceBasis:
 
     Notes
     -----
-    A snapshot's distance can only shrink as the cone grows, so only those that still lead are
-    projected again: a few nonnegative least-squares problems per vector.
+    A snapshot's distance can only shrink as the cone grows, so only the largest distances are
+    computed again: a few nonnegative least-squares problems per vector.
     """
     unit = _unit_snapshots(contact_forces)
-    # The negative distance bound, the snapshot, and the size of the cone it was measured for.
+    # Negative upper bound of the distance, the snapshot, and the size of the cone of this bound.
     queue: list[tuple[float, int, int]] = [(-1.0, column, 0) for column in range(unit.shape[1])]
     picked: list[int] = []
     while queue and len(picked) < count:
@@ -157,7 +157,7 @@ def nonnegative_factors(contact_forces: Matrix, *, count: int) -> ForceBasis:
 
 
 def _sweep(factor: Matrix, gram: Matrix, target: Matrix) -> Matrix:
-    """Minimize over one column after the other, each with nonnegative entries."""
+    """Minimize over the columns in turn, with nonnegative entries."""
     factor = factor.copy()
     for column in range(factor.shape[1]):
         if gram[column, column] <= 0:
@@ -169,7 +169,7 @@ def _sweep(factor: Matrix, gram: Matrix, target: Matrix) -> Matrix:
 
 
 def _unit_snapshots(contact_forces: Matrix) -> Matrix:
-    """Return the snapshots with any force at all, each of unit length."""
+    """Return the snapshots that are not zero, normalized."""
     snapshots = np.asarray(contact_forces, dtype=float)
     if snapshots.ndim != 2 or not np.isfinite(snapshots).all() or (snapshots < 0).any():
         refuse_model(

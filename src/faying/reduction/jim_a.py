@@ -14,14 +14,14 @@ from faying.reduction.pod import pod
 
 
 def subareas(interface: Interface, count: int) -> Indices:
-    """Cut an interface into parts of nearly equal area: 0 … count - 1 of every point (n_point,).
+    """Divide an interface into parts of nearly equal area; return part 0 … count − 1 of each point.
 
-    The largest part is cut across its longest side, at half its area, until there are enough.
-    Facets are not divided, so that there is at most one part per facet.
+    The largest part is halved in area across its longest side, until there are enough. Facets are
+    not divided, so that there is at most one part per facet.
     """
     if count < 1:
         refuse_model(f"{count} subareas asked for; give at least one")
-    # Nodal points name one of their facets each, and some facets may be named by none.
+    # A nodal point belongs to one of its facets, and some facets may have no point.
     numbers, facet = np.unique(interface.face_of_point, return_inverse=True)
     n_facet = len(numbers)
     area: Vector = np.bincount(facet, interface.weights, n_facet).astype(float)
@@ -64,12 +64,12 @@ def jim_a(
     joint_modes
         Number of joint modes, the most important first.
     subarea_count
-        Test loads over all interfaces together, each of them unit pressure on one subarea,
+        Number of test loads on all interfaces together, each a unit pressure on one subarea,
         Eq. (15.23); at most one per facet.
     weight
         Inner product W of the POD: the stiffness matrix, or the identity.
     classic
-        Result of :func:`craig_bampton` where it is known already.
+        Result of :func:`craig_bampton` if it has been computed.
 
     Notes
     -----

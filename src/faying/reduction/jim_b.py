@@ -17,7 +17,7 @@ def jim_b(
     joint_modes: int = 20,
     classic: Basis | None = None,
 ) -> Basis:
-    """Extend the classic basis by joint modes of contact forces met in training (method B).
+    """Extend the classic basis by joint modes of contact forces in training runs (method B).
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def jim_b(
     contact_forces : (n_point, n_snapshot) [force]
         λ of static and dynamic training runs, Eq. (15.30); see :mod:`faying.reduction.snapshots`.
     classic
-        Result of :func:`craig_bampton` where it is known already.
+        Result of :func:`craig_bampton` if it has been computed.
 
     Notes
     -----

@@ -1,4 +1,4 @@
-"""What a method of reduction is: how it is built, and how readers of a report meet it."""
+"""Methods of reduction: construction, and name and meaning in reports."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -13,14 +13,14 @@ from faying.reduction.projection import projected
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class OfflineData:
-    """What methods are built from, besides the model.
+    """Data from which methods are built, besides the model.
 
     Attributes
     ----------
     classic
         Result of :func:`faying.craig_bampton`.
     contact_forces : (n_point, n_snapshot) [force]
-        λ of training runs; without columns where no method asks for them.
+        λ of training runs; without columns if no method uses them.
     subareas, weight
         Test loads of method A and the inner product of its POD, as :func:`faying.jim_a` takes them.
     """
@@ -37,17 +37,17 @@ CLASSIC = "classic"
 
 @dataclass(frozen=True, kw_only=True)
 class JointModes:
-    """A way to extend the classic basis by joint modes, which several methods may share.
+    """A kind of joint modes that extend the classic basis; several methods may share it.
 
     Attributes
     ----------
     name
-        Of the basis, and of the stage of a run that builds it.
+        Name of the basis, and of the stage of a run that builds it.
     extended
-        Takes the model, the offline data and the number of joint modes; returns the classic basis
-        and joint modes that vanish on the boundary, ordered by importance.
+        Function of the model, the offline data and the number of joint modes; returns the classic
+        basis with joint modes that vanish on the boundary, ordered by importance.
     trained
-        Whether it looks at the training forces.
+        Whether it uses the training forces.
     """
 
     name: str
@@ -57,28 +57,27 @@ class JointModes:
 
 @dataclass(frozen=True, kw_only=True)
 class Method:
-    """A way to reduce a model.
+    """A method to reduce a model.
 
     Attributes
     ----------
     name
-        As studies spell it.
+        Name in studies.
     meaning
-        A sentence for readers who meet the name for the first time.
+        Explanation in one sentence for readers new to the method.
     colour, marker
-        In every figure, as matplotlib names them.
+        Style in every figure, as matplotlib names them.
     joint_modes
-        What its basis has beyond the classic one; None for nothing.
+        Joint modes of its basis; None for the classic basis.
     compliance
         Whether the residual interface compliance is kept.
     forces
-        For methods that reduce contact forces instead of displacements: takes the model, training
-        forces and the number of vectors or points; returns a system for statics.
+        For methods that reduce contact forces instead of displacements: function of the model,
+        training forces and the number of vectors or points; returns a system for statics.
     source
-        Publication of a method that is here to compare with; studies compare the others unless
-        they name methods.
+        Publication of a method included for comparison, which studies compare only by name.
     on_request
-        Whether studies compare it only where they name it.
+        Whether studies compare it only by name, without a publication.
     """
 
     name: str
@@ -93,12 +92,12 @@ class Method:
 
     @property
     def basis_name(self) -> str:
-        """Name of its basis, which it may share with other methods."""
+        """Name of its basis, which other methods may share."""
         return self.joint_modes.name if self.joint_modes else CLASSIC
 
     @property
     def compared(self) -> bool:
-        """Whether studies compare it that name no methods."""
+        """Whether studies without a list of methods compare it."""
         return not self.source and not self.on_request
 
     @property
@@ -113,14 +112,14 @@ class Method:
         return self.forces is None
 
     def counts(self, basis: Basis, sizes: Sequence[int]) -> list[int]:
-        """Return the sizes it is built at: joint modes as far as there are any, or 0 without."""
+        """Return the sizes to build: numbers of joint modes, as far as there are any; 0 without."""
         if self.forces is not None:
             return list(sizes)
         available = basis.count(ModeKind.JOINT) if self.joint_modes else 0
         return sorted({min(count, available) for count in sizes}) if available else [0]
 
     def reduced(self, model: Model, basis: Basis, contact_forces: Matrix, count: int) -> System:
-        """Return the reduced model of a size, without what recovers pressures.
+        """Return the reduced model of a size, without recovery matrices for pressures.
 
         Parameters
         ----------
@@ -129,7 +128,7 @@ class Method:
         contact_forces : (n_point, n_snapshot) [force]
             λ of training runs.
         count
-            Joint modes, force vectors or sampling points.
+            Number of joint modes, force vectors or sampling points.
         """
         if self.forces is not None:
             return self.forces(model, contact_forces, count)

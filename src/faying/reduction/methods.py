@@ -1,10 +1,10 @@
-"""The methods that a study can name, each said once: how it is built, what it means, how it looks.
+"""The methods that a study can name, with construction, meaning and style.
 
-The first six are compared unless a study says otherwise. The seventh, for transients, is compared
-where it is named, and where ``compliance`` is estimated to be off. The others come from the
-literature and are here to compare with. Colours are from Okabe and Ito's palette, distinguishable
-with every colour vision (Color Universal Design, 2008), those of the literature's methods from
-Tol's muted scheme (SRON/EPS/TN/09-002).
+The first six are compared by default. The seventh, for transients, is compared by name, and where
+``compliance`` is estimated to be inaccurate. The others come from the literature and are included
+for comparison. Colours are from Okabe and Ito's palette, distinguishable with every colour vision
+(Color Universal Design, 2008), those of the literature's methods from Tol's muted scheme
+(SRON/EPS/TN/09-002).
 """
 
 from collections.abc import Mapping

@@ -1,7 +1,7 @@
-"""How many vibration modes there are below a frequency, and whether all of them were found.
+"""The number of vibration modes below a frequency, as a check that none was missed.
 
-Lanczos finds eigenvalues, and cannot tell whether it has missed one, least of all where several
-coincide. The signs of the pivots of K − ω²M can (:mod:`faying.linalg.backends`).
+Lanczos finds eigenvalues but cannot tell whether it has missed one, least of all among multiple
+eigenvalues. The signs of the pivots of K − ω²M can (:mod:`faying.linalg.backends`).
 """
 
 from dataclasses import dataclass
@@ -28,9 +28,9 @@ class ModeCount:
     below : [1/time]
         Frequency in a gap between modes.
     found : [1]
-        Modes computed below it.
+        Number of modes computed below it.
     counted : [1]
-        Modes there are, by the inertia of K − ω² M; None if they could not be counted.
+        Number of modes that exist, by the inertia of K − ω² M; None if it could not be counted.
     reason
         Why they could not be counted.
     """
@@ -42,20 +42,20 @@ class ModeCount:
 
 
 def count_modes_below(model: Model, frequency: float) -> int:
-    """Count the fixed-interface normal modes below a frequency [1/time], without computing any.
+    """Return the number of fixed-interface normal modes below a frequency [1/time].
 
-    The boundary is held and contact absent, as for :func:`faying.craig_bampton`: how many
-    ``normal_modes`` reach up to a frequency, and the proof that none was missed.
+    The boundary is held and contact absent, as for :func:`faying.craig_bampton`. The number tells
+    which ``normal_modes`` covers a frequency, and proves that no mode was missed.
 
     Raises
     ------
     InertiaError
-        If the frequency is so close to one of theirs that round-off decides.
+        If the frequency is so close to a natural frequency that round-off decides.
 
     Notes
     -----
-    One factorization of K − ω²M, by Sylvester's law of inertia. Backend and memory as in
-    :func:`faying.factorize`.
+    One factorization of K − ω²M, by Sylvester's law of inertia; no modes are computed. Backend and
+    memory as in :func:`faying.factorize`.
 
     Examples
     --------
@@ -67,7 +67,7 @@ def count_modes_below(model: Model, frequency: float) -> int:
 
 
 def check_modes(structure: Structure, modes: NormalModes) -> ModeCount | None:
-    """Count the normal modes of a structure and compare with those that were found.
+    """Return the number of normal modes of a structure that exist and that were computed.
 
     None where the frequencies leave no gap to count in.
     """
@@ -90,7 +90,7 @@ def check_modes(structure: Structure, modes: NormalModes) -> ModeCount | None:
 
 
 def _last_gap(frequencies: list[float]) -> tuple[int, float] | None:
-    """Return how many frequencies lie below the last gap between them, and its middle."""
+    """Return the number of frequencies below the last gap between them, and its middle."""
     gaps = list(enumerate(pairwise(frequencies), start=1))
     for below, (lower, upper) in reversed(gaps):
         # Round-off moves frequencies by 1e-10 on meshes of 50 000 degrees of freedom.

@@ -1,4 +1,4 @@
-"""What a stored reduced model must be to be one, beside the shapes of its parts."""
+"""Checks of a stored reduced model beyond the shapes of its arrays."""
 
 from collections.abc import Mapping
 
@@ -14,14 +14,14 @@ from faying.reduction.model_data import MeshShapes
 
 
 def check_definite(matrix: Matrix, entry: str) -> None:
-    """Refuse a symmetric matrix with negative eigenvalues, that contact problems never end with."""
+    """Refuse a symmetric matrix with negative eigenvalues: contact would not converge."""
     largest = np.abs(matrix).max(initial=0.0)
     if largest == 0:
         return
     if np.abs(matrix - matrix.T).max() > DECK_DIGITS * largest:
         refuse_value(f"'{entry}' is not symmetric")
     diagonal = np.diag(matrix)
-    # Coordinates have units of their own; a sign does not depend on them.
+    # Scaled, because coordinates have different units, which do not change signs.
     scale = 1 / np.sqrt(np.where(diagonal > np.finfo(float).eps * largest, diagonal, largest))
     try:
         np.linalg.cholesky(matrix * scale * scale[:, None] + DECK_DIGITS * np.eye(len(matrix)))
@@ -52,7 +52,7 @@ def check_distinct(indices: Indices, length: int, entry: str) -> None:
 
 
 def check_nodes(nodes: Indices, components: Indices, mesh: MeshShapes, entry: str) -> None:
-    """Refuse degrees of freedom of nodes that are not there, of no component, or there twice."""
+    """Refuse degrees of freedom of unknown nodes or components, and repeated ones."""
     missing = nodes[~np.isin(nodes, mesh.node_ids)]
     if len(missing):
         refuse_value(f"'{entry}/nodes' names node {missing[0]}, which is not among the nodes")
@@ -63,7 +63,7 @@ def check_nodes(nodes: Indices, components: Indices, mesh: MeshShapes, entry: st
 
 
 def check_surfaces(interfaces: Mapping[str, ContactSurface], mesh: MeshShapes) -> None:
-    """Refuse interfaces whose arrays are not of their points and pairs, or of nodes not there."""
+    """Refuse interfaces with arrays of other lengths than points and pairs, or unknown nodes."""
     for interface, surface in interfaces.items():
         n_point, n_pair = len(surface.weights), len(surface.pairs)
         shapes = {

@@ -1,4 +1,4 @@
-"""What a reduced model knows: matrices in its coordinates, contact, and the ports it came from."""
+"""The data of a reduced model: matrices in its coordinates, contact, ports of the full model."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -35,9 +35,9 @@ class MeshShapes:
     vectors : (n_row, n_shape) or None
         Shapes of this model and perhaps of others; None where they were left out.
     columns : (n_mode,)
-        Which of them are this model's.
+        Columns of ``vectors`` that belong to this model.
     translations : (3 n_node, n_row) sparse, or None
-        What takes the rows of ``vectors`` to the nodes; None where they are the nodes' own.
+        Map from the rows of ``vectors`` to the nodes; None where the rows are those of the nodes.
     """
 
     nodes: Matrix
@@ -59,7 +59,7 @@ class MeshShapes:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ModelData(Frozen):
-    """What is known of a reduced model, and what its file keeps.
+    """The data of a reduced model, in memory and in its file.
 
     Optional parts are None where they are unknown or were left out.
 
@@ -69,17 +69,17 @@ class ModelData(Frozen):
     contact
         With PΦ in place of P, and the residual compliance where it is kept.
     boundaries, bolts, load_patterns, weak_supports
-        As seen by the generalized coordinates.
+        In generalized coordinates.
     basis
-        Φ with the kinds of its vectors; without rows where the vectors were left behind.
+        Φ with the kinds of its vectors; without rows where the vectors were left out.
     interfaces
         Geometry and law of the contact points, by name.
     mesh
-        Nodes, elements and how they move.
+        Nodes, elements and their displacements.
     name, units
         Of the full model.
     period
-        Longest period of its small vibrations about the preloaded state [time]; None where unknown.
+        Longest period of small vibrations about the preloaded state [time]; None where unknown.
     method
         Name of the reduction.
     ports
@@ -88,14 +88,14 @@ class ModelData(Frozen):
     recovery_inertia, recovery_damping : (n_port, n_mode)
         Q K⁻¹ M Φ and Q K⁻¹ C Φ, see :class:`~faying.reduction.recovery.Recovery`.
     recovery_frame : (n_port, 12)
-        Q K⁻¹ M A, for supports that move.
+        Q K⁻¹ M A, for moving supports.
     invariants : (4 + 3 n_mode, 4 + 3 n_mode)
         ∫ρ a b dV of the fields 1, x, y, z and the components of the trial vectors, for floating
         frames.
     rigid_motions : (n_mode, n_motion)
-        R, motions as a whole that nothing resists, RᵀMR = I.
+        R, free rigid motions, RᵀMR = I.
     tangential
-        What is carried along the interfaces per input and contact force of the full model.
+        Tangential resultants of interfaces per input and contact force of the full model.
     """
 
     M: Matrix
@@ -123,5 +123,5 @@ class ModelData(Frozen):
 
     @property
     def unit_set(self) -> Units:
-        """Units of all numbers here."""
+        """Units of all values."""
         return units_of(self.units)

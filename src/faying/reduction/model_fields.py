@@ -1,4 +1,4 @@
-"""What every entry of a stored reduced model means, in results.h5 and in a file of its own."""
+"""The meaning of every entry of a stored reduced model, in results.h5 and in a file of its own."""
 
 from faying.files.meanings import Meaning, Table, meanings
 from faying.interface.interface import FacePairs

@@ -1,4 +1,4 @@
-"""Reduced models out of HDF5 files, as :mod:`faying.reduction.model_writer` puts them there."""
+"""Reading of reduced models from the HDF5 files of :mod:`faying.reduction.model_writer`."""
 
 import json
 from collections.abc import Iterable, Mapping
@@ -71,13 +71,12 @@ def read_reduced_model(path: Path | str) -> ReducedModel:
     Returns
     -------
     ReducedModel
-        Of the same numbers, to the last bit.
+        With the same numbers, to the last bit.
 
     Raises
     ------
     FormatError
-        If the file is missing, is none of faying's reduced models, is of another version or is
-        damaged.
+        If the file is missing, not a reduced model of faying, of another version or damaged.
 
     Examples
     --------
@@ -132,7 +131,7 @@ def read_ports(
     bolt_forces: Mapping[str, float],
     mesh: MeshShapes,
 ) -> ReducedModel:
-    """Return what the models of a file have in common, as a model without coordinates."""
+    """Return the common part of the models of a file, as a model without coordinates."""
     boundaries, first = {}, 0
     for name, boundary in items(member(group, "boundaries")):
         nodes = numbers(boundary, "nodes", dtype=np.int64)
@@ -147,7 +146,7 @@ def read_ports(
         names = ", ".join(bolt_forces)
         message = f"'{group.name}/bolt_stiffness' is of {', '.join(stiffness)}, expected {names}"
         raise ValueError(message)
-    added = _optional(group, "pattern_bolt_forces", (len(patterns), len(stiffness)))
+    added = _optional_numbers(group, "pattern_bolt_forces", (len(patterns), len(stiffness)))
     rows = np.zeros((len(patterns), len(stiffness))) if added is None else added
     expanding = [{n: f for n, f in zip(stiffness, row, strict=True) if f} for row in rows.tolist()]
     contact = _contact(group, interfaces)
@@ -171,7 +170,7 @@ def read_ports(
             for name, of_bolts in zip(patterns, expanding, strict=True)
         },
         ports=ports,
-        recovery_frame=_optional(group, "frame_recovery", (n_port, 12)),
+        recovery_frame=_optional_numbers(group, "frame_recovery", (n_port, 12)),
         interfaces=interfaces,
         mesh=mesh,
     )
@@ -180,11 +179,11 @@ def read_ports(
 def _ports(
     group: h5py.Group, contact: Contact, n_port: int, n_boundary: int, n_pattern: int
 ) -> PortCompliance | None:
-    """Return the compliance of all ports, that of the pairs formed or not."""
+    """Return the compliance of all ports, with that of the pairs dense or as sparse factors."""
     n_relative = int(contact.relative_operator.shape[0])
-    if (whole := _optional(group, "compliance", (n_port, n_port))) is not None:
+    if (whole := _optional_numbers(group, "compliance", (n_port, n_port))) is not None:
         check_definite(whole, f"{group.name}/compliance")
-        stiffness = _optional(group, "relative_stiffness", (n_relative, n_relative))
+        stiffness = _optional_numbers(group, "relative_stiffness", (n_relative, n_relative))
         return port_compliance_of(whole, n_relative, n_boundary, n_pattern, stiffness)
     relative = _compliance(group, "relative_compliance", contact)
     if relative is None:
@@ -202,17 +201,17 @@ def _ports(
 
 
 def _compliance(group: h5py.Group, name: str, contact: Contact) -> Compliance | None:
-    """Return a compliance between the pairs, formed or not; None where there is none."""
+    """Return a compliance between the pairs, dense or as sparse factors; None if not stored."""
     n_relative = int(contact.relative_operator.shape[0])
     if isinstance(group.get(name), h5py.Group):
         return read_compliance(group[name], n_relative)
-    return _optional(group, name, (n_relative, n_relative))
+    return _optional_numbers(group, name, (n_relative, n_relative))
 
 
 def read_model(group: h5py.Group, joint: ReducedModel) -> ReducedModel:
-    """Return a reduced model from its matrices and what it has in common with others.
+    """Return a reduced model from its matrices and the common part of all models.
 
-    Where the file has no residual compliance, it is R = P K⁻¹ Pᵀ − PΦ K_r⁻¹ (PΦ)ᵀ (M5).
+    Without a stored residual compliance, this is R = P K⁻¹ Pᵀ − PΦ K_r⁻¹ (PΦ)ᵀ (M5).
     """
     kinds = tuple(map(ModeKind, texts(group, "kinds")))
     n, n_relative = len(kinds), int(joint.contact.relative_operator.shape[0])
@@ -223,7 +222,7 @@ def read_model(group: h5py.Group, joint: ReducedModel) -> ReducedModel:
     n_boundary = sum(len(boundary.dofs) for boundary in joint.boundaries.values())
     dofs = numbers(group, "boundary", (n_boundary,), np.int64)
     check_distinct(dofs, n, f"{group.name}/boundary")
-    loads = _optional(group, "pattern_forces", (len(joint.load_patterns), n))
+    loads = _optional_numbers(group, "pattern_forces", (len(joint.load_patterns), n))
     motions = rigid_motions_of(group, n)
     check_definite(shifted(K, M @ motions), f"{group.name}/stiffness")
     residual = _compliance(group, "residual_compliance", joint.contact)
@@ -267,14 +266,14 @@ def read_model(group: h5py.Group, joint: ReducedModel) -> ReducedModel:
         else {},
         weak_supports=weak_supports_of(group, n),
         rigid_motions=motions,
-        recovery_inertia=_optional(group, "inertia_recovery", (n_port, n)),
-        recovery_damping=_optional(group, "damping_recovery", (n_port, n)),
-        invariants=_optional(group, "invariants", (4 + 3 * n, 4 + 3 * n)),
+        recovery_inertia=_optional_numbers(group, "inertia_recovery", (n_port, n)),
+        recovery_damping=_optional_numbers(group, "damping_recovery", (n_port, n)),
+        invariants=_optional_numbers(group, "invariants", (4 + 3 * n, 4 + 3 * n)),
     )
 
 
 def _with_shapes(group: h5py.Group, rom: ReducedModel) -> ReducedModel:
-    """Add the trial vectors of a model in a file of its own, or what they do to the nodes."""
+    """Add the trial vectors of a model in a file of its own, or its displacements of nodes."""
     n, n_node = len(rom.K), len(rom.mesh.nodes)
     mesh = replace(rom.mesh, columns=np.arange(n))
     if "trial_vectors" in group:
@@ -293,7 +292,7 @@ def _with_shapes(group: h5py.Group, rom: ReducedModel) -> ReducedModel:
 
 
 def _with_ends(file: h5py.File, bolts: Mapping[str, Bolt]) -> dict[str, Bolt]:
-    """Return bolts with the places they are at, where the file has them."""
+    """Return bolts with the positions of their ends, where the file has them."""
     group = file.get("bolt_ends", {})
     return {
         name: replace(bolt, ends=numbers(group, name, (2, 3)))
@@ -335,25 +334,25 @@ def _contact(group: h5py.Group, interfaces: Mapping[str, ContactSurface]) -> Con
     return Contact(
         relative_operator=np.zeros((n_relative, 0)),
         interpolation=interpolation,
-        initial_gap=_joined(record.initial_gap for record in records),
-        weights=_joined(record.weights for record in records),
+        initial_gap=_concatenated(record.initial_gap for record in records),
+        weights=_concatenated(record.weights for record in records),
         laws={name: recorded_law(record) for name, record in interfaces.items()},
         slices={name: slice(*record.slice) for name, record in interfaces.items()},
         **stated,
     )
 
 
-def _joined(parts: Iterable[Matrix]) -> Matrix:
+def _concatenated(parts: Iterable[Matrix]) -> Matrix:
     joined: Matrix = frozen(np.concatenate([*parts, np.empty(0)]))
     return joined
 
 
-def _optional(group: h5py.Group, name: str, shape: tuple[int, ...]) -> Matrix | None:
+def _optional_numbers(group: h5py.Group, name: str, shape: tuple[int, ...]) -> Matrix | None:
     return numbers(group, name, shape) if name in group else None
 
 
 def study_of(path: Path | str) -> str:
-    """Return the text of the study that a file of a reduced model was made from; empty if none.
+    """Return the text of the study that a reduced model in a file came from; empty if none.
 
     Raises
     ------
@@ -370,9 +369,9 @@ PRELOAD_PATH = "preload_path"
 
 
 def preload_path_of(path: Path | str) -> list[dict[str, float]] | None:
-    """Return the initial bolt forces that tightened a joint with friction, increment by increment.
+    """Return the path of initial bolt forces that tightened a joint with friction, by increment.
 
-    Empty of one that was tightened without friction; None where the file does not say.
+    Empty after tightening without friction; None if the file has no record of it.
 
     Raises
     ------

@@ -1,9 +1,9 @@
-"""Reduced models into HDF5 files: one into a file of its own, or those of a run into its results.
+"""Writing of reduced models to HDF5: one to a file of its own, or those of a run to its results.
 
 Both have the compliance of the full model under ``/ports`` and matrices in the coordinates under
-``/reduced``; :mod:`faying.reduction.model_fields` says what each entry means. A file of its own
-keeps what gives the same numbers to the last bit, so the residual compliance too, which those of a
-run form anew from the compliance of the ports.
+``/reduced``; :mod:`faying.reduction.model_fields` explains each entry. A file of its own restores
+the same numbers to the last bit and so holds the residual compliance too; for the models of a run
+this is computed from the compliance of the ports.
 """
 
 import platform
@@ -119,7 +119,7 @@ def write_models(
 
 
 def _law(law: Law) -> dict[str, Any]:
-    """Return name and parameters of a law, one of which may be a law itself."""
+    """Return name and parameters of a law; a parameter may be a law itself."""
     parameters = {
         name: _law(value) if hasattr(value, "admissible") else value
         for name, value in vars(law).items()
@@ -162,7 +162,7 @@ def _port_members(rom: ModelData) -> dict[str, Any]:
 
 
 def _bolts_of_patterns(rom: ModelData) -> Matrix | None:
-    """Return what load patterns add to the forces of bolts (n_pattern, n_bolt); None if nothing."""
+    """Return bolt forces per load pattern (n_pattern, n_bolt); None if all vanish."""
     rows = [
         [pattern.bolt_forces.get(bolt, 0.0) for bolt in rom.bolts]
         for pattern in rom.load_patterns.values()
@@ -206,5 +206,5 @@ def _own_members(rom: ModelData, *, shapes: bool) -> dict[str, Any]:
 
 
 def _moments(rows: Mapping[str, Any]) -> dict[str, Matrix] | None:
-    """Return the rows there are, by bolt; None without any."""
+    """Return the rows that exist, by bolt; None without any."""
     return {name: np.asarray(row) for name, row in rows.items() if row is not None} or None

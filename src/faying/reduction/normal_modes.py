@@ -28,7 +28,7 @@ class NormalModes:
     frequencies : (n_mode,) [1/time]
         Cyclic, ascending.
     next_frequency : [1/time]
-        That of the first mode left out; infinite where there is none.
+        Frequency of the first mode left out; infinite where there is none.
     """
 
     vectors: Matrix
@@ -41,8 +41,8 @@ def fixed_interface_normal_modes(structure: Structure, count: int) -> NormalMode
 
     Notes
     -----
-    Shift-invert Lanczos with the interior factorization the structure already has. One mode more
-    is computed, so that :func:`~faying.reduction.mode_count.check_modes` can count below it.
+    Shift-invert Lanczos with the interior factorization of the structure. One more mode is
+    computed, so that :func:`~faying.reduction.mode_count.check_modes` can count below it.
     """
     inner = structure.interior
     if count > len(inner):
@@ -78,13 +78,13 @@ def lowest_modes(
         refuse_model(f"{NO_MASS}, so it has no vibration modes; give its materials a density")
     n = K.shape[0]
     if n <= 3 * count + 20 or not sp.issparse(K):  # Lanczos needs room, and sparse matrices
-        # M may be singular (massless couplings), and K of what nothing holds: with M = L Lᵀ
+        # M may be singular (massless couplings), and K too (free parts): with M = L Lᵀ
         # solve Lᵀ K⁺ L y = ω⁻² y, then φ = ω² K⁺ L y.
         mass, ways = la.eigh(dense(M))
         root = ways * np.sqrt(np.maximum(mass, 0.0))
         moved = factor.solve(root)
         inverse, vectors = la.eigh(root.T @ moved)
-        # What has no mass, or is rigid, comes out at round-off: no vibration is faster.
+        # Massless and rigid motions have eigenvalues of the size of round-off.
         threshold = np.finfo(float).eps * inverse.max()
         squares = 1.0 / np.maximum(inverse[::-1][:count], threshold)
         return squares, moved @ vectors[:, ::-1][:, :count] * squares

@@ -22,7 +22,7 @@ class Pod:
     singular_values : (n_mode,)
         √λ_i of Eq. (15.22a).
     discarded : float
-        Part of Σ‖y_j‖²_W that the kept modes miss.
+        Fraction of Σ‖y_j‖²_W outside the span of the modes.
     """
 
     vectors: Matrix
@@ -33,16 +33,16 @@ class Pod:
 def pod(
     snapshots: Matrix, *, inner: SparseMatrix | Compliance | None = None, count: int | None = None
 ) -> Pod:
-    """Find the modes that represent a collection of snapshots best, Eq. (15.20).
+    """Return the modes that represent a collection of snapshots best, Eq. (15.20).
 
     Parameters
     ----------
     snapshots : (n, n_snapshot)
         Y, one snapshot a column.
     inner : (n, n), optional
-        W of Eq. (15.21), symmetric positive definite; the identity unless given.
+        W of Eq. (15.21), symmetric positive definite; by default the identity.
     count
-        Modes wanted; fewer are returned when the snapshots have lower rank.
+        Largest number of modes; fewer are returned when the snapshots have lower rank.
 
     Raises
     ------
@@ -51,8 +51,8 @@ def pod(
 
     Notes
     -----
-    QR of the snapshots, Cholesky of W seen through it, SVD of a small matrix: unlike the
-    eigenproblem (15.22) this keeps singular values down to round-off instead of its square root.
+    QR of the snapshots, Cholesky of W projected on Q, SVD of a small matrix: this resolves
+    singular values down to round-off, the eigenproblem (15.22) only to its square root.
 
     Examples
     --------

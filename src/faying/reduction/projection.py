@@ -1,4 +1,4 @@
-"""Galerkin projection, Eq. (15.16), and what a reduced model keeps of the full one beside it."""
+"""Galerkin projection, Eq. (15.16), and the data of the full model in a reduced one."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -36,8 +36,8 @@ def reduce(model: Model, basis: Basis, *, compliance: bool = False) -> ReducedMo
     basis
         Trial vectors; boundary rows [I 0] where it has constraint modes.
     compliance
-        Keep the compliance between contact points that the basis lacks, as a massless spring
-        between contact forces and gaps, (M5): static solutions are then exact.
+        Whether to keep the compliance between contact points that the basis lacks, as a massless
+        spring between contact forces and gaps, (M5): static solutions are then exact.
 
     Returns
     -------
@@ -46,8 +46,8 @@ def reduce(model: Model, basis: Basis, *, compliance: bool = False) -> ReducedMo
 
     Notes
     -----
-    Three projections; with ``compliance`` one back-substitution per contact pair, made once for
-    all bases of a structure; two per trial vector for what recovers pressures.
+    Three projections; with ``compliance`` one back-substitution per contact pair, once for all
+    bases of a structure; two per trial vector for the recovery of pressures.
 
     Examples
     --------
@@ -74,7 +74,7 @@ def reduce(model: Model, basis: Basis, *, compliance: bool = False) -> ReducedMo
 
 
 def projected(model: Model, basis: Basis, *, compliance: bool = False) -> ReducedModel:
-    """Project as :func:`reduce`, without what recovers pressures of the full model."""
+    """Project as :func:`reduce`, without the recovery matrices for pressures."""
     phi, mesh = basis.vectors, model.assembly.mesh
     M, C, K = _matrices(model, phi)
     residual: Compliance | None = None
@@ -127,7 +127,7 @@ def contact_surfaces(model: Model) -> dict[str, ContactSurface]:
 
 
 def for_moving_supports(model: Model, rom: ReducedModel) -> ReducedModel:
-    """Return a reduced model that also knows what moving supports and floating frames need.
+    """Return a reduced model with the matrices for moving supports and floating frames.
 
     Notes
     -----
@@ -146,10 +146,10 @@ def for_moving_supports(model: Model, rom: ReducedModel) -> ReducedModel:
 def completed(
     model: Model, models: Sequence[ReducedModel], most_bytes: int = MOST_SHAPE_BYTES
 ) -> list[ReducedModel]:
-    """Give reduced models of one full model all that files keep, computed together.
+    """Return reduced models of one full model with all data of their files, computed together.
 
-    Recovery matrices, those of moving supports, and shapes of the models whose shapes all fit.
-    Shapes of all may take ``most_bytes``.
+    These are recovery matrices, also for moving supports, and nodal shapes of the models whose
+    shapes fit entirely into ``most_bytes`` for all.
 
     Notes
     -----
@@ -160,7 +160,7 @@ def completed(
     if ports is None:
         return list(models)
     tangential = tangential_rows(model)
-    # The shortest first, for shapes are kept as far as there is room.
+    # The shortest first, so that the shapes of most models fit.
     order = sorted(models, key=lambda rom: len(rom.basis))
     together, columns = _shared_vectors([rom.basis for rom in order])
     operator, frame = supported_operator(model, together), frame_operator(model)
@@ -192,7 +192,7 @@ def completed(
 
 
 def nodal_shapes(model: Model, basis: Basis, most_bytes: int = MOST_SHAPE_BYTES) -> Matrix:
-    """Return trial vectors as displacements of nodes (n_shape, n_node, 3), the first that fit."""
+    """Return the first trial vectors that fit as nodal displacements (n_shape, n_node, 3)."""
     n_node = model.dofs.n_nodes
     count = min(len(basis), most_bytes // max(24 * n_node, 1))
     shapes: Matrix = model.dofs.translations @ basis.vectors[:, :count]
@@ -205,8 +205,8 @@ def residual_compliance(model: Model, basis: Basis) -> Compliance:
     R = P K_ii⁻¹ Pᵀ − PΦ_f (Φ_fᵀ K Φ_f)⁻¹ (PΦ_f)ᵀ, (M6), with Φ_f the shapes that vanish on the
     boundary.
     Constraint modes are exact and K-orthogonal to Φ_f, so this equals (M5),
-    P K⁻¹ Pᵀ − PΦ K_r⁻¹ (PΦ)ᵀ, where the structure is held, and exists where it is not. Positive
-    semidefinite: it is the compliance of the structure with its boundary and Φ_f held.
+    P K⁻¹ Pᵀ − PΦ K_r⁻¹ (PΦ)ᵀ, where the structure is held, and it exists for free structures too.
+    It is positive semidefinite: the compliance of the structure with its boundary and Φ_f held.
     """
     return _residual_compliance(model, basis, _held_stiffness(model, basis))
 
@@ -220,15 +220,15 @@ def _residual_compliance(model: Model, basis: Basis, stiffness: Matrix) -> Compl
 def full_displacement(model: Model, solution: Solution) -> Matrix:
     """Return displacements at the free degrees of freedom of the full model (..., n_dof).
 
-    Of a reduced model that keeps a residual compliance with the displacements that this stands
-    for: gaps agree with them, and static ones are those of the full model.
+    For a reduced model with residual compliance the result includes the displacements that this
+    represents: it agrees with the gaps, and is exact in statics.
 
     Parameters
     ----------
     model
         The full model that was reduced.
     solution
-        Of a reduced model with trial vectors, or of the full model.
+        Solution of a reduced model with trial vectors, or of the full model.
 
     Raises
     ------
@@ -258,7 +258,7 @@ def full_displacement(model: Model, solution: Solution) -> Matrix:
     pairs = rom.contact.at_pairs(solution.contact_forces, solution.shear_forces).T
     at_dofs = (np.atleast_2d(pairs) @ model.structure.relative_operator).T
     # K_ii⁻¹ Pᵀ f − Φ_f (Φ_fᵀ K Φ_f)⁻¹ Φ_fᵀ Pᵀ f, which P takes to R f.
-    behind = _beyond(model, rom.basis, _held_stiffness(model, rom.basis), at_dofs)
+    behind = _beyond_basis(model, rom.basis, _held_stiffness(model, rom.basis), at_dofs)
     return np.asarray(moved + behind.T.reshape(moved.shape))
 
 
@@ -268,7 +268,7 @@ def trial_vectors_of(rom: ReducedModel, model: Model) -> Matrix:
     Raises
     ------
     ModelError
-        If it came without them, or is no reduced one of this full model.
+        If it has none, or was not reduced from this full model.
     """
     vectors = rom.trial_vectors
     if len(vectors) != model.structure.n_dof:
@@ -282,22 +282,22 @@ def trial_vectors_of(rom: ReducedModel, model: Model) -> Matrix:
 def _residuals(
     model: Model, basis: Basis, stiffness: Matrix, rows: Mapping[str, SparseMatrix | Matrix]
 ) -> dict[str, Matrix]:
-    """Return what rows (k, n_dof) tell of pair forces beyond a basis (k, n_relative), by name.
+    """Return values of rows (k, n_dof) per pair force, beyond those of a basis (k, n_relative).
 
-    What pair forces do to them is, the operator being symmetric, what the rows, taken as forces,
-    do to the pairs: one back-substitution each.
+    By symmetry these are displacements of the pairs under the rows as forces: one back-substitution
+    for each row.
     """
     if not rows:
         return {}
     stacked = np.vstack([sp.csr_array(matrix).toarray() for matrix in rows.values()])
-    seen = model.structure.relative_operator @ _beyond(model, basis, stiffness, stacked.T)
+    seen = model.structure.relative_operator @ _beyond_basis(model, basis, stiffness, stacked.T)
     ends = np.cumsum([matrix.shape[0] for matrix in rows.values()])[:-1]
     residuals: Matrix = frozen(np.ascontiguousarray(seen.T))
     return dict(zip(rows, np.split(residuals, ends), strict=True))
 
 
-def _beyond(model: Model, basis: Basis, stiffness: Matrix, forces: Matrix) -> Matrix:
-    """Return displacements (n_dof, n) under forces, boundary held, that a basis lacks."""
+def _beyond_basis(model: Model, basis: Basis, stiffness: Matrix, forces: Matrix) -> Matrix:
+    """Return displacements (n_dof, n) under forces, boundary held, outside the span of a basis."""
     fixed = basis.of_kind(*VANISHING)
     statics = model.structure.firm.solve_held(forces)
     shares = np.linalg.solve(stiffness, fixed.T @ forces)
@@ -306,7 +306,7 @@ def _beyond(model: Model, basis: Basis, stiffness: Matrix, forces: Matrix) -> Ma
 
 
 def _ports(model: Model) -> PortCompliance | None:
-    """Return the compliance of the full model; None where nothing but its boundary holds it."""
+    """Return the compliance of the full model; None where its boundary alone holds it."""
     try:
         ports = model.port_compliance
         return replace(ports, pairs=ports.pairs.alone())
@@ -315,7 +315,7 @@ def _ports(model: Model) -> PortCompliance | None:
 
 
 def _shared_vectors(bases: Sequence[Basis]) -> tuple[Basis, list[Indices]]:
-    """Return the distinct vectors of several bases, and where those of each basis are."""
+    """Return the distinct vectors of several bases, and the columns of each basis in them."""
     places: dict[bytes, int] = {}
     columns: list[tuple[Basis, int]] = []
     chosen: list[Indices] = []
@@ -334,7 +334,7 @@ def _shared_vectors(bases: Sequence[Basis]) -> tuple[Basis, list[Indices]]:
 
 
 def _matrices(model: Model, phi: Matrix) -> tuple[Matrix, Matrix, Matrix]:
-    """Return M, C and K of a reduced model; C of the full one need not be formed."""
+    """Return M, C and K of a reduced model, without forming C of the full one."""
     law, dampers = model.damping, model.structure.matrices.dampers
     M, K = _projection(model.M, phi), _projection(model.K, phi)
     C = law.alpha * M + law.beta * K
@@ -353,7 +353,7 @@ def _held_stiffness(model: Model, basis: Basis) -> Matrix:
 
 
 def _rigid_motions(model: Model, phi: Matrix) -> Matrix:
-    """Return R (n_mode, n_motion) in coordinates of a basis that has them."""
+    """Return rigid motions R (n_mode, n_motion) in coordinates of a basis that contains them."""
     motions, stiffness = model.rigid_motions, model.structure.supported_stiffness
     if not motions.shape[1]:
         return np.zeros((phi.shape[1], 0))
@@ -373,7 +373,7 @@ def _boundaries(model: Model, basis: Basis) -> dict[str, Boundary]:
 
 
 def _method(basis: Basis, *, compliance: bool) -> str:
-    """Name a reduction by its basis, where nobody gave it a name."""
+    """Return a name for a reduction without one, from its basis."""
     if basis.count(ModeKind.ATTACHMENT):
         return "compliance+inertia"
     if not basis.count(ModeKind.JOINT):

@@ -1,7 +1,7 @@
 """The recovery matrices of a basis: port displacements of the full model per motion of q.
 
-What :mod:`faying.assessment.recovery` takes from a reduced trajectory are its inertia and damping
-forces; these matrices say what they do to the ports. ``docs/theory/recovery.md`` derives them.
+:mod:`faying.assessment.recovery` takes inertia and damping forces from a reduced trajectory; these
+matrices give the port displacements due to them. ``docs/theory/recovery.md`` derives them.
 """
 
 from dataclasses import dataclass, replace
@@ -23,20 +23,20 @@ from faying.simulation.static import port_forces
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Recovery(Frozen):
-    """What recovery needs of a model and a basis: a few dense matrices, no finite elements.
+    """The data that recovery needs of a model and a basis: a few dense matrices.
 
     With Q the ports (relative displacements, boundary, bolt elongations, load patterns):
 
     Attributes
     ----------
     joint
-        The full model, or what is known of it at its ports: contact points, law and compliance.
+        The full model, or its part at the ports: contact points, law and compliance.
     inertia : (n_port, n_mode)
         Q K⁻¹ M Φ.
     damping : (n_port, n_mode)
         Q K⁻¹ C Φ.
     frame : (n_port, 12) or None
-        Q K⁻¹ M A for supports that move, see :mod:`faying.simulation.frame_motion`.
+        Q K⁻¹ M A for moving supports, see :mod:`faying.simulation.frame_motion`.
     """
 
     joint: Joint
@@ -56,15 +56,15 @@ class Recovery(Frozen):
 def recovery_operator(model: Model, basis: Basis) -> Recovery:
     """Return the matrices that recover pressures of the full model from a motion in a basis.
 
-    A program that integrates the reduced model needs nothing else. A reduced model has them as
-    ``rom.recovery``, except those of supports that move.
+    A program that integrates the reduced model needs no more than these. A reduced model has them
+    as ``rom.recovery``, except those of moving supports.
 
     Parameters
     ----------
     model
         The preloaded full model.
     basis
-        What the motion is of: its coordinates are those of :func:`faying.recover_from_modal`.
+        Basis of the motion, whose coordinates :func:`faying.recover_from_modal` takes.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def recovery_operator(model: Model, basis: Basis) -> Recovery:
     Notes
     -----
     One back-substitution per trial vector, two with damping that is not proportional, and twelve
-    for supports that move.
+    for moving supports.
 
     Examples
     --------
@@ -89,14 +89,14 @@ def recovery_operator(model: Model, basis: Basis) -> Recovery:
 
 
 def supported_operator(model: Model, basis: Basis) -> Recovery:
-    """Precompute the recovery matrices of a model whose supports rest, as the model's own do.
+    """Return the recovery matrices of a model whose supports are at rest.
 
-    As :func:`recovery_operator`, without what only moving supports need.
+    As :func:`recovery_operator`, without the matrix for moving supports.
 
     Notes
     -----
-    One back-substitution per trial vector. Damping in proportion to mass and stiffness follows
-    from the same, K⁻¹ (α M + β K) Φ = α K⁻¹ M Φ + β Φ; any other takes a second one.
+    One back-substitution per trial vector. Damping proportional to mass and stiffness needs no
+    other, K⁻¹ (α M + β K) Φ = α K⁻¹ M Φ + β Φ; any other takes a second one.
     """
     structure, vectors = model.structure, basis.vectors
     law, dampers = model.damping, structure.matrices.dampers
@@ -113,7 +113,7 @@ def supported_operator(model: Model, basis: Basis) -> Recovery:
 
 
 def frame_operator(model: Model) -> Matrix:
-    """Return Q K⁻¹ M A (n_port, 12) for supports that move.
+    """Return Q K⁻¹ M A (n_port, 12) for moving supports.
 
     Notes
     -----
@@ -123,7 +123,7 @@ def frame_operator(model: Model) -> Matrix:
 
 
 def at_ports(model: Model, displacements: Matrix) -> Matrix:
-    """Q U (n_port[, k]) of displacements U (n_dof[, k])."""
+    """Return Q U (n_port[, k]) from displacements U (n_dof[, k])."""
     structure = model.structure
     return np.concatenate(
         [
@@ -143,19 +143,19 @@ def static_displacements(ports: PortCompliance, inputs: Matrix) -> Matrix:
 def interface_compliance(model: Model, factor: Factorization | None = None) -> Matrix:
     """Return S = G K⁻¹ Gᵀ (n_point, n_point) [length/force], (M1).
 
-    Column k is how far every contact point opens under a unit force at point k.
+    Column k is the opening of every contact point under a unit force at point k.
 
     Parameters
     ----------
     model
         It must be held without contact.
     factor
-        Factorization of ``model.K``; by default the one the model keeps.
+        Factorization of ``model.K``; by default that of the model.
 
     Notes
     -----
-    One back-substitution per pair of nodes (three where an interface is curved), not per contact
-    point, in blocks of bounded memory.
+    One back-substitution per pair of nodes (three where an interface is curved), in blocks of
+    bounded memory.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""A reduced model: a system like the full one, Eq. (15.16), whole without finite elements."""
+"""A reduced model: a system like the full one, Eq. (15.16), independent of finite elements."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -37,7 +37,7 @@ from faying.reduction.recovery import Recovery
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class PortableJoint:
-    """The full model as seen through its ports.
+    """The full model reduced to its ports.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class PortableJoint:
 
 
 def at_its_ports(joint: Joint, ports: PortCompliance) -> PortableJoint:
-    """Return a joint as seen through its ports alone, from any system with the same ports."""
+    """Return a joint reduced to its ports, from any system with the same ports."""
     places = boundary_slices(joint.boundaries)
     without = np.zeros((joint.contact.relative_operator.shape[0], 0))
     return PortableJoint(
@@ -85,9 +85,8 @@ def at_its_ports(joint: Joint, ports: PortCompliance) -> PortableJoint:
 class ReducedModel(Shown, ModelData):
     """A model in generalized coordinates q of u ≈ Φ q, Eq. (15.15), without the full model.
 
-    All that is done with a reduced model takes this value: solutions, certificates, recovery of
-    pressures, exports and files (:meth:`save`,
-    :func:`faying.read_reduced_model`). Its fields are those of
+    Solutions, certificates, recovery of pressures, exports and files (:meth:`save`,
+    :func:`faying.read_reduced_model`) all take this value. Its fields are those of
     :class:`~faying.reduction.model_data.ModelData`.
 
     Examples
@@ -142,7 +141,7 @@ class ReducedModel(Shown, ModelData):
     def static_contact(self) -> CondensedContact:
         """The static contact problem of the reduced model.
 
-        With residual compliance it is that of the full model, whose inverses it shares.
+        With residual compliance this is the problem of the full model, whose inverses it shares.
         """
         if self.ports is not None and self.contact.residual_compliance is not None:
             return self.joint.static_contact
@@ -150,12 +149,12 @@ class ReducedModel(Shown, ModelData):
 
     @cached_property
     def joint(self) -> PortableJoint:
-        """The full model as seen through its ports, with the law and the bolts of this one.
+        """The full model reduced to its ports, with the law and the bolts of this model.
 
         Raises
         ------
         ModelError
-            If the compliance of the full model is not known.
+            If the compliance of the full model is not stored.
         """
         if self.ports is None:
             refuse_model(
@@ -167,12 +166,12 @@ class ReducedModel(Shown, ModelData):
 
     @cached_property
     def recovery(self) -> Recovery:
-        """What recovers pressures of the full model from a motion q.
+        """The matrices that recover pressures of the full model from a motion q.
 
         Raises
         ------
         ModelError
-            As :attr:`joint`, or if the matrices are not known.
+            As :attr:`joint`, or if the matrices are not stored.
         """
         inertia, damping = self.recovery_inertia, self.recovery_damping
         if inertia is None or damping is None:
@@ -185,7 +184,7 @@ class ReducedModel(Shown, ModelData):
         )
 
     def factorize_static(self) -> Factorization:
-        """Return the Cholesky factorization of K, or what stands for K⁺ of (M11)."""
+        """Return the Cholesky factorization of K, or K⁺ of (M11) for a free structure."""
         return self._static_factor
 
     def expand(self, states: Matrix) -> Matrix:
@@ -194,7 +193,8 @@ class ReducedModel(Shown, ModelData):
         Raises
         ------
         ModelError
-            If the trial vectors were left behind, or a residual compliance moves more than they.
+            If the trial vectors were left out, or a residual compliance adds displacements to
+            theirs.
         """
         vectors = self.trial_vectors
         if self.contact.residual_compliance is not None:
@@ -212,7 +212,7 @@ class ReducedModel(Shown, ModelData):
         Raises
         ------
         ModelError
-            If they were left behind.
+            If they were left out.
         """
         if not len(self.basis.vectors):
             refuse_model(
@@ -239,12 +239,12 @@ class ReducedModel(Shown, ModelData):
         Parameters
         ----------
         path
-            File; one that is there is replaced once the new one is complete.
+            File; an existing one is replaced once the new one is complete.
         shapes
-            Keep the trial vectors, the greater part of the file: without them displacements of
-            all nodes are not to be had, and no pictures.
+            Whether to keep the trial vectors, the greater part of the file: without them there are
+            no displacements of all nodes, and no pictures.
         provenance
-            More texts by name on what the model was made from, beside versions and date.
+            Further texts by name on the origin of the model, beside versions and date.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""Contact-force snapshots for method B (§15.3.4): load combinations, static and as steps."""
+"""Contact-force snapshots for method B (§15.3.4): static and step load combinations."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ from faying.simulation.stepping import transient_solver
 
 @dataclass(frozen=True, kw_only=True)
 class LoadBox:
-    """The loads a reduced model is trained for.
+    """The range of loads that a reduced model is trained for.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class LoadBox:
         ]
 
     def step_loads(self) -> list[Load]:
-        """Return the combinations of smallest, middle and largest values but the middle itself.
+        """Return all combinations of smallest, middle and largest values except the middle itself.
 
         Two ranges that are symmetric about zero give the eight directions of Eq. (15.28).
         """
@@ -103,7 +103,7 @@ def static_snapshots(system: System, loads: Sequence[Load]) -> Matrix:
     system
         A preloaded model, full or reduced.
     loads
-        One column of the result each.
+        Loads, each for one column of the result.
 
     Examples
     --------
@@ -126,7 +126,7 @@ def step_snapshots(
 ) -> Matrix:
     """Return contact forces λ (n_point, n_load · n_time) [force], Eqs. (15.27) to (15.29).
 
-    Each load acts at once on the joint at rest.
+    Each load acts suddenly on the joint at rest.
 
     Parameters
     ----------
@@ -137,8 +137,8 @@ def step_snapshots(
 
     Notes
     -----
-    As many responses side by side as have room in memory; their back-substitutions then
-    read the factorization once a step for all.
+    As many responses side by side as fit into memory; a step then reads the factorization once
+    for all of them.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""A compliance that is not formed as files hold it: the sparse matrix it is of, and its shapes."""
+"""A compliance by sparse factors in files: the sparse matrix to factorize, and its shapes."""
 
 from dataclasses import dataclass
 from typing import final
@@ -37,7 +37,7 @@ class StoredCompliance:
 
 
 def stored(compliance: Compliance | None) -> Matrix | StoredCompliance | None:
-    """Return what a file keeps of a compliance."""
+    """Return a compliance as a file stores it."""
     if not isinstance(compliance, SparseCompliance):
         return compliance
     return StoredCompliance(
@@ -49,12 +49,12 @@ def stored(compliance: Compliance | None) -> Matrix | StoredCompliance | None:
 
 
 def read_compliance(group: h5py.Group, n_relative: int) -> SparseCompliance:
-    """Read a compliance that is not formed.
+    """Read a compliance by sparse factors.
 
     Raises
     ------
     ValueError
-        If its parts do not fit together, or are those of a version that compressed it.
+        If its parts do not fit together, or are of a version that compressed it.
     """
     if "diagonal" in group:
         refuse_value(

@@ -1,4 +1,4 @@
-"""What the file of a reduced model tells beyond pressures: resultants along interfaces, springs."""
+"""Entries of a reduced model's file beyond pressures: interface resultants and weak springs."""
 
 from collections.abc import Mapping
 
@@ -16,7 +16,7 @@ from faying.reduction.reduced_model import ReducedModel
 
 
 def tangential_of(file: h5py.File, joint: ReducedModel) -> tuple[TangentialRows, ...]:
-    """Return what is carried along the interfaces, where the file tells."""
+    """Return the tangential resultants of the interfaces, where the file has them."""
     group = member(file, "ports")
     if "tangential" not in group:
         return ()
@@ -38,7 +38,7 @@ def tangential_of(file: h5py.File, joint: ReducedModel) -> tuple[TangentialRows,
 
 
 def moments_of(group: h5py.Group, key: str, bolt: str, width: int) -> Matrix | None:
-    """Return the moments of a bolt; None where the file does not tell."""
+    """Return the moments of a bolt; None where the file has none."""
     if key not in group or member_name(bolt) not in group[key]:
         return None
     moments: Matrix = numbers(member(group, key), bolt, (4, width))
@@ -46,7 +46,7 @@ def moments_of(group: h5py.Group, key: str, bolt: str, width: int) -> Matrix | N
 
 
 def rigid_motions_of(group: h5py.Group, n: int) -> Matrix:
-    """Return motions (n, n_motion) as a whole; none where the file tells of none."""
+    """Return free rigid motions (n, n_motion); none where the file has none."""
     if "rigid_motions" not in group:
         return np.zeros((n, 0))
     motions: Matrix = numbers(group, "rigid_motions")

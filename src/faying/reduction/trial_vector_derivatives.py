@@ -1,4 +1,4 @@
-"""Joint modes without any simulation: trial vector derivatives."""
+"""Joint modes without simulations: trial vector derivatives."""
 
 import numpy as np
 
@@ -22,20 +22,20 @@ def trial_vector_derivatives(
     Differentiating the static balance K φ_i(q) = Gᵀ w p(G Φ q) by the coordinates q gives, for any
     local law p(g), K ∂φ_i/∂q_j = Gᵀ w p″ (Gφ_i)(Gφ_j): the second derivatives of the contact
     forces are products of the gaps of two trial vectors, point by point. Their amplitudes and p″
-    are unknown beforehand, so every trial vector enters with a gap of unit root mean square. The
+    are not known in advance, so every trial vector enters with a gap of unit root mean square. The
     static shapes of all products, with the boundary held, are compressed by a POD with W = K.
 
     Trial vector derivatives as joint modes are due to Witteveen & Pichler (Shock and Vibration,
     2014) and Pichler, Witteveen & Fischer (Multibody System Dynamics 40, 2017,
     doi:10.1007/s11044-016-9555-2), after the modal derivatives of Idelsohn & Cardona (Computer
-    Methods in Applied Mechanics and Engineering 49, 1985). The scaling is our own choice.
+    Methods in Applied Mechanics and Engineering 49, 1985). The scaling is not from these papers.
 
     Parameters
     ----------
     normal_modes, joint_modes
         Numbers of vectors.
     classic
-        Result of :func:`craig_bampton` where it is known already.
+        Result of :func:`craig_bampton` if it has been computed.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def trial_vector_derivatives(
 
 
 def _gap_products(model: Model, basis: Basis) -> Matrix:
-    """Products (n_point, n_product) of the gaps of all pairs of trial vectors."""
+    """Return products of the gaps of all pairs of trial vectors (n_point, n_product)."""
     contact = model.contact
     gaps = contact.interpolation @ (contact.relative_operator @ basis.vectors)
     size = np.sqrt(contact.weights @ gaps**2 / contact.weights.sum())
