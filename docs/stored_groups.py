@@ -11,8 +11,8 @@ from typing import Any, get_args, get_origin, get_type_hints
 from faying.files.described import SPARSE
 from faying.files.meanings import Meaning, Table
 from faying.reduction.model_fields import BOUNDARY, COORDINATES, PORTS
-from faying.study.results.check import MEANINGS
 from faying.study.results.solved_fields import RecoveredRecord
+from faying.study.results.store import MEANINGS
 from faying.study.results.values import Results
 
 

@@ -5,7 +5,7 @@ import sys
 import pytest
 from pages import DOCS
 
-from faying.study.results.check import MEANINGS
+from faying.study.results.store import MEANINGS
 
 sys.path.insert(0, str(DOCS))
 import stored_groups

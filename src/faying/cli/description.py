@@ -45,7 +45,8 @@ def described(study: Study, loaded: LoadedModel, preview: ModelPreview) -> Itera
     if model.bolts:
         yield _bolts(study, loaded, model)
     if model.boundaries:
-        yield _boundaries(model)
+        rows = map(_boundary, model.boundaries.values())
+        yield text_table("Boundaries", ["name", "nodes", "loads it takes"], rows)
     if study.load_cases:
         yield text_table("Load cases", ["name", "kind", "loads", "time"], case_rows(study))
     if study.frequencies:
@@ -91,7 +92,8 @@ def _overview(study: Study, model: Model) -> Table:
     kinds = sorted({block.kind for block in assembly.mesh.blocks})
     formulation = f" ({assembly.element})" if "hex8" in kinds else ""
     # Round-off of a symmetric model is shown as zero.
-    centre = np.where(np.abs(weight.centre) < 1e-9 * _extent(assembly.mesh), 0.0, weight.centre)
+    extent = np.ptp(assembly.mesh.nodes, axis=0).max()
+    centre = np.where(np.abs(weight.centre) < 1e-9 * extent, 0.0, weight.centre)
     units = study.units.split("-")
     n_shell = sum(len(block.ids) for block in assembly.shells)
     rows = [
@@ -120,10 +122,6 @@ def _factorization(memory: FactorMemory) -> str:
         f"peak, with the compliance of pairs{' one by one' * memory.one_by_one}{about}{there}"
         f"{'' if enough else ', which is not enough'}"
     )
-
-
-def _extent(mesh: Mesh) -> float:
-    return float(np.ptp(mesh.nodes, axis=0).max())
 
 
 def _point(values: Iterable[float]) -> str:
@@ -334,11 +332,6 @@ def _rigid_body_modes(parts: FreeParts) -> Table:
         rows = [*parts.parts.items(), *whole] or [("none", "everything is held")]
     title = "Rigid-body modes, contact aside" + (f": {parts.count}" if parts.count else "")
     return text_table(title, ["what", "how"], rows)
-
-
-def _boundaries(model: Model) -> Table:
-    rows = (_boundary(boundary) for boundary in model.boundaries.values())
-    return text_table("Boundaries", ["name", "nodes", "loads it takes"], rows)
 
 
 def _boundary(boundary: Boundary) -> tuple[str, str, str]:

@@ -90,12 +90,12 @@ def _written(
     """Write recovered pressures and fields at the instant of largest pressure; return the paths."""
     from faying.export.vtk import write_fields_vtu
     from faying.files.names import file_names
-    from faying.study.results.store import write_recovered
+    from faying.study.results.store import write_results
     from faying.study.stages.recover import peak_fields
 
     label = f"recovered_{file_names([stem])[stem]}"
     paths = [folder / f"{label}.h5"]
-    write_recovered(recovered, paths[0])
+    write_results(recovered, paths[0])
     time = float(recovered.times[int(recovered.max_pressure.argmax())])
     stems = file_names(results.interfaces)
     for name, record in results.interfaces.items():

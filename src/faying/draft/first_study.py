@@ -37,7 +37,6 @@ from faying.model.boundary import DISPLACEMENT_NAMES, FORCE_NAMES
 from faying.model.constraints import movable_components
 from faying.model.deck_bolt import bolt_axis_element, bolt_direction
 from faying.model.matrices import used_components
-from faying.model.mesh import Mesh
 from faying.model.specs import BoltSpec
 from faying.model.supports import nodes_of_set, with_held_nodes
 from faying.study.inputs.load_model import build
@@ -71,11 +70,6 @@ def first_study(path: Path, target: Path, ignore: Sequence[str] = ()) -> FirstSt
 
     The target is the path of the study file, to which its paths are relative. Keywords and cards
     in ``ignore`` are left out of the model.
-
-    Raises
-    ------
-    FayingError
-        If the file cannot be read.
 
     Notes
     -----
@@ -205,7 +199,8 @@ def _with_load(findings: Findings, contact: Indices, along: Direction) -> Findin
     by_name = [
         entry
         for entry in named(mesh, LOADED)
-        if entry not in findings.held and _is_face(mesh, entry)
+        # One or two nodes do not determine the motion of a face.
+        if entry not in findings.held and len(mesh.node_sets[entry]) > 2
     ]
     free = _movable(findings)
     # The surface of a cut through a bolt has the bolt's name.
@@ -227,11 +222,6 @@ def _with_load(findings: Findings, contact: Indices, along: Direction) -> Findin
         component=FORCE_NAMES[int(reach.argmax())],
         force=force,
     )
-
-
-def _is_face(mesh: Mesh, name: str) -> bool:
-    """Return whether a node set may cover a face: two nodes do not determine a motion."""
-    return len(mesh.node_sets[name]) > 2
 
 
 def _movable(findings: Findings) -> Mask:

@@ -133,11 +133,6 @@ def results_in(out: Path, mark: str, *, resume: bool) -> Iterator[Checkpoint]:
     """Lock a results folder, and yield its checkpoint for intermediate results.
 
     The checkpoint is discarded where the results are written without an error.
-
-    Raises
-    ------
-    StudyError
-        As :func:`open_checkpoint`, or if another process has locked the folder.
     """
     out.mkdir(parents=True, exist_ok=True)
     with held(out):

@@ -75,13 +75,7 @@ def writing(path: Path) -> Iterator[None]:
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Yield the path of a temporary file in the same folder, which replaces ``path`` at the end.
-
-    Raises
-    ------
-    FormatError
-        If the file cannot be written.
-    """
+    """Yield the path of a temporary file in the same folder, which replaces ``path`` at the end."""
     temporary, handle = None, None
     try:
         with writing(path):
@@ -139,12 +133,6 @@ def move_into_place(temporary: Path, path: Path) -> Path:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file atomically.
-
-    Raises
-    ------
-    FormatError
-        If it cannot be written.
-    """
+    """Write a text file atomically."""
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8")

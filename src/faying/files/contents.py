@@ -43,26 +43,12 @@ def file_size(path: Path) -> int:
 
 
 def file_text(path: Path, errors: str = "strict") -> str:
-    """Return the text of a UTF-8 file, without a byte order mark.
-
-    Raises
-    ------
-    OSError
-        As :func:`file_bytes`.
-    UnicodeDecodeError
-        If the file is not UTF-8, unless ``errors`` says otherwise.
-    """
+    """Return the text of a UTF-8 file, without a byte order mark."""
     return file_bytes(path).decode("utf-8-sig", errors)
 
 
 def check_room(n_bytes: int, path: Path) -> None:
-    """Refuse a file that is larger than the free memory.
-
-    Raises
-    ------
-    OSError
-        With both figures.
-    """
+    """Refuse a file that is larger than the free memory."""
     check_fits(n_bytes, free_memory(), path)
 
 

@@ -31,11 +31,6 @@ def write_rows(path: Path, rows: Iterable[Iterable[object]], number: str = "%.7g
     """Write rows of a table atomically; the first row holds the column names.
 
     Floating-point numbers have the format ``number``.
-
-    Raises
-    ------
-    FormatError
-        If the file cannot be written.
     """
     with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
         table = csv.writer(file, lineterminator="\n")

@@ -78,11 +78,6 @@ def new_file(
     """Yield a new file that is moved to its path once it is complete.
 
     Its root has the attributes, and also the format and the units.
-
-    Raises
-    ------
-    FormatError
-        If the file cannot be written.
     """
     from faying import __version__
 
@@ -268,13 +263,7 @@ def texts(group: h5py.Group, name: str) -> tuple[str, ...]:
 
 
 def sparse_matrix(group: h5py.Group, name: str) -> SparseMatrix:
-    """Return a sparse matrix.
-
-    Raises
-    ------
-    ValueError
-        If its arrays are not consistent.
-    """
+    """Return a sparse matrix."""
     node = member(group, name)
     values, columns, starts, shape = (
         numbers(node, part, dtype=np.float64 if part == "values" else np.int64) for part in SPARSE

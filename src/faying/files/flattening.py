@@ -47,13 +47,7 @@ def flattened(value: object) -> dict[str, Matrix]:
 
 
 def restored(kind: type[T], arrays: Mapping[str, Matrix]) -> T:
-    """Return the value that :func:`flattened` has flattened; arrays of other names are ignored.
-
-    Raises
-    ------
-    KeyError
-        If a member without default is missing.
-    """
+    """Return the value that :func:`flattened` has flattened; arrays of other names are ignored."""
     tree: dict[str, Any] = {}
     for name, array in arrays.items():
         *outer, last = name.split("/")

@@ -23,15 +23,7 @@ _HEADERS = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0
 
 
 def read_arrays(path: Path) -> dict[str, npt.NDArray[Any]]:
-    """Return the arrays of an archive by name.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be read, or its arrays are larger than the free memory.
-    Exception
-        Whatever a damaged archive makes ``zipfile``, ``zlib`` and NumPy raise.
-    """
+    """Return the arrays of an archive by name."""
     with zipfile.ZipFile(path) as archive:
         check_room(sum(_size(archive, member) for member in archive.infolist()), path)
     with np.load(path, allow_pickle=False) as file:
@@ -42,13 +34,6 @@ def read_matrices(path: Path) -> dict[str, npt.NDArray[Any] | SparseMatrix]:
     """Return the arrays of an archive by name, large dense matrices as sparse ones.
 
     Their zeros take no memory.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be read, or an array is larger than the free memory.
-    Exception
-        Whatever a damaged archive makes ``zipfile``, ``zlib`` and NumPy raise.
     """
     arrays: dict[str, npt.NDArray[Any] | SparseMatrix] = {}
     with zipfile.ZipFile(path) as archive:

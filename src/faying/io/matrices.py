@@ -159,9 +159,14 @@ def read_matrices(
     ModelError
         If the contents do not fit together.
     """
-    mesh, surfaces = _read_geometry(nodes) if _is_deck(nodes) else (_table_mesh(nodes), {})
+    if Path(nodes).suffix.lower() in (*ABAQUS, *NASTRAN):
+        mesh, surfaces = _read_geometry(nodes)
+    else:
+        ids, points = read_node_table(nodes)
+        mesh, surfaces = Mesh(nodes=points, node_ids=ids), {}
     sides = {name: mesh.node_ids[side.nodes] for name, side in surfaces.items()}
-    sides |= _given_faces(faces)
+    given = read_id_sets(faces, "face set") if faces is not None else {}
+    sides |= {key: _stacked(key, value) for key, value in given.items()}
     named = read_id_sets(node_sets, "node set") if node_sets is not None else {}
     files = {"M": M, "K": K, "C": C}
     labelled = {key: read_matrix(file, key) for key, file in files.items() if file is not None}
@@ -186,11 +191,6 @@ def read_matrices(
     return replace(assembly, supports=(*assembly.supports, *supports))
 
 
-def _is_deck(path: _Path) -> bool:
-    """Whether a file is told to be a deck by its suffix."""
-    return Path(path).suffix.lower() in (*ABAQUS, *NASTRAN)
-
-
 def _read_geometry(path: _Path) -> tuple[Mesh, Mapping[str, FaceSet]]:
     """Read nodes, node sets and surfaces of an Abaqus, CalculiX or Nastran deck."""
     if Path(path).suffix.lower() in ABAQUS:
@@ -201,16 +201,6 @@ def _read_geometry(path: _Path) -> tuple[Mesh, Mapping[str, FaceSet]]:
 
     assembly = read_joint(path).assembly
     return assembly.mesh, assembly.face_sets
-
-
-def _table_mesh(path: _Path) -> Mesh:
-    ids, points = read_node_table(path)
-    return Mesh(nodes=points, node_ids=ids)
-
-
-def _given_faces(faces: _Path | None) -> dict[str, Indices]:
-    rows = read_id_sets(faces, "face set") if faces is not None else {}
-    return {key: _stacked(key, value) for key, value in rows.items()}
 
 
 def _mesh(points: Matrix, ids: Indices) -> Mesh:

@@ -72,15 +72,10 @@ def _read(path: Path, letter: str | None) -> dict[str, SparseMatrix]:
         stored = list(file.matrices())
         names = [header.name for header, _ in stored]
         chosen = names if letter is None else [chosen_name(names, letter)]
-        return {
-            name: _assembled(file, *stored[_only(names, name)]) for name in dict.fromkeys(chosen)
-        }
-
-
-def _only(names: list[str], name: str) -> int:
-    if names.count(name) > 1:
-        damaged(f"it holds {names.count(name)} matrices named {name}; write each to its own file")
-    return names.index(name)
+        for name in chosen:
+            if (count := names.count(name)) > 1:
+                damaged(f"it holds {count} matrices named {name}; write each to its own file")
+        return {name: _assembled(file, *stored[names.index(name)]) for name in chosen}
 
 
 def _check_readable(header: Header) -> None:

@@ -31,11 +31,6 @@ def moving_together(
     """Return the equations of several ties, behind those there are, and which tie but a part.
 
     The latter by name, with the share of the smaller surface that is tied.
-
-    Raises
-    ------
-    ModelError
-        If the two surfaces of one see nothing of each other.
     """
     first = max((equation.id for equation in assembly.equations), default=0) + 1
     equations: list[Equation] = []
@@ -79,11 +74,6 @@ def with_elastic_layer(
     At each point a new node takes the relative displacement, which springs resist: tractions per
     relative displacement, ``normal`` and ``tangential`` [force/length³]. The sides are non-matching
     and named, with a search distance.
-
-    Raises
-    ------
-    ModelError
-        If the two see nothing of each other.
     """
     (coupling,) = find_couplings(assembly, spec).values()
     first = max((equation.id for equation in assembly.equations), default=0) + 1
@@ -170,11 +160,6 @@ def _tied_equations(
     Node by node where the meshes match, and else in the mean (mortar), with the minus side's own
     nodes first. The sides are non-matching and named, with a search distance; the first equation
     has the id ``first``.
-
-    Raises
-    ------
-    ModelError
-        If the two see nothing of each other.
     """
     pairs = _pairs(assembly, spec)
     pairs = pairs if len(pairs) else _opposite(assembly, spec)

@@ -54,11 +54,6 @@ def fit_study(
         interrupted fit of the same study continues from its computed curves.
     executor
         Computes the trials of a step side by side.
-
-    Raises
-    ------
-    FayingError
-        If the study has no parameter, measured curve or scatter, or as ``faying run``.
     """
     parameters, measured = _parameters(study), measured_curves(study)
     books = Books(progress)
@@ -104,11 +99,6 @@ def band_of_study(
     -------
     Mapping
         Bands by ``"CASE, mode N"``.
-
-    Raises
-    ------
-    FayingError
-        If the study has no parameter or no backbone, or as ``faying run``.
     """
     trials = design(_parameters(study), study.band.design, study.band.samples)
     if not any(case.kind == "backbone" for case in study.load_cases):

@@ -60,11 +60,6 @@ def reduce_study(
     ReducedModel
         The reduced model in the file.
 
-    Raises
-    ------
-    FayingError
-        If the study, its model or the method do not fit together.
-
     Notes
     -----
     This is the offline part of a run for one method. No load case is solved, except that

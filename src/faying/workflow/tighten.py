@@ -48,13 +48,7 @@ def plan_of_study(
 
 
 def torques_per_force(study: Study) -> dict[str, float]:
-    """Return M_A / F_M [length] of the bolts with known size and friction in thread and head.
-
-    Raises
-    ------
-    ModelError
-        If the data of a thread are inconsistent.
-    """
+    """Return M_A / F_M [length] of the bolts with known size and friction in thread and head."""
     threads = {bolt.name: thread_of(bolt, study.units) for bolt in study.bolts}
     return {
         name: 1.0 / force_of_torque(thread, 1.0)
@@ -65,13 +59,7 @@ def torques_per_force(study: Study) -> dict[str, float]:
 
 
 def overstressed(study: Study, plan: TighteningPlan) -> dict[str, float]:
-    """Return the bolts that yield while tightened, with stress over yield stress.
-
-    Raises
-    ------
-    ModelError
-        If the data of a thread are inconsistent.
-    """
+    """Return the bolts that yield while tightened, with stress over yield stress."""
     largest: dict[str, float] = {}
     for bolt, setting in zip(plan.turned, plan.settings.tolist(), strict=True):
         largest[bolt] = max(setting, largest.get(bolt, 0.0))
@@ -89,11 +77,6 @@ def write_plan(plan: TighteningPlan, path: Path, torques: Mapping[str, float]) -
     """Write a plan as csv, one row per turn with the forces of all bolts after it.
 
     Torques per force [length] are given by bolt; bolts without one get an empty cell.
-
-    Raises
-    ------
-    FormatError
-        If it cannot be written.
     """
     header = ["turn", "pass", "bolt", "tighten to", "share of preload", "torque"]
     rows: list[list[object]] = [[*header, *(f"{name} after" for name in plan.bolts)]]

@@ -16,8 +16,7 @@ from hypothesis.extra.numpy import arrays
 from fake_results import fake_results
 from faying.exceptions import FormatError
 from faying.study.results import store
-from faying.study.results.check import MEANINGS
-from faying.study.results.store import read_results, write_results
+from faying.study.results.store import MEANINGS, read_results, write_results
 
 RESULTS = fake_results()
 

@@ -31,7 +31,7 @@ from faying.study.stages import (
     worker_tasks,
 )
 from faying.study.stages.books import Books
-from faying.study.stages.kept_joint import check_same_joint
+from faying.study.stages.offline import check_same_joint
 from faying.workflow import run as runs
 from faying.workflow.run import run
 from small_study import BEND, JUMP, NO_REPORT, SMALL_JOINT, TINY_JOINT, reduction, training

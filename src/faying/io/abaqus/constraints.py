@@ -227,7 +227,9 @@ def _staying(
     for node, share in zip(others, shares, strict=True):
         factors = [1.0, share.sum() - 1.0, *-share]
         for direction in across:
-            yield _largest_first(node, _of([node, *basis], np.outer(factors, direction)))
+            terms = _of([node, *basis], np.outer(factors, direction))
+            # The largest term of the dependent node comes first, for the first one is eliminated.
+            yield tuple(sorted(terms, key=lambda t: (t[0] != node, -abs(t[2]))))
 
 
 def _across(edges: Matrix) -> Matrix:
@@ -257,11 +259,6 @@ def _of(nodes: list[int], vectors: Matrix) -> list[tuple[int, int, float]]:
         for c, value in enumerate(vector)
         if value != 0.0
     ]
-
-
-def _largest_first(node: int, terms: list[tuple[int, int, float]]) -> Terms:
-    """Put the largest term of the dependent node first, for the first one is eliminated."""
-    return tuple(sorted(terms, key=lambda t: (t[0] != node, -abs(t[2]))))
 
 
 Group = tuple[Indices, tuple[int, ...]]

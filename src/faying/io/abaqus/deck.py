@@ -55,7 +55,7 @@ def _keyword(lines: Lines, begin: int, end: int) -> Keyword:
         if k == end or not _is_continuation(lines.text[k]):
             break
         head, start = f"{head} {_decoded(lines.text[k])}", k + 1
-    name, *arguments = _split(head.lstrip("* \t"))
+    name, *arguments = (part.strip() for part in _PARTS.findall(head.lstrip("* \t")))
     return Keyword(
         name=keyword_name(name),
         parameters=dict(_parameters(arguments, where)),
@@ -77,11 +77,6 @@ _FLAGS = frozenset(
 
 def _decoded(line: bytes) -> str:
     return line.decode("latin-1").strip()
-
-
-def _split(text: str) -> list[str]:
-    """Split at commas outside quotes."""
-    return [part.strip() for part in _PARTS.findall(text)]
 
 
 def _parameters(parts: list[str], where: str) -> Iterator[tuple[str, str]]:

@@ -50,15 +50,12 @@ def without_temperatures(deck: Deck) -> Deck:
     return deck.without("TEMPERATURE")
 
 
-def _initial(deck: Deck) -> list[Keyword]:
-    conditions = deck.of("INITIAL CONDITIONS")
-    return [keyword for keyword in conditions if keyword.choice("TYPE") == "TEMPERATURE"]
-
-
 def read_temperatures(data: DeckData, amplitudes: Amplitudes) -> Temperatures:
     """Read the temperatures at the start and in each step."""
     deck, initial = data.deck, np.zeros(len(data.nodes.ids))
-    for keyword in _initial(deck):
+    for keyword in deck.of("INITIAL CONDITIONS"):
+        if keyword.choice("TYPE") != "TEMPERATURE":
+            continue
         keyword.check()
         for nodes, value in _lines(keyword, data):
             initial[nodes] = value

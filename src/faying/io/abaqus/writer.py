@@ -91,7 +91,11 @@ def _lines(
     rows, fixed = written_equations(assembly)
     nodes = written_nodes(assembly, rows)
     bolts = {} if modes is not None else _tightened(description)
-    beams = list(_beams(assembly, nodes, set(bolts.values())))
+    first, tightened = nodes.largest + 1, set(bolts.values())
+    beams = [
+        written_beam(assembly, beam, nodes, first + 4 * i, tightened=beam.id in tightened)
+        for i, beam in enumerate(assembly.beams)
+    ]
     controls = {
         name: beams[[b.id for b in assembly.beams].index(beam)].control
         for name, beam in bolts.items()
@@ -137,12 +141,6 @@ def _tightened(description: JointDescription) -> dict[str, int]:
     if missing:
         refuse(f"there is no bolt '{missing[0]}' to preload; add it to the description's bolts")
     return beams
-
-
-def _beams(assembly: Assembly, nodes: WrittenNodes, tightened: set[int]) -> Iterator[WrittenBeam]:
-    for i, beam in enumerate(assembly.beams):
-        first = nodes.largest + 1 + 4 * i
-        yield written_beam(assembly, beam, nodes, first, tightened=beam.id in tightened)
 
 
 def _nodes(assembly: Assembly, nodes: WrittenNodes, beams: Sequence[WrittenBeam]) -> Iterator[str]:

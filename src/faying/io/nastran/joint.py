@@ -113,6 +113,9 @@ def _described(deck: Deck) -> JointDescription:
         notes[f"coefficients of friction: {IGNORABLE['friction']} (ignore = friction)"] = None
     rules = {pair.name: gap_rule(pair, assembly.mesh) for pair in pairs}
     ignored = (*deck.ignored, *_grouped(notes))
+    # What case control applies, as far as it could be read.
+    chosen = str(deck.control.set_of("LOAD"))
+    others = (name for name in deck.assembly.loads if not name.isdigit())
     return JointDescription(
         assembly=replace(assembly, ignored=ignored),
         interfaces=tuple(interfaces),
@@ -126,16 +129,9 @@ def _described(deck: Deck) -> JointDescription:
         },
         initial_gaps=gaps,
         gap_rules={name: rule for name, rule in rules.items() if rule is not None},
-        selected_load=_selected_load(deck),
+        selected_load=chosen if chosen in deck.assembly.loads else next(others, None),
         has_joined_faces=has_joined_faces,
     )
-
-
-def _selected_load(deck: Deck) -> str | None:
-    """Return what case control applies, as far as it could be read."""
-    chosen = str(deck.control.set_of("LOAD"))
-    others = (name for name in deck.assembly.loads if not name.isdigit())
-    return chosen if chosen in deck.assembly.loads else next(others, None)
 
 
 def read_deck(path: str | PathLike[str], *, subcase: int | None = None) -> Assembly:
@@ -253,13 +249,7 @@ def _spanned(nodes: Indices, exterior: Indices) -> int:
 
 
 def with_glue(assembly: Assembly, pairs: Sequence[Pair], ignored: dict[str, None]) -> Assembly:
-    """Add the equations of pairs that are glued, whose regions the assembly has as sets.
-
-    Raises
-    ------
-    ModelError
-        If two regions see nothing of each other within the search distance.
-    """
+    """Add the equations of pairs that are glued, whose regions the assembly has as sets."""
     if not pairs:
         return assembly
     specs = [

@@ -124,13 +124,6 @@ def with_moving(
     """Return the assembly with springs where supports move, and the forces (n_node, 6) on these.
 
     Forces are by load set, those of SPC by None.
-
-    Raises
-    ------
-    FormatError
-        If a displacement is too large.
-    ModelError
-        If something else holds what is to be moved.
     """
     sets = moved.by_load
     courses = {dof: tuple(moves.get(dof, 0.0) for moves in sets.values()) for dof in moved.places}
@@ -167,8 +160,10 @@ def read_supports(bulk: BulkData) -> tuple[list[Support], Moved]:
         for cards in (spc, lists)
     )
     constrained: dict[tuple[int, tuple[int, ...]], list[Indices]] = {}
+    place = "GRID or GRDSET: permanent support (PS)"
     for digits, nodes in bulk.grids.permanent.items():
-        constrained.setdefault((0, components(digits, _permanent_error)), []).append(nodes)
+        chosen = components(digits, lambda text: FormatError(f"{place}: {text}"))
+        constrained.setdefault((0, chosen), []).append(nodes)
     for number, chosen, nodes in (*_singles(spc, bulk.grids), *_lists(lists, bulk.grids)):
         constrained.setdefault((number, chosen), []).append(nodes)
     joined = {key: np.unique(np.concatenate(parts)) for key, parts in constrained.items()}
@@ -185,10 +180,6 @@ def read_supports(bulk: BulkData) -> tuple[list[Support], Moved]:
         for support in _standing(number, numbers, nodes, moving, bulk.grids)
     ]
     return supports, moved
-
-
-def _permanent_error(text: str) -> FormatError:
-    return FormatError(f"GRID or GRDSET: permanent support (PS): {text}")
 
 
 _Fixed = Iterator[tuple[int, tuple[int, ...], Indices]]

@@ -128,14 +128,7 @@ def load_model(study: Study, source: JointDescription | None = None) -> LoadedMo
 
 
 def build_loaded(loaded: LoadedModel) -> Model:
-    """Build the model from what was loaded, initial gaps and loads of the deck included.
-
-    Raises
-    ------
-    ModelError
-        As :func:`faying.joint.build.build_model`, if a gap field does not cover its interface, or
-        if a load of the deck cannot be applied.
-    """
+    """Build the model from what was loaded, initial gaps and loads of the deck included."""
     study, source = loaded.study, loaded.source
     model = build_model(
         loaded.assembly,
@@ -209,13 +202,7 @@ def build(study: Study) -> Model:
 
 
 def read_source(study: Study) -> JointDescription:
-    """Read what the source says, with the study's materials and formulation of bricks.
-
-    Raises
-    ------
-    StudyError, FormatError, ModelError
-        As :func:`load_model`.
-    """
+    """Read what the source says, with the study's materials and formulation of bricks."""
     source, model = SOURCES[study.model.source], study.model
     described = source.read(
         SourceKeys(

@@ -84,11 +84,6 @@ def read_loads(
     per instant where it has a column ``time``; or a folder of tables over time. Step [time] and
     integrator are those of tables over time: by default their interval, of uneven ones the
     smallest, or a little less so that whole steps end with the table, and :class:`ImplicitEuler`.
-
-    Raises
-    ------
-    StudyError, ModelError
-        If they cannot be read or do not fit the model.
     """
     if path.is_dir():
         files = sorted(file for file in path.iterdir() if file.suffix in TABLES)

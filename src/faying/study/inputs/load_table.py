@@ -71,13 +71,7 @@ class LoadTable:
 
 
 def read_load_table(path: Path) -> LoadTable:
-    """Read a csv file with a header line, or a Parquet file where pyarrow is installed.
-
-    Raises
-    ------
-    FormatError, StudyError
-        If it cannot be read; the message names the line and the column.
-    """
+    """Read a csv file with a header line, or a Parquet file where pyarrow is installed."""
     parquet = path.suffix == ".parquet"
     table = parquet_table(path, NAME) if parquet else read_numbers(path, "the loads", label=NAME)
     names = table.labels

@@ -72,13 +72,7 @@ def _rising(value: float | History, rise_time: float) -> float | History:
 
 
 def training_box(training: TrainingSection) -> LoadBox:
-    """Return the box of training loads.
-
-    Raises
-    ------
-    ModelError
-        If the study has none.
-    """
+    """Return the box of training loads."""
     return LoadBox(
         ranges={side.target: (side.min, side.max) for side in training.box},
         levels=training.levels,

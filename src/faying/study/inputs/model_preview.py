@@ -46,11 +46,6 @@ def model_preview(study: Study, loaded: LoadedModel, *, bare: bool) -> ModelPrev
     """Build the model as far as it can be built.
 
     The faults of a bare deck, without a study, are needs of a run.
-
-    Raises
-    ------
-    ModelError
-        If the structure cannot be built; and of studies, if a declared interface cannot.
     """
     problem = ""
     unknown = not loaded.interfaces and not loaded.source.has_joined_faces

@@ -23,13 +23,7 @@ from faying.study.keys.tables import Study
 
 
 def with_study_sets(assembly: Assembly, study: Study) -> Assembly:
-    """Return the assembly with the study's own names among the sets of its mesh.
-
-    Raises
-    ------
-    StudyError
-        If an id, a property or a set of the deck does not exist.
-    """
+    """Return the assembly with the study's own names among the sets of its mesh."""
     for name, named in study.model.sets.items():
         for use in SETTERS:
             if getattr(named, use) is not None:
@@ -121,13 +115,7 @@ SETTERS: dict[str, Setter] = {
 
 
 def with_study_supports(assembly: Assembly, study: Study) -> Assembly:
-    """Return the assembly with the study's own supports.
-
-    Raises
-    ------
-    StudyError
-        If a node or a set does not exist.
-    """
+    """Return the assembly with the study's own supports."""
     components = get_args(DisplacementComponent)
     supports = [
         (
@@ -140,13 +128,7 @@ def with_study_supports(assembly: Assembly, study: Study) -> Assembly:
 
 
 def with_study_masses(assembly: Assembly, study: Study) -> Assembly:
-    """Return the assembly with the study's masses, each shared evenly by the nodes it sits on.
-
-    Raises
-    ------
-    StudyError
-        If a node or a set does not exist.
-    """
+    """Return the assembly with the study's masses, each shared evenly by the nodes it sits on."""
     sat_on = [
         (node, section.mass / len(nodes))
         for number, section in enumerate(study.masses)

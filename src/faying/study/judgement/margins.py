@@ -35,11 +35,6 @@ def with_margins(
     """Return an assessment with what the standard of a study adds to the checks of bolts.
 
     The assessment has the checks of the strength of bolts; margins multiply static load cases.
-
-    Raises
-    ------
-    ModelError, ConvergenceError
-        As :func:`faying.assessment.strength.nasa_std_5020b.margin_checks`.
     """
     if margins is None:
         return assessment

@@ -1,5 +1,6 @@
 """What the values of a study file must be together. One rule, one function."""
 
+import tomllib
 from collections.abc import Callable, Iterable, Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -23,7 +24,7 @@ from faying.study.keys.lap_joint import lap_joint_problems
 from faying.study.keys.load_files import read_history
 from faying.study.keys.loadings import loadings, repeated_loads, temperature_problems
 from faying.study.keys.measurements import measurement_problems
-from faying.study.keys.parameter_rules import parameter_problems
+from faying.study.keys.parameter_tables import Steps, steps_to, value_at
 from faying.study.keys.section import LARGEST_COUNT
 from faying.study.keys.tables import LoadCaseSection, Study, Timed
 
@@ -285,6 +286,33 @@ def _material(study: Study) -> Iterator[Problem]:
         yield study.in_table(("material",), text)
 
 
+def _parameters(study: Study) -> Iterator[Problem]:
+    """Find parameters that are no numbers of the study, and ranges that are none."""
+    tables = tomllib.loads(study.text)
+    used: dict[Steps, str] = {}
+    for number, section in enumerate(study.parameters):
+        wrong: dict[str, str] = {}
+        if not section.range[0] < section.range[1]:
+            wrong["range"] = f"found {list(section.range)}, expected the smaller number first"
+        if section.name in [earlier.name for earlier in study.parameters[:number]]:
+            wrong["name"] = f"two parameters are called '{section.name}'; names must differ"
+        for key in section.keys:
+            try:
+                steps = steps_to(key, tables)
+            except LookupError as error:
+                wrong["keys"] = str(error)
+                continue
+            if steps[-1] == "friction" and not section.range[0] > 0:
+                wrong["range"] = "without friction a joint has no backbone; begin above 0"
+            if steps in used:
+                wrong["keys"] = f"'{key}' belongs to parameter '{used[steps]}' already; remove it"
+            elif isinstance(value_at(steps[:-1], tables), dict):
+                used[steps] = section.name
+            else:
+                wrong["keys"] = f"the study has no table that '{key}' stands in; add it"
+        yield from study.problems(("parameter", number), wrong)
+
+
 RULES: tuple[Callable[[Study], Iterable[Problem]], ...] = (
     _unique_names,
     _model_files,
@@ -298,7 +326,7 @@ RULES: tuple[Callable[[Study], Iterable[Problem]], ...] = (
     _boundaries,
     _coupled,
     measurement_problems,
-    parameter_problems,
+    _parameters,
     _mesh_materials,
     _load_targets,
     temperature_problems,

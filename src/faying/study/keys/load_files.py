@@ -15,11 +15,6 @@ def read_history(path: Path) -> History:
     """Read a load history: text with two columns separated by a comma, time and value.
 
     One header line, empty lines and comments after ``#`` are allowed.
-
-    Raises
-    ------
-    FormatError
-        If it cannot be read, or times do not increase; the message names the line.
     """
     columns = ("time", "value")
     table = read_numbers(path, "the load history", unnamed=columns, largest=LARGEST)

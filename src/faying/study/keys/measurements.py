@@ -93,13 +93,7 @@ def measured_curves(study: Study) -> tuple[MeasuredCurve, ...]:
 def measured_responses(
     study: Study, swept: FrequencySection, component: str = ""
 ) -> dict[str, ResponseCurve]:
-    """Read the responses of a test of a component to a harmonic load, one force, by their names.
-
-    Raises
-    ------
-    FormatError
-        If a file cannot be read.
-    """
+    """Read the responses of a test of a component to a harmonic load, one force, by their names."""
     curves = {}
     for section in study.measurements:
         for response in section.response if section.frequency == swept.name else ():

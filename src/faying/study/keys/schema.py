@@ -45,13 +45,7 @@ def read_study(path: Path | str) -> Study:
 
 
 def parse_study(text: str, path: Path) -> Study:
-    """Check the text of a study file as :func:`read_study` does; the file need not exist.
-
-    Raises
-    ------
-    StudyError
-        As :func:`read_study`.
-    """
+    """Check the text of a study file as :func:`read_study` does; the file need not exist."""
     return parse_tables(_tables(text, path), StudySource(path.resolve(), text))
 
 
@@ -65,11 +59,6 @@ def read_load_cases(
     tuple of LoadCaseSection
     RequirementSection or None
         If there is one.
-
-    Raises
-    ------
-    StudyError
-        As :func:`read_study`, or if there is none.
     """
     text = _text(Path(path))
     tables = _tables(text, Path(path))
@@ -110,13 +99,7 @@ def _tables(text: str, path: Path) -> dict[str, Any]:
 
 
 def parse_tables(tables: Mapping[str, Any], source: StudySource) -> Study:
-    """Check the tables of a study file as :func:`read_study` does.
-
-    Raises
-    ------
-    StudyError
-        As :func:`read_study`.
-    """
+    """Check the tables of a study file as :func:`read_study` does."""
     try:
         study = Study.model_validate(tables, context=source)
     except ValidationError as error:

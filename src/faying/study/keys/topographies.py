@@ -39,13 +39,7 @@ class CrownSection(Section):
 
 
 def with_crowns(model: Model, crowns: Mapping[str, Sequence[CrownSection]]) -> Model:
-    """Return a model with the gaps of crowned surfaces, interface by interface.
-
-    Raises
-    ------
-    ModelError
-        As :func:`faying.interface.topography.crown_gap`.
-    """
+    """Return a model with the gaps of crowned surfaces, interface by interface."""
     for name, sections in crowns.items():
         interface = model.interfaces[name]
         gap = crown_gap(interface, [Crown(**section.model_dump()) for section in sections])
@@ -54,15 +48,7 @@ def with_crowns(model: Model, crowns: Mapping[str, Sequence[CrownSection]]) -> M
 
 
 def with_topographies(model: Model, scans: Mapping[str, Sequence[TopographySection]]) -> Model:
-    """Return a model with the gaps that scans leave, interface by interface, noted in its source.
-
-    Raises
-    ------
-    FormatError
-        If a scan cannot be read.
-    ModelError
-        As :func:`faying.interface.topography.topography`.
-    """
+    """Return a model with the gaps that scans leave, one by one, noted in its source."""
     for name, sections in scans.items():
         interface = model.interfaces[name]
         read = [(read_scan(section.file), section.placement) for section in sections]

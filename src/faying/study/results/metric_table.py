@@ -31,13 +31,6 @@ def write_metrics(
     """Write a table atomically, a piece at a time, in the format that the path ends in.
 
     The label is the name of the first column.
-
-    Raises
-    ------
-    FormatError
-        If it cannot be written.
-    StudyError
-        If Parquet is asked for without pyarrow.
     """
     if path.suffix == ".parquet":
         with replacing(path) as temporary:
@@ -53,12 +46,7 @@ def write_metrics(
 
 
 def check_table_format(name: TableFormat) -> None:
-    """Refuse Parquet where pyarrow is not installed.
-
-    Raises
-    ------
-    StudyError
-    """
+    """Refuse Parquet where pyarrow is not installed."""
     if name == "parquet":
         pyarrow_for("--table parquet", "take csv")
 
@@ -119,11 +107,6 @@ def write_frequency_tables(records: Mapping[str, FrequencyRecord], folder: Path)
 
     Phases are in degrees against the load, energies those of a period; frequencies expected are
     those of the backbone.
-
-    Raises
-    ------
-    FormatError
-        If a file cannot be written.
     """
     if not records:
         return

@@ -9,7 +9,6 @@ import numpy as np
 from faying._typing import Indices, Mask, Matrix, Vector
 from faying.assessment.case_metrics import bent_bolts
 from faying.assessment.slip import point_states, slip_history
-from faying.joint.system import Joint
 from faying.simulation.cycles import Cycles, load_work, loop_area
 from faying.simulation.load import Load
 from faying.simulation.solution import Solution
@@ -208,7 +207,8 @@ def cycle_record(cycles: Cycles, load: Load) -> CycleRecord:
     path, joint = cycles.cycle, cycles.cycle.system
     traction = np.linalg.norm(path.traction, axis=-1)
     # An open point moves freely, which wears nothing.
-    moves = np.diff(slip_history(path, cycles.start), axis=0) * (path.contact_forces > 0)[:, None]
+    change = np.diff(slip_history(path, cycles.start), axis=0)
+    moves = change * (path.contact_forces > 0)[:, None]
     reach = _range(np.cumsum(np.concatenate([np.zeros_like(moves[:1]), moves]), axis=0))
     return CycleRecord(
         amplitude=cycles.amplitude,
@@ -217,7 +217,7 @@ def cycle_record(cycles: Cycles, load: Load) -> CycleRecord:
         loop_area=loop_area(cycles, load),
         slip_range=reach,
         fretting=reach * traction.max(axis=0, initial=0.0),
-        slip_work=_slip_work(path, cycles.start, joint),
+        slip_work=-(path.shear_forces * change).sum(axis=(0, 1)) / joint.contact.weights,
         start_work=float(load_work(cycles.start, load)[-1]),
         increments=path_record(path, cycles.start, load, ("factor",), cycles.factors[:, None]),
     )
@@ -230,10 +230,3 @@ def _range(slip: Matrix) -> Vector:
         apart = np.hypot(*np.moveaxis(slip - position, 1, 0))
         largest = np.maximum(largest, apart.max(axis=0))
     return largest
-
-
-def _slip_work(path: Solution, start: Solution, joint: Joint) -> Vector:
-    """Return the energy per area (n_point,) that friction took: traction times change of slip."""
-    change = np.diff(slip_history(path, start), axis=0)
-    work: Vector = -(path.shear_forces * change).sum(axis=(0, 1)) / joint.contact.weights
-    return work

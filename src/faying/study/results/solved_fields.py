@@ -144,13 +144,7 @@ def write_solved(
     transients: Mapping[str, SolvedFields],
     path: Path,
 ) -> None:
-    """Write fields and envelopes to an HDF5 file, atomically.
-
-    Raises
-    ------
-    FormatError
-        If it cannot be written.
-    """
+    """Write fields and envelopes to an HDF5 file, atomically."""
     members = {
         "name": rom.name,
         "method": rom.method,

@@ -3,6 +3,8 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
+from hashlib import blake2b
+from typing import Any
 
 import numpy as np
 
@@ -10,8 +12,11 @@ from faying._typing import Matrix
 from faying.assessment.certificate import Certifier, certifier
 from faying.assessment.choose_joint_modes import JointModeChoice, choose_joint_modes
 from faying.assessment.stuck_modes import preloaded_frequencies
+from faying.exceptions import refuse_study
+from faying.execution.checkpoint import Bundles
 from faying.joint.model import Model
 from faying.joint.smooth_joint import smooth_joint
+from faying.joint.structure import Structure
 from faying.joint.system import Joint, System
 from faying.reduction.basis import Basis, ModeKind
 from faying.reduction.craig_bampton import classic_basis
@@ -26,6 +31,7 @@ from faying.simulation.path import last_of, solve_static
 from faying.simulation.preload import Sticking, with_sticking
 from faying.simulation.preload_loss import PreloadLoss
 from faying.simulation.solution import Solution
+from faying.simulation.solution_parts import arrays_of
 from faying.simulation.stepping import TransientSolver, transient_solver
 from faying.simulation.tightening import Tightening, tighten, tightened_joint
 from faying.study.inputs.bolts import losses
@@ -33,7 +39,6 @@ from faying.study.inputs.load_model import LoadedModel, build_loaded, check_inte
 from faying.study.inputs.loads import check_loads, is_trained, time_step, training_box
 from faying.study.keys.tables import Study
 from faying.study.stages.books import Books
-from faying.study.stages.kept_joint import check_same_joint, keep_compliance, kept_state
 from faying.study.stages.path_cases import rest_state
 from faying.study.stages.training import StepTraining, step_groups, step_loads
 
@@ -289,3 +294,51 @@ def reduced_models(
                 for count in method.counts(basis, counts)
             }
     return models
+
+
+def check_same_joint(checkpoint: Bundles, model: Model) -> None:
+    """Refuse to go on with what was computed of another joint: a deck may have changed since."""
+    contact, digest = model.contact, blake2b(digest_size=16)
+    arrays = [model.K.data, model.K.indices, model.M.data, contact.interpolation.data]
+    arrays += [contact.weights, contact.initial_gap, model.pattern_forces]
+    arrays += [bolt.elongation for bolt in model.bolts.values()]
+    for array in arrays:
+        digest.update(array.tobytes())
+    mark = np.array(f"{digest.hexdigest()} {dict(contact.laws)}")
+    if checkpoint.bundle("joint", lambda: {"mark": mark})["mark"] != mark:
+        refuse_study(
+            "what an interrupted run left belongs to another joint: a deck, mesh or matrix of the "
+            "study has changed since; run without --resume to start afresh"
+        )
+
+
+def keep_compliance(checkpoint: Bundles, key: str, structure: Structure) -> None:
+    """Let a structure take what is between its pairs from a run before, or keep it for one.
+
+    Nothing is kept of more pairs than matrices have room for.
+    """
+    if not structure.is_kept_whole:
+        return
+
+    def arrays() -> dict[str, Matrix]:
+        if structure.held_stiffness is not None:
+            return {"held_stiffness": structure.held_stiffness}
+        return {"held_compliance": np.asarray(structure.held_compliance)}
+
+    for name, matrix in checkpoint.bundle(key, arrays).items():
+        structure.take_held(name, matrix)
+
+
+def kept_state(
+    checkpoint: Bundles, key: str, system: System, compute: Callable[[], Solution]
+) -> Solution:
+    """Return a static state of a joint as it is kept under a key, or compute and keep it."""
+
+    def arrays() -> dict[str, Matrix]:
+        state = compute()
+        return {"name": np.array(state.name), **arrays_of(state)}
+
+    members: dict[str, Any] = {
+        name: value[()] for name, value in checkpoint.bundle(key, arrays).items()
+    }
+    return Solution(name=str(members.pop("name")), system=system, **members)

@@ -41,13 +41,7 @@ Curves = Mapping[tuple[str, int], Backbone]
 
 
 def with_values(study: Study, values: Mapping[str, float]) -> Study:
-    """Return a study whose parameters, by name, have other values; its file stays as it is.
-
-    Raises
-    ------
-    StudyError
-        If a key does not take the value.
-    """
+    """Return a study whose parameters, by name, have other values; its file stays as it is."""
     tables = tomllib.loads(study.text)
     for section in study.parameters:
         for key in section.keys if section.name in values else ():
@@ -83,13 +77,7 @@ class VariedJoint:
     rom: ReducedModel
 
     def tightened(self, values: Mapping[str, float]) -> tuple[ReducedModel, Solution]:
-        """Return the reduced model with locked bolts, and the state that tightening leaves.
-
-        Raises
-        ------
-        FayingError
-            If a key does not take its value, or tightening does not converge; with the values.
-        """
+        """Return the reduced model with locked bolts, and the state that tightening leaves."""
         study = with_values(self.study, values)
         loaded = load_model(study, self.source)
         system = self._with_contact(loaded)
@@ -101,13 +89,7 @@ class VariedJoint:
             return locked, last_of(tight.rest(locked))
 
     def curves(self, values: Mapping[str, float]) -> Curves:
-        """Return the backbones of all load cases that are some.
-
-        Raises
-        ------
-        FayingError
-            As :meth:`tightened`, or if a cycle is not solved; with the values.
-        """
+        """Return the backbones of all load cases that are some."""
         locked, state = self.tightened(values)
         with naming(_written(values)):
             return {
@@ -138,13 +120,7 @@ class VariedJoint:
 
 
 def varied_joint(study: Study) -> VariedJoint:
-    """Build and reduce the joint of a study once.
-
-    Raises
-    ------
-    FayingError
-        If study and model do not fit together.
-    """
+    """Build and reduce the joint of a study once."""
     source = read_source(study)
     # Within the ranges, so that what may rub rubs.
     inside = {parameter.name: sum(parameter.range) / 2 for parameter in study.parameters}

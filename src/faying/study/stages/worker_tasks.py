@@ -47,11 +47,6 @@ def compute_pieces(study: Study, executor: Executor, books: Books) -> None:
     """Have workers compute the pieces that are not there yet.
 
     A piece without solution is left to the run, which knows whether it can do without.
-
-    Raises
-    ------
-    FayingError
-        As the run would raise, or if workers fail; what is finished is kept to resume from.
     """
     asked = study.validation.reference == "full"
     full = asked or reference_kind(study, build_loaded(load_model(study)))[0] == "full"
