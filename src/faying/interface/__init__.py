@@ -1,1 +1,1 @@
-"""Where two surfaces meet: facets, pairs, projections and the operators they give."""
+"""Interfaces: facets, pairs and projections of two surfaces, and the operators between them."""

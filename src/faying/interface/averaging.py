@@ -1,10 +1,10 @@
-"""From values at contact points to values at node pairs, by positive weights.
+"""Averages of values at contact points over node pairs, with positive weights.
 
-A pair takes the mean of the points near it, weighted with w φ²: w the area of a point, φ the
-pair's shape function there where that is positive. Shape functions of quadratic facets are negative
-near the far corners, which must not count. A corner that no point sees in this way (under nodal
+A pair takes the mean of the points near it, weighted with w φ²: w is the area of a point, φ the
+shape function of the pair there, where that is positive. Shape functions of quadratic facets are
+negative near the far corners, which must not count. A corner without such points (under nodal
 quadrature six-node triangles have points at their mid-sides alone) takes for φ the linear function
-that is one there and zero at its neighbours: of triangles the mean of the mid-sides next to it.
+that is one there and zero at its neighbours: in triangles the mean of the mid-sides next to it.
 """
 
 from collections.abc import Sequence
@@ -20,9 +20,9 @@ from faying.model.elements import FACES
 def averaging_operator(
     shape: SparseMatrix, weights: Vector, facets: Sequence[tuple[str, Indices]]
 ) -> SparseMatrix:
-    """Return the operator (n_pair, n_point) that averages values at contact points to the pairs.
+    """Return the operator (n_pair, n_point) from values at contact points to averages at the pairs.
 
-    No entry is negative and every row adds up to one. Shape functions of the pairs at the points
+    No entry is negative and the sum of every row is one. Shape functions of the pairs at the points
     are (n_point, n_pair), weights (n_point,) [length²]; facets are kinds with pairs (n_face,
     n_node_per_face).
     """
@@ -43,9 +43,8 @@ def averaging_operator(
 def corner_functions(facets: Sequence[tuple[str, Indices]], n_pair: int) -> SparseMatrix:
     """Return the linear functions of all corners at the pairs (n_pair, n_pair).
 
-    They are shape functions of the facets without their mid-sides, and sums of those with them. The
-    column of a corner is one at itself, 1/2 at the mid-sides next to it; those of mid-sides are
-    empty.
+    They are the shape functions of the facets without mid-sides. The column of a corner is one at
+    this corner and 1/2 at the mid-sides next to it; columns of mid-sides are empty.
     """
     rows, columns, values = [], [], []
     for kind, pairs in facets:
@@ -62,9 +61,10 @@ def corner_functions(facets: Sequence[tuple[str, Indices]], n_pair: int) -> Spar
 
 
 def facet_columns(pairs: Indices, minus: Indices, plus: Indices) -> Indices:
-    """Return which pairs (…) the nodes of facets are, in the shape of ``minus`` and ``plus``.
+    """Return the numbers of the pairs at the nodes of facets, in the shape of ``minus``.
 
-    Pairs (n_pair, 2) are nodes of the minus and the plus side, as are those of facets.
+    ``pairs`` (n_pair, 2) are nodes of the minus and the plus side; ``minus`` and ``plus`` those of
+    facets.
     """
     width = int(pairs.max()) + 1
     keys = pairs[:, 0] * width + pairs[:, 1]

@@ -1,4 +1,4 @@
-"""Linear cells that quadratic facets are divided into, to be clipped."""
+"""Linear cells of quadratic facets, for clipping."""
 
 from dataclasses import dataclass
 
@@ -20,9 +20,9 @@ class Cells(Frozen):
     points : (n_point, 3) [length]
         Nodes of the mesh and centres of facets that have no node there.
     facets : (n_cell)
-        In terms of these points.
+        Cells as indices into these points.
     parents : (n_cell,)
-        Facet each is a part of.
+        Facet that contains each cell.
     """
 
     points: Matrix
@@ -52,9 +52,9 @@ class Cells(Frozen):
 
 
 def divided(nodes: Matrix, facets: Facets) -> Cells:
-    """Divide quadratic facets into four linear cells each; linear ones are their own.
+    """Divide quadratic facets into four linear cells each; linear facets are one cell.
 
-    With half the chords the cells follow curved sides four times as closely as the corners do.
+    With chords of half the length the cells follow curved sides four times as closely.
     """
     points = [nodes]
     tables: list[Indices] = [facets.nodes[:0]]

@@ -10,10 +10,10 @@ from faying.digits import ROUND_OFF
 
 
 def clip(subject: Matrix, window: Matrix) -> tuple[Matrix, Indices]:
-    """Intersect convex polygons (n, 4, 2) pairwise; corners are counter-clockwise.
+    """Return intersections of convex polygons (n, 4, 2), pairwise; corners are counter-clockwise.
 
-    A triangle repeats its last corner. Intersections (n, most, 2) have as many corners as their
-    counts (n,), 0 where nothing is left; columns beyond are zero.
+    A triangle repeats its last corner. Intersections (n, most, 2) have numbers of corners (n,), 0
+    for an empty one; columns beyond are zero.
 
     Notes
     -----
@@ -31,15 +31,15 @@ def clip(subject: Matrix, window: Matrix) -> tuple[Matrix, Indices]:
 def _half_plane(
     polygons: Matrix, counts: Indices, start: Matrix, along: Matrix
 ) -> tuple[Matrix, Indices]:
-    """Keep what lies to the left of one line per polygon; lines (n, 2) without length keep all."""
+    """Return the part of each polygon to the left of a line (n, 2); lines of no length keep all."""
     n, width = polygons.shape[:2]
     corner = np.arange(width)
     used = corner < counts[:, None]
     following = np.where(corner + 1 < counts[:, None], corner + 1, 0)
     away = polygons - start[:, None]
     left = along[:, None, 0] * away[..., 1] - along[:, None, 1] * away[..., 0]
-    # Corners on the line belong to both sides of it; rounding must not decide, or a side along
-    # the line would cross it several times.
+    # Corners on the line belong to both its sides; otherwise a side along the line could cross it
+    # several times by round-off.
     reach = np.abs(np.where(used[..., None], away, 0.0)).max(axis=(1, 2))
     rounding = ROUND_OFF * np.linalg.norm(along, axis=1) * reach
     left = np.where(np.abs(left) <= rounding[:, None], 0.0, left)
@@ -64,7 +64,7 @@ def areas(polygons: Matrix, counts: Indices) -> Vector:
     """Return the areas (n,) of polygons (n, n_corner, 2), counter-clockwise ones positive."""
     corner = np.arange(polygons.shape[1])
     following = np.where(corner + 1 < counts[:, None], corner + 1, 0)
-    # About the first corner, so that far-away polygons keep their digits.
+    # Relative to the first corner, so that distant polygons lose no digits.
     away = polygons - polygons[:, :1]
     ahead = np.take_along_axis(away, following[..., None], axis=1)
     doubled = away[..., 0] * ahead[..., 1] - away[..., 1] * ahead[..., 0]
@@ -73,10 +73,10 @@ def areas(polygons: Matrix, counts: Indices) -> Vector:
 
 
 def fans(polygons: Matrix, counts: Indices) -> tuple[Matrix, Indices]:
-    """Cut convex polygons (n, n_corner, 2) into triangles that share their first corner.
+    """Divide convex polygons (n, n_corner, 2) into triangles that share their first corner.
 
-    Triangles (n_triangle, 3, 2) are counter-clockwise, those without area included; with them come
-    the polygons they are of (n_triangle,).
+    Triangles (n_triangle, 3, 2) are counter-clockwise, those of zero area included. Their polygons
+    (n_triangle,) are returned too.
     """
     second = np.arange(1, polygons.shape[1] - 1)
     owners, corner_number = np.nonzero(second < counts[:, None] - 1)

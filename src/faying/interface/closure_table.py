@@ -1,4 +1,4 @@
-"""Curves of pressure over closure from csv files."""
+"""Curves of pressure over closure in csv files."""
 
 from pathlib import Path
 
@@ -16,14 +16,14 @@ def read_closure_table(path: str | Path, name: str = "table") -> TableClosure | 
     Parameters
     ----------
     path
-        First line names the columns, in any order; lines that start with # are skipped.
+        File whose first line names the columns, in any order; lines that start with # are skipped.
     name
         ``"table"``, or ``"gasket"`` with a third column, ``unloading``.
 
     Raises
     ------
     FormatError
-        If the file is missing, has other columns, or its rows are no curve.
+        If the file is missing, has other columns, or its rows do not form a curve.
     """
     columns = COLUMNS[name]
     table = read_number_table(Path(path), [columns], "the curve")

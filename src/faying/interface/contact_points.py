@@ -1,4 +1,4 @@
-"""Contact points of an interface: where they are, what they weigh, and which pairs they see."""
+"""Contact points of an interface: positions, weights, and shape functions of the pairs."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -31,9 +31,9 @@ def on_facets(
     columns: Indices,
     n_pair: int,
 ) -> ContactPoints:
-    """Return the points of facets of one kind, with coordinates (n_face, n_node, 3) [length].
+    """Return the contact points of facets of one kind, from coordinates (n_face, n_node, 3).
 
-    They see the pairs ``columns`` (n_face, n_seen) by the shape functions of the kind ``seen``.
+    Their shape functions are of the kind ``seen``, for the pairs ``columns`` (n_face, n_seen).
     """
     geometry, shape = surface(kind, coordinates, rule), shape_functions(seen, rule.points)
     return ContactPoints(
@@ -47,19 +47,19 @@ def on_facets(
 
 
 def spread(values: Matrix, columns: Indices, n_pair: int) -> SparseMatrix:
-    """Return rows (n n_q, n_pair) of values (n, n_q, n_seen) of the pairs of each facet."""
+    """Return rows (n n_q, n_pair) from values (n, n_q, n_seen) for the pairs of each facet."""
     n, n_q, n_seen = values.shape
     rows = np.repeat(np.arange(n * n_q), n_seen)
     pairs = np.repeat(columns[:, None, :n_seen], n_q, axis=1).ravel()
     matrix = sp.csr_array((values.ravel(), (rows, pairs)), shape=(n * n_q, n_pair))
-    # Shape functions at nodes are 0 and 1 but for rounding, which would fill the matrix.
+    # Round-off of shape functions that vanish at nodes would fill the matrix.
     matrix.data[np.abs(matrix.data) < 1e-14] = 0.0
     matrix.eliminate_zeros()
     return matrix
 
 
 def joined(parts: Sequence[ContactPoints]) -> ContactPoints:
-    """Return all points, part by part."""
+    """Return the points of all parts in sequence."""
     return ContactPoints(
         shape=sp.vstack([part.shape for part in parts]).tocsr(),
         points=np.concatenate([part.points for part in parts]),

@@ -1,4 +1,4 @@
-"""Mortar coupling: the motion of the plus side as seen by the nodes of the minus side.
+"""Mortar coupling: the motion of the plus side projected to the nodes of the minus side.
 
 Dual Lagrange multipliers (B. I. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989-1012) on segments
 (Puso & Laursen 2004), built on the covered part of each facet so that they stay consistent at the
@@ -52,11 +52,11 @@ class Coupling(Frozen):
     weights : (n_pair,) [length²]
         ∫ L dA over the covered part, L the linear shape functions.
     coverage : (n_pair,)
-        The same over the integral over the whole of these facets.
+        These weights over ∫ L dA over the whole facets.
     masses : (n_minus, 4, 4) [length²]
         ∫ L_i L_j dA over the covered part of each facet.
     gap : (n_pair,) [length]
-        Initial gap of the two surfaces; between curved surfaces of linear facets that of the
+        Initial gap of the two surfaces; for linear facets of curved surfaces the gap of the
         smooth surfaces through their corners.
     """
 
@@ -104,7 +104,7 @@ class _Integrals:
 
 
 def couple(nodes: Matrix, segments: Segments) -> Coupling:
-    """Integrate the coupling of two sides over their segments, one triangle at least.
+    """Return the coupling of two sides, integrated over their segments, at least one triangle.
 
     Nodes are (n_node, 3) [length].
 
@@ -113,7 +113,7 @@ def couple(nodes: Matrix, segments: Segments) -> Coupling:
     With Ψ_A biorthogonal to the linear L_B on the covered part of each facet, the relative
     displacement is ∫ Ψ_A (u⁺ − u⁻) dA / ∫ L_A dA. Since Σ Ψ_A = 1, a constant pressure loads the
     nodes of both sides by the integrals of their own shape functions; since ∫ Ψ_A L_B vanishes
-    for A ≠ B, linear motions are seen exactly. Linear in the number of segments.
+    for A ≠ B, linear motions are represented exactly. Linear in the number of segments.
     """
     parts = list(_integrals(nodes, segments))
     pairs, columns = _pairs(nodes, segments)
@@ -124,7 +124,7 @@ def couple(nodes: Matrix, segments: Segments) -> Coupling:
         np.add.at(weight, owner[part.rows], part.weight)
     dual = _dual(mass, weight)
     total = _at_pairs(columns, weight, len(pairs))
-    # Beyond a curved side shape functions are negative, and a node may see nothing but that.
+    # Beyond a curved side shape functions are negative, and a node may have no other points.
     total = np.where(total > 0, total, np.inf)
     sides = {
         name: _operator(name, parts, segments, dual, columns, (len(pairs), len(nodes)), total)
@@ -148,7 +148,7 @@ def couple(nodes: Matrix, segments: Segments) -> Coupling:
 
 
 def whole_weights(nodes: Matrix, facets: Facets) -> Matrix:
-    """Return ∫ L dA over whole facets (n_facet, 4) [length²]; triangles have a zero last."""
+    """Return ∫ L dA over whole facets (n_facet, 4) [length²], zero in unused columns."""
     weights = np.zeros((len(facets), 4))
     for kind, rows in rows_by_kind(facets.nodes).items():
         rule, n_corner = gauss_rule(kind), FACES[kind].n_corners
@@ -158,7 +158,7 @@ def whole_weights(nodes: Matrix, facets: Facets) -> Matrix:
 
 
 def _pairs(nodes: Matrix, segments: Segments) -> tuple[Indices, Indices]:
-    """Corner nodes with their nearest partners (n_pair, 2), and the pair of every corner."""
+    """Return corner nodes with their nearest partners (n_pair, 2), and the pair of every corner."""
     corners, columns = np.unique(segments.minus.corners, return_inverse=True)
     others = np.unique(segments.plus.nodes[segments.plus.nodes >= 0])
     nearest = others[cKDTree(nodes[others]).query(nodes[corners])[1]]
@@ -172,10 +172,10 @@ def _at_pairs(columns: Indices, values: Matrix, n_pair: int) -> Vector:
 
 
 def _dual(mass: Matrix, weight: Matrix) -> Matrix:
-    """Coefficients of the dual functions, Ψ = diag(∫ L) (∫ L L)⁻¹ L (n, 4, 4).
+    """Return coefficients of the dual functions, Ψ = diag(∫ L) (∫ L L)⁻¹ L (n, 4, 4).
 
-    Scaled by the weights the mass matrix has eigenvalues up to 1. Those of a small corner of a
-    facet are far below: there the linear part of the motion is left to the other facets.
+    Scaled by the weights the mass matrix has eigenvalues up to 1. For a small corner of a facet
+    they are far smaller: there the other facets determine the linear part of the motion.
     """
     used = weight > 0
     root = np.sqrt(np.where(used, weight, 1.0))
@@ -196,7 +196,7 @@ def _operator(
     shape: tuple[int, int],
     total: Vector,
 ) -> SparseMatrix:
-    """Motion of one side at the pairs (n_pair, n_node)."""
+    """Return the motion of one side at the pairs (n_pair, n_node)."""
     facets, of = {
         "minus": (segments.minus, segments.minus_of),
         "plus": (segments.plus, segments.plus_of),
@@ -213,7 +213,7 @@ def _operator(
     table = (np.concatenate(entries), tuple(np.concatenate(places, axis=1)))
     result = sp.coo_array(table, shape=shape).tocsr()
     result = sp.csr_array(sp.diags_array(1.0 / total) @ result)
-    # What should vanish does to rounding, and would fill the matrix.
+    # Round-off of vanishing entries would fill the matrix.
     result.data[np.abs(result.data) < 1e-12] = 0.0
     result.eliminate_zeros()
     result.sort_indices()
@@ -221,7 +221,7 @@ def _operator(
 
 
 def _integrals(nodes: Matrix, segments: Segments) -> Iterator[_Integrals]:
-    """Integrate over the triangles, one combination of facet kinds after the other."""
+    """Yield integrals over the triangles, for each combination of facet kinds."""
     kinds = [rows_by_kind(facets.nodes) for facets in (segments.minus, segments.plus)]
     sides = (segments.minus, segments.plus)
     flat = all(_is_flat(nodes, facets) for facets in sides)
@@ -239,7 +239,7 @@ def _integrals(nodes: Matrix, segments: Segments) -> Iterator[_Integrals]:
 
 
 def _degree(nodes: Matrix, segments: Segments, kinds: tuple[str, str], rows: Indices) -> int:
-    """Degree of the products to be integrated over triangles ``rows``."""
+    """Return the degree of the products to be integrated over triangles ``rows``."""
     degree = FACES[FACES[kinds[0]].linear].total_degree
     degree += max(FACES[kind].total_degree for kind in kinds)
     affine = _affine(nodes, segments.minus, segments.minus_of[rows])
@@ -281,7 +281,7 @@ def _of_kinds(
 
 
 def _affine(nodes: Matrix, facets: Facets, rows: Indices) -> bool:
-    """Tell whether facets are triangles or parallelograms, with mid-side nodes half way."""
+    """Return whether facets are triangles or parallelograms, with mid-side nodes half way."""
     used = facets.taken(np.unique(rows))
     for kind, members in rows_by_kind(used.nodes).items():
         x = nodes[used.nodes[members, : FACES[kind].n_nodes]]
@@ -300,7 +300,7 @@ def _affine(nodes: Matrix, facets: Facets, rows: Indices) -> bool:
 def _arc(
     side: FacetPoints, nodes: Matrix, facets: Facets, rows: Indices, normals: Matrix
 ) -> Matrix:
-    """Height of the smooth surface over linear facets (n, n_q); quadratic ones follow it."""
+    """Return the height of the smooth surface over linear facets (n, n_q), else zero."""
     if FACES[side.kind].linear != side.kind:
         return np.zeros(side.shape.shape[:2])
     n_corner = FACES[side.kind].n_corners

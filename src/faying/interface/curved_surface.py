@@ -1,4 +1,4 @@
-"""How far the true surface stands off the facets that approximate it."""
+"""Distance of the true surface from the facets that approximate it."""
 
 import numpy as np
 import scipy.sparse as sp
@@ -11,18 +11,18 @@ SHARP = np.radians(15.0)
 
 
 def arc_heights(corners: Matrix, facets: Facets, normals: Matrix) -> Vector:
-    """Estimate how far the true surface stands off each facet: h θ / 4, θ the turn at its nodes.
+    """Return estimated distances of the true surface from facets: h θ / 4, θ the turn at nodes.
 
     θ is the largest angle between the facet's normal (n_facet, 3) and the mean normal at its
-    corners (n_facet, 4, 3) [length] that is not an edge's: zero on a flat surface, h / 2R on a
-    cylinder. Of edges h the longest counts.
+    corners (n_facet, 4, 3) [length] away from edges: zero on a flat surface, h / 2R on a cylinder.
+    h is the longest side of the facet.
     """
     index = facets.corners
     mean = np.zeros((int(index.max(initial=-1)) + 1, 3))
     np.add.at(mean, index, np.repeat(normals[:, None], index.shape[1], axis=1))
     length = np.linalg.norm(mean, axis=1, keepdims=True)
     mean /= np.where(length > 0, length, 1.0)
-    # The chord between unit normals: unlike arccos it keeps zero at zero.
+    # The chord between unit normals is exactly zero for equal ones, unlike arccos.
     turn = np.linalg.norm(mean[index] - normals[:, None], axis=2)
     turn = np.where(turn < SHARP, turn, 0.0).max(axis=1)
     edge = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
@@ -34,10 +34,10 @@ def corner_normals(nodes: Matrix, facets: Facets) -> Matrix:
     """Return the unit normals (n_facet, 4, 3) of the smooth surface through corners of facets.
 
     At each corner of linear facets the height of the neighbours' neighbours over the tangent plane
-    is fitted by a quadratic, whose slope at the corner turns the mean normal of the facets; at a
-    rim, where that mean is one-sided, this is what makes the normal second-order accurate. Facets
-    that meet at an edge sharper than 15° do not see each other. Quadratic facets get their own
-    normal, for they follow the surface.
+    is fitted by a quadratic, whose slope at the corner turns the mean normal of the facets. At a
+    rim, where that mean is one-sided, this makes the normal second-order accurate. Facets that
+    meet at an edge sharper than 15° do not affect each other. Quadratic facets have the normals
+    of their shape functions, since they follow the surface.
     """
     facet_normal = facet_normals(nodes, facets)
     normals = np.repeat(facet_normal[:, None], 4, axis=1)
@@ -75,20 +75,20 @@ def _neighbours(corners: Indices, normals: Matrix) -> Indices:
 
 
 def _turned(points: Matrix, normals: Matrix, neighbours: Indices) -> Matrix:
-    """Turn normals (n, 3) by the slope of the quadratic through neighbours (n, most)."""
+    """Return normals (n, 3) turned by the slope of the quadratic through neighbours (n, most)."""
     first = np.eye(3)[np.abs(normals).argmin(axis=1)]
     first -= np.einsum("nd,nd->n", first, normals)[:, None] * normals
     first /= np.linalg.norm(first, axis=1, keepdims=True)
     second = np.cross(normals, first)
     away = np.where(neighbours[..., None] >= 0, points[neighbours] - points[:, None], 0.0)
-    # A node between facets that all stand at sharp angles has no neighbours, and no slope.
+    # A node between facets at sharp angles has no neighbours, and no slope.
     reach = np.maximum(np.linalg.norm(away, axis=2).max(axis=1), np.finfo(float).tiny)
     x, y, z = (
         np.einsum("nkd,nd->nk", away, axis) / reach[:, None] for axis in (first, second, normals)
     )
-    # Rows of zeros stand for missing neighbours; the constant is fixed by the node itself.
+    # Rows of zeros replace missing neighbours; the node itself fixes the constant.
     terms = np.stack([x, y, x * x, x * y, y * y], axis=-1)
-    # Too few neighbours leave terms undetermined; the smallest ones that fit are then taken.
+    # Too few neighbours leave terms undetermined; the smallest solution is then taken.
     fit = np.einsum("nik,nk->ni", np.linalg.pinv(terms, rcond=1e-6), z)
     turned = normals - fit[:, :1] * first - fit[:, 1:2] * second
     unit: Matrix = turned / np.linalg.norm(turned, axis=1, keepdims=True)
@@ -98,11 +98,11 @@ def _turned(points: Matrix, normals: Matrix, neighbours: Indices) -> Matrix:
 def standing_off(shape: Matrix, corners: Matrix, normals: Matrix) -> Matrix:
     """Return the height of the smooth surface over linear facets, ½ Σ N_i (x_i − x)·n_i.
 
-    With exact normals right to second order in κh: a tangent plane lies as far beyond the surface
-    as the mean of the chords, weighted by N, lies short of it. Of a circle short by (κh)²/16. Shape
-    functions of the corners are (n, n_q, 4), of triangles with zero in the last column; corners and
-    normals (n, 4, 3). Heights (n, n_q) [length] are positive where the surface lies outside the
-    facet, seen along the normals.
+    With exact normals it is second-order accurate in κh: a tangent plane lies as far beyond the
+    surface as the mean of the chords, weighted by N, lies short of it; the error for a circle is
+    (κh)²/16. Shape functions of the corners are (n, n_q, 4), with zero in the last column for
+    triangles; corners and normals are (n, 4, 3). Heights (n, n_q) [length] are positive where the
+    surface lies outside the facet, along the normals.
     """
     points = np.einsum("nqi,nid->nqd", shape, corners)
     at_corner = np.einsum("nid,nid->ni", corners, normals)

@@ -1,4 +1,4 @@
-"""Facets: shape functions, quadrature and geometry of the surfaces that touch.
+"""Facets: shape functions, quadrature and geometry of contact surfaces.
 
 Reference facets are scikit-fem's: the triangle (0,0), (1,0), (0,1) and the square [0, 1]². Nodes
 run corners first, then mid-sides, counter-clockwise.
@@ -27,9 +27,9 @@ class Rule(Frozen):
         ``"gauss-<order>"`` or ``"nodal"``.
     points : (n_q, 2)
     weights : (n_q,)
-        Positive; they add up to the area of the reference facet.
+        Positive; their sum is the area of the reference facet.
     nodes : (n_q,)
-        Local node at which a point lies, -1 for a point that is no node.
+        Local node at a point, -1 for a point away from nodes.
     """
 
     name: str
@@ -62,7 +62,7 @@ def reference_nodes(kind: str) -> Matrix:
 
 
 def shape_functions(kind: str, points: Matrix) -> Matrix:
-    """Evaluate the shape functions (n_q, n_node_per_face) at reference points (n_q, 2).
+    """Return the shape functions (n_q, n_node_per_face) at reference points (n_q, 2).
 
     The kind is a name of a :class:`~faying.model.elements.face_kind.FaceKind`.
     """
@@ -72,7 +72,7 @@ def shape_functions(kind: str, points: Matrix) -> Matrix:
 
 
 def shape_gradients(kind: str, points: Matrix) -> Matrix:
-    """Evaluate their derivatives to the reference coordinates (n_q, n_node_per_face, 2)."""
+    """Return derivatives of the shape functions by the coordinates (n_q, n_node_per_face, 2)."""
     element, local = _element(kind), np.asarray(points).T
     values = [np.asarray(element.lbasis(local, i)[1]) for i in range(len(element.doflocs))]
     full = [np.broadcast_to(value.reshape(2, -1), local.shape) for value in values]
@@ -81,11 +81,11 @@ def shape_gradients(kind: str, points: Matrix) -> Matrix:
 
 @cache
 def gauss_rule(kind: str, order: int | None = None) -> Rule:
-    """Gauss points of a facet, all strictly inside it and with positive weights.
+    """Return Gauss points of a facet, all strictly inside it and with positive weights.
 
-    The order is that of points per direction (quadrilaterals) or degree of exactness (triangles);
-    None takes the lowest one that integrates pressure times shape functions exactly on a flat facet
-    with straight sides and evenly spaced nodes.
+    The order is the number of points per direction (quadrilaterals) or the degree of exactness
+    (triangles). None is the lowest one that integrates pressure times shape functions exactly on a
+    flat facet with straight sides and evenly spaced nodes.
     """
     chosen = FACES[kind].gauss_order if order is None else order
     if not 1 <= chosen <= LARGEST_ORDER:
@@ -102,13 +102,13 @@ def gauss_rule(kind: str, order: int | None = None) -> Rule:
 
 @cache
 def nodal_rule(kind: str) -> Rule:
-    """Quadrature whose points are nodes of the facet, with positive weights.
+    """Return a quadrature whose points are nodes of the facet, with positive weights.
 
-    tri3 takes its vertices and quad4 its corners; a corner stands for ∫N dA, which on a distorted
-    facet is not its 2 × 2 Lobatto weight but balances uniform pressure. tri6 takes the mid-sides
-    with a third of the area each: the vertices have weight zero. quad8 takes 3 × 3 Lobatto with
-    the centre, because the rule with its eight nodes alone has the weight -A/12 at the corners,
-    and a contact point cannot stand for a negative area.
+    tri3 has its vertices and quad4 its corners; the weight of a corner is ∫N dA, which on a
+    distorted facet is not its 2 × 2 Lobatto weight but balances uniform pressure. tri6 has the
+    mid-sides with a third of the area each: the vertices have weight zero. quad8 has 3 × 3 Lobatto
+    points with the centre, because with its eight nodes alone the weight of the corners is -A/12,
+    and a contact point cannot have a negative area.
     """
     weights = np.array(FACES[kind].nodal_weights)
     nodes = reference_nodes(kind)
@@ -119,7 +119,7 @@ def nodal_rule(kind: str) -> Rule:
 
 
 def surface(kind: str, coordinates: Matrix, rule: Rule) -> Surface:
-    """Evaluate the interpolated surface of facets (n_face, n_node_per_face, 3) at a rule's points.
+    """Return the interpolated surface of facets (n_face, n_node_per_face, 3) at a rule's points.
 
     Areas use the true Jacobian |∂x/∂ξ × ∂x/∂η| of the curved facet.
     """
@@ -129,7 +129,7 @@ def surface(kind: str, coordinates: Matrix, rule: Rule) -> Surface:
     else:
         vectors = area_vectors(kind, coordinates, rule.points) * rule.weights[:, None]
     areas = np.linalg.norm(vectors, axis=-1)
-    # A collapsed facet has no normal; zero keeps it visible to the caller's check.
+    # A collapsed facet has no normal; the zero vector lets callers detect it.
     normals = vectors / np.where(areas > 0, areas, 1.0)[..., None]
     return Surface(points=points, areas=areas, normals=normals)
 
@@ -159,7 +159,7 @@ def _element(kind: str):  # type: ignore[no-untyped-def]  # skfem ships no types
 
 
 def _square_gauss(order: int) -> tuple[Matrix, Vector]:
-    """Gauss-Legendre product rule on [0, 1]²; points run along ξ first."""
+    """Return the Gauss-Legendre product rule on [0, 1]²; points run along ξ first."""
     x, w = np.polynomial.legendre.leggauss(order)
     x, w = (x + 1) / 2, w / 2
     points = np.column_stack([np.tile(x, order), np.repeat(x, order)])
@@ -167,12 +167,12 @@ def _square_gauss(order: int) -> tuple[Matrix, Vector]:
 
 
 def _triangle_gauss(degree: int) -> tuple[Matrix, Vector]:
-    """Lowest rule of at least this degree with all points inside and weights positive."""
+    """Return the lowest rule of at least this degree, points inside and weights positive."""
     from skfem.quadrature import get_quadrature
     from skfem.refdom import RefTri
 
     points, weights = get_quadrature(RefTri, degree)
     if weights.min() <= 0:
         return _triangle_gauss(degree + 1)
-    # The tables round at 1e-15; the area of a facet should not.
+    # The tables have round-off of 1e-15, which the sum of the weights should not have.
     return points.T, weights * (0.5 / weights.sum())

@@ -1,4 +1,4 @@
-"""Faces of different bodies that face each other, found by proximity."""
+"""Detection of faces of different bodies that face each other."""
 
 from dataclasses import dataclass
 
@@ -27,11 +27,11 @@ class Facing:
     minus, plus
         Bodies, by number. The minus side has the finer facets.
     area : [length²]
-        Of the part that faces the other body.
+        Area of the part that faces the other body.
     gap : [length]
-        Smallest and largest; negative where they overlap.
+        Smallest and largest gap; negative where they overlap.
     touching
-        Whether they are as near as faces of an interface must be.
+        Whether the faces are close enough for an interface.
     matching
         Whether the facets lie node on node.
     normal
@@ -51,11 +51,11 @@ class Facing:
 
 
 def facing_bodies(assembly: Assembly) -> list[Facing]:
-    """Find all pairs of bodies whose faces touch, or face each other across a small gap.
+    """Return all pairs of bodies whose faces touch, or face each other across a small gap.
 
     Notes
     -----
-    A k-d tree of the facets for each body; time grows with the number of facets that are near
+    A k-d tree of the facets for each body; time grows with the number of facets that are close to
     others, times the number of bodies.
     """
     facets = assembly.mesh.exterior
@@ -66,8 +66,8 @@ def facing_bodies(assembly: Assembly) -> list[Facing]:
     sizes = np.sqrt(np.linalg.norm(facet_area_vectors(assembly.mesh.nodes, facets), axis=1))
     touching = touching_tolerance(assembly.mesh.nodes, facets, InterfaceSpec(name="joint"))
     reach = max(LARGEST_GAP * float(np.median(sizes)), touching)
-    # Again and nearer: what lies beyond the tolerance is no part of an interface that touches. The
-    # finer side of that may be the other one.
+    # Repeated within the tolerance: facets beyond it do not belong to a touching interface, whose
+    # finer side may be the other one.
     both = [*_within(assembly, facets, reach, touching)]
     both += _within(assembly, facets, touching, touching)
     return list({frozenset((spec.minus, spec.plus)): spec for spec in both}.values())
@@ -119,7 +119,7 @@ def _described(
 
 
 def _matching(assembly: Assembly, minus: int, plus: int) -> bool:
-    """Tell whether the facets of two bodies lie node on node."""
+    """Return whether the facets of two bodies lie node on node."""
     spec = InterfaceSpec(name="joint", minus=f"body {minus}", plus=f"body {plus}")
     try:
         return bool(pair_facets(assembly, spec))

@@ -1,10 +1,10 @@
-"""Initial gap fields (form error, shim, heat) of every point, from points, nodes or a file.
+"""Initial gap fields (form error, shim, heat) at every point, from points, nodes or a file.
 
 A field is an offset added to the geometric gap: positive where material is missing, negative where
 there is too much of it (a shim, an interference).
 
-With an initial gap the contact forces are no longer proportional to the inputs: loads and initial
-bolt forces times two do not give pressures times two. Training boxes that scale the initial bolt
+With an initial gap the contact forces are no longer proportional to the inputs: twice the loads and
+initial bolt forces do not give twice the pressures. Training boxes that scale the initial bolt
 forces N₀ (``LoadBox.preload_factors``) then no longer scale the preload by the same factor; they
 remain valid training loads.
 """
@@ -51,9 +51,9 @@ def gap_from_points(interface: Interface, positions: Matrix, gaps: Vector) -> Ve
     """Interpolate measured gap offsets to the contact points (n_point,).
 
     Positions (n, 3) are projected onto the plane that fits the contact points best; between the
-    samples (n,) [length] the field is linear on their Delaunay triangles, outside their hull it is
-    that of the nearest sample. Interfaces that bend by more than a right angle have no such plane:
-    give nodes.
+    samples (n,) [length] the field is linear on their Delaunay triangles; outside their hull it is
+    the nearest sample. Interfaces that bend by more than a right angle have no such plane: give
+    nodes.
     """
     samples, values = np.asarray(positions, dtype=float), np.asarray(gaps, dtype=float)
     if samples.shape != (len(values), 3) or not (
@@ -84,10 +84,10 @@ def gap_from_nodes(
 ) -> Vector:
     """Interpolate gap offsets given at nodes with the shape functions of the interface (n_point,).
 
-    Nodes (n,) are ids of either side, among all those of the mesh (n_node,), with gaps (n,)
-    [length]; where both nodes of a pair are named, their gaps add up (each side has its own form
-    error). Nodes elsewhere are ignored. Where meshes do not match, plus nodes act through the
-    projection, and all those around a pair are needed.
+    Nodes (n,) are ids of either side, among all ids of the mesh (n_node,), with gaps (n,)
+    [length]. If both nodes of a pair are given, their gaps add up, since each side has a form
+    error. Nodes elsewhere are ignored. Between non-matching meshes the gaps of plus nodes are
+    projected, and all nodes around a pair are needed.
     """
     ids, values = np.asarray(nodes, dtype=np.int64), np.asarray(gaps, dtype=float)
     if ids.shape != values.shape or not np.isfinite(values).all():
@@ -105,7 +105,7 @@ def gap_from_nodes(
     at_nodes[listed] = values[np.searchsorted(ids, node_ids[listed])]
     total, named = np.zeros(len(interface.pairs)), np.zeros(len(interface.pairs), dtype=bool)
     for side in _sides(interface, len(node_ids)):
-        # A pair hears of a side only if all nodes it takes its value from are named.
+        # A pair takes the gap of a side only if all nodes that it depends on are given.
         complete = abs(side) @ ~listed == 0
         total += np.where(complete, side @ at_nodes, 0.0)
         named |= complete
@@ -123,13 +123,13 @@ def gap_from_nodes(
 def read_gap_field(path: str | Path, interface: Interface, node_ids: Indices) -> Vector:
     """Read gap offsets (n_point,) from a CSV file with the columns ``x,y,z,gap`` or ``node,gap``.
 
-    Its first line names the columns, in any order; lines that start with # are skipped. They become
-    what :func:`gap_from_points` or :func:`gap_from_nodes` makes of them.
+    Its first line names the columns, in any order; lines that start with # are skipped. The values
+    are interpolated by :func:`gap_from_points` or :func:`gap_from_nodes`.
 
     Raises
     ------
     FormatError
-        If the file is missing, has other columns, or holds something that is no finite number.
+        If the file is missing, has other columns, or values that are not finite numbers.
     ModelError
         If the field does not cover the interface.
     """
@@ -149,7 +149,7 @@ def read_gap_table(path: Path) -> NumberTable:
 
 
 def _sides(interface: Interface, n_node: int) -> tuple[SparseMatrix, SparseMatrix]:
-    """Return what pairs take from the nodes of the minus and of the plus side (n_pair, n_node).
+    """Return the maps from nodes of the minus and the plus side to the pairs (n_pair, n_node).
 
     Their difference applied to translations of the nodes is the relative displacement.
     """
@@ -166,7 +166,7 @@ def _sides(interface: Interface, n_node: int) -> tuple[SparseMatrix, SparseMatri
 def with_gap_rule(
     interface: Interface, nodes: Matrix, node_ids: Indices, rule: GapRule
 ) -> Interface:
-    """Return the interface with the initial gap that a rule gives it.
+    """Return the interface with the initial gap from a rule.
 
     Nodes (n_node, 3) [length] have ids (n_node,).
     """

@@ -1,4 +1,4 @@
-"""Surfaces declared to be in contact: their facets paired whatever the gap between them."""
+"""Pairing of facets of declared contact surfaces across any gap between them."""
 
 from dataclasses import replace
 
@@ -20,7 +20,7 @@ _SMALLEST_SHARE = 2.5 * DEFAULT_TOLERANCE
 
 
 def reach_of(assembly: Assembly, spec: InterfaceSpec, minus: Facets, plus: Facets) -> Reach | None:
-    """Return how far the sides of an interface are searched; None where they must touch."""
+    """Return the search distances of an interface; None where its sides must touch."""
     if spec.search_distance is None:
         return None
     return Reach(
@@ -31,14 +31,14 @@ def reach_of(assembly: Assembly, spec: InterfaceSpec, minus: Facets, plus: Facet
 
 
 def pairs_across(assembly: Assembly, spec: InterfaceSpec) -> tuple[FacePairs, ...]:
-    """Match facets across a gap: node on node, seen along the normals of the minus side.
+    """Return facets matched across a gap, node on node along the normals of the minus side.
 
     Sides are named and have a search distance. There is one entry per facet kind; none where the
-    meshes do not match, or no facets see each other.
+    meshes do not match, or no facets face each other.
 
     Notes
     -----
-    Facets of one side that see nothing of the other are left out.
+    Facets without a partner are left out.
     """
     nodes = assembly.mesh.nodes
     facets, side = candidates(assembly, spec)
@@ -64,7 +64,7 @@ def pairs_across(assembly: Assembly, spec: InterfaceSpec) -> tuple[FacePairs, ..
 
 
 def _partners(nodes: Matrix, segments: Segments) -> tuple[Indices, Indices]:
-    """Return the pairs of facets that cover more of each other than rounding does."""
+    """Return the pairs of facets whose common part exceeds round-off."""
     code = segments.minus_of * len(segments.plus) + segments.plus_of
     pairs, which = np.unique(code, return_inverse=True)
     common = np.bincount(which.ravel(), segments.areas, len(pairs))
@@ -78,7 +78,7 @@ def _partners(nodes: Matrix, segments: Segments) -> tuple[Indices, Indices]:
 
 
 def _columns(kind: str, minus: Matrix, plus: Matrix, frames: Matrix) -> Indices | None:
-    """Find the plus node (n, k) above each minus node; None where one has none, or not its own."""
+    """Return the plus node (n, k) above each minus node; None unless they match one to one."""
     below, above = (np.einsum("nkd,nad->nka", x, frames[:, :2]) for x in (minus, plus))
     apart = np.linalg.norm(below[:, :, None] - above[:, None], axis=3)
     nearest: Indices = apart.argmin(axis=2)
@@ -91,9 +91,9 @@ def _columns(kind: str, minus: Matrix, plus: Matrix, frames: Matrix) -> Indices 
 
 
 def declared_area(assembly: Assembly, spec: InterfaceSpec) -> float | None:
-    """Return the area of the smaller side among those that name faces; None if none does.
+    """Return the area of the smaller side that is given as faces; None if neither is.
 
-    Sides that name elements, properties or bodies only say who may touch, not where.
+    Sides given as elements, properties or bodies only tell what may touch, not where.
     """
     named = {*assembly.face_sets, *assembly.mesh.node_sets}
     sides = [side for side in (spec.minus, spec.plus) if isinstance(side, str) and side in named]
@@ -105,6 +105,6 @@ def declared_area(assembly: Assembly, spec: InterfaceSpec) -> float | None:
 
 
 def declared(assembly: Assembly, spec: InterfaceSpec) -> InterfaceSpec:
-    """Say of an interface that a deck declares whether its meshes match across their gap."""
+    """Return the spec of a declared interface, with ``meshes`` set by whether they match."""
     matching = bool(pairs_across(assembly, spec))
     return replace(spec, meshes="matching" if matching else "non-matching")

@@ -1,4 +1,4 @@
-"""Reach: how far apart declared surfaces may lie, and which of their facets see each other."""
+"""Search distances of declared contact surfaces, and the visibility of their facets."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -27,10 +27,10 @@ class Reach(Frozen):
     Attributes
     ----------
     gap : [length]
-        Of all facets; ``inf`` where a deck's contact has no search distance.
+        Largest gap of all facets; ``inf`` where a deck's contact has no search distance.
     minus, plus : (n_facet,) [length]
-        Penetration of each facet of the two sides: the depth of the element behind it. What lies
-        deeper is not an overlap but the far side of a part.
+        Largest penetration of each facet of the two sides: the depth of the element behind it.
+        Deeper facets are no overlap but the far side of a part.
     """
 
     gap: float
@@ -39,9 +39,9 @@ class Reach(Frozen):
 
 
 def facet_depths(mesh: Mesh, facets: Facets) -> Vector:
-    """Return how deep the element behind each facet is (n_facet,), along the facet's normal.
+    """Return the depth of the element behind each facet (n_facet,), along the facet's normal.
 
-    Facets of no element, as those of given matrices, count as deep as their longest edge.
+    Facets without element, in given matrices, have the length of their longest edge.
     """
     centres, normals = facet_centres(mesh.nodes, facets), facet_normals(mesh.nodes, facets)
     corners = mesh.nodes[facets.corners]
@@ -58,7 +58,7 @@ def facet_depths(mesh: Mesh, facets: Facets) -> Vector:
 
 
 def facing_cells(below: Cells, above: Cells, reach: Reach) -> tuple[Indices, Indices]:
-    """Return the pairs of cells that may see each other along the normals of the lower ones.
+    """Return the pairs of cells that may face each other along the normals of the lower ones.
 
     Notes
     -----
@@ -69,7 +69,7 @@ def facing_cells(below: Cells, above: Cells, reach: Reach) -> tuple[Indices, Ind
     Raises
     ------
     ModelError
-        If that length is out of all proportion to that size.
+        If the rays are too long for the size of the cells.
     """
     if not below.corners.size or not above.corners.size:
         return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
@@ -87,10 +87,10 @@ def facing_cells(below: Cells, above: Cells, reach: Reach) -> tuple[Indices, Ind
 
 
 def _along_rays(below: Cells, above: Cells, reach: Reach) -> Iterator[tuple[Indices, Indices]]:
-    """Yield pairs of cells of which one is near the ray of the other, perhaps several times."""
+    """Yield pairs of cells, the upper one near the ray of the lower one; pairs may repeat."""
     centres, normals, radii = below.centres, below.normals, _radii(below)
     low, high = above.corners.min(axis=(0, 1)), above.corners.max(axis=(0, 1))
-    # Corners of the box of the upper side that lie least and most far along each normal.
+    # Corners of the box of the upper side that are nearest and farthest along each normal.
     first = np.einsum("nd,nd->n", np.where(normals > 0, low, high) - centres, normals)
     last = np.einsum("nd,nd->n", np.where(normals > 0, high, low) - centres, normals)
     slack = below.arcs + above.arcs.max(initial=0.0) + radii * DEFAULT_TOLERANCE
@@ -121,13 +121,13 @@ def _along_rays(below: Cells, above: Cells, reach: Reach) -> Iterator[tuple[Indi
 
 
 def _numbered(counts: Indices) -> Indices:
-    """Count from 0 through each of several stretches of given lengths."""
+    """Return numbers from 0 through each of several stretches of given lengths."""
     numbers: Indices = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
     return numbers
 
 
 def _by_size(radii: Vector) -> Iterator[tuple[Indices, float]]:
-    """Yield cells of about one size, by powers of two, with the radius of the largest."""
+    """Yield cells of similar size, by powers of two, with the radius of the largest."""
     size = np.floor(np.log2(np.maximum(radii, np.finfo(float).tiny))).astype(int)
     for one_size in np.unique(size):
         members = np.flatnonzero(size == one_size)
@@ -135,7 +135,7 @@ def _by_size(radii: Vector) -> Iterator[tuple[Indices, float]]:
 
 
 def _radii(cells: Cells) -> Vector:
-    """Distance of the farthest corner of each cell from its centre (n_cell,)."""
+    """Return the distance of the farthest corner of each cell from its centre (n_cell,)."""
     away = cells.corners - cells.centres[:, None]
     radii: Vector = np.linalg.norm(away, axis=2).max(axis=1, initial=0.0)
     return radii
@@ -144,17 +144,17 @@ def _radii(cells: Cells) -> Vector:
 def hidden(
     polygons: Matrix, counts: Indices, owners: Indices, distances: Vector, sizes: Vector
 ) -> Mask:
-    """Tell which polygons (n,) have their middle behind a nearer one on the same facet.
+    """Return the polygons (n,) whose middle lies behind a nearer polygon on the same facet.
 
-    Polygons (n, n_corner, 2) [length] are convex, in the plane of the facet (owner) they are seen
-    from, and have numbers of corners (n,). Distances from that facet and its size are (n,)
-    [length].
+    Polygons (n, n_corner, 2) [length] are convex, in the plane of the facet from which they are
+    seen (their owner), and have numbers of corners (n,). Distances from that facet, and sizes of
+    it, are (n,) [length].
     """
     behind = np.zeros(len(owners), dtype=bool)
     _, group, members = np.unique(owners, return_inverse=True, return_counts=True)
     nearest = np.full(len(members), np.inf)
     np.minimum.at(nearest, group, distances)
-    # What is closer to the nearest than surfaces that touch hides nothing.
+    # Polygons closer to the nearest one than the tolerance of contact are not hidden by it.
     layer = DEFAULT_TOLERANCE * sizes
     farther = np.flatnonzero(distances > nearest[group] + layer)
     order = np.argsort(group, kind="stable")
@@ -172,13 +172,13 @@ def hidden(
 
 
 def _inside(points: Matrix, polygons: Matrix, counts: Indices) -> Mask:
-    """Tell whether points (n, 2) lie in convex polygons (n, n_corner, 2) of either sense."""
+    """Return whether points (n, 2) lie in convex polygons (n, n_corner, 2) of either sense."""
     corner = np.arange(polygons.shape[1])
     following = np.where(corner + 1 < counts[:, None], corner + 1, 0)
     away = polygons - points[:, None]
     ahead = np.take_along_axis(away, following[..., None], axis=1)
     turn = away[..., 0] * ahead[..., 1] - away[..., 1] * ahead[..., 0]
     turn = turn * np.sign(areas(polygons, counts))[:, None]
-    # Symmetric meshes have middles on the edges between two polygons: those belong to both.
+    # Middles on the edge between two polygons, as in symmetric meshes, belong to both.
     on_edge = -1e-9 * np.abs(areas(polygons, counts))[:, None]
     return np.asarray(((turn >= on_edge) | (corner >= counts[:, None])).all(axis=1))

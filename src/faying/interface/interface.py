@@ -26,7 +26,7 @@ from faying.interface.relative_displacement import axes_of, tangents_of, times_n
 class FacePairs(Frozen):
     """Matched facets of one kind on the two sides of an interface.
 
-    Between meshes that do not match these are the corners of the minus facets that the plus side
+    Between non-matching meshes these are the corners of the minus facets that the plus side
     covers, wholly or in part, and the plus node nearest to each.
 
     Attributes
@@ -48,41 +48,41 @@ class FacePairs(Frozen):
 class Interface(Frozen, Shown):
     """Two surfaces in contact, Eq. (15.11), with a law.
 
-    Zero-thickness elements where the meshes match, a mortar coupling where they do not; solvers
-    see no difference.
+    Zero-thickness elements where the meshes match, a mortar coupling where they do not; both have
+    the same members.
 
     Attributes
     ----------
     faces
         The matched facets, one entry per kind.
     pairs : (n_pair, 2)
-        Node indices (minus, plus) of the touching nodes; of a mortar coupling the minus nodes
-        that carry it, each with the nearest plus node, which only names a neighbour.
+        Node indices (minus, plus) of the touching nodes; for a mortar coupling the minus nodes
+        that carry it, each with the nearest plus node as a mere label.
     pair_normals : (n_pair, 3)
         Unit normals out of the minus side at the pairs (area-weighted mean of the facets).
     motion_operator : (3 n_pair, n_dof) sparse
-        All components of the relative displacement u⁺ − u⁻, pair by pair (of a mortar coupling,
-        projected).
+        All components of the relative displacement u⁺ − u⁻, pair by pair (projected for a mortar
+        coupling).
     flat
-        Whether all normals are one.
+        Whether all normals are equal.
     point_shape : (n_point, n_pair) sparse
-        Plain shape functions of the pairs at the contact points.
+        Shape functions of the pairs at the contact points.
     initial_gap : (n_point,) [length]
     weights : (n_point,) [length²]
-        Area each contact point stands for.
+        Area of each contact point.
     points, normals : (n_point, 3)
     face_of_point : (n_point,)
-        Running number of the facet (through all entries of ``faces``) a point lies on. Under nodal
-        quadrature the points of facets that meet at a node pair are one point, with the sum of
-        their weights: its facet is then the first of them, and only tells about where it is.
+        Number of the facet of a point, counted through all entries of ``faces``. Under nodal
+        quadrature the points of facets at a node pair are one point, with the sum of their
+        weights: its facet is then the first of them, an approximate position.
     law
-        What the contact points admit.
+        Contact law of the points.
     quadrature
         Name of the rule, e.g. ``"gauss-2"`` or ``"nodal"``.
     coupling
-        How the motion of the plus side reaches the pairs; None where the meshes match.
+        Projection of the motion of the plus side to the pairs; None where the meshes match.
     declared_area : [length²]
-        Area of the smaller of the sides that were named as faces; None where both are bodies.
+        Area of the smaller side that was given as faces; None where both are bodies.
     """
 
     name: str
@@ -103,7 +103,7 @@ class Interface(Frozen, Shown):
     declared_area: float | None = None
 
     def __post_init__(self) -> None:
-        """Refuse hard contact with friction at points that contradict each other."""
+        """Refuse hard contact with friction at linearly dependent points."""
         super().__post_init__()
         rigid = self.law.friction > 0 and np.isinf(self.penalty)
         if rigid and self.quadrature != "nodal" and self.n_points > len(self.pairs):
@@ -137,17 +137,17 @@ class Interface(Frozen, Shown):
     def penalty(self) -> float:
         """Contact stiffness c_n [force/length³] of Eq. (15.12); ``inf`` where contact is hard.
 
-        Not a number where the law is a curve.
+        NaN where the law is a curve.
         """
         return self.law.penalty
 
     @cached_property
     def pair_axes(self) -> SparseMatrix:
-        """T (n_relative, 3 n_pair): unit rows of the motion of each pair that its points feel.
+        """T (n_relative, 3 n_pair): unit directions of motion of each pair that affect its points.
 
         One where all points of a pair have one normal, two on an edge between planes, three where
-        the surface is curved or tangential forces act, none where no point is, nor along what
-        supports hold on both sides, as across a plane of symmetry.
+        the surface is curved or tangential forces act. None where there is no point, or along
+        directions in which supports hold both sides, as across a plane of symmetry.
         """
         axes = axes_of(self.point_shape, self.normals, tangential=self.law.components > 1)
         moved = abs(axes @ self.motion_operator).max(axis=1).toarray().ravel()
@@ -155,7 +155,7 @@ class Interface(Frozen, Shown):
 
     @cached_property
     def relative_operator(self) -> SparseMatrix:
-        """P (n_relative, n_dof): what gaps and slips depend on of the motion of the pairs."""
+        """P (n_relative, n_dof): relative displacements that gaps and slips depend on."""
         return (self.pair_axes @ self.motion_operator).tocsr()
 
     @cached_property
@@ -173,7 +173,7 @@ class Interface(Frozen, Shown):
     def shear(self) -> SparseMatrix:
         """Tangential displacements (2 n_point, n_relative), the first tangents before the second.
 
-        Without rows where the law has no tangential component.
+        Empty where the law has no tangential component.
         """
         nothing = sp.csr_array((0, self.relative_operator.shape[0]))
         along = self.tangents[: self.law.components - 1]
@@ -182,7 +182,7 @@ class Interface(Frozen, Shown):
     def _felt(self, directions: Matrix) -> SparseMatrix:
         """Return rows (n_point, n_relative): motion of points along directions (n_point, 3)."""
         felt = (times_normals(self.point_shape, directions) @ self.pair_axes.T).tocsr()
-        # Normals along an axis have no more than round-off along the others.
+        # Normals along one axis have mere round-off along the others.
         felt.data[np.abs(felt.data) <= ROUND_OFF * np.abs(felt.data).max(initial=0.0)] = 0.0
         felt.eliminate_zeros()
         return felt
@@ -203,21 +203,21 @@ class Interface(Frozen, Shown):
         return float(self.weights.sum())
 
     def pair_points(self, nodes: Matrix) -> Matrix:
-        """Return where the pairs are (n_pair, 3), from the coordinates of all nodes."""
+        """Return the positions of the pairs (n_pair, 3), from the coordinates of all nodes."""
         if self.coupling is not None:
             return np.asarray(nodes[self.pairs[:, 0]])
         return np.asarray(nodes[self.pairs].mean(axis=1))
 
     @cached_property
     def averaging(self) -> SparseMatrix:
-        """Takes values at the contact points to the node pairs (n_pair, n_point); see there."""
+        """Map from values at contact points to node pairs (n_pair, n_point)."""
         facets = [(f.kind, facet_columns(self.pairs, f.minus, f.plus)) for f in self.faces]
         return averaging_operator(self.point_shape, self.weights, facets)
 
     def nodal_average(self, values: Matrix) -> Matrix:
-        """Average a quantity at the contact points to the node pairs, by positive weights.
+        """Return averages of a quantity at the contact points over node pairs, by positive weights.
 
-        A constant stays what it is; :mod:`faying.interface.averaging` says which points count.
+        A constant stays constant; :mod:`faying.interface.averaging` defines the weights.
 
         Parameters
         ----------
@@ -231,7 +231,7 @@ class Interface(Frozen, Shown):
         return average
 
     def with_penalty(self, penalty: float) -> "Interface":
-        """Return a copy with another contact stiffness (``inf`` for hard); friction stays.
+        """Return a copy with another contact stiffness (``inf`` is hard) and the same friction.
 
         Raises
         ------
@@ -243,7 +243,7 @@ class Interface(Frozen, Shown):
         return self._with_normal(normal)
 
     def with_closure(self, closure: Curve) -> "Interface":
-        """Return a copy with a curve of pressure over closure; friction and its c_t stay."""
+        """Return a copy with a curve of pressure over closure; friction and c_t do not change."""
         return self._with_normal(closure)
 
     def _with_normal(self, normal: Law) -> "Interface":
@@ -271,7 +271,7 @@ def _stacked_shear(members: Sequence[Interface]) -> SparseMatrix | None:
 
 
 def stack(interfaces: Mapping[str, Interface]) -> Contact:
-    """Stack the interfaces of a model in their order."""
+    """Return the contact of all interfaces of a model, in their order."""
     members = list(interfaces.values())
     ends = np.cumsum([0, *(member.n_points for member in members)])
     return Contact(

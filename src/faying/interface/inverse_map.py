@@ -1,4 +1,4 @@
-"""Reference coordinates of points that are given in the plane of a facet."""
+"""Reference coordinates of points in the plane of a facet."""
 
 from collections.abc import Callable
 
@@ -15,11 +15,11 @@ _Position = Callable[[Matrix], tuple[Matrix, Matrix]]
 
 
 def reference_coordinates(kind: str, nodes: Matrix, points: Matrix) -> Matrix:
-    """Find where on facets points (n, n_q, 2) are, seen along one direction.
+    """Return reference coordinates on facets of points (n, n_q, 2) in a common projection.
 
     The kind is a name of a :class:`~faying.model.elements.face_kind.FaceKind`. Nodes (n,
     n_node_per_face, 2) and points [length] are projected onto a plane. Near a curved side reference
-    coordinates (n, n_q, 2) may lie a little outside of the reference facet.
+    coordinates (n, n_q, 2) may lie a little outside the reference facet.
 
     Notes
     -----
@@ -30,7 +30,7 @@ def reference_coordinates(kind: str, nodes: Matrix, points: Matrix) -> Matrix:
         origin, centre = corner[0], 0.0
         sides = [corner[1] - corner[0], corner[2] - corner[0]]
     else:
-        # At the centre, for a corner may have collapsed.
+        # At the centre, because a corner may have collapsed.
         origin, centre = nodes[:, :4].mean(axis=1), 0.5
         sides = [corner[1] + corner[2] - corner[0] - corner[3]]
         sides = [side / 2 for side in (*sides, corner[2] + corner[3] - corner[0] - corner[1])]
@@ -39,7 +39,7 @@ def reference_coordinates(kind: str, nodes: Matrix, points: Matrix) -> Matrix:
     if kind == "tri3":
         return np.asarray(first)
     position = _bilinear(nodes) if kind == "quad4" else _interpolated(kind, nodes)
-    # Components first: arrays of pairs are slow to work on.
+    # Components are the first axis, which is faster.
     targets, coordinates = (np.ascontiguousarray(np.moveaxis(a, 2, 0)) for a in (points, first))
     for _ in range(MOST_STEPS):
         reached, tangents = position(coordinates)
@@ -61,7 +61,7 @@ def reference_coordinates(kind: str, nodes: Matrix, points: Matrix) -> Matrix:
 
 
 def _interpolated(kind: str, nodes: Matrix) -> _Position:
-    """Positions (2, n, n_q) and tangents (2, 2, n, n_q) at reference coordinates (2, n, n_q)."""
+    """Return positions (2, n, n_q) and tangents (2, 2, n, n_q) at coordinates (2, n, n_q)."""
 
     def position(coordinates: Matrix) -> tuple[Matrix, Matrix]:
         flat = np.moveaxis(coordinates, 0, 2).reshape(-1, 2)
@@ -74,7 +74,7 @@ def _interpolated(kind: str, nodes: Matrix) -> _Position:
 
 
 def _bilinear(nodes: Matrix) -> _Position:
-    """Spell out the same for quad4, of which there are the most."""
+    """Return positions and tangents for quad4, the most frequent kind, by explicit formulas."""
     first, second, third, fourth = np.moveaxis(nodes[..., None], (1, 2), (0, 1))
     along, across = second - first, fourth - first
     twist = first - second + third - fourth

@@ -1,4 +1,4 @@
-"""What is wrong with two surfaces that should match: a diagnosis a user can act on."""
+"""Diagnosis of two surfaces whose meshes should match and do not."""
 
 from typing import NoReturn
 
@@ -24,12 +24,12 @@ def check_no_mismatch(
     matched: Mask,
     tolerance: float,
 ) -> None:
-    """Refuse facets that lie on the other side's surface but have no partner there.
+    """Refuse facets on the surface of the other side without a partner there.
 
-    A facet lies on the other side where its centre is inside a facet of opposite orientation and
-    within the tolerance of its plane. On curved surfaces the plane is allowed the height of the arc
-    over the facet in addition. Given are all facets that may touch, the side of each, and whether
-    it has found its partner (n_facet,).
+    A facet lies on the other side if its centre is inside a facet of opposite orientation and
+    within the tolerance of its plane; on curved surfaces the height of the arc over the facet is
+    added to the tolerance. Arguments are all facets that may touch, the side of each, and whether
+    it has a partner (n_facet,).
     """
     orphan = _resting(assembly.mesh.nodes, facets, side, ~matched, tolerance)
     if not orphan.any():
@@ -56,7 +56,7 @@ def check_no_mismatch(
 def raise_no_contact(
     assembly: Assembly, spec: InterfaceSpec, facets: Facets, side: Indices, tolerance: float
 ) -> NoReturn:
-    """Report sides that nowhere touch, with the smallest distance between their nodes."""
+    """Report sides that touch nowhere, with the smallest distance between their nodes."""
     distance, first_node, second_node = _closest(assembly, facets, side)
     ids = assembly.mesh.node_ids
     within = f"tolerance {tolerance:g}"
@@ -79,7 +79,7 @@ def raise_no_contact(
 
 
 def _resting(nodes: Matrix, facets: Facets, side: Indices, chosen: Mask, tolerance: float) -> Mask:
-    """Tell which of the wanted facets have their centre on a facet of another side."""
+    """Return which of the chosen facets have their centre on a facet of another side."""
     rows = np.flatnonzero(chosen)
     resting = np.zeros(len(facets), dtype=bool)
     if not rows.size:
@@ -101,7 +101,7 @@ def _resting(nodes: Matrix, facets: Facets, side: Indices, chosen: Mask, toleran
     offset = centres[guest] - centres[host]
     height = np.abs(np.einsum("kd,kd->k", offset, normals[host]))
     facing = np.einsum("kd,kd->k", normals[host], normals[guest]) < LARGEST_COSINE
-    # Exact zero would let rounding decide where sides are given in decimals.
+    # With a zero tolerance round-off of decimal coordinates would decide.
     slack = tolerance + arc[host] + arc[guest] + 1e-9 * radius[host]
     on = facing & (height <= slack) & _inside(centres[guest], corners[host], normals[host])
     resting[guest[on]] = True
@@ -109,7 +109,7 @@ def _resting(nodes: Matrix, facets: Facets, side: Indices, chosen: Mask, toleran
 
 
 def _inside(points: Matrix, corners: Matrix, normals: Matrix) -> Mask:
-    """Tell whether points (k, 3), seen along the normals, lie in the polygons (k, 4, 3)."""
+    """Return whether points (k, 3), seen along the normals, lie in the polygons (k, 4, 3)."""
     edges = np.roll(corners, -1, axis=1) - corners
     across = np.cross(edges, points[:, None] - corners)
     turn = np.einsum("kcd,kd->kc", across, normals)
@@ -119,7 +119,7 @@ def _inside(points: Matrix, corners: Matrix, normals: Matrix) -> Mask:
 
 
 def _largest_miss(nodes: Matrix, facets: Facets, side: Indices, rows: Indices) -> float:
-    """Return the largest distance from nodes of the lowest side's orphans to other sides' nodes."""
+    """Return the largest distance of unmatched nodes of the lowest side from nodes of others."""
     labels = side[rows[0]]
     guests = _nodes(facets.taken(rows[side[rows] == labels]))
     hosts = _nodes(facets.taken(side != labels))
@@ -127,7 +127,7 @@ def _largest_miss(nodes: Matrix, facets: Facets, side: Indices, rows: Indices) -
 
 
 def _closest(assembly: Assembly, facets: Facets, side: Indices) -> tuple[float, int, int]:
-    """Return the smallest distance between nodes of different sides and those nodes."""
+    """Return the smallest distance between nodes of different sides, and these nodes."""
     nodes = assembly.mesh.nodes
     best = (np.inf, -1, -1)
     for body in np.unique(side)[:-1]:  # bodies, of which there are few
@@ -150,7 +150,7 @@ def _nodes(facets: Facets) -> Indices:
 
 
 def _count(spec: InterfaceSpec, side: Indices, matched: Mask, orphan: Mask) -> str:
-    """Say how many facets of each side overlap and how many of these match."""
+    """Return a message with the numbers of overlapping and of matching facets of each side."""
     overlap = matched | orphan
     if spec.minus == "auto" and spec.plus == "auto":
         return (
@@ -171,7 +171,7 @@ def _sides(spec: InterfaceSpec) -> str:
 
 
 def facet_place(assembly: Assembly, facets: Facets, row: int) -> str:
-    """Say where a facet is: centre and node ids."""
+    """Return a description of the position of a facet: centre and node ids."""
     chosen = facets.taken(np.array([row]))
     x, y, z = facet_centres(assembly.mesh.nodes, chosen)[0]
     ids = assembly.mesh.node_ids[chosen.nodes[chosen.nodes >= 0]]

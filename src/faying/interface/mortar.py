@@ -1,4 +1,4 @@
-"""Interfaces between meshes that do not match, from a mortar coupling of their two sides."""
+"""Interfaces between non-matching meshes, from a mortar coupling of their two sides."""
 
 import numpy as np
 
@@ -27,20 +27,20 @@ from faying.model.surface import Facets, facet_area_vectors, rows_by_kind
 
 
 def find_couplings(assembly: Assembly, spec: InterfaceSpec) -> dict[str, Coupling]:
-    """Couple the sides of an interface whose meshes do not match.
+    """Return the couplings of the sides of an interface between non-matching meshes, by name.
 
-    Sides are as :func:`faying.interface.pairing.pair_facets` takes them; the minus side carries the
-    contact points. The tolerance is the largest distance of surfaces that touch. Couplings have the
-    name of the interface, or ``name-1``, ``name-2``, … where both sides are ``"auto"`` and several
-    pairs of bodies touch.
+    Sides are as in :func:`faying.interface.pairing.pair_facets`; the minus side carries the contact
+    points. The tolerance is the largest distance of surfaces that touch. Couplings have the name of
+    the interface, or ``name-1``, ``name-2``, … where both sides are ``"auto"`` and several pairs of
+    bodies touch.
 
     Raises
     ------
     ModelError
-        If a side has no facets, the sides nowhere touch, or something is covered twice.
+        If a side has no facets, the sides touch nowhere, or something is covered twice.
     """
     facets, side = candidates(assembly, spec)
-    # Bricks that are collapsed to wedges have facets without area, which touch nothing.
+    # Bricks collapsed to wedges have facets without area, which cannot touch.
     extended = np.linalg.norm(facet_area_vectors(assembly.mesh.nodes, facets), axis=1) > 0
     facets, side = facets.taken(extended), side[extended]
     tolerance = touching_tolerance(assembly.mesh.nodes, facets, spec)
@@ -65,10 +65,10 @@ def find_couplings(assembly: Assembly, spec: InterfaceSpec) -> dict[str, Couplin
 
 
 def _by_body(segments: Segments, facets: Facets, side: Indices) -> list[Segments]:
-    """Divide segments by the side their plus facets belong to."""
+    """Divide segments by the side of their plus facets."""
     if not len(segments):
         return []
-    # Sides other than 0 and 1 are bodies, so a node tells the side.
+    # Sides other than 0 and 1 are bodies, so the side follows from a node.
     of_node = np.zeros(int(facets.nodes.max()) + 1, dtype=np.int64)
     of_node[facets.corners] = side[:, None]
     owner = of_node[segments.plus.nodes[segments.plus_of, 0]]
@@ -88,11 +88,11 @@ def _check_once(assembly: Assembly, spec: InterfaceSpec, segments: Segments) -> 
 def build_mortar_interface(
     assembly: Assembly, dofs: DofMap, spec: InterfaceSpec, coupling: Coupling, law: Law
 ) -> Interface:
-    """Form the interface of a mortar coupling, the counterpart of Eq. (15.3), (15.11), (15.14).
+    """Return the interface of a mortar coupling, the counterpart of Eq. (15.3), (15.11), (15.14).
 
-    Without a choice of quadrature, penalty contact takes Gauss points and hard contact nodal ones.
-    Gauss points are those of zero-thickness elements on facets that are covered wholly, and points
-    of the segments elsewhere. Nodal points are the pairs.
+    By default penalty contact has Gauss points and hard contact nodal ones. Gauss points are those
+    of zero-thickness elements on facets that are wholly covered, and points of the segments
+    elsewhere. Nodal points are the pairs.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def build_mortar_interface(
 
 
 def _faces(coupling: Coupling) -> tuple[FacePairs, ...]:
-    """Corners of the minus facets with the plus node next to each."""
+    """Return corners of the minus facets with the plus node next to each."""
     entries = []
     for kind, rows in rows_by_kind(coupling.segments.minus.nodes).items():
         linear = FACES[kind].linear
@@ -138,14 +138,14 @@ def _faces(coupling: Coupling) -> tuple[FacePairs, ...]:
 
 
 def _pair_normals(nodes: Matrix, coupling: Coupling) -> Matrix:
-    """Average the facets' normals at the pairs, weighted with the local Jacobian."""
+    """Return the facets' mean normals at the pairs, weighted with the local Jacobian."""
     total = np.zeros((len(coupling.pairs), 3))
     facets = coupling.segments.minus
     for kind, rows in rows_by_kind(facets.nodes).items():
         corners = reference_nodes(FACES[kind].linear)
         vectors = area_vectors(kind, nodes[facets.nodes[rows, : FACES[kind].n_nodes]], corners)
         whole = facet_area_vectors(nodes, facets.taken(rows))[:, None]
-        # A corner that has collapsed has no Jacobian, but lies in the plane of its facet.
+        # A collapsed corner has no Jacobian, but lies in the plane of its facet.
         collapsed = np.linalg.norm(vectors, axis=2) < SOLVED * np.linalg.norm(whole, axis=2)
         vectors = np.where(collapsed[..., None], whole, vectors)
         np.add.at(total, coupling.columns[rows, : len(corners)], vectors)

@@ -1,8 +1,8 @@
 """Contact points of a mortar coupling.
 
-On facets that are covered wholly they are those of zero-thickness elements, so that meshes that
-do match give the same interface either way. Relative displacements are linear on each facet, and
-more points would not see more.
+On wholly covered facets they are those of zero-thickness elements, so that matching meshes give the
+same interface either way. Relative displacements are linear on each facet, so more points would add
+nothing.
 """
 
 from dataclasses import replace
@@ -38,7 +38,7 @@ def contact_points(
     pair_normals: Matrix,
     law: Law,
 ) -> ContactPoints:
-    """Place the contact points.
+    """Return the contact points of a coupling.
 
     Nodes are (n_node, 3) [length], normals of the pairs (n_pair, 3).
 
@@ -59,7 +59,7 @@ def contact_points(
 
 
 def _numbers(coupling: Coupling) -> Indices:
-    """Return the running number of each minus facet through the entries of ``Interface.faces``."""
+    """Return the number of each minus facet, counted through the entries of ``Interface.faces``."""
     order = np.concatenate(list(rows_by_kind(coupling.segments.minus.nodes).values()))
     number = np.empty(len(order), dtype=np.int64)
     number[order] = np.arange(len(order))
@@ -112,9 +112,9 @@ def _on_segments(nodes: Matrix, coupling: Coupling, degree: int) -> list[Contact
 
 
 def _consistent(weights: Matrix, shape: Matrix, rows: Indices, coupling: Coupling) -> Matrix:
-    """Correct weights (n, n_q) so that they integrate L as the coupling does.
+    """Return weights (n, n_q) corrected so that they integrate L as the coupling does.
 
-    A low rule misses a little where the shape functions are no polynomials, and a constant
+    A low rule is slightly inexact where the shape functions are no polynomials, and a constant
     pressure would then load the two sides differently. The factor is linear on each facet.
     """
     n_corner = shape.shape[2]
@@ -126,7 +126,7 @@ def _consistent(weights: Matrix, shape: Matrix, rows: Indices, coupling: Couplin
     inverse = np.linalg.pinv(masses[rows], rcond=1e-9, hermitian=True)
     factors = np.einsum("nab,nb->na", inverse, missing[rows])[:, :n_corner]
     factor = 1.0 + np.einsum("nqa,na->nq", shape, factors)
-    # A facet so distorted that this fails keeps its own weights, which are positive.
+    # If this fails on a very distorted facet, its weights stay uncorrected, which are positive.
     smallest = np.ones(len(masses))
     np.minimum.at(smallest, rows, factor.min(axis=1))
     corrected: Matrix = np.where(smallest[rows][:, None] > 0, weights * factor, weights)
@@ -134,11 +134,11 @@ def _consistent(weights: Matrix, shape: Matrix, rows: Indices, coupling: Couplin
 
 
 def _nodal(nodes: Matrix, coupling: Coupling, pair_normals: Matrix) -> ContactPoints:
-    """Place one point at each pair, with the mean gap near it over the covered part.
+    """Return one contact point at each pair, with the mean gap near it over the covered part.
 
-    On a facet of which the share c is covered, ∫ L_A g is c (∫ L_A) g_A + (1 - c) Σ ∫ L_A L_B g_B:
-    the values of the pairs themselves where it is covered wholly, and towards the corner of a
-    facet the mean over what is covered, for there the pairs may lie far outside.
+    On a facet with the covered share c, ∫ L_A g is c (∫ L_A) g_A + (1 - c) Σ ∫ L_A L_B g_B: the
+    values of the pairs where it is wholly covered, and towards the corner of a facet the mean over
+    the covered part, because the pairs may lie far outside it there.
     """
     segments, n_pair = coupling.segments, len(coupling.pairs)
     share = np.minimum(segments.covered, 1.0)
@@ -171,10 +171,10 @@ def _nodal(nodes: Matrix, coupling: Coupling, pair_normals: Matrix) -> ContactPo
 
 
 def _hosts(coupling: Coupling) -> Indices:
-    """Pair whose contact point each pair (n_pair,) shares; its own where it is covered enough."""
+    """Return the pair whose contact point each pair (n_pair,) shares; itself if covered enough."""
     n_pair = len(coupling.pairs)
     host = np.arange(n_pair)
-    # Strictly more, so that no two pairs choose each other.
+    # Ranks are distinct, so that no two pairs choose each other.
     rank = np.argsort(np.argsort(coupling.coverage, kind="stable"), kind="stable")
     best = coupling.columns[np.arange(len(coupling.columns)), rank[coupling.columns].argmax(axis=1)]
     order = np.argsort(rank[best], kind="stable")

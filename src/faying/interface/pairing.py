@@ -1,4 +1,4 @@
-"""Pairing: which facets of two bodies touch, and which of their nodes.
+"""Pairing of touching facets of two bodies, and of their nodes.
 
 The conforming interfaces of the zero-thickness elements of Eq. (15.11): every facet of one side
 has one partner on the other, node on node.
@@ -42,12 +42,12 @@ class _Matches:
 
 
 def pair_facets(assembly: Assembly, spec: InterfaceSpec) -> tuple[FacePairs, ...]:
-    """Match the facets of the two sides of an interface, one entry per facet kind.
+    """Return the matched facets of the two sides of an interface, one entry per facet kind.
 
     Named sides: facets of ``minus`` with a coincident facet of opposite orientation on ``plus``;
     others on either side may lie off the overlap. ``"auto"`` on both sides: all coincident exterior
     facets of different bodies, where the body with the smallest node id is the minus side.
-    ``"auto"`` on one side: all facets the other side leaves.
+    ``"auto"`` on one side: all facets that are not on the other side.
 
     Raises
     ------
@@ -57,8 +57,8 @@ def pair_facets(assembly: Assembly, spec: InterfaceSpec) -> tuple[FacePairs, ...
 
     Notes
     -----
-    k-d trees and one sort of the facets; nodes match where they are closer than the tolerance, so
-    the sides may also be separated by a gap smaller than it.
+    k-d trees and one sort of the facets; nodes match if their distance is below the tolerance, so
+    the sides may also be separated by a smaller gap.
     """
     return _face_pairs(_matches(assembly, spec))
 
@@ -67,8 +67,8 @@ def find_interfaces(assembly: Assembly, spec: InterfaceSpec) -> dict[str, tuple[
     """Match facets as :func:`pair_facets`, one interface per pair of bodies where sides are "auto".
 
     Interfaces have the name of the spec, or ``name-1``, ``name-2``, … for several pairs of bodies,
-    in the order of their smallest node ids. Facets are matched across gaps where the spec has a
-    search distance.
+    in the order of their smallest node ids. Facets are matched across gaps if the spec has a search
+    distance.
     """
     if spec.search_distance is not None:
         faces = pairs_across(assembly, spec)
@@ -96,7 +96,7 @@ def _matches(assembly: Assembly, spec: InterfaceSpec) -> _Matches:
     nodes = assembly.mesh.nodes
     tolerance = touching_tolerance(nodes, facets, spec)
     labels = _coincident_nodes(nodes, facets, tolerance)
-    # The extra last label serves the unused columns.
+    # The extra last label is for the unused columns.
     keys = np.sort(np.append(labels, -1)[facets.nodes], axis=1)
     _check_not_collapsed(keys, facets, assembly, spec, tolerance)
     first, second = _coincident_facets(keys, side, facets, assembly, spec)
@@ -112,10 +112,10 @@ def _matches(assembly: Assembly, spec: InterfaceSpec) -> _Matches:
 
 
 def _coincident_nodes(nodes: Matrix, facets: Facets, tolerance: float) -> Indices:
-    """Label nodes (n_node,) so that coincident ones share a label.
+    """Return labels of nodes (n_node,) that are equal for coincident nodes.
 
-    Clusters rather than nearest neighbours: on an edge where two blocks meet on a base there are
-    three nodes in one place, and a nearest neighbour may be the wrong one.
+    By clusters, not nearest neighbours: at an edge of two blocks on a base three nodes coincide,
+    and a nearest neighbour may be the wrong one.
     """
     used = np.unique(facets.nodes[facets.nodes >= 0])
     links = cKDTree(nodes[used]).query_pairs(tolerance, output_type="ndarray")
@@ -133,7 +133,7 @@ def _coincident_facets(
     _, group, counts = unique_rows(keys)
     order = np.lexsort((side, group))
     start = np.cumsum(counts) - counts
-    # Sides are sorted within a group: it joins different sides if its ends differ.
+    # Sides are sorted within a group, so a group joins different sides if its ends differ.
     low, high = order[start], order[start + counts - 1]
     mixed = side[low] != side[high]
     crowded = np.flatnonzero(mixed & (counts > 2))
@@ -151,7 +151,7 @@ def _coincident_facets(
 
 
 def _aligned(labels: Indices, minus: Facets, plus: Facets) -> Facets:
-    """Permute the columns of ``plus`` so that column j coincides with column j of ``minus``."""
+    """Return ``plus`` with columns permuted so that column j coincides with that of ``minus``."""
     padded = np.append(labels, -1)
     of_minus = np.argsort(padded[minus.nodes], axis=1, kind="stable")
     of_plus = np.argsort(padded[plus.nodes], axis=1, kind="stable")
@@ -173,7 +173,7 @@ def _face_pairs(matches: _Matches) -> tuple[FacePairs, ...]:
 def _check_not_collapsed(
     keys: Indices, facets: Facets, assembly: Assembly, spec: InterfaceSpec, tolerance: float
 ) -> None:
-    """Refuse a tolerance that joins nodes of one facet."""
+    """Refuse a tolerance in which nodes of one facet coincide."""
     repeated = (keys[:, 1:] == keys[:, :-1]) & (keys[:, 1:] >= 0)
     rows = np.flatnonzero(repeated.any(axis=1))
     if rows.size:
@@ -192,7 +192,7 @@ def _check_facing(
     assembly: Assembly,
     spec: InterfaceSpec,
 ) -> None:
-    """Refuse coincident facets that are the same one or face the same way."""
+    """Refuse coincident facets that are identical or face the same way."""
     keys = facets.corner_keys
     shared = np.flatnonzero((keys[first] == keys[second]).all(axis=1))
     if shared.size:
@@ -239,6 +239,6 @@ def check_not_doubled(interfaces: Mapping[str, Interface]) -> None:
 
 
 def _keys(minus: Indices, plus: Indices) -> Indices:
-    """Sorted nodes (n, 16) of both facets, -1 in front."""
+    """Return the sorted nodes (n, 16) of both facets, -1 in front."""
     both = np.sort(np.hstack([minus, plus]), axis=1)
     return np.pad(both, ((0, 0), (2 * WIDTH - both.shape[1], 0)), constant_values=-1)

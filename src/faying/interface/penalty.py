@@ -1,4 +1,4 @@
-"""Contact stiffness from the elements that touch, and friction beside it."""
+"""Contact stiffness from the adjoining elements, and Coulomb friction with it."""
 
 from typing import Literal, TypeAlias
 
@@ -20,10 +20,10 @@ PENALTY_FACTOR = 10.0
 
 
 def automatic_penalty(assembly: Assembly, faces: tuple[FacePairs, ...]) -> float:
-    """Return c_n = 10 E/h [force/length³] of the elements adjoining an interface.
+    """Return c_n = 10 E/h [force/length³] from the elements adjoining an interface.
 
-    E is the smallest Young's modulus among them, h their mean extent normal to their facet. What
-    that does to pressures: ``docs/how-to/choose_the_mesh.md``. Faces come from
+    E is the smallest Young's modulus among them, h their mean extent normal to their facet. For the
+    effect on pressures see ``docs/how-to/choose_the_mesh.md``. Faces come from
     :func:`faying.interface.pairing.pair_facets`.
 
     Raises
@@ -36,9 +36,9 @@ def automatic_penalty(assembly: Assembly, faces: tuple[FacePairs, ...]) -> float
 
 
 def facet_penalty(assembly: Assembly, facets: Facets) -> float:
-    """Return 10 E/h [force/length³] of the elements that facets of both sides belong to.
+    """Return 10 E/h [force/length³] from the elements of facets of both sides.
 
-    Facets of shells count only where neither side is of solids.
+    Facets of shells count only where neither side has solids.
     """
     if (facets.properties >= 0).any():
         facets = facets.taken(facets.properties >= 0)
@@ -59,19 +59,19 @@ def facet_penalty(assembly: Assembly, facets: Facets) -> float:
 
 
 def coupling_penalty(assembly: Assembly, coupling: Coupling) -> float:
-    """Return 10 E/h [force/length³] of the elements on both sides of a mortar coupling."""
+    """Return 10 E/h [force/length³] from the elements on both sides of a mortar coupling."""
     return facet_penalty(assembly, coupling.segments.minus.joined(coupling.segments.plus))
 
 
 def _owners(assembly: Assembly, faces: tuple[FacePairs, ...]) -> Facets:
-    """Return the exterior facets that the two sides are."""
+    """Return the exterior facets that form the two sides."""
     nodes = np.concatenate([padded(side) for f in faces for side in (f.minus, f.plus)])
     position = assembly.mesh.exterior.positions(nodes)
     return assembly.mesh.exterior.taken(position[position >= 0])
 
 
 def _heights(mesh: Mesh, facets: Facets) -> Vector:
-    """Measure how far the owning elements reach inwards from their facets (n_facet,)."""
+    """Return the inward extent of the elements of facets, from these facets (n_facet,)."""
     centres = facet_centres(mesh.nodes, facets)
     normals = facet_normals(mesh.nodes, facets)
     heights = np.zeros(len(facets))
@@ -95,12 +95,12 @@ def with_friction(
     tangential_penalty: TangentialPenalty,
     assembly: Assembly,
 ) -> Law:
-    """Return a normal law with Coulomb friction, or itself where the coefficient is zero.
+    """Return a normal law with Coulomb friction, or the normal law if the coefficient is zero.
 
     The tangential penalty c_t [force/length³] ``"auto"`` is c_n 2 (1 − ν)/(2 − ν) with the smallest
-    ν of the assembly's materials, and infinite where normal contact is hard. For c_n of a curve
-    stands its ``stiffness``, the slope at the pressure it is named by: Mindlin's ratio is one of
-    slopes at one pressure, and c_t is one number.
+    ν of the assembly's materials, and infinite where normal contact is hard. For a curve c_n is its
+    ``stiffness``, the slope at its reference pressure, since Mindlin's ratio relates slopes at one
+    pressure.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def with_friction(
 
 
 def _number(value: object, what: str, expected: str) -> float:
-    """Return what was given for a number."""
+    """Return a value as a number; refuse others."""
     try:
         return float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):

@@ -1,4 +1,4 @@
-"""Projection of single nodes onto a surface: the facet next to each, and the place on it."""
+"""Projection of single nodes onto a surface: the nearest facet, and the position on it."""
 
 from dataclasses import dataclass
 
@@ -14,18 +14,18 @@ from faying.model.surface import Facets, facet_centres, facet_frames, rows_by_ki
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Places:
-    """Where nodes lie on a surface; those too far from it are left out.
+    """Positions of nodes on a surface; nodes too far from it are left out.
 
     Attributes
     ----------
     rows : (n,)
-        Which of the nodes each place belongs to.
+        Number of the node of each position.
     facets : (n,)
-        The facet it lies on.
+        Facet of each position.
     columns : (n, 8)
         Nodes of that facet; unused columns repeat the first.
     shape : (n, 8)
-        Their shape functions there, which add up to one; zero in unused columns.
+        Their shape functions there, whose sum is one; zero in unused columns.
     """
 
     rows: Indices
@@ -35,15 +35,15 @@ class Places:
 
 
 def nearest_places(nodes: Matrix, points: Indices, facets: Facets, reach: float) -> Places:
-    """Find the place of a surface nearest to each of some nodes within reach [length].
+    """Return the position on a surface nearest to each of some nodes, within reach [length].
 
-    Nodes are (n_node, 3) [length], points (n,) the indices of those that are projected. Beside the
-    surface it is a place on its edge.
+    Nodes are (n_node, 3) [length], points (n,) the indices of those to project. For nodes beside
+    the surface the position is on its edge.
 
     Notes
     -----
     Each facet near a node is tried along its normal, by its corners; on the nearest of them the
-    place is found anew where it has mid-side nodes. Linear in the number of facets near each node.
+    position is refined if it has mid-side nodes. Linear in the number of facets near each node.
     """
     row, which = _near(nodes, points, facets, reach)
     frames = facet_frames(nodes, facets)[:, :2]
@@ -94,7 +94,7 @@ def _radii(nodes: Matrix, facets: Facets) -> Vector:
 def _shape_at(
     kind: str, nodes: Matrix, columns: Indices, points: Indices, frames: Matrix
 ) -> Matrix:
-    """Shape functions (n, k) of facets (n, k) at the places of points (n,), kept on the facets."""
+    """Return shape functions (n, k) of facets (n, k) at points (n,), restricted to the facets."""
     if not len(columns):
         return np.zeros(columns.shape)
     flat = np.einsum("nkd,nad->nka", nodes[columns], frames)
@@ -106,5 +106,5 @@ def _shape_at(
         shares = np.maximum(np.column_stack([1.0 - coordinates.sum(axis=1), coordinates]), 0.0)
         coordinates = (shares / shares.sum(axis=1, keepdims=True))[:, 1:]
     shape = shape_functions(kind, coordinates)
-    # Shape functions at nodes are 0 and 1 but for rounding, which would fill equations.
+    # Round-off of shape functions that vanish at nodes would fill equations.
     return np.where(np.abs(shape) < 1e-12, 0.0, shape)

@@ -9,7 +9,7 @@ from faying.model.dofs import DofMap
 
 
 def relative_displacement(dofs: DofMap, pairs: Indices) -> SparseMatrix:
-    """Return the operator (3 n_pair, n_dof) to u⁺ − u⁻ of node pairs, pair by pair."""
+    """Return the operator (3 n_pair, n_dof) of u⁺ − u⁻ at node pairs, pair by pair."""
     minus, plus = ((6 * nodes[:, None] + np.arange(3)).ravel() for nodes in pairs.T)
     difference = (dofs.transformation[plus] - dofs.transformation[minus]).tocsr()
     difference.eliminate_zeros()
@@ -17,7 +17,7 @@ def relative_displacement(dofs: DofMap, pairs: Indices) -> SparseMatrix:
 
 
 def combined_displacement(dofs: DofMap, factors: SparseMatrix) -> SparseMatrix:
-    """Return the operator (3 n, n_dof) to sums of translations, from factors (n, n_node)."""
+    """Return the operator (3 n, n_dof) of sums of translations with factors (n, n_node)."""
     entries = factors.tocoo()
     component = np.arange(3)
     rows = (3 * entries.row[:, None] + component).ravel()
@@ -32,7 +32,7 @@ def combined_displacement(dofs: DofMap, factors: SparseMatrix) -> SparseMatrix:
 def common_normal(
     normals: Matrix, weights: Vector, pair_normals: Matrix
 ) -> tuple[Matrix, Matrix, bool]:
-    """Replace all normals by their mean where they agree; tell whether they did.
+    """Replace all normals by their mean where they agree; return whether they did.
 
     Normals of points are (n_point, 3) with weights (n_point,), those of pairs (n_pair, 3).
     """
@@ -43,7 +43,7 @@ def common_normal(
     every = np.concatenate([normals, pair_normals])
     if np.linalg.norm(every - mean, axis=1).max() > DECK_DIGITS:
         return normals, pair_normals, False
-    # Rounding in a component that should vanish would couple directions that are not.
+    # Round-off of a vanishing component would couple independent directions.
     mean = unit(np.where(np.abs(mean) < 1e-14, 0.0, mean))
     return (
         np.broadcast_to(mean, normals.shape),
@@ -53,14 +53,14 @@ def common_normal(
 
 
 def axes_of(shape: SparseMatrix, normals: Matrix, *, tangential: bool = False) -> SparseMatrix:
-    """Return orthonormal rows (n_axis, 3 n_pair) that span the normals each pair is felt along.
+    """Return orthonormal rows (n_axis, 3 n_pair) that span the normals of the points of each pair.
 
-    The shape (n_point, n_pair) tells which pairs a point feels along its normal (n_point, 3), or
-    along tangents too: three rows then, a normal first.
+    The shape (n_point, n_pair) tells on which pairs a point depends along its normal (n_point, 3),
+    or also along tangents: three rows then, a normal first.
 
     Notes
     -----
-    Gram and Schmidt: of what no axis of a pair reaches yet, the longest rest of a normal is next.
+    Gram and Schmidt: the longest remainder of a normal outside the axes so far is the next axis.
     """
     entries = shape.tocoo()
     used = np.flatnonzero(entries.data)
@@ -76,7 +76,7 @@ def axes_of(shape: SparseMatrix, normals: Matrix, *, tangential: bool = False) -
         chosen = candidates_near[np.searchsorted(candidates_near, first)]
         length = np.where(longest > SOLVED, longest, np.inf)
         axis = remainder[chosen] / length[:, None]
-        # What round-off of a short rest leaves along the axes before is taken out once more.
+        # A second projection removes the round-off of short remainders along earlier axes.
         for axis_before in axes:
             axis = axis - np.einsum("kd,kd->k", axis, axis_before)[:, None] * axis_before
         norm = np.linalg.norm(axis, axis=1, keepdims=True)
@@ -99,7 +99,7 @@ def axes_of(shape: SparseMatrix, normals: Matrix, *, tangential: bool = False) -
 
 
 def times_normals(shape: SparseMatrix, normals: Matrix) -> SparseMatrix:
-    """Return N n (n_point, 3 n_pair) from N (n_point, n_pair), the columns pair by pair."""
+    """Return N n (n_point, 3 n_pair) from N (n_point, n_pair), with columns pair by pair."""
     entries = shape.tocoo()
     rows = np.repeat(entries.row, 3)
     columns = (3 * entries.col[:, None] + np.arange(3)).ravel()
@@ -116,6 +116,6 @@ def unit(vectors: Matrix) -> Matrix:
 
 
 def tangents_of(normals: Matrix) -> Matrix:
-    """Return a unit tangent to each of the normals (n, 3), the same for normals that are equal."""
+    """Return a unit tangent for each normal (n, 3), the same for equal normals."""
     axes = np.eye(3)[np.abs(normals).argmin(axis=1)]
     return unit(np.cross(np.cross(normals, axes), normals))

@@ -1,4 +1,4 @@
-"""Quadrature points on segments, as the facets of either side see them."""
+"""Quadrature points of segments on the facets of either side."""
 
 from dataclasses import dataclass
 
@@ -60,9 +60,9 @@ class FacetPoints:
 def on_side(
     side: str, kind: str, nodes: Matrix, segments: Segments, rows: Indices, rule: Rule
 ) -> FacetPoints:
-    """Place the quadrature points of triangles ``rows`` on the facets of one side.
+    """Return the quadrature points of triangles ``rows`` on the facets of one side.
 
-    The side is ``"minus"`` or ``"plus"``, the kind that of the facets these triangles lie on, the
+    The side is ``"minus"`` or ``"plus"``, the kind that of its facets under these triangles, the
     rule one of triangles; nodes are (n_node, 3) [length].
 
     Raises

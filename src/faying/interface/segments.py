@@ -1,9 +1,9 @@
-"""Segments: where the facets of two meshes that do not match lie on each other.
+"""Segments: the overlaps of the facets of two non-matching meshes.
 
-Each pair of facets that touch is projected onto the plane of the minus facet and clipped there
+Each pair of touching facets is projected onto the plane of the minus facet and clipped there
 (M. A. Puso, T. A. Laursen, A mortar segment-to-segment contact method for large deformation solid
-mechanics, Comput. Methods Appl. Mech. Engrg. 193 (2004) 601-629); here against that plane, which
-is fixed because displacements are small.
+mechanics, Comput. Methods Appl. Mech. Engrg. 193 (2004) 601-629). That plane is fixed here, because
+displacements are small.
 """
 
 from collections.abc import Iterator
@@ -26,7 +26,7 @@ COVERED_SHARE = 1 - 1e-5
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Segments(Frozen):
-    """Triangles on which a minus and a plus facet lie on each other.
+    """Triangles on which a minus and a plus facet overlap.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class Segments(Frozen):
     triangles : (n_triangle, 3, 2) [length]
         Corners in the plane of their minus facet, counter-clockwise.
     minus_of, plus_of : (n_triangle,)
-        Facets a triangle lies on.
+        Facets of a triangle.
     covered : (n_minus,)
         Share of each minus facet that the plus side covers, in its plane.
     """
@@ -68,7 +68,7 @@ class Segments(Frozen):
 
     @property
     def partial(self) -> Matrix:
-        """Corners in space (n, 3, 3) of the triangles on facets that are covered in part."""
+        """Corners in space (n, 3, 3) of the triangles on partly covered facets."""
         chosen = ~self.whole[self.minus_of]
         minus_rows = self.minus_of[chosen]
         flat = np.einsum("nia,nad->nid", self.triangles[chosen], self.frames[minus_rows, :2])
@@ -76,7 +76,7 @@ class Segments(Frozen):
         return corners
 
     def touched(self, chosen: Mask) -> "Segments":
-        """Return the chosen triangles (n_triangle,) with only the facets they lie on."""
+        """Return the chosen triangles (n_triangle,) with their facets alone."""
         minus, minus_of = np.unique(self.minus_of[chosen], return_inverse=True)
         plus, plus_of = np.unique(self.plus_of[chosen], return_inverse=True)
         share = np.zeros(len(self.minus))
@@ -98,13 +98,13 @@ class Segments(Frozen):
 def find_segments(
     nodes: Matrix, minus: Facets, plus: Facets, tolerance: float, reach: Reach | None = None
 ) -> Segments:
-    """Clip the facets of two sides against each other where they touch, if they do.
+    """Return the overlaps of the facets of two sides, clipped against each other.
 
     Nodes are (n_node, 3) [length]; quadratic facets are divided into four linear cells. The
     tolerance [length] is the largest distance between the two surfaces along the normal of the
-    minus facet, to which the heights of the arcs over both facets are added where the surfaces are
-    curved. A reach is for surfaces declared to be in contact: facets that see each other are then
-    paired across gaps, the nearest ones where several lie behind each other.
+    minus facet; on curved surfaces the heights of the arcs over both facets are added. A reach is
+    for declared contact surfaces: facets that face each other are then paired across gaps, the
+    nearest ones where several lie behind each other.
 
     Notes
     -----
@@ -122,7 +122,7 @@ def find_segments(
     flat_corners = _in_planes(below.corners, centres[below.parents], frames[below.parents])
     size = areas(flat_corners, np.full(len(flat_corners), 4))
     full = np.bincount(below.parents, size, len(minus))
-    # The plus side is seen from inside: turned round, it runs counter-clockwise as well.
+    # The plus side is seen from inside: reversed, its corners run counter-clockwise too.
     window = _turned_round(
         _in_planes(above.corners[upper_cell], centres[first], frames[first]),
         above.facets.triangular[upper_cell],
@@ -168,11 +168,11 @@ def _hidden(
     polygons: tuple[Matrix, Indices, Vector],
     lifted: Matrix,
 ) -> Mask:
-    """Tell which polygons lie behind a nearer one, seen from their minus or their plus facet.
+    """Return the polygons behind a nearer one, seen from their minus or their plus facet.
 
-    Rows are the minus and plus facet of each polygon; polygons are corners in the plane of the
-    minus facet, their numbers, and the distance of both facets; lifted the same corners on the plus
-    facet (n, n_corner, 3) [length].
+    Rows are the minus and plus facet of each polygon. Polygons are corners in the plane of the
+    minus facet, their numbers, and the distance of both facets; ``lifted`` are the same corners on
+    the plus facet (n, n_corner, 3) [length].
     """
     flat, counts, distances = polygons
     plus = sides[1]
@@ -188,13 +188,13 @@ def _hidden(
 
 
 def _in_planes(points: Matrix, origins: Matrix, frames: Matrix) -> Matrix:
-    """Project points (n, k, 3) onto the planes of n facets (n, k, 2)."""
+    """Return points (n, k, 3) projected onto the planes of n facets (n, k, 2)."""
     flat: Matrix = np.einsum("nkd,nad->nka", points - origins[:, None], frames[:, :2])
     return flat
 
 
 def _turned_round(corners: Matrix, triangular: Mask) -> Matrix:
-    """Reverse the corners of facets (n, 4, 2); triangles still repeat their last one."""
+    """Return the corners of facets (n, 4, 2) in reverse; triangles still repeat their last one."""
     square, triangle = [3, 2, 1, 0], [2, 1, 0, 0]
     return np.where(triangular[:, None, None], corners[:, triangle], corners[:, square])
 
@@ -202,7 +202,7 @@ def _turned_round(corners: Matrix, triangular: Mask) -> Matrix:
 def _lifted(
     polygons: Matrix, origins: Matrix, frames: Matrix, above: Cells, upper_cells: Indices
 ) -> Matrix:
-    """Move polygons (n, n_corner, 2) along the minus normals onto the planes of plus cells."""
+    """Return polygons (n, n_corner, 2) moved along minus normals onto the planes of plus cells."""
     points = origins[:, None] + np.einsum("nca,nad->ncd", polygons, frames[:, :2])
     upwards, normals = frames[:, 2], above.normals[upper_cells]
     offset = np.einsum("ncd,nd->nc", above.centres[upper_cells][:, None] - points, normals)
@@ -219,7 +219,7 @@ def _height(
     above: Cells,
     upper_cells: Indices,
 ) -> Vector:
-    """Distance (n,) between the planes of two cells at points (n, 3), along directions (n, 3)."""
+    """Return distances (n,) between the planes of two cells at points (n, 3), along directions."""
     heights = []
     for cells, rows in ((below, lower_cells), (above, upper_cells)):
         normals = cells.normals[rows]
@@ -254,9 +254,9 @@ def _near(below: Cells, above: Cells, tolerance: float) -> tuple[Indices, Indice
 def _by_distance(
     minus: tuple[Matrix, Matrix], plus: tuple[Matrix, Matrix]
 ) -> Iterator[tuple[Indices, Indices]]:
-    """Yield pairs of boxes that may overlap, one size of plus boxes (by powers of two) a time.
+    """Yield pairs of boxes that may overlap, for plus boxes of one size (by powers of two) each.
 
-    Sizes apart, because the largest facet of a graded mesh would make all others its neighbours.
+    Otherwise all facets of a graded mesh would be neighbours of its largest one.
     """
     centres = [(low + high) / 2 for low, high in (minus, plus)]
     radii = [np.linalg.norm(high - low, axis=1) / 2 for low, high in (minus, plus)]

@@ -1,4 +1,4 @@
-"""Facets by name: what a user's selection of a surface stands for, and which may touch."""
+"""Facets of named selections of a surface, and candidates for contact."""
 
 from difflib import get_close_matches
 
@@ -13,12 +13,12 @@ from faying.model.surface import Facets, padded
 
 
 def select_facets(assembly: Assembly, selection: Selection) -> Facets:
-    """Find the facets a selection stands for.
+    """Return the facets of a selection.
 
-    A name is looked for among face sets, then node sets (exterior facets with *all* nodes in the
+    A name is looked up in face sets, then node sets (exterior facets with *all* nodes in the
     set), then element sets (exterior facets of these elements); ``"body 0"``, ``"body 1"``, … are
     the separate bodies. One or several numbers are property ids or, if not all of them are, element
-    ids. Facets are in the order of ``Mesh.exterior``; those of face sets in their own.
+    ids. Facets are in the order of ``Mesh.exterior``; those of face sets in the order of the set.
     """
     facets = _resolve(assembly, selection)
     if not len(facets):
@@ -45,7 +45,7 @@ def _by_name(assembly: Assembly, name: str) -> Facets:
         return _face_set(assembly, name)
     exterior = mesh.exterior
     if name in mesh.node_sets:
-        # The extra last entry stands for the unused columns (-1) and is always inside.
+        # The extra last entry is for the unused columns (-1) and is always inside.
         inside = np.zeros(len(mesh.nodes) + 1, dtype=bool)
         inside[mesh.node_sets[name]] = inside[-1] = True
         return exterior.taken(np.all(inside[exterior.nodes], axis=1))
@@ -75,7 +75,7 @@ def _by_number(assembly: Assembly, numbers: Indices) -> Facets:
 
 
 def _face_set(assembly: Assembly, name: str) -> Facets:
-    """Take a face set as given and look up whose facets these are."""
+    """Return the facets of a face set with the elements they belong to."""
     nodes = padded(assembly.face_sets[name].nodes)
     owner = assembly.mesh.exterior.positions(nodes)
     owned = owner >= 0
@@ -111,7 +111,7 @@ WHOLE_AREA = 0.99
 
 
 def candidates(assembly: Assembly, spec: InterfaceSpec) -> tuple[Facets, Indices]:
-    """Return the facets that may touch and the side of each; lower sides are minus."""
+    """Return the facets that may touch, and the side of each; lower sides are minus."""
     if spec.minus == "auto" and spec.plus == "auto":
         return _all_bodies(assembly, spec)
     if spec.minus == "auto" or spec.plus == "auto":
@@ -148,7 +148,7 @@ def _selected(assembly: Assembly, spec: InterfaceSpec, name: str) -> Facets:
 
 
 def _body_ranks(assembly: Assembly) -> Indices:
-    """Rank bodies by their smallest node id, which does not depend on the order of the nodes."""
+    """Return ranks of bodies by smallest node id, independent of the order of the nodes."""
     mesh = assembly.mesh
     label = mesh.bodies
     smallest = np.full(int(label.max()) + 1, np.iinfo(np.int64).max)
@@ -159,7 +159,7 @@ def _body_ranks(assembly: Assembly) -> Indices:
 
 
 def touching_tolerance(nodes: Matrix, facets: Facets, spec: InterfaceSpec) -> float:
-    """Return the tolerance a spec gives, or the default of the facets that may touch [length]."""
+    """Return the tolerance of a spec, or the default for its candidate facets [length]."""
     if spec.tolerance is not None:
         if not 0 <= spec.tolerance < np.inf:
             refuse_model(

@@ -1,7 +1,7 @@
-"""A pressure field averaged to the nodes and read again at the contact points.
+"""Smoothing of a pressure field: averaged to the nodes and interpolated to the contact points.
 
-What that changes is what the mesh does not resolve: on a field that is linear over a few facets
-next to nothing, where the field bends, ends or has an edge about as much as the mesh is off.
+The change shows what the mesh does not resolve. It is negligible where the field is linear over a
+few facets; where the field bends, ends or has an edge it is about as large as the mesh error.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from faying.interface.interface import Interface
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Smoothing:
-    """Averaging to the pairs, and reading at the points.
+    """Averaging to the pairs, and interpolation to the points.
 
     Attributes
     ----------
@@ -31,11 +31,11 @@ class Smoothing:
 
     @classmethod
     def of(cls, interface: Interface, nodes: Matrix) -> "Smoothing":
-        """Return the smoothing of an interface; nodes are all of them (n_node, 3) [length]."""
+        """Return the smoothing of an interface, with the coordinates of all nodes (n_node, 3)."""
         faces = [(f.kind, facet_columns(interface.pairs, f.minus, f.plus)) for f in interface.faces]
         average = interface.averaging
         if interface.quadrature == "nodal":
-            # A node's average is then its own value, so the field is read at Gauss points first.
+            # With nodal points an average is the value itself, so Gauss points come in between.
             shape, weights = _at_gauss_points(interface, faces, nodes)
             average = averaging_operator(shape, weights, faces) @ shape @ average
         return cls(
@@ -44,7 +44,7 @@ class Smoothing:
         )
 
     def smoothed(self, pressure: Vector) -> Vector:
-        """Return a pressure (n_point,) after averaging and reading; none is negative."""
+        """Return a pressure (n_point,) after averaging and interpolation, never negative."""
         smooth: Vector = np.maximum(self.read @ (self.average @ pressure), 0.0)
         return smooth
 

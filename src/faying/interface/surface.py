@@ -1,4 +1,4 @@
-"""Where an interface is and what its contact points stand for, without the matrices of a model."""
+"""Geometry and law of an interface and its contact points, without the matrices of a model."""
 
 import json
 from dataclasses import asdict, dataclass
@@ -26,7 +26,7 @@ class ContactSurface:
     normals : (n_point, 3) [1]
         Unit normals out of the minus side.
     weights : (n_point,) [length²]
-        Area each contact point stands for.
+        Area of each contact point.
     initial_gap : (n_point,) [length]
         Gap before any load.
     slice : (2,) [1]
@@ -34,9 +34,9 @@ class ContactSurface:
     pairs : (n_pair, 2) [into n_node]
         Touching nodes (minus, plus), as indices.
     pair_points : (n_pair, 3) [length]
-        Where the pairs are.
+        Positions of the pairs.
     averaging : (n_pair, n_point) [1]
-        Takes point values to nodal averages.
+        Map from point values to nodal averages.
     faces
         Matched facets, one group per kind.
     penalty : [force/length³]
@@ -47,19 +47,18 @@ class ContactSurface:
         Pairs that stick in tangential direction.
     face_coverage : (n_face,) [1]
         Share of each facet that the other side covers, through all entries of ``faces``; None
-        where the meshes match, and every facet is wholly covered.
+        where the meshes match and every facet is wholly covered.
     overlap : (n_triangle, 3, 3) [length]
-        Triangles of the common part of facets covered in part; absent where meshes match.
+        Triangles of the common part of partly covered facets; absent where meshes match.
     declared_area : [length²]
-        Area of the smaller side that was named as faces; None where both were bodies.
+        Area of the smaller side that was given as faces; None where both were bodies.
     friction : [1]
         Coefficient of friction μ.
     tangential_penalty : [force/length³]
-        Tangential stiffness c_t of points that stick, ``inf`` where they do not move; zero
-        without friction.
+        Tangential stiffness c_t of sticking points, ``inf`` if rigid; zero without friction.
     closure
         Curve of pressure over closure in place of a penalty, its name and parameters as JSON;
-        empty where there is none.
+        empty without a curve.
     """
 
     points: Matrix
@@ -83,11 +82,11 @@ class ContactSurface:
 
     @cached_property
     def _averages(self) -> SparseMatrix:
-        """Few points are near a pair: the full matrix is that for files alone."""
+        """The averaging as a sparse matrix; the full one is for files."""
         return sp.csr_array(self.averaging)
 
     def nodal_average(self, values: Matrix) -> Matrix:
-        """Average values at its contact points (n_point, ...) to its pairs (n_pair, ...)."""
+        """Return averages at the pairs (n_pair, ...) of values at points (n_point, ...)."""
         average: Matrix = self._averages @ values
         return average
 
@@ -100,7 +99,7 @@ def contact_surface(
 ) -> ContactSurface:
     """Return geometry and law of an interface, whose contact points are ``points`` among all.
 
-    Nodes are all of them (n_node, 3).
+    ``nodes`` are the coordinates of all nodes (n_node, 3).
     """
     coupling = interface.coupling
     return ContactSurface(
@@ -126,7 +125,7 @@ def contact_surface(
 
 
 def curve_text(law: Law) -> str:
-    """Return name and parameters of a curve as JSON, nothing of other laws."""
+    """Return name and parameters of a curve as JSON; empty for other laws."""
     return json.dumps({law.name: asdict(cast("Any", law))}) if isinstance(law, Curve) else ""
 
 
@@ -137,7 +136,7 @@ def curve_of(text: str) -> Law:
 
 
 def recorded_law(record: ContactSurface) -> Law:
-    """Return the law that an interface was recorded with."""
+    """Return the law of a stored interface."""
     try:
         normal = curve_of(record.closure) if record.closure else normal_law(record.penalty or 0.0)
     except (ModelError, TypeError, AttributeError, KeyError) as error:
@@ -160,6 +159,6 @@ def pair_facets(record: ContactSurface) -> tuple[tuple[str, Indices], ...]:
 
 
 def nodal_average(record: ContactSurface, values: Matrix) -> Matrix:
-    """Average values at all contact points (..., n_point) to the pairs (..., n_pair) of one."""
+    """Return averages at the pairs (..., n_pair) of values at all contact points (..., n_point)."""
     at_points: Matrix = np.asarray(values)[..., slice(*record.slice)]
     return np.moveaxis(record.nodal_average(np.moveaxis(at_points, -1, 0)), 0, -1)

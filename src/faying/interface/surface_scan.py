@@ -24,13 +24,13 @@ class Scan(Frozen):
     Attributes
     ----------
     places : (n, 2) [length]
-        In axes of the scan.
+        Positions in axes of the scan.
     values : (n,) [length]
         Heights out of the material, or gaps.
     is_gap
-        Whether they are gaps.
+        Whether the values are gaps.
     holes
-        Samples without a value, which are left out.
+        Number of samples without a value, which are left out.
     """
 
     places: Matrix
@@ -47,7 +47,7 @@ def read_scan(path: Path | str) -> Scan:
     path
         ``.csv`` with the names of the columns in its first line; ``.npz`` with arrays of these
         names, of one length or as the axes and values (n_y, n_x) of a grid; any other, as ``.xyz``,
-        is three numbers a line. What is no number, or not finite, is a hole.
+        has three numbers a line. Entries that are not finite numbers are holes.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The gap that measured surfaces leave between two sides, as far as a mesh resolves it."""
+"""The gap between two measured surfaces, as far as a mesh resolves it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -36,24 +36,24 @@ MOST_FILLED = 0.5
 @final
 @dataclass(frozen=True, kw_only=True)
 class ScanPlacement:
-    """Where a scan lies on an interface and what is made of it.
+    """Position of a scan on an interface, and its processing.
 
     Attributes
     ----------
     of
         The side that was scanned, or ``"gap"``.
     origin : (3,) [length]
-        Where its x = 0, y = 0 lies.
+        Position of its x = 0, y = 0.
     along : (3,)
-        Where its x points. Its y points so that heights, out of the scanned material, come third;
-        those of a gap point out of the minus side.
+        Direction of its x. Its y completes right-handed axes with heights, out of the scanned
+        material, as the third; heights of a gap point out of the minus side.
     tilt
-        ``"remove"``: the plane that fits it best is taken away, and the sides touch at one point;
-        ``"keep"``: heights count as they are.
+        ``"remove"``: the best-fitting plane is subtracted, and the sides touch at one point;
+        ``"keep"``: heights are not changed.
     wavelength : [length]
-        Waves that are shorter are filtered away; ``"auto"`` is four edges of facets.
+        Shorter waves are filtered out; ``"auto"`` is four edges of facets.
     scale
-        Length of the model over that of the scan's values, as 1e-3 for micrometres in millimetres.
+        Factor from the scan's values to lengths of the model, 1e-3 for micrometres to millimetres.
     """
 
     of: Literal["minus", "plus", "gap"]
@@ -67,13 +67,13 @@ class ScanPlacement:
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Topography:
-    """What scans say of the gap of an interface.
+    """The gap of an interface from scans.
 
     Attributes
     ----------
     gap : (n_point,) [length]
     notes
-        What was made of each scan, for the reader.
+        Processing of each scan, as text.
     """
 
     gap: Vector
@@ -81,13 +81,13 @@ class Topography:
 
 
 def topography(interface: Interface, scans: Sequence[tuple[Scan, ScanPlacement]]) -> Topography:
-    """Return the gap that scans of one side, of both or of the gap leave at the contact points.
+    """Return the gap at the contact points from scans of one side, of both or of the gap.
 
-    A polynomial of second degree is the form of a scan. The rest of it goes through the Gaussian
+    A polynomial of second degree is the form of a scan. The rest of it is smoothed by the Gaussian
     filter of ISO 16610-21 in both directions, on a grid and weighted by the samples there, so that
-    holes and edges count for nothing. Points in holes larger than the filter have the form alone.
-    The smallest value is zero where a tilt was removed: the sides are brought together until they
-    touch. It is to be added to the gap of the geometry.
+    holes and edges have no weight. Points in holes larger than the filter have the form alone. The
+    smallest value is zero where a tilt was removed: the sides are brought together until they
+    touch. The result is added to the gap of the geometry.
 
     Raises
     ------
@@ -105,7 +105,7 @@ def topography(interface: Interface, scans: Sequence[tuple[Scan, ScanPlacement]]
 
 
 def _heights(interface: Interface, scan: Scan, placement: ScanPlacement) -> tuple[Vector, str]:
-    """Return filtered heights at the contact points, and what was done."""
+    """Return filtered heights at the contact points, and a description of the processing."""
     if scan.is_gap != (placement.of == "gap"):
         said = "gaps" if scan.is_gap else "heights of a side"
         message = f"interface '{interface.name}': the scan holds {said}, and is of '{placement.of}'"
@@ -198,7 +198,7 @@ def _filtered(places: Matrix, values: Vector, points: Matrix, cutoff: float) -> 
     part = (places - low) / cell - whole
     spread = ALPHA * cutoff / np.sqrt(2 * np.pi) / cell
     blurred, weight = np.zeros(shape), np.zeros(shape)
-    # Each sample is shared by the four grid points around it, so that it stays where it is.
+    # Each sample is divided among the four grid points around it, which keeps its position.
     for corner in ((0, 0), (0, 1), (1, 0), (1, 1)):
         flat = np.ravel_multi_index(tuple((whole + corner).T), tuple(shape))
         shares = np.prod(np.where(corner, part, 1 - part), axis=1)
@@ -225,9 +225,9 @@ class Crown:
     origin : (3,) [length]
         A point of the line, s = 0.
     along : (3,)
-        Where s grows, in the interface; the line is perpendicular to it.
+        Direction of s, in the interface; the line is perpendicular to it.
     distance : [length]
-        d, from the line to where the gap is h.
+        d, distance from the line at which the gap is h.
     height : [length]
         h; negative where the surfaces are hollow.
     exponent
@@ -242,7 +242,7 @@ class Crown:
 
 
 def crown_gap(interface: Interface, crowns: Sequence[Crown]) -> Vector:
-    """Return the gap (n_point,) [length] that crowned surfaces leave where they touch first.
+    """Return the gap (n_point,) [length] between crowned surfaces at first touch.
 
     Examples
     --------

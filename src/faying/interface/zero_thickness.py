@@ -1,4 +1,4 @@
-"""Zero-thickness elements: matched facets become the linear gap operator of an interface."""
+"""Zero-thickness elements: the linear gap operator of an interface from matched facets."""
 
 from dataclasses import replace
 
@@ -37,18 +37,18 @@ def build_interface(
     faces: tuple[FacePairs, ...],
     law: Law,
 ) -> Interface:
-    """Form the zero-thickness elements of an interface, Eq. (15.3), (15.11), (15.14).
+    """Return the zero-thickness elements of an interface, Eq. (15.3), (15.11), (15.14).
 
-    Geometry (points, areas, normals) is that of the surface midway between the two sides. Without a
-    choice of quadrature, penalty contact takes Gauss points and hard contact nodal ones, of which
-    linear facets have no more than node pairs, so that hard contact forces are unique. With nodal
-    quadrature the points that facets share are one point with their areas summed; ``face_of_point``
-    then names the first of these facets.
+    Geometry (points, areas, normals) is that of the surface midway between the two sides. By
+    default penalty contact has Gauss points and hard contact nodal ones. Linear facets have no more
+    nodal points than node pairs, so that hard contact forces are unique. With nodal quadrature the
+    points shared by facets are one point with the sum of areas; ``face_of_point`` is the first of
+    these facets.
 
     Notes
     -----
-    Linear in the number of contact points. The two sides of a pair carry exactly opposite
-    entries, so Newton's third law, Eq. (15.4), holds to the last bit.
+    Linear in the number of contact points. The two sides of a pair have exactly opposite entries,
+    so Newton's third law, Eq. (15.4), holds to the last bit.
     """
     if not faces:
         refuse_model(f"interface '{spec.name}' has no facets; pair the facets of its sides first")
@@ -80,7 +80,7 @@ def build_interface(
 
 
 def contact_rule(spec: InterfaceSpec, kind: str, law: Law) -> Rule:
-    """Return the rule that places the contact points of a facet."""
+    """Return the quadrature rule of the contact points of a facet."""
     quadrature = spec.quadrature or ("nodal" if np.isinf(law.penalty) else "gauss")
     if quadrature == "gauss":
         return gauss_rule(kind, spec.order)
@@ -110,7 +110,7 @@ def _all_points(
     rules: list[Rule],
     middle: Matrix,
 ) -> tuple[ContactPoints, Indices]:
-    """Evaluate every facet; also return the pair a point coincides with, -1 for none."""
+    """Return the points of all facets, and the pair at each point, -1 for none."""
     parts, at_pair, first_face = [], [], 0
     for entry, local, rule in zip(faces, columns, rules, strict=True):
         kind, numbers = entry.kind, first_face + np.arange(len(local))
@@ -129,7 +129,7 @@ def _all_points(
 
 
 def _merged(raw: ContactPoints, at_pair: Indices) -> ContactPoints:
-    """Join the points at one node pair: they share one gap, so separate forces are undefined."""
+    """Return points with those at one node pair joined: they share one gap, and need one force."""
     alone = len(raw.weights) + np.arange(len(raw.weights))
     key = np.where(at_pair >= 0, at_pair, alone)
     _, first, group = np.unique(key, return_index=True, return_inverse=True)
@@ -152,7 +152,7 @@ def _merged(raw: ContactPoints, at_pair: Indices) -> ContactPoints:
 
 
 def pair_normals_of(faces: tuple[FacePairs, ...], columns: list[Indices], middle: Matrix) -> Matrix:
-    """Average the facets' normals at the pairs, weighted with the local Jacobian."""
+    """Return the facets' mean normals at the pairs, weighted with the local Jacobian."""
     total = np.zeros((len(middle), 3))
     for entry, local in zip(faces, columns, strict=True):
         vectors = area_vectors(entry.kind, middle[local], reference_nodes(entry.kind))

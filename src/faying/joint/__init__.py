@@ -1,1 +1,1 @@
-"""A structure joined to its contact: what full and reduced models are made of."""
+"""Joints: structure and contact together, the common basis of full and reduced models."""

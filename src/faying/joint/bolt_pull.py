@@ -1,4 +1,4 @@
-"""Which way bolts pull what they hold: onto the faces between, along these, or apart."""
+"""The direction in which bolts pull the faces that they clamp: together, along, or apart."""
 
 from collections.abc import Iterator, Sequence
 
@@ -16,10 +16,10 @@ AS_MUCH = np.sqrt(0.5)
 
 
 def misdirected(model: Model, specs: Sequence[BoltSpec]) -> Iterator[str]:
-    """Yield the bolts that pull apart what they should clamp, or along all faces nearest to them.
+    """Yield a message for each bolt that opens its faces, or pulls along all faces near it.
 
-    Where head and nut are is known of bolts in given matrices, if nothing but bolts joins the parts
-    that they hold; all others are tightened from end to end.
+    The positions of head and nut are known for bolts in given matrices, if bolts alone join the
+    parts that they hold; all others are tightened from end to end.
     """
     mesh, bolts = model.assembly.mesh, model.bolts
     if not told_apart(bolts):
@@ -39,7 +39,7 @@ def misdirected(model: Model, specs: Sequence[BoltSpec]) -> Iterator[str]:
             nearest = nearest_bolts(mesh.nodes[interface.pairs[:, 0]], bolts) == number
             cosines = interface.pair_normals[nearest] @ along
             sides = parts[interface.pairs[nearest]]
-            # What the head holds moves against the direction, what the nut holds along it.
+            # The part at the head moves against the direction, the part at the nut along it.
             minus, plus = ((sides == parts[head]).astype(int) - (sides == parts[nut])).T
             closing += float(cosines @ (plus - minus))
             squarest = max(squarest, float(np.abs(cosines).max(initial=0.0)))

@@ -1,4 +1,4 @@
-"""Which contact points are around which bolt."""
+"""The contact points around each bolt."""
 
 from collections.abc import Mapping
 
@@ -10,7 +10,7 @@ from faying.model.bolt import Bolt
 
 
 def nearest_bolts(points: Matrix, bolts: Mapping[str, Bolt]) -> Indices:
-    """Return the number of the bolt whose axis is nearest to each point; bolt 0 where unknown."""
+    """Return the number of the bolt with the axis nearest to each point; 0 if all are unknown."""
     distances = np.array([axis_distances(points, bolt) for bolt in bolts.values()])
     return np.where(np.isfinite(distances).any(axis=0), distances.argmin(axis=0), 0)
 
@@ -20,8 +20,8 @@ def surroundings(
 ) -> dict[tuple[str, str], Mask]:
     """Return the points (n_point,) of an interface nearest to a bolt, by interface and bolt.
 
-    Of all points of the joint. A bolt that is nearest to no point of an interface has no area
-    there, and several bolts have none where the axis of any of them is unknown.
+    The masks are over all points of the joint. A bolt that is nearest to no point of an interface
+    has no entry there; several bolts have none where the axis of any of them is unknown.
     """
     if not told_apart(bolts):
         return {}
@@ -40,7 +40,7 @@ def contact_areas(
 ) -> dict[tuple[str, str], Vector]:
     """Return the weights (n_point,) [length²] of areas, by interface and bolt.
 
-    First whole interfaces, with no bolt, then the points of each nearest to a bolt.
+    Whole interfaces, with an empty bolt name, come first, then the areas around each bolt.
     """
     n_point = max((surface.slice[1] for surface in surfaces.values()), default=0)
     areas: dict[tuple[str, str], Vector] = {}
@@ -53,7 +53,7 @@ def contact_areas(
 
 
 def told_apart(bolts: Mapping[str, Bolt]) -> bool:
-    """Say whether the areas around bolts are known: a single one has all, others need axes."""
+    """Return whether the areas around bolts are known: one bolt, or bolts with known axes."""
     return len(bolts) < 2 or all(bolt.ends is not None for bolt in bolts.values())
 
 
@@ -72,7 +72,7 @@ def axis_distances(points: Matrix, bolt: Bolt) -> Vector:
 def pressed_near(
     surfaces: Mapping[str, ContactSurface], bolt: Bolt, radius: float, points_left: Vector
 ) -> Mask:
-    """Return the points within a radius of a bolt that pressures (n_point,) at rest press."""
+    """Return the points within a radius of a bolt that are under pressure at rest (n_point,)."""
     pressed = np.zeros(len(points_left), dtype=bool)
     for surface in surfaces.values():
         pressed[slice(*surface.slice)] = axis_distances(surface.points, bolt) <= radius

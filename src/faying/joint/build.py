@@ -1,4 +1,4 @@
-"""From a description to a model: matrices, constraints, interfaces, bolts and boundaries."""
+"""Building of a model: matrices, constraints, interfaces, bolts and boundaries."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -66,24 +66,24 @@ def build_model(
     Parameters
     ----------
     interfaces
-        Where bodies touch; by default all coincident facets of different bodies.
+        Areas of contact; by default all coincident facets of different bodies.
     bolts
         Bolts to be tightened; those with an ``axis`` are generated, those with ``elements`` are
         beams of the assembly, those with ``nodes`` are part of its given stiffness matrix.
     boundaries
-        Where loads enter; their degrees of freedom stay free.
+        Nodes or faces for loads; their degrees of freedom stay free.
     damping
-        Rayleigh factors, added to any damping matrix the assembly brings.
+        Rayleigh factors, added to any damping matrix of the assembly.
 
     Raises
     ------
     ModelError
-        If something named does not exist, elements are inverted, facets do not match, a boundary
-        is supported, or two boundaries share a node.
+        If a name does not exist, elements are inverted, facets do not match, a boundary is
+        supported, or two boundaries share a node.
 
     Notes
     -----
-    Elimination of constraints only; matrices are formed when they are first asked for.
+    Elimination of constraints only; matrices are formed at their first use.
 
     Examples
     --------
@@ -93,7 +93,7 @@ def build_model(
     >>> list(stiff.interfaces)
     ['lap']
     """
-    model = _built(assembly, interfaces, bolts, boundaries, damping, units)
+    model = _build(assembly, interfaces, bolts, boundaries, damping, units)
     if not model.interfaces:
         refuse_model("the model has no interface; name one, or let faying find it with 'auto'")
     return model
@@ -107,14 +107,14 @@ def model_without_contact(
     damping: Rayleigh | None = None,
     units: str = "mm-t-s",
 ) -> Model:
-    """Build the structure of a joint alone, to be looked at: nothing of it touches.
+    """Build the structure of a joint without its contact, for inspection.
 
     Parameters and errors are those of :func:`build_model`.
     """
-    return _built(assembly, (), bolts, boundaries, damping, units)
+    return _build(assembly, (), bolts, boundaries, damping, units)
 
 
-def _built(
+def _build(
     assembly: Assembly,
     interfaces: Sequence[InterfaceSpec],
     bolts: Sequence[BoltSpec],
@@ -143,7 +143,7 @@ def _built(
         )
         for spec, end in zip(boundaries, ends, strict=True)
     }
-    tightened = _tightened(assembly, dofs, bolts, seats)
+    tightened = _bolts_by_name(assembly, dofs, bolts, seats)
     n_dof = len(dofs.free)
     structure = Structure(
         matrices=free_matrices(assembly, dofs, damping or Rayleigh()),
@@ -168,7 +168,7 @@ def _built(
 def _with_generated_bolts(
     assembly: Assembly, bolts: Sequence[BoltSpec]
 ) -> tuple[Assembly, list[BoltSpec]]:
-    """Add the bolts that are not in the deck; all specs then name elements."""
+    """Add the bolts that the deck does not have; all specs then name elements."""
     specs = []
     for spec in bolts:
         if spec.axis is None:
@@ -182,7 +182,7 @@ def _with_generated_bolts(
 def _with_coupled_boundaries(
     assembly: Assembly, boundaries: Sequence[BoundarySpec]
 ) -> tuple[Assembly, list[BoundarySpec]]:
-    """Add the nodes of boundaries that couple a face; all others stay as they are."""
+    """Add nodes for boundaries that couple a face, and return all boundaries."""
     specs = []
     for spec in boundaries:
         if spec.coupling is None:
@@ -200,7 +200,7 @@ def _interfaces(
 ) -> dict[str, Interface]:
     joints: dict[str, Interface] = {}
     for spec in specs:
-        for name, interface in _found(assembly, dofs, spec):
+        for name, interface in _find_interfaces(assembly, dofs, spec):
             if name in joints:
                 refuse_model(f"two interfaces are called '{name}'; give each its own name")
             joints[name] = interface
@@ -215,10 +215,10 @@ def _relative(joints: Mapping[str, Interface], n_dof: int) -> SparseMatrix:
     return cast("SparseMatrix", stack(joints).relative_operator)
 
 
-def _found(
+def _find_interfaces(
     assembly: Assembly, dofs: DofMap, spec: InterfaceSpec
 ) -> Iterator[tuple[str, Interface]]:
-    """Find where the sides of a spec touch and build the interfaces there."""
+    """Yield the interfaces of a spec, wherever its sides touch."""
     area = declared_area(assembly, spec)
     if spec.meshes == "non-matching":
         for name, coupling in find_couplings(assembly, spec).items():
@@ -234,7 +234,7 @@ def _found(
 
 
 def _law(assembly: Assembly, spec: InterfaceSpec, automatic: Callable[[], float]) -> Law:
-    """Return the law that a spec names, with the penalty of the elements where it is automatic."""
+    """Return the law of a spec, with the penalty of the elements where it is automatic."""
     with naming(f"interface '{spec.name}'"):
         if spec.closure is not None and spec.penalty != "auto":
             refuse_model(f"it has a penalty and closure '{spec.closure.name}'; give one of them")
@@ -284,7 +284,7 @@ def _check_disjoint(
                 )
 
 
-def _tightened(
+def _bolts_by_name(
     assembly: Assembly, dofs: DofMap, specs: Sequence[BoltSpec], seats: Mapping[str, Seats]
 ) -> dict[str, Bolt]:
     """Return the bolts by name."""
@@ -302,15 +302,15 @@ def _bolt(
     spec: BoltSpec,
     seats: Mapping[str, Seats],
 ) -> Bolt:
-    """Axial stiffness and elongation row of what is tightened; K holds at its nodes."""
+    """Return a bolt with axial stiffness and elongation row; K holds at its nodes."""
     if spec.nodes is not None:
         row, stiffness = elongation_factors(assembly, spec), float(spec.stiffness or 0.0)
     else:
-        row, stiffness = _of_element(assembly, spec, seats[spec.name])
+        row, stiffness = _element_rows(assembly, spec, seats[spec.name])
     elongation = (row @ dofs.transformation).toarray().ravel()
     if spec.nodes is not None:
         check_contained(K, elongation, spec)
-    moments = _seen_moments(assembly, dofs, K, spec) if spec.nodes is None else None
+    moments = _moment_rows(assembly, dofs, K, spec) if spec.nodes is None else None
     return Bolt(
         name=spec.name,
         elongation=elongation,
@@ -323,10 +323,10 @@ def _bolt(
     )
 
 
-def _seen_moments(
+def _moment_rows(
     assembly: Assembly, dofs: DofMap, K: SparseMatrix, spec: BoltSpec
 ) -> SparseMatrix | None:
-    """Return the rows of the bending moments of a bolt; None where it carries none."""
+    """Return the rows of the bending moments of a bolt; None where it has no bending."""
     moments = end_moments(assembly, spec)
     if moments is None:
         return None
@@ -337,7 +337,7 @@ def _seen_moments(
 
 
 def _nodes_of(assembly: Assembly, spec: BoltSpec) -> list[int]:
-    """Return all nodes of what is tightened."""
+    """Return all nodes of the element or pair of nodes at which a bolt is tightened."""
     if spec.nodes is not None:
         with naming(f"bolt '{spec.name}'"):
             return [int(node) for node in _end_nodes(assembly, spec)]
@@ -346,7 +346,7 @@ def _nodes_of(assembly: Assembly, spec: BoltSpec) -> list[int]:
 
 
 def _ends(assembly: Assembly, spec: BoltSpec) -> Matrix:
-    """Return where what is tightened begins and ends (2, 3); of a spring the places of its ends."""
+    """Return the positions (2, 3) of the ends of a bolt; for a spring those of its nodes."""
     ends = None if spec.axis is not None else bolt_ends(assembly, spec)
     return assembly.mesh.nodes[_end_nodes(assembly, spec)] if ends is None else ends
 
@@ -361,8 +361,8 @@ def _end_nodes(assembly: Assembly, spec: BoltSpec) -> Indices:
     return np.array([node for node, _ in element.ends])
 
 
-def _of_element(assembly: Assembly, spec: BoltSpec, seats: Seats) -> tuple[SparseMatrix, float]:
-    """Elongation row (1, 6 n_node) and axial stiffness of the element that is tightened."""
+def _element_rows(assembly: Assembly, spec: BoltSpec, seats: Seats) -> tuple[SparseMatrix, float]:
+    """Return elongation row (1, 6 n_node) and axial stiffness of the tightened element."""
     element = bolt_axis_element(assembly, spec)
     check_clamping(assembly.mesh, spec, seats)
     if isinstance(element, Beam):

@@ -1,4 +1,4 @@
-"""Why a stiffness matrix is singular, in the words of the model."""
+"""Why a stiffness matrix is singular, in terms of the model."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -36,18 +36,18 @@ REMEDY_BESIDE_SPRINGS = (
 
 
 def check_held(model: Model, remedy: str = REMEDY) -> None:
-    """Refuse a model within which something can move freely, without factorizing it.
+    """Refuse a model in which a part can move freely, without factorizing it.
 
-    The structure as a whole may, if it has mass.
+    The structure as a whole may move freely if it has mass.
 
     Notes
     -----
-    Finds what :func:`faying.model.rigid_motion.free_motions` finds; a hinge inside a body shows
-    when the stiffness is factorized.
+    Finds the motions of :func:`faying.model.rigid_motion.free_motions`; a hinge inside a body
+    appears when the stiffness is factorized.
     """
     free = model_motions(model)
     if free.motions.shape[1]:
-        raise ModelError(_described(model.assembly, model.dofs, free.labels, free.motions, remedy))
+        raise ModelError(_message(model.assembly, model.dofs, free.labels, free.motions, remedy))
 
 
 AS_A_WHOLE = (
@@ -59,16 +59,16 @@ AS_A_WHOLE = (
 
 @dataclass(frozen=True, kw_only=True)
 class FreeParts:
-    """What can move while nothing but contact resists.
+    """Parts that only contact can hold.
 
     Attributes
     ----------
     count
-        Number of independent motions; None where there are too many parts to look for them.
+        Number of independent motions; None where there are too many parts to search.
     parts
-        Body, or node, to how it can move.
+        Body, or node, to a description of its motion.
     whole
-        Number of motions of the structure as a whole, which are none of these.
+        Number of motions of the structure as a whole, in addition.
     """
 
     count: int | None
@@ -77,7 +77,7 @@ class FreeParts:
 
 
 def free_parts(model: Model) -> FreeParts:
-    """Name everything that can move without strain energy, contact aside.
+    """Return the parts that can move without strain energy, apart from contact.
 
     Notes
     -----
@@ -94,8 +94,8 @@ def free_parts(model: Model) -> FreeParts:
     parts = {}
     for label in np.unique(free.labels[moving & (free.labels >= 0)]).tolist():
         members = np.flatnonzero(free.labels == label)
-        ways = _ways(model.assembly.mesh.nodes[members], nodal[members])
-        parts[_body(model.assembly, members)] = ways
+        ways = _motion_text(model.assembly.mesh.nodes[members], nodal[members])
+        parts[_body_text(model.assembly, members)] = ways
     loose = model.assembly.mesh.node_ids[moving & (free.labels < 0)].tolist()
     if loose:
         parts[f"node {listed(loose)}"] = "of beams, springs or couplings, can move"
@@ -103,19 +103,19 @@ def free_parts(model: Model) -> FreeParts:
 
 
 def model_motions(model: Model) -> FreeMotions:
-    """Find what moves freely within the structure: its motions as a whole are none of these.
+    """Return free motions within the structure, without its motions as a whole.
 
     Notes
     -----
-    Of a model without pairs that stick before its stiffness is formed.
+    For models without sticking pairs, the stiffness is not formed.
     """
     return _motions(model)[0]
 
 
 def _motions(model: Model) -> tuple[FreeMotions, Matrix]:
-    """Return what moves freely within the structure, and its motions as a whole."""
+    """Return free motions within the structure, and those of it as a whole."""
     K = _stiffness_of_motions(model)
-    free, whole = free_motions(model.assembly, model.dofs, K), _as_a_whole(model, K)
+    free, whole = free_motions(model.assembly, model.dofs, K), _rigid_motions(model, K)
     if not whole.shape[1]:
         return free, whole
     within = free.motions - whole @ (whole.T @ free.motions)
@@ -127,10 +127,10 @@ def _stiffness_of_motions(model: Model) -> SparseMatrix:
     return model.K if model.stuck else rigid_stiffness(model.assembly, model.dofs)
 
 
-def _as_a_whole(model: Model, K: SparseMatrix) -> Matrix:
-    """Return the motions (n_dof, n) as one rigid body that nothing resists, orthonormal.
+def _rigid_motions(model: Model, K: SparseMatrix) -> Matrix:
+    """Return the free motions (n_dof, n) as one rigid body, orthonormal.
 
-    None of a structure without mass: nothing balances forces that are not in equilibrium.
+    Empty for a structure without mass, in which no inertia balances forces.
     """
     motions = whole_motions(model.assembly.mesh.nodes, model.dofs.free, K)
     if motions.shape[1] and not model.structure.has_mass:
@@ -139,11 +139,9 @@ def _as_a_whole(model: Model, K: SparseMatrix) -> Matrix:
 
 
 def suspension(model: Model) -> str:
-    """Say what springs to ground alone hold, and how fast it swings on them; else nothing.
+    """Return a message on motions that springs to ground alone hold, with their frequencies.
 
-    Notes
-    -----
-    Assembles the matrices where there are such springs.
+    Empty without such motions. Assembles the matrices where there are springs to ground.
     """
     assembly = model.assembly
     springs = tuple(element for element in assembly.springs if len(element.ends) == 2)
@@ -154,7 +152,7 @@ def suspension(model: Model) -> str:
     K = rigid_stiffness(loose, model.dofs)
     motions = whole_motions(assembly.mesh.nodes, model.dofs.free, K)
     if (
-        motions.shape[1] <= _as_a_whole(model, _stiffness_of_motions(model)).shape[1]
+        motions.shape[1] <= _rigid_motions(model, _stiffness_of_motions(model)).shape[1]
         or not model.structure.has_mass
     ):
         return ""
@@ -171,19 +169,19 @@ def suspension(model: Model) -> str:
 def unconstrained(
     assembly: Assembly, dofs: DofMap, K: SparseMatrix, motion: Vector, *, remedy: str = REMEDY
 ) -> str:
-    """Say what moves freely where a factorization of K met a motion without resistance.
+    """Return a message on the free motions after a factorization of K found one.
 
-    The motion (n_dof,) is one of possibly many.
+    This motion (n_dof,) is one of possibly many.
     """
     free = free_motions(assembly, dofs, K)
     motions = free.motions if free.motions.shape[1] else motion[:, None]
-    return _described(assembly, dofs, free.labels, motions, remedy)
+    return _message(assembly, dofs, free.labels, motions, remedy)
 
 
-def _described(
+def _message(
     assembly: Assembly, dofs: DofMap, labels: Indices, motions: Matrix, remedy: str
 ) -> str:
-    """Name the part that moves most, and its motion."""
+    """Return a message that names the part that moves most, and its motion."""
     nodal = np.moveaxis(dofs.nodal(motions.T), 0, -1)
     size = np.linalg.norm(nodal, axis=2)
     mesh = assembly.mesh
@@ -197,22 +195,22 @@ def _described(
         )
     node = int(moved.argmax())
     if labels[node] < 0:
-        unit = _direction(nodal[node, :3, int(np.linalg.norm(nodal[node, :3], axis=0).argmax())])
+        unit = _vector_text(nodal[node, :3, int(np.linalg.norm(nodal[node, :3], axis=0).argmax())])
         return (
             f"unconstrained node: node {mesh.node_ids[node]} can move freely along {unit}; {remedy}"
         )
     members = np.flatnonzero(labels == labels[node])
-    how = _ways(mesh.nodes[members], nodal[members])
+    how = _motion_text(mesh.nodes[members], nodal[members])
     others = np.setdiff1d(labels[moved > 0.01 * moved.max()], [-1, labels[node]]).tolist()
     along = "".join(
-        f", and with it {_body(assembly, labels == companion)}" for companion in others[:2]
+        f", and with it {_body_text(assembly, labels == companion)}" for companion in others[:2]
     )
     more = f" and {len(others) - 2} other bodies" if len(others) > 2 else ""
-    return f"unconstrained body: {_body(assembly, members)} {how}{along}{more}; {remedy}"
+    return f"unconstrained body: {_body_text(assembly, members)} {how}{along}{more}; {remedy}"
 
 
-def _ways(points: Matrix, moved: Matrix) -> str:
-    """Describe the rigid motions of a body from displacements (n_node, 6, n_motion)."""
+def _motion_text(points: Matrix, moved: Matrix) -> str:
+    """Return a description of rigid motions from displacements of a body (n_node, 6, n_motion)."""
     centre, n_motion = points.mean(axis=0), moved.shape[2]
     components = np.tile(np.arange(3), len(points))
     basis = rigid_motions(np.repeat(points, 3, axis=0), components, centre)
@@ -221,38 +219,38 @@ def _ways(points: Matrix, moved: Matrix) -> str:
     shown = moved[:, :3].reshape(-1, n_motion)
     twists, *_ = np.linalg.lstsq(basis, shown, rcond=None)
     if np.linalg.norm(basis @ twists - shown) > 1e-3 * np.linalg.norm(shown):
-        return f"contains a hinge: its nodes move along {_direction(shown[:3, 0])} and others"
+        return f"contains a hinge: its nodes move along {_vector_text(shown[:3, 0])} and others"
     left, size, _ = np.linalg.svd(twists)
     ways = left[:, : int((size > DECK_DIGITS * size[0]).sum())]
     count = ways.shape[1]
     if count == 6:
         return "is held by nothing"
-    simplest = _simplest(ways)
+    simplest = _translation_in(ways)
     shifts = np.linalg.norm(simplest[3:]) < DECK_DIGITS
-    turning = "" if shifts else f"can turn freely {_axis(simplest, centre, radius)}"
-    text = turning or f"can move freely along {_direction(simplest[:3])}"
+    turning = "" if shifts else f"can turn freely {_axis_text(simplest, centre, radius)}"
+    text = turning or f"can move freely along {_vector_text(simplest[:3])}"
     return text if count == 1 else f"{text} (one of {count} free motions)"
 
 
-def _simplest(ways: Matrix) -> Vector:
-    """Return a translation among the twists (6, n) if there is one."""
+def _translation_in(ways: Matrix) -> Vector:
+    """Return a translation in the span of twists (6, n), if there is one."""
     _, size, right = np.linalg.svd(ways[3:])
     size = np.append(size, np.zeros(ways.shape[1]))[: ways.shape[1]]
     quietest: Vector = ways @ right[-1] if size[-1] < DECK_DIGITS else ways[:, 0]
     return quietest
 
 
-def _axis(twist: Vector, centre: Vector, radius: float) -> str:
-    """Say about which line a twist turns."""
+def _axis_text(twist: Vector, centre: Vector, radius: float) -> str:
+    """Return a description of the axis of a twist."""
     rotation = twist[3:] / radius
     point = centre + np.cross(rotation, twist[:3]) / (rotation @ rotation)
     point = np.where(np.abs(point) < DECK_DIGITS * radius, 0.0, point)
     coordinates = ", ".join(f"{value + 0.0:.4g}" for value in point)
-    return f"about the axis {_direction(rotation)} through ({coordinates})"
+    return f"about the axis {_vector_text(rotation)} through ({coordinates})"
 
 
-def _body(assembly: Assembly, chosen: Indices | Mask) -> str:
-    """Name a body by an element set that covers it, and by its nodes."""
+def _body_text(assembly: Assembly, chosen: Indices | Mask) -> str:
+    """Return the name of an element set that covers a body, and its nodes."""
     mesh = assembly.mesh
     ids = mesh.node_ids[chosen]
     number = int(mesh.bodies[chosen][0])
@@ -261,7 +259,7 @@ def _body(assembly: Assembly, chosen: Indices | Mask) -> str:
     return f"{named} (nodes {ids.min()} to {ids.max()})"
 
 
-def _direction(motion: Vector) -> str:
+def _vector_text(motion: Vector) -> str:
     """Return the unit vector along a motion, its largest component positive."""
     unit = motion / max(float(np.linalg.norm(motion)), np.finfo(float).tiny)
     unit = unit * np.sign(unit[np.abs(unit).argmax()] or 1.0)

@@ -36,14 +36,14 @@ _SEPARATORS = 2.0
 
 
 def expected_memory(model: Model) -> FactorMemory:
-    """Tell what the factorization of a model takes.
+    """Return the memory that the factorization of a model takes.
 
-    Counted from the pattern of K, and of large models estimated from where their nodes are: these
-    are divided at planes again and again, as orderings by nested dissection do.
+    It is counted from the pattern of K; for large models it is estimated from the positions of
+    nodes, which are divided at planes repeatedly, as orderings by nested dissection do.
 
     Notes
     -----
-    Estimated in a second for 500 000 nodes, where forming K and counting takes a minute.
+    An estimate takes a second for 500 000 nodes; forming K and counting takes a minute.
     """
     n_dof, mesh = model.structure.n_dof, model.assembly.mesh
     used = np.zeros(len(mesh.nodes), dtype=bool)
@@ -64,7 +64,7 @@ def expected_memory(model: Model) -> FactorMemory:
 
 
 def _between_pairs(structure: Structure, factor: int) -> tuple[float, float]:
-    """Estimate what elimination of all but the pairs takes, and matrices between these."""
+    """Return bytes of the elimination of all but the pairs, and of matrices between them."""
     n_relative = int(structure.relative_operator.shape[0])
     dense = 8.0 * DENSE_COPIES * n_relative**2
     if n_relative <= FEW_PORTS:
@@ -74,10 +74,10 @@ def _between_pairs(structure: Structure, factor: int) -> tuple[float, float]:
 
 
 def dissected(places: Matrix, spacing: float) -> float:
-    """Count the pairs of nodes in the factor of a structure that is divided at planes.
+    """Return the number of pairs of nodes in the factor of a structure divided at planes.
 
-    Nodes within one spacing [length], that of neighbours, of a plane separate those on its two
-    sides. They are eliminated behind both, beside the nodes of earlier planes that the part
+    Nodes within one spacing of a plane, the distance of neighbours [length], separate its two
+    sides. They are eliminated after both, together with the nodes of earlier planes that the part
     touches. Places are (n, 3) [length].
     """
     parts: list[tuple[Matrix, Mask]] = [(places, np.zeros(len(places), dtype=bool))]
@@ -100,7 +100,7 @@ def dissected(places: Matrix, spacing: float) -> float:
 
 
 def _volume(assembly: Assembly) -> float:
-    """Volume of the solids."""
+    """Return the volume of the solids."""
     total = 0.0
     for block in assembly.mesh.blocks:
         element = block_element(block, assembly.element)

@@ -1,4 +1,4 @@
-"""M, C and K of a model, formed when they are first asked for: a model is checked without them."""
+"""M, C and K of a model, formed at their first use, so that a model is checked without them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -20,7 +20,7 @@ class FreeMatrices:
     Attributes
     ----------
     form
-        Returns M, K and the dampers D, None without any; called once.
+        Function that returns M, K and the dampers D, None without any; called once.
     damping
         Factors α and β of C = α M + β K + D.
     """
@@ -48,7 +48,7 @@ class FreeMatrices:
 
     @property
     def dampers(self) -> SparseMatrix | None:
-        """Damping beside what is in proportion to M and K; None without any."""
+        """Damping that is not proportional to M and K; None without any."""
         return self._formed[2]
 
     @cached_property

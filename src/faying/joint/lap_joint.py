@@ -27,7 +27,7 @@ MOST_BRICKS = 500_000
 
 @dataclass(frozen=True, kw_only=True)
 class LapGeometry:
-    """Measures of a lap joint [length]; see :func:`lap_joint_assembly`."""
+    """Dimensions of a lap joint [length]; see :func:`lap_joint_assembly`."""
 
     element_size: float
     length: float
@@ -71,7 +71,7 @@ class LapGeometry:
                 )
 
     def _count(self) -> float:
-        """Return about how many bricks there are, holes filled."""
+        """Return the approximate number of bricks, including those in holes."""
         bricks = np.float64(0.0)
         with np.errstate(over="ignore"):
             for number in range(min(self.plates, max(PLATE_NAMES))):
@@ -84,16 +84,16 @@ class LapGeometry:
         return float(bricks)
 
     def heights(self) -> Vector:
-        """Heights of the plates' surfaces, before bending (plates + 1,)."""
+        """Heights of the surfaces of the plates, before bending (plates + 1,)."""
         levels = np.arange(self.plates + 1, dtype=np.float64) - self.plates / 2
         return np.asarray(self.thickness * levels)
 
     def rise(self, x: float | Vector) -> Vector:
-        """Height added at x: the parabola -½ κ x² of an arch."""
+        """Return the height added at x: the parabola -½ κ x² of an arch."""
         return np.asarray(-0.5 * self.curvature * np.square(x), dtype=np.float64)
 
     def plate(self, number: int) -> Cells:
-        """Mesh one plate, counted from below; even ones reach to the clamp, odd ones to the tip."""
+        """Return the mesh of a plate; from below even ones reach the clamp, odd the tip."""
         ends = np.array([-self.length / 2, -self.overlap / 2, self.overlap / 2, self.length / 2])
         size = self.upper_element_size if number == self.plates - 1 else self.element_size
         x = _grid_lines(ends[:3] if number % 2 == 0 else ends[1:], size)
@@ -178,21 +178,21 @@ def lap_joint_assembly(
         Edge of the bricks; numbers of bricks are rounded so that the overlap's edges are grid
         lines and the plates match.
     upper_element_size
-        Another edge for the bricks of the plate on top, whose mesh then does not match.
+        Edge of the bricks of the top plate, if its mesh is not to match.
     length, width, thickness, overlap
         Whole length, width, thickness of each plate, length of the overlap.
     plates
         2: ``"lower"`` and ``"upper"`` meet at the interface ``"joint"``. 3: ``"lower"``,
         ``"middle"`` and ``"upper"`` meet at ``"joint-1"`` and ``"joint-2"``.
     curvature
-        Bends the joint to an arch [1/length]: every node sinks by ½ κ x². Interfaces are then
-        curved but still match, and volumes are those of the straight joint.
+        Curvature κ of an arch [1/length]: every node sinks by ½ κ x². Interfaces are then curved
+        but still match, and volumes are those of the straight joint.
     shape
-        Kind of solid elements the bricks are turned into.
+        Kind of solid elements made from the bricks.
     element
         Formulation of hex8.
     material
-        Of the plates and bolts; None is the seed's steel.
+        Material of the plates and bolts; None is the seed's steel.
     hole_radius
         Bricks whose centroid lies within this distance of a bolt's axis are left out; None or 0
         is no hole.
@@ -207,8 +207,8 @@ def lap_joint_assembly(
     tip_suspension
         Springs from the tip to ground, each translation [force/length] and each rotation
         [moment/rad]. None is no spring for two plates, and :data:`SOFT_SUSPENSION` for three:
-        nothing but contact holds a middle plate between two others, and a linear model needs it
-        held before contact closes.
+        contact alone holds a middle plate between two others, and a linear model needs support
+        for it before contact closes.
 
     Returns
     -------
@@ -263,7 +263,7 @@ def lap_joint_assembly(
 
 
 def _plates(geometry: LapGeometry, material: Material, element: str) -> Assembly:
-    """Mesh the plates, each with nodes, property and element set of its own."""
+    """Return the meshed plates, each with its nodes, property and element set."""
     names = PLATE_NAMES[geometry.plates]
     parts = [geometry.plate(number) for number in range(geometry.plates)]
     first_node = np.cumsum([0, *(len(part.nodes) for part in parts)])
@@ -286,9 +286,9 @@ def _plates(geometry: LapGeometry, material: Material, element: str) -> Assembly
 
 
 def _with_ends(geometry: LapGeometry, assembly: Assembly) -> Assembly:
-    """Clamp one end of the joint and tie the other to a node of its own."""
+    """Clamp one end of the joint, and tie the other to a single node."""
     mesh, half = assembly.mesh, geometry.length / 2
-    # The ends of the grid lines are exact.
+    # The end coordinates of the grid lines are exact.
     clamp, face = (np.flatnonzero(mesh.nodes[:, 0] == x) for x in (-half, half))
     height = geometry.heights()[1:3].mean() + geometry.rise(half)
     tip = len(mesh.nodes)
@@ -307,7 +307,7 @@ def _with_ends(geometry: LapGeometry, assembly: Assembly) -> Assembly:
 
 
 def _suspended(assembly: Assembly, translation: float, rotation: float) -> Assembly:
-    """Hang the tip in springs to ground, where they have stiffness."""
+    """Add springs from the tip to ground, if they have stiffness."""
     tip = assembly.rigid_couplings[0].reference
     first = assembly.rigid_couplings[0].id + 1
     springs = [
@@ -337,7 +337,7 @@ def _bolted(
 
 
 def _interfaces(geometry: LapGeometry, template: InterfaceSpec) -> tuple[InterfaceSpec, ...]:
-    """Name the interfaces between neighbouring plates; the minus side is the lower one."""
+    """Return specs of the interfaces between neighbouring plates; the lower one is minus."""
     names = PLATE_NAMES[geometry.plates]
     interfaces = [
         replace(template, name=f"joint-{i + 1}", minus=below, plus=above)

@@ -22,8 +22,8 @@ class LoadPattern(Frozen):
     forces : (n_dof,) [force], [force·length]
         On the degrees of freedom of the system, for an amplitude of one.
     bolt_forces : [force]
-        Bolt to what an amplitude of one adds to its force beside k e + N₀: −E A α ΔT of a shank
-        that expands in what is tightened.
+        Bolt to the force added to k e + N₀ at an amplitude of one: −E A α ΔT of a shank that
+        expands.
     """
 
     name: str
@@ -31,7 +31,7 @@ class LoadPattern(Frozen):
     bolt_forces: Mapping[str, float] = field(default_factory=dict)
 
     def projected(self, vectors: Matrix) -> "LoadPattern":
-        """Return the pattern as seen by coordinates q of u = vectors q."""
+        """Return the pattern in coordinates q of u = vectors q."""
         return replace(self, forces=self.forces @ vectors)
 
 
@@ -44,13 +44,13 @@ def pattern_forces(patterns: Mapping[str, LoadPattern], n_dof: int) -> Matrix:
 def load_pattern(name: str, loads: NodalLoads, assembly: Assembly, dofs: DofMap) -> LoadPattern:
     """Return nodal loads of an assembly as a pattern of its free degrees of freedom, Tᵀ f.
 
-    What acts on dependent nodes goes to those they follow; what acts on supports goes to ground.
+    Loads on dependent nodes act on the nodes that these follow; loads on supports go to ground.
 
     Raises
     ------
     ModelError
-        If a load acts where nothing is (on a node of no element, or as a moment on one that has no
-        rotation), if nothing that can move is loaded, or if a load is not finite.
+        If a load acts on a node of no element, or as a moment on a node without rotations, if no
+        free degree of freedom is loaded, or if a load is not finite.
     """
     nodal = np.zeros((dofs.n_nodes, 6))
     np.add.at(nodal, loads.nodes, loads.forces)
@@ -67,7 +67,7 @@ def load_pattern(name: str, loads: NodalLoads, assembly: Assembly, dofs: DofMap)
 
 
 def check_pattern_name(name: str, boundaries: Mapping[str, Boundary]) -> None:
-    """Refuse a name that a load on a boundary has already."""
+    """Refuse a name that a load on a boundary already has."""
     boundary, _, component = name.rpartition(".")
     if boundary in boundaries and component in FORCE_NAMES:
         refuse_model(

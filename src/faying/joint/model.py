@@ -35,29 +35,29 @@ from faying.model.specs import Rayleigh
 class Model(Shown):
     """A structure with interfaces, bolts, boundaries and load patterns.
 
-    Copies made by the ``with_…`` methods share the structure, hence everything that was computed
-    from its factorization.
+    Copies made by the ``with_…`` methods share the structure, and with it all results of its
+    factorization.
 
     Attributes
     ----------
     structure
-        M, C, K and what is computed from their factorization.
+        M, C, K and the results of their factorization.
     interfaces, bolts, boundaries
         By name.
     dofs
-        From the six degrees of freedom of every node to the free ones.
+        Map from the six degrees of freedom of every node to the free ones.
     assembly
-        The description the model was built from.
+        The description from which the model was built.
     units
-        Label of the consistent unit set, carried into every output.
+        Label of the consistent unit set, repeated in every output.
     stuck
         Interface name to the pairs (n_pair,) that stick in tangential direction.
     stuck_stiffness : [force/length]
-        Stiffness of the springs of each of them; zero where nothing sticks, or it is not told.
+        Stiffness of the springs of each pair; zero where nothing sticks, or it is unknown.
     load_patterns
-        Distributed loads that may be scaled; none unless asked for, as each costs a port.
+        Distributed loads that may be scaled; none by default, since each costs a port.
     weak_supports
-        Springs that hold bodies beside contact alone, by the names of both bodies.
+        Springs for bodies that contact alone holds, by the names of both bodies.
 
     Examples
     --------
@@ -100,7 +100,7 @@ class Model(Shown):
         Parameters
         ----------
         axes
-            Of matplotlib, in three dimensions; new ones by default.
+            Axes of matplotlib, in three dimensions; new ones by default.
 
         Returns
         -------
@@ -112,9 +112,9 @@ class Model(Shown):
 
     @property
     def nodal_mass(self) -> SparseMatrix:
-        """Mass matrix (6 n_node, 6 n_node) before couplings and supports, for supports that move.
+        """Mass matrix (6 n_node, 6 n_node) before couplings and supports, for moving supports.
 
-        Assembled again at every call: a large model should not keep it for the few who need it.
+        Assembled at every call, because a large model would rarely need it again.
         """
         return assemble_matrices(self.assembly).M
 
@@ -135,7 +135,7 @@ class Model(Shown):
 
     @property
     def rigid_motions(self) -> Matrix:
-        """R (n_dof, n_motion), motions as a whole that nothing resists; RᵀMR = I."""
+        """R (n_dof, n_motion), free rigid motions; RᵀMR = I."""
         return self.structure.rigid_motions
 
     @property
@@ -166,18 +166,18 @@ class Model(Shown):
         return static_contact_of(self)
 
     def factorize_static(self) -> Factorization:
-        """Return the factorization of K that the structure already holds."""
+        """Return the factorization of K from that of the structure."""
         return _StaticFactorization(structure=self.structure)
 
     def expand(self, states: Matrix) -> Matrix:
-        """Return the states themselves: they are the free displacements."""
+        """Return the states themselves, which are the free displacements."""
         return states
 
     def with_dense_budget(self, n_bytes: int) -> "Model":
-        """Return a copy whose dense contact matrices may take another amount of memory.
+        """Return a copy with another memory budget for dense contact matrices.
 
-        What exceeds it is solved by sparse factors; what was factorized or condensed before is
-        formed anew.
+        Beyond it sparse factors are used; existing factorizations and condensations are formed
+        anew.
         """
         structure = replace(self.structure, dense_budget=int(n_bytes))
         return replace(self, structure=structure)
@@ -195,7 +195,7 @@ class Model(Shown):
         ----------
         closure
             Curve of all interfaces, as :class:`faying.ExponentialClosure`; or interface name to
-            curve, which leaves interfaces that are not named as they are.
+            curve, with no change for interfaces that are not named.
 
         Raises
         ------
@@ -204,7 +204,7 @@ class Model(Shown):
 
         Notes
         -----
-        Friction stays, with the tangential penalty it has.
+        Friction is unchanged, including its tangential penalty.
         """
         closures = (
             closure if isinstance(closure, Mapping) else dict.fromkeys(self.interfaces, closure)
@@ -223,13 +223,12 @@ class Model(Shown):
         Parameters
         ----------
         friction
-            Coefficient μ of all interfaces, 0 takes friction away; or interface name to
-            coefficient, which leaves interfaces that are not named as they are.
+            Coefficient μ of all interfaces, 0 removes friction; or interface name to
+            coefficient, with no change for interfaces that are not named.
         tangential_penalty : [force/length³]
             c_t; ``"auto"`` is c_n 2 (1 − ν)/(2 − ν) with the smallest ν of the model's materials,
             and infinite where normal contact is hard (c_n of a curve is its ``stiffness``). Or
-            interface name to c_t, ``"auto"`` where
-            it is not named.
+            interface name to c_t, ``"auto"`` where it is not named.
 
         Raises
         ------
@@ -239,9 +238,9 @@ class Model(Shown):
 
         Notes
         -----
-        Tangential displacements are more ports, for which the structure is factorized anew when
-        used; copies of a model with friction that change its coefficients share what it has. With
-        μ = 0 the model is frictionless and costs no more.
+        Tangential displacements are further ports, for which the structure is factorized anew at
+        their first use; copies that change coefficients of friction share this factorization.
+        With μ = 0 the model is frictionless and costs no more.
         """
         coefficients = (
             friction if isinstance(friction, Mapping) else dict.fromkeys(self.interfaces, friction)
@@ -293,7 +292,7 @@ class Model(Shown):
         if components[0] == components[1]:
             return replace(self, interfaces=changed)
         stacked = stack(changed)
-        if not _same(stacked.relative_operator, structure.relative_operator):
+        if not _are_equal(stacked.relative_operator, structure.relative_operator):
             structure = replace(structure, relative_operator=stacked.relative_operator)
         return replace(self, interfaces=changed, structure=structure)
 
@@ -303,13 +302,13 @@ class Model(Shown):
             check_known(name, self.bolts, "bolt")
         locked = {name: self.bolts[name].locked(force) for name, force in initial_forces.items()}
         copy = replace(self, bolts={**self.bolts, **locked})
-        # Contact does not depend on what bolts are locked at: what was prepared for it serves on.
+        # Contact is independent of the initial forces of bolts, so its preparation is shared.
         shared = ("contact", "port_compliance", "static_contact")
         vars(copy).update({name: vars(self)[name] for name in shared if name in vars(self)})
         return copy
 
     def with_deck_loads(self, *names: str) -> "Model":
-        """Return a copy that takes loads of its deck, by their names in ``assembly.loads``.
+        """Return a copy with load patterns from its deck, by their names in ``assembly.loads``.
 
         Raises
         ------
@@ -322,12 +321,12 @@ class Model(Shown):
         return self.with_load_patterns({name: deck[name] for name in names})
 
     def with_load_patterns(self, loads: Mapping[str, NodalLoads]) -> "Model":
-        """Return a copy that takes distributed loads, each by one amplitude; see :class:`Load`.
+        """Return a copy with distributed loads, each scaled by one amplitude; see :class:`Load`.
 
         Raises
         ------
         ModelError
-            If a load acts where nothing is, moves nothing, or has the name of another.
+            If a load acts on nothing, moves nothing, or has the name of another load.
 
         Notes
         -----
@@ -348,7 +347,7 @@ class Model(Shown):
         Parameters
         ----------
         stiffness : [force/length]
-            That of each pair, if what the springs carry is to be known.
+            Stiffness of each pair, needed for the forces of these springs.
         """
         structure = replace(self.structure, matrices=self.structure.matrices.stiffened(added))
         return replace(
@@ -363,8 +362,8 @@ class Model(Shown):
         return self.interfaces[name]
 
 
-def _same(first: SparseMatrix, second: SparseMatrix) -> bool:
-    """Say whether two sparse matrices are one."""
+def _are_equal(first: SparseMatrix, second: SparseMatrix) -> bool:
+    """Return whether two sparse matrices are equal."""
     return first.shape == second.shape and not (first != second).nnz
 
 

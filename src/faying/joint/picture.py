@@ -34,7 +34,7 @@ SLENDER_HEIGHT = 0.5
 """Height over length from which a body fills the picture and needs room for names above it."""
 MANY_FACETS = 20_000
 """Beyond this, edges would blacken the picture."""
-# From above left of the viewer; enough ambient light that no side is black.
+# Light from the upper left of the viewer; enough ambient light that no side is black.
 LIGHT = np.array([-0.35, -0.6, 0.72])
 AMBIENT = 0.62
 
@@ -72,7 +72,7 @@ def plot_bodies(
 
 
 def _shade(corners: Matrix) -> Vector:
-    """Brightness of facets (n, k, 3) from their normals."""
+    """Return the brightness of facets (n, k, 3) from their normals."""
     half = corners.shape[1] // 2
     normal = np.cross(corners[:, half] - corners[:, 0], corners[:, -1] - corners[:, 1])
     length = np.linalg.norm(normal, axis=1, keepdims=True)
@@ -83,7 +83,7 @@ def _shade(corners: Matrix) -> Vector:
 
 
 def frame(axes: Any, points: Matrix) -> None:
-    """Show all points at equal scales, seen from the house's corner."""
+    """Show all points at equal scales, from a common point of view."""
     low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(3),) * 2
     extent = np.maximum(high - low, 0.02 * max((high - low).max(), 1e-12))
     middle = (low + high) / 2
@@ -96,7 +96,7 @@ def frame(axes: Any, points: Matrix) -> None:
     axes.grid(visible=False)
     for axis, size in zip((axes.xaxis, axes.yaxis, axes.zaxis), extent, strict=True):
         axis.pane.set_visible(False)
-        # Short sides have no room for many numbers.
+        # Short sides have space for few numbers.
         axis.set_major_locator(_ticks(size, extent.max()))
 
 
@@ -110,7 +110,7 @@ def _ticks(size: float, longest: float) -> Any:
 
 
 def _fit_labels(axes: Any) -> None:
-    """Make the box smaller where a label of an axis reaches over the edge of the figure."""
+    """Shrink the box where a label of an axis reaches over the edge of the figure."""
     page = axes.figure.bbox
     axes.figure.draw_without_rendering()
     labels = [axis.label.get_window_extent() for axis in (axes.xaxis, axes.yaxis, axes.zaxis)]
@@ -126,7 +126,7 @@ MARGIN = 10.0
 
 
 def title_above(axes: Any, title: str) -> None:
-    """Write a title just above what is drawn: the box, the bolts and their names."""
+    """Write a title just above the box, the bolts and their names."""
     _fit_labels(axes)
     limits = [axes.get_xlim3d(), axes.get_ylim3d(), axes.get_zlim3d()]
     corners = np.stack(np.meshgrid(*limits), axis=-1).reshape(-1, 3)
@@ -143,7 +143,7 @@ NAME_HEIGHT = 0.06
 
 
 def _heights(axes: Any, points: Matrix) -> Vector:
-    """Return where points (n, 3) are drawn above the lower edge of the axes, in their height."""
+    """Return the heights of points (n, 3) above the lower edge of the axes, over their height."""
     _, height, _ = proj3d.proj_transform(*points.T, axes.get_proj())
     drawn = axes.transData.transform(np.stack([np.zeros(len(points)), height], axis=-1))
     heights: Vector = axes.transAxes.inverted().transform(drawn)[:, 1]
@@ -158,7 +158,7 @@ def name_axes(axes: Any, length: str) -> None:
 
 
 def plot_bolt_axis(axes: Any, ends: Matrix, name: str) -> Any:
-    """Draw the axis of a bolt, drawn out a little beyond its ends."""
+    """Draw the axis of a bolt, a little longer than between its ends."""
     middle, half = ends.mean(axis=0), (ends[1] - ends[0]) / 2
     line = np.stack([middle - 1.6 * half, middle + 1.6 * half])
     axes.plot(*line.T, color=BOLT_COLOUR, lw=1.6, ls="-.", zorder=5)
@@ -173,7 +173,7 @@ LABEL_BOX = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1.
 
 
 class Pictured(Protocol):
-    """What of a model is drawn."""
+    """The parts of a model that pictures show."""
 
     @property
     def name(self) -> str:
@@ -192,17 +192,17 @@ class Pictured(Protocol):
 
     @property
     def interfaces(self) -> Mapping[str, Interface]:
-        """Whose edges are drawn."""
+        """Interfaces whose edges are drawn."""
         ...
 
     @property
     def bolts(self) -> Mapping[str, Bolt]:
-        """Which are named in the legend."""
+        """Bolts to name in the legend."""
         ...
 
     @property
     def boundaries(self) -> Mapping[str, Boundary]:
-        """Where loads enter."""
+        """Boundaries for loads."""
         ...
 
 
@@ -211,7 +211,7 @@ def plot_model(
 ) -> Any:
     """Draw a model on 3D axes: bodies, interface edges, bolts, boundaries and supports.
 
-    Bolts are drawn between the ends (2, 3) of what is tightened of them, where that is known.
+    Bolts are drawn between their ends (2, 3), where these are known.
     """
     axes = new_axes(projection="3d", size=(9.0, 5.5)) if axes is None else axes
     assembly = model.assembly
@@ -243,14 +243,14 @@ def plot_model(
 
 
 def _rightmost(points: Matrix) -> Vector:
-    """Return the point that is drawn farthest to the right."""
+    """Return the point farthest to the right in the picture."""
     azimuth = np.radians(VIEW["azim"])
     anchor: Vector = points[int((points[:, :2] @ [-np.sin(azimuth), np.cos(azimuth)]).argmax())]
     return anchor
 
 
 def _add_legend(model: Pictured, axes: Any) -> None:
-    """Say what the colours and marks are."""
+    """Add a legend of colours and marks."""
     names = body_names(model.assembly.mesh)
     shown = names[:MOST_SHOWN]
     handles: list[Any] = [

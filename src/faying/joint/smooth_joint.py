@@ -1,4 +1,4 @@
-"""A joint as it would be without friction: what frictionless tightening starts friction from."""
+"""A joint without friction, from which tightening without friction starts."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,12 +16,12 @@ from faying.model.boundary import Boundary
 @final
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SmoothJoint:
-    """A full or reduced model whose surfaces slide freely, seen through its ports.
+    """A full or reduced model with frictionless contact, reduced to its ports.
 
     Attributes
     ----------
     contact
-        With the normal laws of the system alone.
+        Contact by the normal laws of the system alone.
     boundaries, bolts, load_patterns, port_compliance
         Of the system.
     """
@@ -39,7 +39,7 @@ class SmoothJoint:
 
 
 def smooth_joint(joint: Joint) -> Joint:
-    """Return a joint with its normal laws alone, itself where it has no others.
+    """Return a joint with its normal laws alone; without friction the joint itself.
 
     Nothing is factorized again.
     """

@@ -9,11 +9,11 @@ from faying.interface.interface import Interface
 
 
 def stuck_pairs(interface: Interface, pressure: Vector, threshold: float) -> Mask:
-    """Select the node pairs (n_pair,) that stick, §15.4.2 of the paper; none where all is open.
+    """Return the node pairs (n_pair,) that stick, §15.4.2 of the paper; none where all is open.
 
     Contact pressures (n_point,) [force/length²] are those of the preloaded state, positive in
-    compression. A pair sticks above the threshold, a fraction of the largest nodal average from 0
-    (every pair with pressure) up to but not including 1.
+    compression. A pair sticks if its pressure exceeds the threshold, a fraction of the largest
+    nodal average: from 0 (every pair with pressure) up to but not including 1.
     """
     if not 0 <= threshold < 1:
         refuse_model(
@@ -28,9 +28,9 @@ def stuck_pairs(interface: Interface, pressure: Vector, threshold: float) -> Mas
 def sticking_stiffness(interface: Interface, pairs: Mask, stiffness: float) -> SparseMatrix:
     """Return the stiffness of tangential springs at stuck pairs, §15.4.2 of the paper.
 
-    Each pair carries k (I − n nᵀ) between its two nodes: k in both tangential directions, nothing
-    along the normal. Between meshes that do not match it holds the projected relative
-    displacement, and k is multiplied by the share of the facets around the node that is covered.
+    Each pair has the stiffness k (I − n nᵀ) between its two nodes: k in both tangential directions,
+    zero along the normal. Between non-matching meshes it acts on the projected relative
+    displacement, and k is multiplied by the covered share of the facets around the node.
 
     Parameters
     ----------
@@ -58,8 +58,8 @@ def sticking_stiffness(interface: Interface, pairs: Mask, stiffness: float) -> S
 def sticking_forces(interface: Interface, pairs: Mask, stiffness: float) -> SparseMatrix:
     """Return the rows (3 n_stuck, n_dof) of forces in the springs of :func:`sticking_stiffness`.
 
-    They pull the plus side back to the minus side: of each pair three components, of what the plus
-    side does to the springs.
+    They pull the plus side back to the minus side: three components for each pair, of the force of
+    the plus side on the springs.
     """
     if not 0 < stiffness < np.inf:
         refuse_model(
@@ -70,7 +70,7 @@ def sticking_forces(interface: Interface, pairs: Mask, stiffness: float) -> Spar
     normals = interface.pair_normals[pairs]
     tangential = stiffness * (np.eye(3) - normals[:, :, None] * normals[:, None, :])
     if interface.coupling is not None:
-        # A node that touches with a corner of its facets alone has nothing to hold with.
+        # A node in contact with a mere corner of its facets has no stiffness.
         tangential *= interface.coupling.coverage[pairs][:, None, None]
     blocks = np.arange(len(normals))
     springs = sp.bsr_array(

@@ -1,4 +1,4 @@
-"""The linear part of a model, and the one factorization everything else is computed from."""
+"""The linear part of a model, and the one factorization from which all else is computed."""
 
 import logging
 from collections.abc import Callable
@@ -35,15 +35,15 @@ _log = logging.getLogger("faying")
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Structure(Frozen):
-    """Mass, damping and stiffness with ports; everything that contact does not touch.
+    """Mass, damping and stiffness with ports: the model without contact.
 
     The interior (all but the boundary) is factorized once. With the constraint modes Ψ of Craig &
     Bampton that factorization also gives the structure with a free boundary,
 
         K⁻¹ = [K_ii⁻¹ 0; 0 0] + Ψ (ΨᵀKΨ)⁻¹ Ψᵀ,
 
-    so bases, compliances and static solutions share it. Of a structure that nothing holds K̂ of
-    (M11) takes the place of K in both, and K⁺ that of K⁻¹.
+    so bases, compliances and static solutions share it. For a free structure K̂ of (M11) takes the
+    place of K in both, and K⁺ that of K⁻¹.
 
     Attributes
     ----------
@@ -52,17 +52,18 @@ class Structure(Frozen):
     relative_operator : (n_relative, n_dof) sparse
         P of all interfaces.
     boundary : (n_boundary,)
-        Indices of the boundary degrees of freedom, boundary by boundary, none twice.
+        Indices of the boundary degrees of freedom, boundary by boundary, without repetition.
     elongations : (n_bolt, n_dof)
     whole_motions
-        Finds the motions (n_dof, n) as one rigid body that K does not resist; without it the
+        Function that returns the free rigid motions (n_dof, n) of the whole; without it the
         structure has to be held.
     diagnose
-        Says what moves freely, given a motion (n_dof,) that K does not resist.
+        Function that returns a message on a free motion (n_dof,).
     dense_budget
         Memory that dense matrices between pairs or contact points may take [bytes].
     firm_rows : (n_spring, n_dof) sparse or None
-        Displacements over which weak springs act, times the root of what they need to be firm.
+        Displacements over which weak springs act, times the root of the stiffness that makes them
+        firm.
     """
 
     matrices: FreeMatrices
@@ -96,14 +97,14 @@ class Structure(Frozen):
 
     @property
     def has_mass(self) -> bool:
-        """Whether anything has mass; statics do not need it."""
+        """Whether any degree of freedom has mass, which statics do not need."""
         return bool(self.M.diagonal().any())
 
     @cached_property
     def rigid_motions(self) -> Matrix:
-        """R (n_dof, n_motion), motions as a whole that nothing resists: KR = 0, RᵀMR = I.
+        """R (n_dof, n_motion), free rigid motions: KR = 0, RᵀMR = I.
 
-        None (n_dof, 0) where the structure is held, or has no mass that could balance forces.
+        Empty (n_dof, 0) where the structure is held, or has no mass that could balance forces.
         """
         if self.whole_motions is None or not self.has_mass:
             return np.zeros((self.n_dof, 0))
@@ -120,7 +121,7 @@ class Structure(Frozen):
 
     @cached_property
     def supports(self) -> Indices:
-        """Where springs of (M11) hold the structure, if they can on its boundary."""
+        """Degrees of freedom of the springs of (M11), on the boundary if possible."""
         return supports(self.rigid_motions, self.boundary)
 
     @cached_property
@@ -132,10 +133,10 @@ class Structure(Frozen):
 
     @cached_property
     def firm(self) -> "Structure":
-        """The structure whose weak springs are as stiff as what they hold.
+        """The structure with weak springs made as stiff as the bodies that they hold.
 
-        Between pairs a basis that has :attr:`relief_shapes` lacks the same of it. No digits are
-        lost to bodies that nearly move freely.
+        A basis with :attr:`relief_shapes` has the same residual compliance between pairs in both.
+        No digits are lost to bodies that nearly move freely.
         """
         if self.firm_rows is None:
             return self
@@ -147,9 +148,10 @@ class Structure(Frozen):
     def relief_shapes(self) -> Matrix:
         """Shapes that a basis of a free or weakly held structure needs, boundary held.
 
-        Those of the forces of springs and of inertia, K̂_ii⁻¹ [E, M R]_i: with constraint modes
-        they span R and K̂⁻¹ M R of (M12), so that (M5) and (M6) are the same with K⁺. Weak springs
-        are more of such springs, and all of them span the same in the firm structure.
+        They are static responses to the forces of springs and of inertia, K̂_ii⁻¹ [E, M R]_i: with
+        constraint modes they span R and K̂⁻¹ M R of (M12), so that (M5) and (M6) hold with K⁺. Weak
+        springs are treated like these springs; their shapes span the same space in the firm
+        structure.
         """
         springs = np.zeros((self.n_dof, len(self.supports)))
         springs[self.supports, np.arange(len(self.supports))] = 1.0
@@ -175,7 +177,7 @@ class Structure(Frozen):
 
     @property
     def factor_memory(self) -> FactorMemory:
-        """What the factorization of K_ii takes, by its pattern alone.
+        """Memory of the factorization of K_ii, from its pattern alone.
 
         The peak includes the dense matrices between pairs, or factors in their place.
         """
@@ -191,13 +193,13 @@ class Structure(Frozen):
         return self.supported_stiffness[self.interior][:, self.interior]
 
     def unconstrained(self, motion: Vector) -> SingularMatrixError:
-        """Return the error that says what moves freely in a motion (n_dof,)."""
+        """Return an error with a message on the free motion (n_dof,)."""
         message = self.diagnose(self.supported_stiffness, motion) if self.diagnose else ""
         return SingularMatrixError(motion, message)
 
     @cached_property
     def constraint_modes(self) -> Matrix:
-        """Ψ_c (n_dof, n_boundary): unit displacement of one boundary dof, the others held."""
+        """Ψ_c (n_dof, n_boundary): unit displacement of one boundary dof, all others held."""
         modes = np.zeros((self.n_dof, len(self.boundary)))
         coupling = self.supported_stiffness[self.interior][:, self.boundary].toarray()
         modes[self.interior] = -self.interior_factor.solve(coupling)
@@ -228,7 +230,7 @@ class Structure(Frozen):
     def solve(self, forces: Matrix) -> Matrix:
         """Return displacements (n_dof, k) under forces (n_dof, k) with the boundary free.
 
-        Of a structure that nothing holds those of K⁺, (M11).
+        For a free structure these are K⁺ f, (M11).
 
         Raises
         ------
@@ -250,7 +252,7 @@ class Structure(Frozen):
     def held_compliance(self) -> Compliance:
         """P K_ii⁻¹ Pᵀ (n_relative, n_relative) of relative displacements, boundary held.
 
-        By sparse factors where dense matrices of its size exceed the dense budget.
+        By sparse factors where its dense matrices exceed the dense budget.
 
         Notes
         -----
@@ -274,21 +276,17 @@ class Structure(Frozen):
 
     @cached_property
     def held_stiffness(self) -> Matrix | None:
-        """(P K_ii⁻¹ Pᵀ)⁻¹ (n_relative, n_relative), boundary held.
+        """(P K_ii⁻¹ Pᵀ)⁻¹ (n_relative, n_relative), boundary held; one more factorization, (F14).
 
-        None of few pairs, of such as have no degrees of freedom of their own, and where dense
-        matrices of its size exceed the dense budget or the free memory.
-
-        Notes
-        -----
-        One more factorization of K_ii, (F14).
+        None for few pairs, for pairs without distinct degrees of freedom, and where its dense
+        matrices exceed the dense budget or the free memory.
         """
         if not self.is_kept_whole:
             return None
         return port_stiffness(self._held_ports, self.interior_factor)
 
     def take_held(self, name: str, matrix: Matrix) -> None:
-        """Use a held stiffness or compliance that was formed before; it is not checked."""
+        """Store a held stiffness or compliance that was formed before, without checks."""
         vars(self)[name] = frozen(matrix)
 
     @cached_property
@@ -298,7 +296,7 @@ class Structure(Frozen):
 
     @property
     def is_kept_whole(self) -> bool:
-        """Whether the compliance between all pairs is kept entry by entry."""
+        """Whether the compliance between all pairs is stored as a dense matrix."""
         return pairs_fit(self.relative_operator.shape[0], self.dense_budget)
 
     @cached_property
@@ -307,7 +305,7 @@ class Structure(Frozen):
         return self.solve_held(-self.elongations.T)
 
     def loaded_ports(self, patterns: Matrix) -> PortCompliance:
-        """Return the port compliance with the forces (n_pattern, n_dof) of patterns as more ports.
+        """Return the port compliance with load patterns (n_pattern, n_dof) as further ports.
 
         Notes
         -----
@@ -327,7 +325,7 @@ class Structure(Frozen):
     def port_compliance(self) -> PortCompliance:
         """Compliance between relative displacements, boundary and bolts, boundary free.
 
-        Of a structure that nothing holds (M12).
+        For a free structure (M12).
 
         Raises
         ------
@@ -341,7 +339,7 @@ class Structure(Frozen):
         bolts = slice(len(self.boundary), len(outer))
         columns[bolts] -= (self.relative_operator @ self.bolt_shapes).T
         inputs[bolts, bolts] -= self.elongations @ self.bolt_shapes
-        moved, others, core = self._relief
+        moved, others, core = self._relief_ports
         columns += others @ core @ moved.T
         inputs += others @ core @ others.T
         smooth = np.hstack([seen, moved]), la.block_diag(condensed, core)
@@ -353,9 +351,10 @@ class Structure(Frozen):
         )
 
     def _between_pairs(self, smooth: tuple[Matrix, Matrix]) -> BetweenPairs:
-        """Return what is between the pairs with the boundary free, in the form that is known.
+        """Return compliance or stiffness between the pairs with the boundary free.
 
-        Shapes and core are what that adds to the compliance with the boundary held.
+        ``smooth`` are the shapes and the core that this adds to the compliance with the boundary
+        held.
         """
         P = self.relative_operator
 
@@ -376,7 +375,7 @@ class Structure(Frozen):
 
     @property
     def _free_stiffness(self) -> Matrix | None:
-        """Σ with the boundary free, if the structure is held then, and if it is with it held."""
+        """Σ with the boundary free; None if the structure is not held then, or without Σ held."""
         held = self.held_stiffness
         if held is None or self.rigid_motions.shape[1]:
             return None
@@ -384,13 +383,13 @@ class Structure(Frozen):
         moved = held @ seen
         core = la.cholesky(self.boundary_stiffness + symmetrized(seen.T @ moved), lower=True)
         given_way = la.solve_triangular(core, moved.T, lower=True)
-        # BLAS works in column order: of a symmetric matrix the transpose is the same.
+        # BLAS works in column order; the transpose of a symmetric matrix is the same.
         free: Matrix = la.blas.dgemm(-1.0, given_way, given_way, 1.0, held.T, trans_a=1).T
         free.setflags(write=False)
         return free
 
     @cached_property
-    def _relief(self) -> tuple[Matrix, Matrix, Matrix]:
+    def _relief_ports(self) -> tuple[Matrix, Matrix, Matrix]:
         """Return [R, X] of (M12) at pairs and at other ports, and the matrix between them."""
         R = self.rigid_motions
         answers = self._solve_supported(self.carried)

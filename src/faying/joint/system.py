@@ -1,9 +1,9 @@
-"""What full and reduced models have in common; every solver is written against this.
+"""The common interface of full and reduced models, for every solver.
 
-A system obeys M ü + C u̇ + K u = f + Pᵀ Nᵀ λ (15.13, 15.16). Forces enter and quantities of interest
-leave through its *ports*: relative displacements of the contact pairs, boundary displacements, bolt
-elongations, and what load patterns do work on. All static contact problems live in the compliance
-between ports.
+A system obeys M ü + C u̇ + K u = f + Pᵀ Nᵀ λ (15.13, 15.16). Forces enter and quantities of
+interest leave through its *ports*: relative displacements of the contact pairs, boundary
+displacements, bolt elongations, and displacements on which load patterns do work. All static
+contact problems depend on the compliance between ports alone.
 """
 
 from collections.abc import Mapping
@@ -32,7 +32,7 @@ class PortCompliance(Frozen):
     Attributes
     ----------
     pairs
-        Relative displacement per contact force, or the stiffness that is its inverse.
+        Relative displacement per contact force, or its inverse, a stiffness.
     contact_columns : (n_input, n_relative)
         All other ports per contact force.
     input_rows : (n_input, n_input)
@@ -51,7 +51,7 @@ class PortCompliance(Frozen):
 
     @property
     def relative(self) -> Matrix:
-        """Relative displacement per contact force (n_relative, n_relative), formed once.
+        """Relative displacement per contact force (n_relative, n_relative), a dense matrix.
 
         Raises
         ------
@@ -62,7 +62,7 @@ class PortCompliance(Frozen):
 
     @property
     def bolts(self) -> slice:
-        """Place of the bolts among the inputs."""
+        """Slice of the bolts in the inputs."""
         return slice(self.n_boundary, len(self.input_rows) - self.n_pattern)
 
     @property
@@ -83,13 +83,13 @@ class PortCompliance(Frozen):
         )
 
     def per_contact(self, forces: Matrix) -> Matrix:
-        """Return the displacements of all ports (..., n_port) under forces (..., n_relative)."""
+        """Return displacements of all ports (..., n_port) under forces between the pairs."""
         forces = np.asarray(forces)
         inner = (self.pairs @ forces.T).T
         return np.concatenate([inner, forces @ self.contact_columns.T], axis=-1)
 
     def per_input(self, forces: Matrix) -> Matrix:
-        """Return the displacements of all ports (..., n_port) under forces at the other ports."""
+        """Return displacements of all ports (..., n_port) under forces at the inputs."""
         return np.concatenate([forces @ self.contact_columns, forces @ self.input_rows], axis=-1)
 
 
@@ -100,9 +100,9 @@ def port_compliance_of(
     n_pattern: int = 0,
     stiffness: Matrix | None = None,
 ) -> PortCompliance:
-    """Return the port compliance of one symmetric matrix (n_port, n_port).
+    """Return the port compliance from one symmetric matrix (n_port, n_port).
 
-    Where the stiffness between the pairs (n_relative, n_relative) is known it is not formed anew.
+    A known stiffness between the pairs (n_relative, n_relative) is used instead of its inverse.
     """
     known = None if stiffness is None else Stiffness(frozen(stiffness))
     return PortCompliance(
@@ -115,7 +115,7 @@ def port_compliance_of(
 
 
 class Joint(Protocol):
-    """What is known at the ports of a system: enough for static contact problems and recovery."""
+    """The part of a system at its ports, sufficient for static contact problems and recovery."""
 
     @property
     def contact(self) -> Contact:
@@ -124,7 +124,7 @@ class Joint(Protocol):
 
     @property
     def boundaries(self) -> Mapping[str, Boundary]:
-        """Where loads enter."""
+        """Boundaries for loads."""
         ...
 
     @property
@@ -149,7 +149,7 @@ class Joint(Protocol):
 
 
 class Placed(Protocol):
-    """Where the contact points of an interface are."""
+    """The contact points of an interface."""
 
     @property
     def points(self) -> Matrix:
@@ -163,16 +163,16 @@ class Placed(Protocol):
 
     @property
     def weights(self) -> Vector:
-        """Area each contact point stands for (n_point,)."""
+        """Area of each contact point (n_point,)."""
         ...
 
 
 class System(Joint, Protocol):
-    """A full or reduced model, as solvers see it."""
+    """A full or reduced model, as used by solvers."""
 
     @property
     def name(self) -> str:
-        """What the model is called."""
+        """Name of the model."""
         ...
 
     @property
@@ -202,16 +202,16 @@ class System(Joint, Protocol):
 
     @property
     def rigid_motions(self) -> Matrix:
-        """R (n_dof, n_motion), motions as a whole that nothing resists; RᵀMR = I."""
+        """R (n_dof, n_motion), free rigid motions; RᵀMR = I."""
         ...
 
     @property
     def weak_supports(self) -> Mapping[str, WeakSupport]:
-        """Springs that hold bodies beside contact alone, by the names of both bodies."""
+        """Springs for bodies that contact alone holds, by the names of both bodies."""
         ...
 
     def factorize_static(self) -> Factorization:
-        """Return a factorization of K; what stands for K⁺ of (M11) where nothing holds it."""
+        """Return a factorization of K, or K⁺ of (M11) for a free structure."""
         ...
 
     def expand(self, states: Matrix) -> Matrix:
@@ -226,7 +226,7 @@ def boundary_dofs(boundaries: Mapping[str, Boundary]) -> Indices:
 
 
 def boundary_slices(boundaries: Mapping[str, Boundary]) -> dict[str, slice]:
-    """Return the place of each boundary among all boundary degrees of freedom."""
+    """Return the slice of each boundary in all boundary degrees of freedom."""
     slices, start = {}, 0
     for name, boundary in boundaries.items():
         slices[name] = slice(start, start + len(boundary.dofs))
@@ -235,7 +235,7 @@ def boundary_slices(boundaries: Mapping[str, Boundary]) -> dict[str, slice]:
 
 
 def input_slices(system: Joint) -> dict[tuple[str, str], slice]:
-    """Return the place of each boundary, bolt and load pattern, by kind and name, in the inputs."""
+    """Return the slice of each boundary, bolt and load pattern, by kind and name, in the inputs."""
     slices = {
         ("boundary", name): columns for name, columns in boundary_slices(system.boundaries).items()
     }
@@ -253,7 +253,7 @@ def elongations(bolts: Mapping[str, Bolt], n_dof: int) -> Matrix:
 
 
 def input_forces(system: System, inputs: Matrix) -> Matrix:
-    """Return external forces f_e (..., n_dof) of inputs (..., n_input).
+    """Return external forces f_e (..., n_dof) from inputs (..., n_input).
 
     Inputs are boundary forces, then initial bolt forces N₀, which pull head and nut together by
     −elongationᵀ N₀, then amplitudes of load patterns.
@@ -270,15 +270,15 @@ def input_forces(system: System, inputs: Matrix) -> Matrix:
 
 
 def bolt_input(system: Joint, bolt: str) -> int:
-    """Return the place of a bolt's initial force among the inputs."""
+    """Return the index of a bolt's initial force in the inputs."""
     n_boundary = sum(len(boundary.dofs) for boundary in system.boundaries.values())
     return n_boundary + list(system.bolts).index(bolt)
 
 
 def unstretched_bolt_forces(system: Joint, inputs: Matrix) -> Matrix:
-    """Return the forces (..., n_bolt) of bolts at zero elongation, of inputs (..., n_input).
+    """Return the forces (..., n_bolt) of bolts at zero elongation, from inputs (..., n_input).
 
-    They are the initial forces N₀, and what load patterns add where a shank expands.
+    They are the initial forces N₀, plus those of load patterns where a shank expands.
     """
     patterns, bolts = list(system.load_patterns.values()), list(system.bolts)
     first = inputs.shape[-1] - len(patterns)
@@ -296,7 +296,7 @@ def initial_bolt_forces(system: Joint) -> Vector:
 
 
 def static_contact_of(system: Joint) -> CondensedContact:
-    """Return the static contact problem of a system, whatever its bolts are locked at."""
+    """Return the static contact problem of a system, for any initial forces of bolts."""
     ports = system.port_compliance
     columns = ports.contact_columns[ports.bolts]
     pulled = -columns.sum(axis=0) if len(columns) else None

@@ -1,8 +1,8 @@
-"""What holds the two sides of an interface along it, where pressure cannot: resultants.
+"""Tangential resultants of an interface: the forces of sticking springs and bolts across it.
 
-Sticking springs and bolts that pass through an interface carry what is to be carried along it. What
-they carry together follows from balance alone where nothing else connects the two sides; where it
-does, sticking springs share with that, and without them nothing tells the share.
+Sticking springs and bolts through an interface transfer tangential forces. If nothing else connects
+the two sides, their sum follows from equilibrium alone. Otherwise the sticking springs take a share
+of it, and without them this share is unknown.
 """
 
 from collections.abc import Collection, Iterator, Mapping
@@ -26,18 +26,18 @@ from faying.model.links import connected_parts
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TangentialRows(Frozen):
-    """What acts on the plus side of an area along it, per unit of what loads the joint.
+    """Tangential resultants on the plus side of an area, per unit of the inputs of the joint.
 
     Rows are the forces along both tangents, and the moment about the normal through the origin.
 
     Attributes
     ----------
     interface
-        Where it is.
+        Name of the interface.
     bolt
-        Bolt whose surroundings are meant; empty of the whole interface.
+        Bolt whose surroundings are the area; empty for the whole interface.
     unknown
-        Why nothing tells; empty where it is known.
+        Why the resultants are unknown; empty if they are known.
     origin : (3,) [length]
         A point of the interface.
     tangents : (2, 3) [1]
@@ -59,14 +59,14 @@ class TangentialRows(Frozen):
     def carried(self, inputs: Matrix, pairs: Matrix) -> Matrix:
         """Return both forces and the moment (n_case, 3).
 
-        Inputs are (n_case, n_input), forces between the contact pairs (n_case, n_relative) [force].
+        ``inputs`` are (n_case, n_input), forces between ``pairs`` (n_case, n_relative) [force].
         """
         carried: Matrix = inputs @ self.per_input.T + pairs @ self.per_pair.T
         return carried
 
 
 def tangential_rows(model: Model) -> tuple[TangentialRows, ...]:
-    """Return what is carried along every interface, and in the surroundings of its bolts.
+    """Return the tangential resultants of every interface, and of the surroundings of its bolts.
 
     Raises
     ------
@@ -77,7 +77,7 @@ def tangential_rows(model: Model) -> tuple[TangentialRows, ...]:
     -----
     Three back-substitutions for each interface and each area around a bolt.
     """
-    rows_of_bolts = [item for name in model.interfaces for item in _of_interface(model, name)]
+    rows_of_bolts = [item for name in model.interfaces for item in _areas_of_interface(model, name)]
     if not rows_of_bolts:
         return ()
     rows = sp.vstack([item for _, item in rows_of_bolts]).toarray()
@@ -93,19 +93,19 @@ def tangential_rows(model: Model) -> tuple[TangentialRows, ...]:
     )
 
 
-def _of_interface(model: Model, name: str) -> Iterator[tuple[TangentialRows, SparseMatrix]]:
-    """Yield the areas of an interface, their rows yet empty, and the rows of displacements."""
+def _areas_of_interface(model: Model, name: str) -> Iterator[tuple[TangentialRows, SparseMatrix]]:
+    """Yield the areas of an interface, with empty rows, and the rows of displacements."""
     interface = model.interfaces[name]
     places = interface.pair_points(model.assembly.mesh.nodes)
-    # Of a flat interface they are all the same; the mean of others, which nothing is told of, can
-    # be zero, as of both faces of a plate.
+    # A flat interface has one normal; the mean of others can be zero, as for both faces of a
+    # plate, but these have no resultants.
     normal = interface.normals[0]
     origin, first = interface.points.mean(axis=0), tangents_of(normal[None])[0]
     tangents = np.stack([first, np.cross(normal, first)])
     labels = _parts_without_bolts(model)
     joining = _joining_sides(interface, model.bolts, labels)
-    pierced = _pierced(interface, tangents, origin, model.bolts, joining)
-    unknown = _unknown(model, name, pierced, labels)
+    pierced = _bolts_through(interface, tangents, origin, model.bolts, joining)
+    unknown = _reason_unknown(model, name, pierced, labels)
     springs, pairs = _springs(model, name)
     areas = [("", np.ones(len(pairs), dtype=bool))]
     if model.bolts and told_apart(model.bolts):
@@ -123,7 +123,7 @@ def _of_interface(model: Model, name: str) -> Iterator[tuple[TangentialRows, Spa
         for candidate in chosen:
             shank = model.bolts[candidate].shank
             if shank is not None:
-                # On the plus side acts what the bolt does to its end there.
+                # The plus side bears the force of the bolt on its end there.
                 wrench = wrench + pierced[candidate] * shank.across
         force, moment = wrench[:3], wrench[3:]
         about = moment - _cross(origin) @ force
@@ -143,7 +143,7 @@ def _of_interface(model: Model, name: str) -> Iterator[tuple[TangentialRows, Spa
 
 
 def _springs(model: Model, name: str) -> tuple[SparseMatrix, Indices]:
-    """Return what sticking springs do to the plus side, three rows a pair, and their pairs."""
+    """Return the forces of sticking springs on the plus side, three rows a pair, and the pairs."""
     stuck = model.stuck.get(name)
     if stuck is None or not stuck.any() or not model.stuck_stiffness:
         return sp.csr_array((0, model.structure.n_dof)), np.empty(0, dtype=np.int64)
@@ -152,7 +152,7 @@ def _springs(model: Model, name: str) -> tuple[SparseMatrix, Indices]:
 
 
 def _resultant(places: Matrix) -> SparseMatrix:
-    """Return force and moment about the origin (6, 3 n) of forces at places (n, 3)."""
+    """Return the matrix (6, 3 n) from forces at places (n, 3) to their resultant at the origin."""
     forces = np.tile(np.eye(3), len(places))
     moments = np.hstack([_cross(arm) for arm in places])
     return sp.csr_array(np.vstack([forces, moments]))
@@ -165,7 +165,7 @@ def _cross(arm: Vector) -> Matrix:
 
 
 def _parts_without_bolts(model: Model) -> Indices:
-    """Label what hangs together without bolts and contact, for each node and the ground last."""
+    """Return labels of parts connected without bolts and contact, by node, the ground last."""
     shanks = [port.shank for port in model.bolts.values() if port.shank is not None]
     return connected_parts(
         model.assembly, {element for shank in shanks for element in shank.elements}
@@ -175,7 +175,7 @@ def _parts_without_bolts(model: Model) -> Indices:
 def _joining_sides(
     interface: Interface, bolts: Mapping[str, Bolt], labels: Indices
 ) -> Collection[str]:
-    """Return the bolts that join what an interface lies between."""
+    """Return the bolts that join the two sides of an interface."""
     sides = np.unique(np.sort(labels[interface.pairs], axis=1), axis=0)
     shanks = {name: bolt.shank for name, bolt in bolts.items() if bolt.shank is not None}
     return {
@@ -185,17 +185,17 @@ def _joining_sides(
     }
 
 
-def _pierced(
+def _bolts_through(
     interface: Interface,
     tangents: Matrix,
     origin: Vector,
     bolts: Mapping[str, Bolt],
     joining: Collection[str],
 ) -> dict[str, float]:
-    """Return the bolts that pass through an interface: 1 if they begin on its plus side, else −1.
+    """Return the bolts through an interface: 1 if they begin on its plus side, else −1.
 
-    An axis that crosses its plane passes where contact points are on all sides of it, or where the
-    bolt is among those that join its sides, as beside a gasket inside the bolt circle.
+    An axis that crosses its plane passes through the interface if contact points surround it, or if
+    the bolt is among those that join its sides, as beside a gasket inside the bolt circle.
     """
     normal, pierced = np.cross(*tangents), {}
     points = (interface.points - origin) @ tangents.T
@@ -216,8 +216,8 @@ def _pierced(
     return pierced
 
 
-def _unknown(model: Model, name: str, pierced: Mapping[str, float], labels: Indices) -> str:
-    """Say why nothing tells what is carried along an interface; empty where something does."""
+def _reason_unknown(model: Model, name: str, pierced: Mapping[str, float], labels: Indices) -> str:
+    """Return why the resultants along an interface are unknown; empty if they are known."""
     interface = model.interfaces[name]
     if not interface.flat:
         return "it is curved, and forces along it have no resultant that could be compared"
@@ -237,7 +237,7 @@ def _unknown(model: Model, name: str, pierced: Mapping[str, float], labels: Indi
 
 
 def _held_elsewhere(model: Model, name: str, pierced: Mapping[str, float], labels: Indices) -> bool:
-    """Say whether the sides are connected without an interface and the bolts that pass it."""
+    """Return whether the sides are connected without the interface and the bolts through it."""
     shanks = {bolt: port.shank for bolt, port in model.bolts.items() if port.shank is not None}
     links = [
         labels[model.interfaces[neighbour].pairs]

@@ -1,4 +1,4 @@
-"""Models whose parts change their temperature."""
+"""Models whose parts change temperature."""
 
 from dataclasses import replace
 
@@ -13,18 +13,18 @@ from faying.model.temperature import Temperature, expansion_of
 
 
 def with_temperature(model: Model, name: str, temperature: Temperature) -> Model:
-    """Return a copy whose parts take temperatures, as a load pattern of that name.
+    """Return a copy with the temperatures of its parts as a load pattern of the given name.
 
-    An amplitude of one brings all parts from the reference to their temperatures, others a share of
-    the change: ``Load({"hot": 1.0})``. Bolts that expand
-    lose preload as members that do gain it (T2).
+    An amplitude of one brings all parts from the reference to their temperatures, a fraction to a
+    fraction of the change: ``Load({"hot": 1.0})``. Bolts that expand lose preload, and bolts gain
+    it when members expand (T2).
 
     Parameters
     ----------
     name
-        Of the load pattern.
+        Name of the load pattern.
     temperature
-        Of the parts.
+        Temperatures of the parts.
 
     Raises
     ------

@@ -1,8 +1,8 @@
-"""Bodies that nothing but contact and friction holds, held by weak springs across their contact.
+"""Weak springs for bodies that only contact and friction hold, across their contact.
 
-The compliance between ports exists of a structure that is held without contact. Springs that are
-weak beside it make it so. They hold a body to those it touches and move with them: where contact
-and friction hold it they hardly stretch, and carry next to nothing.
+The compliance between ports exists for structures that are held without contact. Relatively weak
+springs make it exist for all. They connect a body to those it touches and move with them: where
+contact and friction hold the body, the springs hardly stretch, and their forces are negligible.
 """
 
 from collections.abc import Mapping
@@ -38,34 +38,34 @@ NOTHING_ELASTIC = (
 
 
 def with_weak_springs(model: Model, stiffness: float | Literal["auto"] = "auto") -> Model:
-    """Hold every body that only contact holds by weak springs to the bodies it touches.
+    """Connect every body that only contact holds to the bodies it touches, by weak springs.
 
-    A structure that can move as a whole gets none for that: inertia balances its loads.
+    Motions of the structure as a whole get no springs: inertia balances its loads.
 
-    Of each two bodies in contact of which one moves freely, three pairs of nodes that lie far from
+    Between two bodies in contact, one of which moves freely, three pairs of nodes that lie far from
     one another get springs in three directions.
 
     Parameters
     ----------
     stiffness : [force/length]
-        Of each spring; ``"auto"`` is 1e-5 of the stiffness at these nodes.
+        Stiffness of each spring; ``"auto"`` is 1e-5 of the stiffness at these nodes.
 
     Returns
     -------
     Model
         With ``weak_supports`` by the names of both bodies, whose forces
-        :meth:`Solution.weak_force` tells; the model itself where no body in contact is free.
+        :meth:`Solution.weak_force` returns; the model itself where no body in contact is free.
 
     Raises
     ------
     ModelError
         If the stiffness is not a positive number, ``"auto"`` finds nothing elastic, or there are
-        too many parts to look for free ones.
+        too many parts to search for free ones.
 
     Notes
     -----
     Where neither contact nor friction resists, the springs carry the load and displacements mean
-    nothing: look at their forces. They are part of K, and of C by its Rayleigh factor.
+    nothing: check their forces. They are part of K, and of C by its Rayleigh factor.
 
     Examples
     --------
@@ -88,7 +88,7 @@ def with_weak_springs(model: Model, stiffness: float | Literal["auto"] = "auto")
     if not pairs_held:
         return model
     pairs = np.concatenate(list(pairs_held.values()))
-    firm = _stiffness_there(model, np.unique(pairs))
+    firm = _median_stiffness(model, np.unique(pairs))
     if stiffness == "auto":
         if not firm:
             raise ModelError(NOTHING_ELASTIC)
@@ -103,7 +103,7 @@ def with_weak_springs(model: Model, stiffness: float | Literal["auto"] = "auto")
     }
     rows = sp.vstack([support.forces for support in supports.values()]).tocsr()
     said = ", ".join(
-        f"{name} (nodes {_listed(support.nodes)})" for name, support in supports.items()
+        f"{name} (nodes {_pairs_text(support.nodes)})" for name, support in supports.items()
     )
     note = f"weak springs of {stiffness:.3g} hold what nothing but contact does: {said}"
     supported = replace(
@@ -124,15 +124,15 @@ def with_weak_springs(model: Model, stiffness: float | Literal["auto"] = "auto")
     )
 
 
-def _stiffness_there(model: Model, nodes: Indices) -> float:
-    """Return the median of what it takes to move one of some nodes alone [force/length], or 0."""
+def _median_stiffness(model: Model, nodes: Indices) -> float:
+    """Return the median stiffness of some nodes, each moved alone [force/length], or 0."""
     rows = _translations(model.dofs.transformation, nodes)
     K = stiffness_at(model.assembly, model.dofs, nodes)
     return max(float(np.median((rows @ K @ rows.T).diagonal())), 0.0)
 
 
 def _held_pairs(model: Model) -> Mapping[str, Indices]:
-    """Return three pairs of nodes of each two bodies in contact of which one is free, by names."""
+    """Return three pairs of nodes for each two bodies in contact, one of them free, by names."""
     free = _free_nodes(model)
     touching = [interface.pairs for interface in model.interfaces.values()]
     pairs = np.concatenate([np.empty((0, 2), np.int64), *touching])
@@ -140,7 +140,7 @@ def _held_pairs(model: Model) -> Mapping[str, Indices]:
     labels = model.assembly.mesh.bodies[pairs]
     names = [*body_names(model.assembly.mesh), "other parts"]  # label -1 is of no solid
     return {
-        "-".join(names[label] for label in both): _spread(
+        "-".join(names[label] for label in both): _distant_pairs(
             model.assembly.mesh.nodes, pairs[(labels == both).all(axis=1)]
         )
         for both in np.unique(labels, axis=0).tolist()
@@ -148,7 +148,7 @@ def _held_pairs(model: Model) -> Mapping[str, Indices]:
 
 
 def _free_nodes(model: Model) -> Mask:
-    """Return which nodes (n_node,) belong to what moves freely."""
+    """Return the nodes (n_node,) that belong to freely moving parts."""
     mechanisms = model_motions(model)
     if not mechanisms.searched:
         refuse_model(
@@ -159,13 +159,13 @@ def _free_nodes(model: Model) -> Mask:
     if mechanisms.motions.size:
         nodal = np.moveaxis(model.dofs.nodal(mechanisms.motions.T), 0, -1)
         size = np.linalg.norm(nodal[:, :3], axis=(1, 2))
-    # What stands still in all motions belongs to no free body.
+    # Nodes at rest in all motions belong to no free body.
     free: Mask = size > SHORT_DIGITS * size.max(initial=0.0)
     return free
 
 
-def _spread(points: Matrix, pairs: Indices) -> Indices:
-    """Return three pairs that are far from one another and not in line; all of three or less."""
+def _distant_pairs(points: Matrix, pairs: Indices) -> Indices:
+    """Return three pairs far from one another and not in line; all pairs of three or less."""
     if len(pairs) <= 3:
         return pairs
     places = points[pairs[:, 0]]
@@ -179,7 +179,7 @@ def _spread(points: Matrix, pairs: Indices) -> Indices:
 
 
 def _relative(transformation: SparseMatrix, pairs: Indices) -> SparseMatrix:
-    """Return the rows (3 n_pair, n_dof) of the displacements between two nodes each."""
+    """Return the rows (3 n_pair, n_dof) of the displacements between the nodes of each pair."""
     minus, plus = (_translations(transformation, nodes) for nodes in pairs.T)
     rows: SparseMatrix = (plus - minus).tocsr()
     return rows
@@ -200,5 +200,5 @@ def _springs(assembly: Assembly, pairs: Indices, stiffness: float) -> tuple[Spri
     )
 
 
-def _listed(pairs: Indices) -> str:
+def _pairs_text(pairs: Indices) -> str:
     return ", ".join(f"{minus}-{plus}" for minus, plus in pairs.tolist())

@@ -1,4 +1,4 @@
-"""Weak support: springs between two bodies, one of which contact and friction alone would hold."""
+"""Weak supports: springs between two bodies, one of which contact and friction alone would hold."""
 
 from dataclasses import dataclass, replace
 from typing import final
@@ -18,9 +18,9 @@ class WeakSupport(Frozen):
     nodes : (n_pair, 2)
         Ids of the nodes, one of each body.
     stiffness : [force/length]
-        Of each spring.
+        Stiffness of each spring.
     forces : (3 n_pair, n_dof) [force/length]
-        Rows that take displacements to the forces of the springs.
+        Rows of the spring forces per displacement.
     """
 
     nodes: Indices
@@ -28,5 +28,5 @@ class WeakSupport(Frozen):
     forces: Matrix | SparseMatrix
 
     def projected(self, vectors: Matrix) -> "WeakSupport":
-        """Return the springs as seen by coordinates q of u = vectors q."""
+        """Return the springs in coordinates q of u = vectors q."""
         return replace(self, forces=frozen(np.asarray(self.forces @ vectors)))

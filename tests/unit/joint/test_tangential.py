@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from faying.joint.tangential import _pierced
+from faying.joint.tangential import _bolts_through
 
 TANGENTS = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 INTERFACE = SimpleNamespace(points=np.array([[x, y, 0.0] for x in (-1, 0, 1) for y in (-1, 0, 1)]))
@@ -23,11 +23,11 @@ INTERFACE = SimpleNamespace(points=np.array([[x, y, 0.0] for x in (-1, 0, 1) for
 )
 def test_a_tilted_bolt_passes_where_its_axis_meets_the_interface(ends, sign):
     bolt = SimpleNamespace(shank=None, ends=np.array(ends))
-    pierced = _pierced(INTERFACE, TANGENTS, np.zeros(3), {"bolt": bolt}, ())
+    pierced = _bolts_through(INTERFACE, TANGENTS, np.zeros(3), {"bolt": bolt}, ())
     assert pierced == ({} if sign is None else {"bolt": sign})
 
 
 def test_a_bolt_that_joins_the_sides_passes_beside_their_contact():
     bolt = SimpleNamespace(shank=None, ends=np.array([[3.0, 0.2, 1.0], [3.0, 0.2, -1.0]]))
-    pierced = _pierced(INTERFACE, TANGENTS, np.zeros(3), {"bolt": bolt}, ("bolt",))
+    pierced = _bolts_through(INTERFACE, TANGENTS, np.zeros(3), {"bolt": bolt}, ("bolt",))
     assert pierced == {"bolt": 1.0}
