@@ -122,8 +122,8 @@ def couple(nodes: Matrix, segments: Segments) -> Coupling:
     for part in parts:
         np.add.at(mass, owner[part.rows], part.mass)
         np.add.at(weight, owner[part.rows], part.weight)
-    dual = _dual(mass, weight)
-    total = _at_pairs(columns, weight, len(pairs))
+    dual = _dual_coefficients(mass, weight)
+    total = _sum_at_pairs(columns, weight, len(pairs))
     # Beyond a curved side shape functions are negative, and a node may have no other points.
     total = np.where(total > 0, total, np.inf)
     sides = {
@@ -138,9 +138,9 @@ def couple(nodes: Matrix, segments: Segments) -> Coupling:
         segments=segments,
         pairs=pairs,
         columns=columns,
-        weights=_at_pairs(columns, weight, len(pairs)),
+        weights=_sum_at_pairs(columns, weight, len(pairs)),
         coverage=np.where(np.isfinite(total), total, 0.0)
-        / _at_pairs(columns, whole_weights(nodes, segments.minus), len(pairs)),
+        / _sum_at_pairs(columns, whole_weights(nodes, segments.minus), len(pairs)),
         masses=mass,
         gap=gap / total,
         **sides,
@@ -165,13 +165,13 @@ def _pairs(nodes: Matrix, segments: Segments) -> tuple[Indices, Indices]:
     return np.column_stack([corners, nearest]), columns.reshape(-1, 4)
 
 
-def _at_pairs(columns: Indices, values: Matrix, n_pair: int) -> Vector:
+def _sum_at_pairs(columns: Indices, values: Matrix, n_pair: int) -> Vector:
     total = np.zeros(n_pair)
     np.add.at(total, columns, values)
     return total
 
 
-def _dual(mass: Matrix, weight: Matrix) -> Matrix:
+def _dual_coefficients(mass: Matrix, weight: Matrix) -> Matrix:
     """Return coefficients of the dual functions, Ψ = diag(∫ L) (∫ L L)⁻¹ L (n, 4, 4).
 
     Scaled by the weights the mass matrix has eigenvalues up to 1. For a small corner of a facet
@@ -235,7 +235,7 @@ def _integrals(nodes: Matrix, segments: Segments) -> Iterator[_Integrals]:
             continue
         rule = gauss_rule("tri3", _degree(nodes, segments, (minus_kind, plus_kind), rows))
         for part in pieces(len(rows), len(rule.weights)):
-            yield _of_kinds(nodes, segments, (minus_kind, plus_kind), rows[part], rule, normals)
+            yield _integrate(nodes, segments, (minus_kind, plus_kind), rows[part], rule, normals)
 
 
 def _degree(nodes: Matrix, segments: Segments, kinds: tuple[str, str], rows: Indices) -> int:
@@ -248,7 +248,7 @@ def _degree(nodes: Matrix, segments: Segments, kinds: tuple[str, str], rows: Ind
     return min(degree + _RATIONAL_DEGREES, LARGEST_ORDER)
 
 
-def _of_kinds(
+def _integrate(
     nodes: Matrix,
     segments: Segments,
     kinds: tuple[str, str],
@@ -265,8 +265,8 @@ def _of_kinds(
     size = size * np.linalg.norm(minus.area_vectors, axis=-1)
     gap = plus.heights - minus.heights
     if normals[0] is not None and normals[1] is not None:
-        gap -= _arc(minus, nodes, segments.minus, minus_facets, normals[0])
-        gap -= _arc(plus, nodes, segments.plus, plus_facets, normals[1])
+        gap -= _arc_heights(minus, nodes, segments.minus, minus_facets, normals[0])
+        gap -= _arc_heights(plus, nodes, segments.plus, plus_facets, normals[1])
     linear = minus.linear
     linear = np.pad(linear, ((0, 0), (0, 0), (0, 4 - linear.shape[2])))
     weighted = (size[..., None] * linear).transpose(0, 2, 1)
@@ -297,7 +297,7 @@ def _affine(nodes: Matrix, facets: Facets, rows: Indices) -> bool:
     return True
 
 
-def _arc(
+def _arc_heights(
     side: FacetPoints, nodes: Matrix, facets: Facets, rows: Indices, normals: Matrix
 ) -> Matrix:
     """Return the height of the smooth surface over linear facets (n, n_q), else zero."""

@@ -83,11 +83,11 @@ def _within(assembly: Assembly, facets: Facets, distance: float, touching: float
         partner = segments.plus.bodies[segments.plus_of]
         for partner_body in np.unique(partner):
             pair = segments.touched(partner == partner_body)
-            specs.append(_described(assembly, pair, int(body), int(partner_body), touching))
+            specs.append(_facing(assembly, pair, int(body), int(partner_body), touching))
     return specs
 
 
-def _described(
+def _facing(
     assembly: Assembly, segments: Segments, body: int, partner_body: int, touching: float
 ) -> Facing:
     nodes = assembly.mesh.nodes

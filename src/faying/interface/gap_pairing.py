@@ -55,7 +55,7 @@ def pairs_across(assembly: Assembly, spec: InterfaceSpec) -> tuple[FacePairs, ..
     for kind, rows in rows_by_kind(minus.nodes).items():
         n_node = FACES[kind].n_nodes
         below, above = minus.nodes[rows, :n_node], plus.nodes[rows, :n_node]
-        columns = _columns(kind, nodes[below], nodes[above], segments.frames[minus_of[rows]])
+        columns = _partner_nodes(kind, nodes[below], nodes[above], segments.frames[minus_of[rows]])
         if columns is None:
             return ()
         aligned = np.take_along_axis(above, columns, axis=1)
@@ -77,7 +77,7 @@ def _partners(nodes: Matrix, segments: Segments) -> tuple[Indices, Indices]:
     return minus_of[covered], plus_of[covered]
 
 
-def _columns(kind: str, minus: Matrix, plus: Matrix, frames: Matrix) -> Indices | None:
+def _partner_nodes(kind: str, minus: Matrix, plus: Matrix, frames: Matrix) -> Indices | None:
     """Return the plus node (n, k) above each minus node; None unless they match one to one."""
     below, above = (np.einsum("nkd,nad->nka", x, frames[:, :2]) for x in (minus, plus))
     apart = np.linalg.norm(below[:, :, None] - above[:, None], axis=3)

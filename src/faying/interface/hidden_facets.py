@@ -107,7 +107,7 @@ def _along_rays(below: Cells, above: Cells, reach: Reach) -> Iterator[tuple[Indi
             )
         count = steps.astype(np.int64)
         for rows in np.array_split(np.arange(len(count)), 1 + int(count.sum()) // PIECE_NUMBERS):
-            ray_rows, number = np.repeat(rows, count[rows]), _numbered(count[rows])
+            ray_rows, number = np.repeat(rows, count[rows]), _count_through(count[rows])
             step = (last[ray_rows] - first[ray_rows]) / count[ray_rows]
             places = (
                 centres[ray_rows]
@@ -120,7 +120,7 @@ def _along_rays(below: Cells, above: Cells, reach: Reach) -> Iterator[tuple[Indi
                 yield np.repeat(ray_rows, sizes), members[others]
 
 
-def _numbered(counts: Indices) -> Indices:
+def _count_through(counts: Indices) -> Indices:
     """Return numbers from 0 through each of several stretches of given lengths."""
     numbers: Indices = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
     return numbers
@@ -164,7 +164,7 @@ def hidden(
     for part in np.array_split(farther, 1 + n_pair // PIECE_NUMBERS):
         n_neighbours = members[group[part]]
         polygon = np.repeat(part, n_neighbours)
-        neighbour = order[starts[group[polygon]] + _numbered(n_neighbours)]
+        neighbour = order[starts[group[polygon]] + _count_through(n_neighbours)]
         nearer = distances[neighbour] < distances[polygon] - layer[polygon]
         polygon, neighbour = polygon[nearer], neighbour[nearer]
         behind[polygon[_inside(middle[polygon], polygons[neighbour], counts[neighbour])]] = True

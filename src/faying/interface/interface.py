@@ -161,7 +161,7 @@ class Interface(Frozen, Shown):
     @cached_property
     def interpolation(self) -> SparseMatrix:
         """N (n_point, n_relative): gaps at the contact points."""
-        return self._felt(self.normals)
+        return self._point_motion(self.normals)
 
     @cached_property
     def tangents(self) -> Matrix:
@@ -177,9 +177,9 @@ class Interface(Frozen, Shown):
         """
         nothing = sp.csr_array((0, self.relative_operator.shape[0]))
         along = self.tangents[: self.law.components - 1]
-        return sp.vstack([nothing, *map(self._felt, along)]).tocsr()
+        return sp.vstack([nothing, *map(self._point_motion, along)]).tocsr()
 
-    def _felt(self, directions: Matrix) -> SparseMatrix:
+    def _point_motion(self, directions: Matrix) -> SparseMatrix:
         """Return rows (n_point, n_relative): motion of points along directions (n_point, 3)."""
         felt = (times_normals(self.point_shape, directions) @ self.pair_axes.T).tocsr()
         # Normals along one axis have mere round-off along the others.

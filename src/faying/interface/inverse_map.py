@@ -38,13 +38,13 @@ def reference_coordinates(kind: str, nodes: Matrix, points: Matrix) -> Matrix:
     first = centre + (points - origin[:, None]) @ affine.transpose(0, 2, 1)
     if kind == "tri3":
         return np.asarray(first)
-    position = _bilinear(nodes) if kind == "quad4" else _interpolated(kind, nodes)
+    position = _evaluate_quad4(nodes) if kind == "quad4" else _evaluate(kind, nodes)
     # Components are the first axis, which is faster.
     targets, coordinates = (np.ascontiguousarray(np.moveaxis(a, 2, 0)) for a in (points, first))
     for _ in range(MOST_STEPS):
         reached, tangents = position(coordinates)
         with np.errstate(divide="ignore", invalid="ignore"):
-            step = _solved(tangents, targets - reached)
+            step = _solve_pairs(tangents, targets - reached)
         coordinates = coordinates + step
         if not np.isfinite(coordinates).all():
             break
@@ -60,7 +60,7 @@ def reference_coordinates(kind: str, nodes: Matrix, points: Matrix) -> Matrix:
     raise ModelError(message)
 
 
-def _interpolated(kind: str, nodes: Matrix) -> _Position:
+def _evaluate(kind: str, nodes: Matrix) -> _Position:
     """Return positions (2, n, n_q) and tangents (2, 2, n, n_q) at coordinates (2, n, n_q)."""
 
     def position(coordinates: Matrix) -> tuple[Matrix, Matrix]:
@@ -73,7 +73,7 @@ def _interpolated(kind: str, nodes: Matrix) -> _Position:
     return position
 
 
-def _bilinear(nodes: Matrix) -> _Position:
+def _evaluate_quad4(nodes: Matrix) -> _Position:
     """Return positions and tangents for quad4, the most frequent kind, by explicit formulas."""
     first, second, third, fourth = np.moveaxis(nodes[..., None], (1, 2), (0, 1))
     along, across = second - first, fourth - first
@@ -87,7 +87,7 @@ def _bilinear(nodes: Matrix) -> _Position:
     return position
 
 
-def _solved(tangents: Matrix, right: Matrix) -> Matrix:
+def _solve_pairs(tangents: Matrix, right: Matrix) -> Matrix:
     """Solve 2 × 2 systems (2, 2, n, n_q) by Cramer's rule."""
     (a, b), (c, d) = tangents
     x, y = right

@@ -45,7 +45,7 @@ def check_no_mismatch(
     )
     message = (
         f"interface '{spec.name}': non-matching faces. "
-        f"{_count(spec, side, matched, orphan)}, first "
+        f"{_count_text(spec, side, matched, orphan)}, first "
         f"{facet_place(assembly, facets, rows[0])}; {cause}. "
         'Give the interface meshes = "non-matching" (mortar projection), mesh both sides from the '
         "same imprinted face, or raise the tolerance if this is only rounding"
@@ -57,7 +57,7 @@ def raise_no_contact(
     assembly: Assembly, spec: InterfaceSpec, facets: Facets, side: Indices, tolerance: float
 ) -> NoReturn:
     """Report sides that touch nowhere, with the smallest distance between their nodes."""
-    distance, first_node, second_node = _closest(assembly, facets, side)
+    distance, first_node, second_node = _closest_nodes(assembly, facets, side)
     ids = assembly.mesh.node_ids
     within = f"tolerance {tolerance:g}"
     if spec.search_distance is not None:
@@ -126,7 +126,7 @@ def _largest_miss(nodes: Matrix, facets: Facets, side: Indices, rows: Indices) -
     return float(cKDTree(nodes[hosts]).query(nodes[guests])[0].max())
 
 
-def _closest(assembly: Assembly, facets: Facets, side: Indices) -> tuple[float, int, int]:
+def _closest_nodes(assembly: Assembly, facets: Facets, side: Indices) -> tuple[float, int, int]:
     """Return the smallest distance between nodes of different sides, and these nodes."""
     nodes = assembly.mesh.nodes
     best = (np.inf, -1, -1)
@@ -149,7 +149,7 @@ def _nodes(facets: Facets) -> Indices:
     return used
 
 
-def _count(spec: InterfaceSpec, side: Indices, matched: Mask, orphan: Mask) -> str:
+def _count_text(spec: InterfaceSpec, side: Indices, matched: Mask, orphan: Mask) -> str:
     """Return a message with the numbers of overlapping and of matching facets of each side."""
     overlap = matched | orphan
     if spec.minus == "auto" and spec.plus == "auto":

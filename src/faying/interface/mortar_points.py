@@ -51,14 +51,14 @@ def contact_points(
         kind: contact_rule(spec, kind, law) for kind in rows_by_kind(coupling.segments.minus.nodes)
     }
     if any(rule.name == "nodal" for rule in rules.values()):
-        return _nodal(nodes, coupling, pair_normals)
+        return _nodal_points(nodes, coupling, pair_normals)
     degree = spec.order or 2
     parts = _on_whole_facets(nodes, coupling, rules) + _on_segments(nodes, coupling, degree)
     points = joined(parts)
-    return replace(points, faces=_numbers(coupling)[points.faces])
+    return replace(points, faces=_facet_numbers(coupling)[points.faces])
 
 
-def _numbers(coupling: Coupling) -> Indices:
+def _facet_numbers(coupling: Coupling) -> Indices:
     """Return the number of each minus facet, counted through the entries of ``Interface.faces``."""
     order = np.concatenate(list(rows_by_kind(coupling.segments.minus.nodes).values()))
     number = np.empty(len(order), dtype=np.int64)
@@ -95,7 +95,7 @@ def _on_segments(nodes: Matrix, coupling: Coupling, degree: int) -> list[Contact
         vectors = seen.area_vectors
         slope = np.linalg.norm(vectors, axis=-1)
         weights = 2 * segments.areas[rows][:, None] * rule.weights * slope
-        weights = _consistent(weights, seen.linear, minus_rows, coupling)
+        weights = _corrected_weights(weights, seen.linear, minus_rows, coupling)
         normals = np.einsum("nqa,nad->nqd", vectors / slope[..., None], segments.frames[minus_rows])
         coordinates = nodes[segments.minus.nodes[minus_rows, : FACES[kind].n_nodes]]
         parts.append(
@@ -111,7 +111,7 @@ def _on_segments(nodes: Matrix, coupling: Coupling, degree: int) -> list[Contact
     return parts
 
 
-def _consistent(weights: Matrix, shape: Matrix, rows: Indices, coupling: Coupling) -> Matrix:
+def _corrected_weights(weights: Matrix, shape: Matrix, rows: Indices, coupling: Coupling) -> Matrix:
     """Return weights (n, n_q) corrected so that they integrate L as the coupling does.
 
     A low rule is slightly inexact where the shape functions are no polynomials, and a constant
@@ -133,7 +133,7 @@ def _consistent(weights: Matrix, shape: Matrix, rows: Indices, coupling: Couplin
     return corrected
 
 
-def _nodal(nodes: Matrix, coupling: Coupling, pair_normals: Matrix) -> ContactPoints:
+def _nodal_points(nodes: Matrix, coupling: Coupling, pair_normals: Matrix) -> ContactPoints:
     """Return one contact point at each pair, with the mean gap near it over the covered part.
 
     On a facet with the covered share c, ∫ L_A g is c (∫ L_A) g_A + (1 - c) Σ ∫ L_A L_B g_B: the
@@ -152,14 +152,14 @@ def _nodal(nodes: Matrix, coupling: Coupling, pair_normals: Matrix) -> ContactPo
     columns = np.repeat(coupling.columns[:, None, :], 4, axis=1).ravel()
     mean = sp.csr_array((blocks.ravel(), (rows, columns)), shape=(n_pair, n_pair))
     mean.eliminate_zeros()
-    host = _hosts(coupling)
+    host = _shared_points(coupling)
     hosts, which = np.unique(host, return_inverse=True)
     join = sp.csr_array((np.ones(n_pair), (which, np.arange(n_pair))), shape=(len(hosts), n_pair))
     joined = sp.csr_array(join @ mean)
     area = np.asarray(joined.sum(axis=1)).ravel()
     shape = sp.csr_array(sp.diags_array(1.0 / area) @ joined)
     first = np.full(n_pair, len(segments.minus))
-    np.minimum.at(first, coupling.columns, np.repeat(_numbers(coupling)[:, None], 4, axis=1))
+    np.minimum.at(first, coupling.columns, np.repeat(_facet_numbers(coupling)[:, None], 4, axis=1))
     return ContactPoints(
         shape=shape,
         points=shape @ nodes[coupling.pairs[:, 0]],
@@ -170,7 +170,7 @@ def _nodal(nodes: Matrix, coupling: Coupling, pair_normals: Matrix) -> ContactPo
     )
 
 
-def _hosts(coupling: Coupling) -> Indices:
+def _shared_points(coupling: Coupling) -> Indices:
     """Return the pair whose contact point each pair (n_pair,) shares; itself if covered enough."""
     n_pair = len(coupling.pairs)
     host = np.arange(n_pair)

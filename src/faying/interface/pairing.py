@@ -73,7 +73,7 @@ def find_interfaces(assembly: Assembly, spec: InterfaceSpec) -> dict[str, tuple[
     if spec.search_distance is not None:
         faces = pairs_across(assembly, spec)
         if not faces:
-            raise ModelError(_mismatched(spec))
+            raise ModelError(_mismatch_message(spec))
         return {spec.name: faces}
     matches = _matches(assembly, spec)
     if spec.minus != "auto" or spec.plus != "auto":
@@ -83,7 +83,7 @@ def find_interfaces(assembly: Assembly, spec: InterfaceSpec) -> dict[str, tuple[
     return {name: _face_pairs(matches.taken(group == i)) for i, name in enumerate(names)}
 
 
-def _mismatched(spec: InterfaceSpec) -> str:
+def _mismatch_message(spec: InterfaceSpec) -> str:
     return (
         f"interface '{spec.name}': the facets of minus={spec.minus!r} and plus={spec.plus!r} do "
         f"not lie node on node within the search distance {spec.search_distance:g}; give it "
@@ -106,7 +106,7 @@ def _matches(assembly: Assembly, spec: InterfaceSpec) -> _Matches:
     check_no_mismatch(assembly, spec, facets, side, matched, tolerance)
     if not matched.any():
         raise_no_contact(assembly, spec, facets, side, tolerance)
-    plus = _aligned(labels, facets.taken(first), facets.taken(second))
+    plus = _align_columns(labels, facets.taken(first), facets.taken(second))
     sides = np.column_stack([side[first], side[second]])
     return _Matches(minus=facets.taken(first), plus=plus, sides=sides)
 
@@ -150,7 +150,7 @@ def _coincident_facets(
     return first[by_first], second[by_first]
 
 
-def _aligned(labels: Indices, minus: Facets, plus: Facets) -> Facets:
+def _align_columns(labels: Indices, minus: Facets, plus: Facets) -> Facets:
     """Return ``plus`` with columns permuted so that column j coincides with that of ``minus``."""
     padded = np.append(labels, -1)
     of_minus = np.argsort(padded[minus.nodes], axis=1, kind="stable")
@@ -220,7 +220,7 @@ def check_not_doubled(interfaces: Mapping[str, Interface]) -> None:
     tables, owners = [], []
     for number, name in enumerate(names):
         for faces in interfaces[name].faces:
-            tables.append(_keys(faces.minus, faces.plus))
+            tables.append(_facet_keys(faces.minus, faces.plus))
             owners.append(np.full(len(faces.minus), number))
     if not tables:
         return
@@ -238,7 +238,7 @@ def check_not_doubled(interfaces: Mapping[str, Interface]) -> None:
         )
 
 
-def _keys(minus: Indices, plus: Indices) -> Indices:
+def _facet_keys(minus: Indices, plus: Indices) -> Indices:
     """Return the sorted nodes (n, 16) of both facets, -1 in front."""
     both = np.sort(np.hstack([minus, plus]), axis=1)
     return np.pad(both, ((0, 0), (2 * WIDTH - both.shape[1], 0)), constant_values=-1)

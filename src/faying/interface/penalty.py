@@ -111,7 +111,7 @@ def with_friction(
     if coefficient == 0:
         return normal
     if tangential_penalty == "auto":
-        return Coulomb(normal, coefficient, _automatic(normal.stiffness, assembly))
+        return Coulomb(normal, coefficient, _automatic_shear_stiffness(normal.stiffness, assembly))
     expected = "a positive number [force/length³] or 'auto'"
     return Coulomb(
         normal, coefficient, _number(tangential_penalty, "the tangential penalty", expected)
@@ -127,7 +127,7 @@ def _number(value: object, what: str, expected: str) -> float:
         raise ModelError(message) from None
 
 
-def _automatic(penalty: float, assembly: Assembly) -> float:
+def _automatic_shear_stiffness(penalty: float, assembly: Assembly) -> float:
     ratios = [material.poissons_ratio for material in assembly.materials.values()]
     if not ratios:
         refuse_model(

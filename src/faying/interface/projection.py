@@ -51,7 +51,7 @@ def nearest_places(nodes: Matrix, points: Indices, facets: Facets, reach: float)
     for kind, members in rows_by_kind(facets.nodes).items():
         chosen = np.flatnonzero(np.isin(which, members))
         columns = facets.nodes[which[chosen], : FACES[kind].n_corners]
-        shape = _shape_at(
+        shape = _shape_functions_at(
             FACES[kind].linear, nodes, columns, points[row[chosen]], frames[which[chosen]]
         )
         away = np.einsum("na,nad->nd", shape, nodes[columns]) - nodes[points[row[chosen]]]
@@ -66,7 +66,7 @@ def nearest_places(nodes: Matrix, points: Indices, facets: Facets, reach: float)
         chosen = np.flatnonzero(np.isin(which[best], members))
         n, facet_rows = FACES[kind].n_nodes, which[best[chosen]]
         columns[chosen, :n] = facets.nodes[facet_rows, :n]
-        shape[chosen, :n] = _shape_at(
+        shape[chosen, :n] = _shape_functions_at(
             kind, nodes, columns[chosen, :n], points[row[best[chosen]]], frames[facet_rows]
         )
     return Places(rows=row[best], facets=which[best], columns=columns, shape=shape)
@@ -91,7 +91,7 @@ def _radii(nodes: Matrix, facets: Facets) -> Vector:
     return radii
 
 
-def _shape_at(
+def _shape_functions_at(
     kind: str, nodes: Matrix, columns: Indices, points: Indices, frames: Matrix
 ) -> Matrix:
     """Return shape functions (n, k) of facets (n, k) at points (n,), restricted to the facets."""

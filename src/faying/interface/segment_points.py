@@ -37,7 +37,7 @@ class FacetPoints:
         return (
             self.shape
             if FACES[self.kind].linear == self.kind
-            else _at(FACES[self.kind].linear, self.places)
+            else _shapes_at(FACES[self.kind].linear, self.places)
         )
 
     @property
@@ -83,8 +83,8 @@ def on_side(
     )
     local = np.einsum("nkd,nad->nka", away, segments.frames[minus_rows])
     places = reference_coordinates(kind, local[..., :2], points)
-    return FacetPoints(kind=kind, places=places, local=local, shape=_at(kind, places))
+    return FacetPoints(kind=kind, places=places, local=local, shape=_shapes_at(kind, places))
 
 
-def _at(kind: str, places: Matrix) -> Matrix:
+def _shapes_at(kind: str, places: Matrix) -> Matrix:
     return shape_functions(kind, places.reshape(-1, 2)).reshape(*places.shape[:2], -1)

@@ -115,7 +115,7 @@ def find_segments(
     frames = facet_frames(nodes, minus)
     below, above = divided(nodes, minus), divided(nodes, plus)
     if reach is None:
-        lower_cell, upper_cell = _near(below, above, tolerance)
+        lower_cell, upper_cell = _overlapping_boxes(below, above, tolerance)
     else:
         lower_cell, upper_cell = facing_cells(below, above, reach)
     first, second = below.parents[lower_cell], above.parents[upper_cell]
@@ -133,7 +133,7 @@ def find_segments(
     common_enough = common > SOLVED * smaller
     middle = polygons.sum(axis=1) / np.maximum(counts, 1)[:, None]
     points = centres[first] + np.einsum("na,nad->nd", middle, frames[first, :2])
-    height = _height(points, frames[first, 2], below, lower_cell, above, upper_cell)
+    height = _distance_between(points, frames[first, 2], below, lower_cell, above, upper_cell)
     slack = below.arcs[lower_cell] + above.arcs[upper_cell] + 1e-9 * np.sqrt(size[lower_cell])
     if reach is None:
         common_enough &= np.abs(height) <= tolerance + slack
@@ -144,7 +144,7 @@ def find_segments(
         facets = first[rows], second[rows]
         seen = polygons[rows], counts[rows], np.abs(height[rows])
         lifted = _lifted(seen[0], centres[facets[0]], frames[facets[0]], above, upper_cell[rows])
-        common_enough[rows] = ~_hidden(nodes, (minus, plus), facets, seen, lifted)
+        common_enough[rows] = ~_hidden_polygons(nodes, (minus, plus), facets, seen, lifted)
     covered = np.bincount(first[common_enough], common[common_enough], len(minus)) / full
     common_enough &= covered[first] >= DECK_DIGITS
     triangles, owners = fans(polygons[common_enough], counts[common_enough])
@@ -161,7 +161,7 @@ def find_segments(
     return segments.touched(segments.areas > SOLVED * full[segments.minus_of])
 
 
-def _hidden(
+def _hidden_polygons(
     nodes: Matrix,
     sides: tuple[Facets, Facets],
     rows: tuple[Indices, Indices],
@@ -211,7 +211,7 @@ def _lifted(
     return lifted
 
 
-def _height(
+def _distance_between(
     points: Matrix,
     upwards: Matrix,
     below: Cells,
@@ -229,7 +229,7 @@ def _height(
     return distance
 
 
-def _near(below: Cells, above: Cells, tolerance: float) -> tuple[Indices, Indices]:
+def _overlapping_boxes(below: Cells, above: Cells, tolerance: float) -> tuple[Indices, Indices]:
     """Return the pairs of cells that face each other and whose boxes overlap."""
     boxes = []
     for cells in (below, above):

@@ -20,7 +20,7 @@ def select_facets(assembly: Assembly, selection: Selection) -> Facets:
     the separate bodies. One or several numbers are property ids or, if not all of them are, element
     ids. Facets are in the order of ``Mesh.exterior``; those of face sets in the order of the set.
     """
-    facets = _resolve(assembly, selection)
+    facets = _find_facets(assembly, selection)
     if not len(facets):
         refuse_model(
             f"no exterior facet belongs to {selection!r}; a node set must hold all nodes of a "
@@ -29,17 +29,17 @@ def select_facets(assembly: Assembly, selection: Selection) -> Facets:
     return facets
 
 
-def _resolve(assembly: Assembly, selection: Selection) -> Facets:
+def _find_facets(assembly: Assembly, selection: Selection) -> Facets:
     if isinstance(selection, str):
-        return _by_name(assembly, selection.strip())
+        return _facets_by_name(assembly, selection.strip())
     numbers = np.atleast_1d(np.asarray(selection))
     if numbers.ndim != 1 or not np.issubdtype(numbers.dtype, np.integer):
         message = f"cannot select facets by {selection!r}; give a set name, an id or a list of ids"
         raise ModelError(message)
-    return _by_number(assembly, numbers.astype(np.int64))
+    return _facets_by_number(assembly, numbers.astype(np.int64))
 
 
-def _by_name(assembly: Assembly, name: str) -> Facets:
+def _facets_by_name(assembly: Assembly, name: str) -> Facets:
     mesh = assembly.mesh
     if name in assembly.face_sets:
         return _face_set(assembly, name)
@@ -54,11 +54,11 @@ def _by_name(assembly: Assembly, name: str) -> Facets:
     if name in (names := _body_names(assembly)):
         return exterior.taken(exterior.bodies == names.index(name))
     if name.isdecimal():
-        return _by_number(assembly, np.array([int(name)]))
-    raise ModelError(_unknown(assembly, name))
+        return _facets_by_number(assembly, np.array([int(name)]))
+    raise ModelError(_unknown_message(assembly, name))
 
 
-def _by_number(assembly: Assembly, numbers: Indices) -> Facets:
+def _facets_by_number(assembly: Assembly, numbers: Indices) -> Facets:
     exterior = assembly.mesh.exterior
     elements, properties = assembly.mesh.element_ids, assembly.mesh.element_properties
     meanings = [(properties, exterior.properties), (elements, exterior.elements)]
@@ -90,7 +90,7 @@ def _body_names(assembly: Assembly) -> list[str]:
     return [f"body {number}" for number in range(count)]
 
 
-def _unknown(assembly: Assembly, name: str) -> str:
+def _unknown_message(assembly: Assembly, name: str) -> str:
     mesh = assembly.mesh
     names = [*assembly.face_sets, *mesh.node_sets, *mesh.element_sets, *_body_names(assembly)]
     alike = get_close_matches(name, names, n=5, cutoff=0.5)

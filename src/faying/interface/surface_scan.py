@@ -61,9 +61,9 @@ def read_scan(path: Path | str) -> Scan:
     path = Path(path)
     try:
         if path.suffix.lower() == ".npz":
-            columns, kind = _of_arrays(path)
+            columns, kind = _read_arrays(path)
         else:
-            columns, kind = _of_lines(path)
+            columns, kind = _read_lines(path)
     except FormatError:
         raise
     except Exception as error:  # NumPy and zipfile raise whatever a damaged archive meets
@@ -81,9 +81,9 @@ def read_scan(path: Path | str) -> Scan:
     )
 
 
-def _of_arrays(path: Path) -> tuple[Matrix, str]:
+def _read_arrays(path: Path) -> tuple[Matrix, str]:
     arrays = read_arrays(path)
-    kind = _kind(path, list(arrays))
+    kind = _value_column(path, list(arrays))
     x, y, values = (np.asarray(arrays[name], dtype=float) for name in ("x", "y", kind))
     if values.ndim == 2 and x.ndim == y.ndim == 1 and values.shape == (len(y), len(x)):
         x, y = np.meshgrid(x, y)
@@ -95,12 +95,12 @@ def _of_arrays(path: Path) -> tuple[Matrix, str]:
     return np.column_stack([x.ravel(), y.ravel(), values.ravel()]), kind
 
 
-def _of_lines(path: Path) -> tuple[Matrix, str]:
+def _read_lines(path: Path) -> tuple[Matrix, str]:
     lines = file_text(path).splitlines()
     if path.suffix.lower() == ".csv":
         rows = [row for _, row in csv_rows(path, lines) if row and not row[0].startswith("#")]
         header = [name.strip().lower() for name in rows[0]] if rows else []
-        kind = _kind(path, header)
+        kind = _value_column(path, header)
         order = [header.index(name) for name in ("x", "y", kind)]
         entries = [
             [row[column] if column < len(row) else "" for column in order] for row in rows[1:]
@@ -111,7 +111,7 @@ def _of_lines(path: Path) -> tuple[Matrix, str]:
     return np.array([[_number(entry) for entry in row] for row in numbered]).reshape(-1, 3), HEIGHTS
 
 
-def _kind(path: Path, names: list[str]) -> str:
+def _value_column(path: Path, names: list[str]) -> str:
     for kind in (HEIGHTS, GAPS):
         if {"x", "y", kind} <= set(names):
             return kind

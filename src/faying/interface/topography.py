@@ -110,7 +110,7 @@ def _heights(interface: Interface, scan: Scan, placement: ScanPlacement) -> tupl
         said = "gaps" if scan.is_gap else "heights of a side"
         message = f"interface '{interface.name}': the scan holds {said}, and is of '{placement.of}'"
         raise ModelError(message)
-    points = _in_its_axes(interface, placement)
+    points = _scan_coordinates(interface, placement)
     cutoff = _cutoff(interface, placement)
     away = cKDTree(scan.places).query(points)[0]
     bare = away > MOST_FILLED * cutoff
@@ -123,13 +123,13 @@ def _heights(interface: Interface, scan: Scan, placement: ScanPlacement) -> tupl
     centre, size = points.mean(axis=0), np.ptp(points, axis=0).max()
     over = np.all(np.abs(scan.places - centre) <= size, axis=1)
     places, values = scan.places[over], placement.scale * scan.values[over]
-    form = np.linalg.lstsq(_powers(places, centre, size), values, rcond=None)[0]
-    residual = values - _powers(places, centre, size) @ form
-    filtered = _filtered(places, residual, points, cutoff)
-    heights = _powers(points, centre, size) @ form + np.where(bare, 0.0, filtered)
+    form = np.linalg.lstsq(_quadratic_terms(places, centre, size), values, rcond=None)[0]
+    residual = values - _quadratic_terms(places, centre, size) @ form
+    filtered = _gaussian_mean(places, residual, points, cutoff)
+    heights = _quadratic_terms(points, centre, size) @ form + np.where(bare, 0.0, filtered)
     tilted = ""
     if placement.tilt == "remove":
-        plane = _powers(points, centre, size)[:, :3]
+        plane = _quadratic_terms(points, centre, size)[:, :3]
         fitted = np.linalg.lstsq(
             plane * np.sqrt(interface.weights)[:, None],
             heights * np.sqrt(interface.weights),
@@ -147,7 +147,7 @@ def _heights(interface: Interface, scan: Scan, placement: ScanPlacement) -> tupl
     return heights, note
 
 
-def _in_its_axes(interface: Interface, placement: ScanPlacement) -> Matrix:
+def _scan_coordinates(interface: Interface, placement: ScanPlacement) -> Matrix:
     """Return the contact points (n_point, 2) in the axes of a scan."""
     normal = interface.weights @ interface.normals
     length = np.linalg.norm(normal)
@@ -177,13 +177,13 @@ def _cutoff(interface: Interface, placement: ScanPlacement) -> float:
     return EDGES_PER_WAVE * float(np.sqrt(interface.weights.sum() / n_face))
 
 
-def _powers(places: Matrix, centre: Vector, size: float) -> Matrix:
+def _quadratic_terms(places: Matrix, centre: Vector, size: float) -> Matrix:
     """Return 1, x, y, x², xy, y² of places (n, 6)."""
     x, y = ((places - centre) / size).T
     return np.column_stack([np.ones(len(x)), x, y, x * x, x * y, y * y])
 
 
-def _filtered(places: Matrix, values: Vector, points: Matrix, cutoff: float) -> Vector:
+def _gaussian_mean(places: Matrix, values: Vector, points: Matrix, cutoff: float) -> Vector:
     """Return the weighted Gaussian mean of samples at points (n_point,)."""
     cell = cutoff / CELLS_PER_WAVE
     low = np.minimum(places.min(axis=0), points.min(axis=0)) - cell

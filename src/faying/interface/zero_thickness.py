@@ -56,7 +56,7 @@ def build_interface(
     rules = [contact_rule(spec, entry.kind, law) for entry in faces]
     pairs, columns = _node_pairs(faces, len(nodes))
     middle = nodes[pairs].mean(axis=1)
-    points = _merged(*_all_points(spec.name, faces, columns, rules, middle))
+    points = _merge_points(*_all_points(spec.name, faces, columns, rules, middle))
     normals, pair_normals, flat = common_normal(
         points.normals, points.weights, pair_normals_of(faces, columns, middle)
     )
@@ -128,7 +128,7 @@ def _all_points(
     return joined(parts), np.concatenate(at_pair)
 
 
-def _merged(raw: ContactPoints, at_pair: Indices) -> ContactPoints:
+def _merge_points(raw: ContactPoints, at_pair: Indices) -> ContactPoints:
     """Return points with those at one node pair joined: they share one gap, and need one force."""
     alone = len(raw.weights) + np.arange(len(raw.weights))
     key = np.where(at_pair >= 0, at_pair, alone)
