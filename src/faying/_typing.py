@@ -36,7 +36,7 @@ Mask = np.ndarray[tuple[Any, ...], np.dtype[np.bool_]]
 SparseMatrix: TypeAlias = sp.csr_array
 
 
-def frozen(array: npt.ArrayLike, dtype: Any = np.float64) -> Any:
+def frozen(array: npt.ArrayLike, dtype: Any = np.float64) -> npt.NDArray[Any]:
     """Return ``array`` as a read-only contiguous NumPy array (copied only if it is writable)."""
     result = np.ascontiguousarray(array, dtype=dtype)
     if result.flags.writeable:

@@ -102,8 +102,7 @@ def relative_error(pressure: Matrix, reference: Matrix) -> Matrix:
         return np.zeros(np.shape(reference))  # gaps that stay open in both
     if largest <= 0:
         refuse_model("the reference has no contact pressure, so no relative error exists")
-    error: Matrix = (np.asarray(pressure) - reference) / largest
-    return error
+    return (np.asarray(pressure) - reference) / largest
 
 
 def compare(solution: Compared, reference: Compared) -> Accuracy:

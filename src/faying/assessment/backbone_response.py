@@ -195,8 +195,7 @@ class LinearResponse:
         """Return what the modes swing by at frequencies (n, n_mode)."""
         driven = 2 * np.pi * frequency[:, None]
         modal = self.circular**2 - driven**2 + 1j * driven * self.damping
-        swung: ComplexMatrix = np.divide(level * self.forced, modal)
-        return swung
+        return np.divide(level * self.forced, modal)
 
     def companion(
         self, level: float, frequency: Vector, swing: ComplexVector, mode: int

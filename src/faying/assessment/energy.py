@@ -110,8 +110,7 @@ def _trapezoidal(forces: Matrix, displacements: Matrix) -> Matrix:
     """Work (n_time - 1, n) of each input in each step."""
     mean = (forces[1:] + forces[:-1]) / 2
     mean[0] = forces[1]
-    work: Matrix = mean * np.diff(displacements, axis=0)
-    return work
+    return mean * np.diff(displacements, axis=0)
 
 
 def _accumulated(increments: Vector) -> Vector:

@@ -60,8 +60,7 @@ class Flexibility:
         """Return gaps projected onto the range of H."""
         if self.range_basis is None:
             return gaps
-        projected: Matrix = (gaps @ self.range_basis) @ self.range_basis.T
-        return projected
+        return (gaps @ self.range_basis) @ self.range_basis.T
 
     def admissible(self, slack: Matrix, forces: Matrix) -> tuple[Matrix, Matrix]:
         """Return z ≥ 0 near ``forces`` with s − z in the range of H, and whether it exists (...).

@@ -248,8 +248,7 @@ def _shares(rng: np.random.Generator, count: int, columns: int) -> Matrix:
     The quantiles of one bolt are then those that are meant.
     """
     order = rng.permuted(np.tile(np.arange(count), (columns, 1)), axis=1)
-    shares: Matrix = (order.T + rng.random((count, columns))) / count
-    return shares
+    return (order.T + rng.random((count, columns))) / count
 
 
 def _within(ends: tuple[float, float], shares: Matrix) -> Matrix:

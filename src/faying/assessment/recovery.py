@@ -96,8 +96,7 @@ class Recovered(ContactFields):
     def displacement(self, boundary: str) -> Matrix:
         """Return the recovered displacements at a boundary (..., n) in its components' order."""
         columns = boundary_slices(self.system.boundaries)[boundary]
-        displacement: Matrix = self._outer_ports[..., columns]
-        return displacement
+        return self._outer_ports[..., columns]
 
     def bolt_force(self, bolt: str) -> Matrix:
         """Return the axial force of a bolt (...) [force], tension positive."""
@@ -110,8 +109,7 @@ class Recovered(ContactFields):
 
     @property
     def _outer_ports(self) -> Matrix:
-        outer: Matrix = self.port_displacements[..., self.system.port_compliance.n_relative :]
-        return outer
+        return self.port_displacements[..., self.system.port_compliance.n_relative :]
 
 
 def recover_pressure(
@@ -213,8 +211,7 @@ def _free_from_reduced(
         )
     accelerations = balanced_accelerations(rom, solution)
     moving = accelerations @ matrices.inertia.T + solution.velocities @ matrices.damping.T
-    free: Matrix = static_displacements(joint.port_compliance, solution.inputs) - moving
-    return free
+    return static_displacements(joint.port_compliance, solution.inputs) - moving
 
 
 def _matrices(model: Model | ReducedModel, rom: ReducedModel) -> Recovery:

@@ -42,8 +42,7 @@ class SlipStates:
     def slip_of_closed(self) -> Vector:
         """Slipping area over the area in contact (n_increment,); zero where nothing touches."""
         closed = self.stick_share + self.slip_share
-        share: Vector = self.slip_share / np.where(closed > 0, closed, 1.0)
-        return share
+        return self.slip_share / np.where(closed > 0, closed, 1.0)
 
 
 def slip_states(path: Solution, initial: Solution | None = None) -> SlipStates:
@@ -101,5 +100,4 @@ def _shares(status: Indices, weights: Vector, rubbing: Indices) -> Matrix:
 
 def all_slip(status: Indices) -> Mask:
     """Say in which increments all that is closed slips, of the states (n_increment, n_point)."""
-    slips: Mask = (status != STICK).all(axis=1) & (status == SLIP).any(axis=1)
-    return slips
+    return np.asarray((status != STICK).all(axis=1) & (status == SLIP).any(axis=1))

@@ -149,8 +149,7 @@ def least_mean_arm(places: Matrix, shares: Matrix) -> Vector:
     # Where a place itself is the point, the search ends beside it.
     away = np.hypot(*(places - point[:, None]).transpose(2, 0, 1))
     at_place = _mean_arms(places, shares, places[away.argmin(axis=1)])
-    shortest: Vector = np.minimum(arms, at_place)
-    return shortest
+    return np.minimum(arms, at_place)
 
 
 def _mean_arms(places: Matrix, shares: Matrix, point: Matrix) -> Vector:

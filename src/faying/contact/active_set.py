@@ -116,16 +116,13 @@ class ActiveSetSpace(Protocol):
     @property
     def noise(self) -> float:
         """Sign violations below this fraction of the largest |g_free| are ignored."""
-        ...
 
     @property
     def diagonal(self) -> Vector:
         """Diagonal of H (n_point,) [length/force]."""
-        ...
 
     def product(self, forces: Vector) -> Vector:
         """Return H λ."""
-        ...
 
     def closing(self, points: Indices, added: Vector) -> Callable[[Matrix], Matrix]:
         """Return a function from gaps (n, k) at points to the forces (n, k) that close them.
@@ -133,7 +130,6 @@ class ActiveSetSpace(Protocol):
         ``added`` (n,) [length/force] is a compliance added to each point. Raises ``LinAlgError``
         where the block of H with this compliance is singular to working precision.
         """
-        ...
 
 
 def solve_complementarity(

@@ -43,7 +43,6 @@ class BetweenPairs(Protocol):
         ModelError
             If the matrix exceeds the memory for it.
         """
-        ...
 
     @property
     def stiffness(self) -> Matrix:
@@ -56,7 +55,6 @@ class BetweenPairs(Protocol):
         LinAlgError
             If S is not positive definite beyond round-off.
         """
-        ...
 
     @property
     def own_stiffness(self) -> Vector:
@@ -67,27 +65,21 @@ class BetweenPairs(Protocol):
         LinAlgError
             If S is not positive definite beyond round-off.
         """
-        ...
 
     def __matmul__(self, forces: Matrix) -> Matrix:
         """Return S P (n_relative, k) [length] for k columns of forces between the pairs."""
-        ...
 
     def moved_by(self, forces: Vector) -> Vector:
         """Return S p (n_relative,) [length] for forces p between the pairs."""
-        ...
 
     def softened(self, residual: Compliance) -> "BetweenPairs":
         """Return the structure with a residual compliance added."""
-        ...
 
     def alone(self) -> "BetweenPairs":
         """Return the structure without the matrices from which it was condensed."""
-        ...
 
     def spanned(self) -> Matrix:
         """Return a factor Y (n_relative, rank) with S = Y Yᵀ."""
-        ...
 
     def on_springs(
         self, G: SparseMatrix, springs: Matrix, pressed: Pressed
@@ -99,7 +91,6 @@ class BetweenPairs(Protocol):
         LinAlgError
             If S is not positive definite beyond round-off.
         """
-        ...
 
 
 @final

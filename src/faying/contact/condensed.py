@@ -37,17 +37,14 @@ class ContactSolver(Protocol):
     @property
     def between(self) -> BetweenPairs:
         """The structure between pairs; refused where contact is itself reduced."""
-        ...
 
     @property
     def flexibility(self) -> Matrix:
         """H = S + D (n_point, n_point)."""
-        ...
 
     @property
     def increments(self) -> IncrementSolver:
         """The solver of load cases, increments and time steps."""
-        ...
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -51,12 +51,10 @@ class Condensed(Protocol):
     @property
     def stiffness(self) -> Matrix:
         """Σ (n_relative, n_relative) [force/length]."""
-        ...
 
     @property
     def compliance_for_steps(self) -> Matrix:
         """S (n_relative, n_relative) [length/force] for Newton steps, which correct its errors."""
-        ...
 
 
 @final

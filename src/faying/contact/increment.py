@@ -61,29 +61,23 @@ class IncrementSolver(Protocol):
     @property
     def contact(self) -> Contact:
         """Gaps, tangential displacements and laws."""
-        ...
 
     @property
     def S(self) -> Matrix:
         """Compliance between pairs (n_relative, n_relative) [length/force]."""
-        ...
 
     def moved_by(self, forces: Vector) -> Vector:
         """Return S p (n_relative,) [length] for forces p between the pairs."""
-        ...
 
     @property
     def laws(self) -> LawsAtPoints:
         """Contact laws at the points."""
-        ...
 
     def about(self, state: Increment) -> Self:
         """Return a solver that is faster for many increments about a state."""
-        ...
 
     def loosened(self, springs: ForcedSprings) -> "ForcedContact":
         """Return the solver of increments with springs of prescribed force."""
-        ...
 
     def solve(self, free: Vector, offset: Matrix, start: Increment | None = None) -> Increment:
         """Solve one increment.
@@ -98,7 +92,6 @@ class IncrementSolver(Protocol):
         ConvergenceError
             If the increment is not solved.
         """
-        ...
 
 
 class ForcedContact(Protocol):
@@ -124,7 +117,6 @@ class ForcedContact(Protocol):
         ConvergenceError
             If the increment is not solved.
         """
-        ...
 
 
 def check_gaps(moved: Vector) -> None:

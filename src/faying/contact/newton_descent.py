@@ -78,11 +78,9 @@ class PairsOnSprings(Protocol):
     @property
     def springs(self) -> Matrix:
         """K₀ (components, n_point) [force/length]."""
-        ...
 
     def moved_by(self, forces: Vector) -> Vector:
         """Return (Σ + Gᵀ K₀ G)⁻¹ b for forces b (n_relative,)."""
-        ...
 
 
 class Steps(Protocol):
@@ -91,13 +89,11 @@ class Steps(Protocol):
     @property
     def points(self) -> PointSprings:
         """G, displacements at the points (components n_point, n_relative)."""
-        ...
 
     def step(
         self, K: Matrix, right: Vector, enough: float, factors: Any = None
     ) -> tuple[Vector, Vector, Any]:
         """Return d of (Σ + Gᵀ K G) d = b, Σ d, and factors for the next step."""
-        ...
 
 
 class Pairs(Steps, Protocol):
@@ -106,16 +102,13 @@ class Pairs(Steps, Protocol):
     @property
     def glued(self) -> PairsOnSprings:
         """The pairs with all points closed and stuck."""
-        ...
 
     @property
     def normal(self) -> NormalPairs | None:
         """The pairs along normals, where steps with them are much cheaper than whole ones."""
-        ...
 
     def resisted(self, displacements: Vector) -> Vector:
         """Return Σ w of displacements w (n_relative,)."""
-        ...
 
 
 class Answers(Protocol):
@@ -123,7 +116,6 @@ class Answers(Protocol):
 
     def respond(self, moved: Matrix) -> tuple[Matrix, Matrix]:
         """Return λ (components, n_point) and K (n_point, components, components)."""
-        ...
 
 
 class Laws(Answers, Protocol):
@@ -132,19 +124,15 @@ class Laws(Answers, Protocol):
     @property
     def components(self) -> int:
         """Components of force at a point."""
-        ...
 
     def after(self, deepest: Vector | None) -> Self:
         """Return the laws of points with these largest closures so far, if any law remembers."""
-        ...
 
     def closed_to(self, gap: Vector) -> Vector | None:
         """Return the largest closures (n_point,) after this gap; None if no law remembers them."""
-        ...
 
     def yielded(self, forces: Matrix) -> Matrix:
         """Return closures of the laws under forces (components, n_point) [length]."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)

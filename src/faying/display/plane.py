@@ -28,8 +28,7 @@ class Plane:
 
     def project(self, points: Matrix) -> Matrix:
         """Return map coordinates (n, 2) of points (n, 3)."""
-        coordinates: Matrix = points @ self.axes.T
-        return coordinates
+        return points @ self.axes.T
 
     def directions(self, _points: Matrix, vectors: Matrix) -> Matrix:
         """Return the components (n, 2) of vectors (n, 3) along the axes of the map."""
@@ -74,13 +73,11 @@ def _normal(points: Matrix, normals: Matrix, weights: Vector) -> Vector:
     if len(points) < 3:
         return np.array([0.0, 0.0, 1.0])
     centred = points - points.mean(axis=0)
-    least: Vector = np.linalg.svd(centred, full_matrices=False)[2][-1]
-    return least
+    return np.asarray(np.linalg.svd(centred, full_matrices=False)[2][-1])
 
 
 def _unit(vector: Vector) -> Vector:
-    unit: Vector = vector / np.linalg.norm(vector)
-    return unit
+    return vector / np.linalg.norm(vector)
 
 
 ROUND = 0.02
@@ -139,16 +136,14 @@ class Unrolled:
 
     def _angles(self, points: Matrix) -> Vector:
         x, y = np.moveaxis(points @ self.axes[:2].T - self.centre, -1, 0)
-        angles: Vector = np.arctan2(y, x)
-        return angles
+        return np.asarray(np.arctan2(y, x))
 
     def whole(self, polygons: Matrix) -> Matrix:
         """Return polygons (n, n_corner, 2) of the map, with those across the cut at its end."""
         arcs = polygons[..., :1]
         over = np.ptp(arcs, axis=1, keepdims=True) > self.period / 2
         moved = np.where(over & (arcs < self.period / 2), self.period, 0.0)
-        shifted: Matrix = polygons + np.concatenate([moved, np.zeros_like(moved)], axis=-1)
-        return shifted
+        return np.asarray(polygons + np.concatenate([moved, np.zeros_like(moved)], axis=-1))
 
 
 def unrolled(points: Matrix, normals: Matrix) -> Unrolled | None:

@@ -29,7 +29,6 @@ class Executor(Protocol):
     @property
     def n_workers(self) -> int:
         """Number of workers at present."""
-        ...
 
     def map(self, prepare: Prepare, tasks: Sequence[Any]) -> Results:
         """Yield index and result of each task in the order of completion.
@@ -50,7 +49,6 @@ class Executor(Protocol):
         Exception
             Any error of ``prepare`` or its function, at once.
         """
-        ...
 
 
 def results_of(

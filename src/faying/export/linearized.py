@@ -116,13 +116,11 @@ class LinearModel(Frozen):
 
     def contact_forces(self, motion: Matrix) -> Matrix:
         """Return contact forces (..., n_point) in a motion x (..., n_mode); below zero is wrong."""
-        forces: Matrix = self.force_offsets + motion @ self.force_rows.T
-        return forces
+        return self.force_offsets + motion @ self.force_rows.T
 
     def gaps(self, motion: Matrix) -> Matrix:
         """Return gaps (..., n_point) in a motion x (..., n_mode); below zero is wrong if open."""
-        gaps: Matrix = self.gap_offsets + motion @ self.gap_rows.T
-        return gaps
+        return self.gap_offsets + motion @ self.gap_rows.T
 
 
 def linearize(about: ReducedModel | Solution) -> LinearModel:
@@ -185,8 +183,7 @@ def _contact_rows(state: Solution, closed: Mask) -> tuple[Matrix, Matrix, Matrix
 
 
 def _symmetric(matrix: Matrix) -> Matrix:
-    half: Matrix = (matrix + matrix.T) / 2
-    return half
+    return (matrix + matrix.T) / 2
 
 
 def _inputs(system: System) -> tuple[str, ...]:

@@ -49,8 +49,7 @@ class Rows:
     @property
     def points(self) -> Indices:
         """Ids of the scalar points."""
-        ids: Indices = self.dofs[self.dofs[:, 1] == 0, 0]
-        return ids
+        return np.asarray(self.dofs[self.dofs[:, 1] == 0, 0])
 
     @property
     def grids(self) -> dict[int, str]:

@@ -84,8 +84,7 @@ def _pair_normals(record: ContactSurface) -> Matrix:
     """Average the normals of the contact points to the pairs (n_pair, 3)."""
     mean = record.nodal_average(record.normals)
     length = np.linalg.norm(mean, axis=1, keepdims=True)
-    normals: Matrix = mean / np.where(length > 0, length, 1.0)
-    return normals
+    return mean / np.where(length > 0, length, 1.0)
 
 
 def static_fields(

@@ -20,6 +20,7 @@ from urllib.parse import unquote
 
 import h5py
 import numpy as np
+import numpy.typing as npt
 import scipy.sparse as sp
 
 from faying._typing import SparseMatrix
@@ -234,7 +235,7 @@ def member(group: h5py.Group, name: str) -> Any:
 
 def numbers(
     group: h5py.Group, name: str, shape: tuple[int, ...] | None = None, dtype: Any = np.float64
-) -> Any:
+) -> npt.NDArray[Any]:
     """Return the numbers of a member of the given shape, or of any shape if None.
 
     Raises

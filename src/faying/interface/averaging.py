@@ -69,5 +69,4 @@ def facet_columns(pairs: Indices, minus: Indices, plus: Indices) -> Indices:
     width = int(pairs.max()) + 1
     keys = pairs[:, 0] * width + pairs[:, 1]
     order = np.argsort(keys, kind="stable")
-    columns: Indices = order[np.searchsorted(keys[order], minus * width + plus)]
-    return columns
+    return order[np.searchsorted(keys[order], minus * width + plus)]

@@ -32,8 +32,7 @@ class Cells(Frozen):
     @property
     def corners(self) -> Matrix:
         """Corners in space (n_cell, 4, 3); triangles repeat their last one."""
-        corners: Matrix = self.points[self.facets.corners]
-        return corners
+        return self.points[self.facets.corners]
 
     @property
     def centres(self) -> Matrix:

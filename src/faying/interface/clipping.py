@@ -68,8 +68,7 @@ def areas(polygons: Matrix, counts: Indices) -> Vector:
     away = polygons - polygons[:, :1]
     ahead = np.take_along_axis(away, following[..., None], axis=1)
     doubled = away[..., 0] * ahead[..., 1] - away[..., 1] * ahead[..., 0]
-    area: Vector = 0.5 * np.where(corner < counts[:, None], doubled, 0.0).sum(axis=1)
-    return area
+    return np.asarray(0.5 * np.where(corner < counts[:, None], doubled, 0.0).sum(axis=1))
 
 
 def fans(polygons: Matrix, counts: Indices) -> tuple[Matrix, Indices]:

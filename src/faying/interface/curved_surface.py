@@ -26,8 +26,7 @@ def arc_heights(corners: Matrix, facets: Facets, normals: Matrix) -> Vector:
     turn = np.linalg.norm(mean[index] - normals[:, None], axis=2)
     turn = np.where(turn < SHARP, turn, 0.0).max(axis=1)
     edge = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
-    height: Vector = edge * turn / 4
-    return height
+    return np.asarray(edge * turn / 4)
 
 
 def corner_normals(nodes: Matrix, facets: Facets) -> Matrix:
@@ -91,8 +90,7 @@ def _turned(points: Matrix, normals: Matrix, neighbours: Indices) -> Matrix:
     # Too few neighbours leave terms undetermined; the smallest solution is then taken.
     fit = np.einsum("nik,nk->ni", np.linalg.pinv(terms, rcond=1e-6), z)
     turned = normals - fit[:, :1] * first - fit[:, 1:2] * second
-    unit: Matrix = turned / np.linalg.norm(turned, axis=1, keepdims=True)
-    return unit
+    return np.asarray(turned / np.linalg.norm(turned, axis=1, keepdims=True))
 
 
 def standing_off(shape: Matrix, corners: Matrix, normals: Matrix) -> Matrix:
@@ -107,5 +105,4 @@ def standing_off(shape: Matrix, corners: Matrix, normals: Matrix) -> Matrix:
     points = np.einsum("nqi,nid->nqd", shape, corners)
     at_corner = np.einsum("nid,nid->ni", corners, normals)
     beyond = np.einsum("nqi,ni->nq", shape, at_corner)
-    height: Matrix = 0.5 * (beyond - np.einsum("nqi,nqd,nid->nq", shape, points, normals))
-    return height
+    return np.asarray(0.5 * (beyond - np.einsum("nqi,nqd,nid->nq", shape, points, normals)))

@@ -138,8 +138,9 @@ def _corner_areas(kind: str, coordinates: Matrix) -> Matrix:
     """Return ∫ N n dA of every corner (n_face, n_node, 3)."""
     exact = gauss_rule(kind)
     share = shape_functions(kind, exact.points) * exact.weights[:, None]
-    vectors: Matrix = np.einsum("ga,fgd->fad", share, area_vectors(kind, coordinates, exact.points))
-    return vectors
+    return np.asarray(
+        np.einsum("ga,fgd->fad", share, area_vectors(kind, coordinates, exact.points))
+    )
 
 
 def area_vectors(kind: str, coordinates: Matrix, points: Matrix) -> Matrix:

@@ -75,8 +75,7 @@ def gap_from_points(interface: Interface, positions: Matrix, gaps: Vector) -> Ve
         )
         raise ModelError(message) from None
     nearest = si.NearestNDInterpolator(places, values)(targets)
-    field: Vector = np.where(np.isnan(inside), nearest, inside)
-    return field
+    return np.asarray(np.where(np.isnan(inside), nearest, inside))
 
 
 def gap_from_nodes(
@@ -116,8 +115,7 @@ def gap_from_nodes(
             f"interface '{interface.name}': the gap field has no value at {missing.size} of "
             f"{len(named)} node pairs, the first of nodes {minus} and {plus}; give one for each"
         )
-    field: Vector = interface.point_shape @ total
-    return field
+    return np.asarray(interface.point_shape @ total)
 
 
 def read_gap_field(path: str | Path, interface: Interface, node_ids: Indices) -> Vector:
@@ -189,5 +187,4 @@ def pair_gaps(interface: Interface, nodes: Matrix) -> Vector:
     if interface.coupling is not None:
         return interface.coupling.gap
     apart = nodes[interface.pairs[:, 1]] - nodes[interface.pairs[:, 0]]
-    gaps: Vector = np.einsum("pd,pd->p", apart, interface.pair_normals)
-    return gaps
+    return np.asarray(np.einsum("pd,pd->p", apart, interface.pair_normals))

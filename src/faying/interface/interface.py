@@ -227,8 +227,7 @@ class Interface(Frozen, Shown):
         -------
         ndarray (..., n_pair)
         """
-        average: Matrix = (self.averaging @ np.asarray(values).T).T
-        return average
+        return np.asarray((self.averaging @ np.asarray(values).T).T)
 
     def with_penalty(self, penalty: float) -> "Interface":
         """Return a copy with another contact stiffness (``inf`` is hard) and the same friction.

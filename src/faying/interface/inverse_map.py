@@ -91,5 +91,4 @@ def _solve_pairs(tangents: Matrix, right: Matrix) -> Matrix:
     """Solve 2 × 2 systems (2, 2, n, n_q) by Cramer's rule."""
     (a, b), (c, d) = tangents
     x, y = right
-    solution: Matrix = np.stack([d * x - b * y, a * y - c * x]) / (a * d - b * c)
-    return solution
+    return np.asarray(np.stack([d * x - b * y, a * y - c * x]) / (a * d - b * c))

@@ -114,8 +114,7 @@ def _inside(points: Matrix, corners: Matrix, normals: Matrix) -> Mask:
     across = np.cross(edges, points[:, None] - corners)
     turn = np.einsum("kcd,kd->kc", across, normals)
     scale = np.einsum("kcd,kcd->k", edges, edges)
-    inside: Mask = (turn >= -1e-9 * scale[:, None]).all(axis=1)
-    return inside
+    return np.asarray((turn >= -1e-9 * scale[:, None]).all(axis=1))
 
 
 def _largest_miss(nodes: Matrix, facets: Facets, side: Indices, rows: Indices) -> float:
@@ -145,8 +144,7 @@ def _closest_nodes(assembly: Assembly, facets: Facets, side: Indices) -> tuple[f
 
 
 def _nodes(facets: Facets) -> Indices:
-    used: Indices = np.unique(facets.nodes[facets.nodes >= 0])
-    return used
+    return np.unique(facets.nodes[facets.nodes >= 0])
 
 
 def _count_text(spec: InterfaceSpec, side: Indices, matched: Mask, orphan: Mask) -> str:

@@ -129,8 +129,7 @@ def _corrected_weights(weights: Matrix, shape: Matrix, rows: Indices, coupling: 
     # If this fails on a very distorted facet, its weights stay uncorrected, which are positive.
     smallest = np.ones(len(masses))
     np.minimum.at(smallest, rows, factor.min(axis=1))
-    corrected: Matrix = np.where(smallest[rows][:, None] > 0, weights * factor, weights)
-    return corrected
+    return np.where(smallest[rows][:, None] > 0, weights * factor, weights)
 
 
 def _nodal_points(nodes: Matrix, coupling: Coupling, pair_normals: Matrix) -> ContactPoints:

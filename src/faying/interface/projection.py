@@ -87,8 +87,7 @@ def _near(nodes: Matrix, points: Indices, facets: Facets, reach: float) -> tuple
 
 def _radii(nodes: Matrix, facets: Facets) -> Vector:
     away = nodes[facets.corners] - facet_centres(nodes, facets)[:, None]
-    radii: Vector = np.linalg.norm(away, axis=2).max(axis=1, initial=0.0)
-    return radii
+    return np.asarray(np.linalg.norm(away, axis=2).max(axis=1, initial=0.0))
 
 
 def _shape_functions_at(

@@ -111,8 +111,7 @@ def times_normals(shape: SparseMatrix, normals: Matrix) -> SparseMatrix:
 
 def unit(vectors: Matrix) -> Matrix:
     """Return vectors (n, 3) scaled to length one."""
-    scaled: Matrix = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
-    return scaled
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
 
 
 def tangents_of(normals: Matrix) -> Matrix:

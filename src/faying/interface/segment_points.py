@@ -43,8 +43,7 @@ class FacetPoints:
     @property
     def heights(self) -> Matrix:
         """Height over the plane of the minus facet (n, n_q) [length]."""
-        heights: Matrix = np.einsum("nqa,na->nq", self.shape, self.local[..., 2])
-        return heights
+        return np.asarray(np.einsum("nqa,na->nq", self.shape, self.local[..., 2]))
 
     @property
     def area_vectors(self) -> Matrix:
@@ -53,8 +52,7 @@ class FacetPoints:
         gradients = shape_gradients(self.kind, flat).reshape(*self.shape.shape, 2)
         tangents = np.einsum("nqaj,nad->jnqd", gradients, self.local)
         vectors = np.cross(tangents[0], tangents[1])
-        projected: Matrix = vectors / vectors[..., 2:]
-        return projected
+        return vectors / vectors[..., 2:]
 
 
 def on_side(

@@ -166,8 +166,7 @@ def _scan_coordinates(interface: Interface, placement: ScanPlacement) -> Matrix:
         )
     x = along / np.linalg.norm(along)
     away = interface.points - np.asarray(placement.origin, dtype=float)
-    places: Matrix = away @ np.column_stack([x, np.cross(outward, x)])
-    return places
+    return np.asarray(away @ np.column_stack([x, np.cross(outward, x)]))
 
 
 def _cutoff(interface: Interface, placement: ScanPlacement) -> float:

@@ -68,11 +68,9 @@ class Op4File(Protocol):
 
     def matrices(self) -> Iterator[tuple[Header, Strings]]:
         """Walk through the matrices."""
-        ...
 
     def values(self, header: Header, strings: Strings) -> Vector:
         """Return the values of strings one after the other."""
-        ...
 
 
 def checked_header(header: Header, n_bytes: int) -> Header:

@@ -236,8 +236,7 @@ def _translation_in(ways: Matrix) -> Vector:
     """Return a translation in the span of twists (6, n), if there is one."""
     _, size, right = np.linalg.svd(ways[3:])
     size = np.append(size, np.zeros(ways.shape[1]))[: ways.shape[1]]
-    quietest: Vector = ways @ right[-1] if size[-1] < DECK_DIGITS else ways[:, 0]
-    return quietest
+    return ways @ right[-1] if size[-1] < DECK_DIGITS else ways[:, 0]
 
 
 def _axis_text(twist: Vector, centre: Vector, radius: float) -> str:

@@ -114,8 +114,7 @@ class LapGeometry:
         if self.hole_radius == 0 or not self.bolt_positions:
             return np.zeros(len(bricks.cells), dtype=bool)
         between = bricks.centroids()[:, None, :2] - np.asarray(self.bolt_positions)
-        inside: Mask = (np.linalg.norm(between, axis=2) <= self.hole_radius).any(axis=1)
-        return inside
+        return np.asarray((np.linalg.norm(between, axis=2) <= self.hole_radius).any(axis=1))
 
 
 def _grid_lines(stations: Vector, size: float) -> Vector:

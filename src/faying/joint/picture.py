@@ -178,32 +178,26 @@ class Pictured(Protocol):
     @property
     def name(self) -> str:
         """Name of the model."""
-        ...
 
     @property
     def units(self) -> str:
         """Label of the consistent unit set."""
-        ...
 
     @property
     def assembly(self) -> Assembly:
         """Bodies, beams and supports."""
-        ...
 
     @property
     def interfaces(self) -> Mapping[str, Interface]:
         """Interfaces whose edges are drawn."""
-        ...
 
     @property
     def bolts(self) -> Mapping[str, Bolt]:
         """Bolts to name in the legend."""
-        ...
 
     @property
     def boundaries(self) -> Mapping[str, Boundary]:
         """Boundaries for loads."""
-        ...
 
 
 def plot_model(

@@ -21,8 +21,7 @@ def stuck_pairs(interface: Interface, pressure: Vector, threshold: float) -> Mas
             "fraction of the largest preload pressure, at least 0 and below 1"
         )
     average = interface.nodal_average(pressure)
-    stuck: Mask = average > threshold * max(float(average.max()), 0.0)
-    return stuck
+    return average > threshold * max(float(average.max()), 0.0)
 
 
 def sticking_stiffness(interface: Interface, pairs: Mask, stiffness: float) -> SparseMatrix:

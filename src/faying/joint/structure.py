@@ -111,8 +111,7 @@ class Structure(Frozen):
         motions = self.whole_motions(self.K)
         inertia, ways = np.linalg.eigh(motions.T @ (self.M @ motions))
         heavy = inertia > ROUND_OFF * inertia.max(initial=0.0)
-        weighed: Matrix = frozen(motions @ (ways[:, heavy] / np.sqrt(inertia[heavy])))
-        return weighed
+        return frozen(motions @ (ways[:, heavy] / np.sqrt(inertia[heavy])))
 
     @cached_property
     def carried(self) -> Matrix:

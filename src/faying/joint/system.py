@@ -120,32 +120,26 @@ class Joint(Protocol):
     @property
     def contact(self) -> Contact:
         """All contact points."""
-        ...
 
     @property
     def boundaries(self) -> Mapping[str, Boundary]:
         """Boundaries for loads."""
-        ...
 
     @property
     def bolts(self) -> Mapping[str, Bolt]:
         """Bolts, with the initial forces they are locked at."""
-        ...
 
     @property
     def load_patterns(self) -> Mapping[str, LoadPattern]:
         """Distributed loads that may be scaled."""
-        ...
 
     @property
     def port_compliance(self) -> PortCompliance:
         """Static compliance between the ports, without any residual compliance."""
-        ...
 
     @property
     def static_contact(self) -> ContactSolver:
         """The static contact problem, its flexibility formed once."""
-        ...
 
 
 class Placed(Protocol):
@@ -154,17 +148,14 @@ class Placed(Protocol):
     @property
     def points(self) -> Matrix:
         """Contact points (n_point, 3)."""
-        ...
 
     @property
     def normals(self) -> Matrix:
         """Unit normals out of the minus side (n_point, 3)."""
-        ...
 
     @property
     def weights(self) -> Vector:
         """Area of each contact point (n_point,)."""
-        ...
 
 
 class System(Joint, Protocol):
@@ -173,50 +164,40 @@ class System(Joint, Protocol):
     @property
     def name(self) -> str:
         """Name of the model."""
-        ...
 
     @property
     def units(self) -> str:
         """Label of the consistent unit set."""
-        ...
 
     @property
     def interfaces(self) -> Mapping[str, Placed]:
         """Interfaces by name, in the order of the contact points."""
-        ...
 
     @property
     def M(self) -> SparseMatrix | Matrix:
         """Mass matrix (n_dof, n_dof) [mass]."""
-        ...
 
     @property
     def C(self) -> SparseMatrix | Matrix:
         """Damping matrix (n_dof, n_dof) [force·time/length]."""
-        ...
 
     @property
     def K(self) -> SparseMatrix | Matrix:
         """Stiffness matrix (n_dof, n_dof) [force/length]."""
-        ...
 
     @property
     def rigid_motions(self) -> Matrix:
         """R (n_dof, n_motion), free rigid motions; RᵀMR = I."""
-        ...
 
     @property
     def weak_supports(self) -> Mapping[str, WeakSupport]:
         """Springs for bodies that contact alone holds, by the names of both bodies."""
-        ...
 
     def factorize_static(self) -> Factorization:
         """Return a factorization of K, or K⁺ of (M11) for a free structure."""
-        ...
 
     def expand(self, states: Matrix) -> Matrix:
         """Return displacements (..., n_dof) at the free degrees of freedom of the full model."""
-        ...
 
 
 def boundary_dofs(boundaries: Mapping[str, Boundary]) -> Indices:

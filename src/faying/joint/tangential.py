@@ -61,8 +61,7 @@ class TangentialRows(Frozen):
 
         ``inputs`` are (n_case, n_input), forces between ``pairs`` (n_case, n_relative) [force].
         """
-        carried: Matrix = inputs @ self.per_input.T + pairs @ self.per_pair.T
-        return carried
+        return inputs @ self.per_input.T + pairs @ self.per_pair.T
 
 
 def tangential_rows(model: Model) -> tuple[TangentialRows, ...]:

@@ -31,16 +31,14 @@ class DenseFactorization:
         if 0 in right_hand_side.shape:
             return np.zeros(right_hand_side.shape)
         # SciPy's wrapper takes longer than the substitution into a reduced model.
-        solution: Matrix = lapack.dpotrs(self.factor, right_hand_side, lower=1)[0]
-        return solution
+        return np.asarray(lapack.dpotrs(self.factor, right_hand_side, lower=1)[0])
 
     def gram(self, columns: SparseMatrix | Matrix) -> Matrix:
         """Return Bᵀ A⁻¹ B for B (n, k), from L⁻¹B alone."""
         if 0 in columns.shape:
             return np.zeros((columns.shape[1],) * 2)
         half = la.solve_triangular(self.factor, dense(columns), lower=True, check_finite=False)
-        gram: Matrix = half.T @ half
-        return gram
+        return np.asarray(half.T @ half)
 
 
 def factorize_condensed(A: Matrix, singly: Vector) -> DenseFactorization:

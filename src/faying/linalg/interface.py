@@ -11,11 +11,9 @@ class Factorization(Protocol):
     @property
     def backend(self) -> str:
         """Name of the library that made the factors."""
-        ...
 
     def solve(self, right_hand_side: Matrix) -> Matrix:
         """Return A⁻¹ B for B of shape (n,) or (n, k)."""
-        ...
 
 
 @runtime_checkable
@@ -25,8 +23,6 @@ class MatrixFactorization(Factorization, Protocol):
     @property
     def memory(self) -> int:
         """Bytes the factors take."""
-        ...
 
     def gram(self, columns: SparseMatrix | Matrix) -> Matrix:
         """Return Bᵀ A⁻¹ B (k, k) for B (n, k), the cheapest way with these factors."""
-        ...

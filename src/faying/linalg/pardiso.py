@@ -223,5 +223,4 @@ def _solve_padded(handle: PardisoHandle, columns: Matrix) -> Matrix:
     """Solve for right-hand sides, padded to whole blocks."""
     padded = np.zeros((handle.n, columns.shape[1]), order="F")
     padded[: len(columns)] = columns
-    solution: Matrix = handle.solve(padded)[: len(columns)]
-    return solution
+    return handle.solve(padded)[: len(columns)]

@@ -73,8 +73,7 @@ class Relieved:
 
 def balanced(forces: Matrix, motions: Matrix, carried: Matrix) -> Matrix:
     """Return Tᵀ f = f − M R Rᵀ f; with motions and carried exchanged, T u = u − R RᵀM u."""
-    left: Matrix = forces - carried @ (motions.T @ forces)
-    return left
+    return np.asarray(forces - carried @ (motions.T @ forces))
 
 
 def factorize_relieved(
@@ -101,8 +100,7 @@ def shifted(A: Matrix, carried: Matrix) -> Matrix:
     """Return K + M R c RᵀM, dense, with c such that both terms have the same trace."""
     if not carried.shape[1]:
         return A
-    supported_matrix: Matrix = A + np.trace(A) / np.sum(carried**2) * (carried @ carried.T)
-    return supported_matrix
+    return np.asarray(A + np.trace(A) / np.sum(carried**2) * (carried @ carried.T))
 
 
 def supported(A: SparseMatrix, supports_at: Indices) -> SparseMatrix:
@@ -121,5 +119,4 @@ def supports(motions: Matrix, preferred: Indices | tuple[()] = ()) -> Indices:
     weight = np.ones(len(motions))
     weight[np.asarray(preferred, dtype=np.int64)] = PREFERRED
     order = la.qr((motions * weight[:, None]).T, mode="r", pivoting=True)[1]
-    chosen: Indices = np.sort(order[: motions.shape[1]])
-    return chosen
+    return np.asarray(np.sort(order[: motions.shape[1]]))

@@ -40,8 +40,7 @@ def nested_dissection(A: SparseMatrix) -> Indices | None:
     graph = pymetis.CSRAdjacency(starts, blocks.indices[off])
     order = np.asarray(pymetis.nested_dissection(graph)[0])
     expanded: Indices = (size * order[:, None] + np.arange(size)).ravel()
-    order_of_rows: Indices = expanded[expanded < n]
-    return order_of_rows
+    return np.asarray(expanded[expanded < n])
 
 
 BYTES_PER_ENTRY = np.dtype(np.float64).itemsize + np.dtype(np.intc).itemsize

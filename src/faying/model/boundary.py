@@ -65,8 +65,7 @@ class Boundary(Frozen):
                 f"boundary '{self.name}' takes no load '{force}'; it has {', '.join(present)}"
             )
         chosen = self.components == FORCE_NAMES.index(force)
-        unit: Vector = chosen / chosen.sum()
-        return unit
+        return np.asarray(chosen / chosen.sum())
 
     def with_dofs(self, dofs: Indices) -> "Boundary":
         """Return the boundary by the indices of another system."""

@@ -62,8 +62,7 @@ def element_seats(assembly: Assembly, cut: Beam | Spring) -> tuple[Indices, Indi
         if solid[node]:
             return np.array([node])
         nodes = np.unique(links[np.flatnonzero(np.isin(group, groups(node)))].indices)
-        neighbours: Indices = nodes[solid[nodes]]
-        return neighbours
+        return np.asarray(nodes[solid[nodes]])
 
     if not solid[[first, second]].any() and np.isin(groups(first), groups(second)).any():
         nothing = np.empty(0, dtype=np.int64)

@@ -69,8 +69,7 @@ def movable_components(assembly: Assembly, used: Mask) -> Mask:
     behind them are not.
     """
     T = constrain(assembly, used).transformation
-    movable: Mask = np.diff(T.indptr) > 0
-    return movable
+    return np.asarray(np.diff(T.indptr) > 0)
 
 
 def all_rows(assembly: Assembly, used: Mask, fixed: Mask, free: Mask) -> Rows:

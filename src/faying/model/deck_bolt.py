@@ -163,8 +163,7 @@ def bolt_direction(assembly: Assembly, spec: BoltSpec) -> Vector:
         element = bolt_axis_element(assembly, spec)
         along[[component for _, component in getattr(element, "ends", ())]] = 1.0
     length = float(np.linalg.norm(along)) or 1.0
-    unit: Vector = along / length * np.sign(along[np.abs(along).argmax()] or 1.0)
-    return unit
+    return np.asarray(along / length * np.sign(along[np.abs(along).argmax()] or 1.0))
 
 
 def end_moments(assembly: Assembly, spec: BoltSpec) -> SparseMatrix | None:

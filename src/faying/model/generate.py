@@ -19,8 +19,7 @@ class Cells:
 
     def centroids(self) -> Matrix:
         """Mean of the nodes of each cell (n_cell, 3)."""
-        mean: Matrix = self.nodes[self.cells].mean(axis=1)
-        return mean
+        return np.asarray(self.nodes[self.cells].mean(axis=1))
 
     def restricted(self, keep: Mask) -> "Cells":
         """Return the cells where ``keep`` (n_cell,) holds, without the nodes nobody uses then."""

@@ -88,22 +88,18 @@ class MaterialWishes(Protocol):
     @property
     def E(self) -> float | None:
         """Young's modulus [force/length²]."""
-        ...
 
     @property
     def nu(self) -> float | None:
         """Poisson's ratio."""
-        ...
 
     @property
     def rho(self) -> float | None:
         """Density [mass/length³]."""
-        ...
 
     @property
     def alpha(self) -> float | None:
         """Coefficient of thermal expansion [1/temperature]."""
-        ...
 
 
 def overridden(material: Material, wishes: MaterialWishes) -> Material:

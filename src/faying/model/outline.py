@@ -10,8 +10,7 @@ from faying.model.elements import FACES
 
 def outline_of(facets: Sequence[tuple[str, Indices]], points: Matrix) -> Matrix:
     """Return the edges (n_edge, 2, 3) that bound facets, given by kind and indices of points."""
-    bounding: Matrix = points[bounding_edges(facets)]
-    return bounding
+    return points[bounding_edges(facets)]
 
 
 def bounding_edges(facets: Sequence[tuple[str, Indices]]) -> Indices:
@@ -25,5 +24,4 @@ def bounding_edges(facets: Sequence[tuple[str, Indices]]) -> Indices:
         np.sort(joined, axis=1), axis=0, return_index=True, return_counts=True
     )
     single = joined[first[counts == 1]]
-    bounding: Indices = single[single[:, 0] != single[:, 1]]  # facets may have collapsed
-    return bounding
+    return np.asarray(single[single[:, 0] != single[:, 1]])  # facets may have collapsed

@@ -88,8 +88,7 @@ def whole_motions(points: Matrix, free: Indices, K: SparseMatrix) -> Matrix:
     whole = motions @ ways[size < ROUND_OFF].T
     left, seen, _ = np.linalg.svd(whole, full_matrices=False)
     # Where all are, round-off is left of them: what counts is seen over motions of the structure.
-    distinct: Matrix = left[:, seen > SOLVED * np.linalg.norm(motions)]
-    return distinct
+    return left[:, seen > SOLVED * np.linalg.norm(motions)]
 
 
 def rigid_parts(assembly: Assembly, cuts: Sequence[Indices] = ()) -> Indices:
@@ -185,8 +184,7 @@ def _independent(points: Matrix, components: Indices) -> Matrix:
         motions / np.where(lengths > 0, lengths, 1.0), full_matrices=False
     )
     # Turns about a line that all nodes lie on are none.
-    independent: Matrix = left[:, size > SOLVED * size[0]]
-    return independent
+    return left[:, size > SOLVED * size[0]]
 
 
 def rigid_motions(points: Matrix, components: Indices, origin: Vector) -> Matrix:

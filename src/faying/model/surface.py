@@ -109,8 +109,7 @@ def triangular(nodes: Indices) -> Mask:
 def corner_nodes(nodes: Indices) -> Indices:
     """Return the corners (n_facet, 4) of a table of facets; triangles repeat their last one."""
     triangles = triangular(nodes)[:, None]
-    corners: Indices = np.where(triangles, nodes[:, [0, 1, 2, 2]], nodes[:, :4])
-    return corners
+    return np.where(triangles, nodes[:, [0, 1, 2, 2]], nodes[:, :4])
 
 
 def corner_keys(nodes: Indices) -> Indices:
@@ -158,23 +157,20 @@ def facet_centres(nodes: Matrix, facets: Facets) -> Matrix:
     # A triangle repeats its last corner, which must not count twice.
     triangle, square = np.array([1, 1, 1, 0]) / 3, np.full(4, 1 / 4)
     weights = np.where(facets.triangular[:, None], triangle, square)
-    centres: Matrix = np.einsum("fc,fcd->fd", weights, nodes[facets.corners])
-    return centres
+    return np.asarray(np.einsum("fc,fcd->fd", weights, nodes[facets.corners]))
 
 
 def facet_area_vectors(nodes: Matrix, facets: Facets) -> Matrix:
     """Return the area vectors (n_facet, 3) [length²] spanned by the corners of facets."""
     corners = nodes[facets.corners]
     # Half the cross product of the diagonals; with the last corner repeated it is the triangle's.
-    vectors: Matrix = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    return vectors
+    return 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
 
 
 def facet_normals(nodes: Matrix, facets: Facets) -> Matrix:
     """Return the unit outward normals (n_facet, 3) of facets, taken from their corners."""
     vectors = facet_area_vectors(nodes, facets)
-    normals: Matrix = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
-    return normals
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
 
 
 def facet_frames(nodes: Matrix, facets: Facets) -> Matrix:

@@ -61,8 +61,7 @@ class DeimContact(ReducedContact):
         points, law = self.deim.points, self.contact.flexibility
         compliance = self.flexibility[points].copy()
         compliance[np.arange(len(points)), points] -= law[points]
-        sampled: Matrix = compliance @ self.deim.interpolation + np.diag(law[points])
-        return sampled
+        return compliance @ self.deim.interpolation + np.diag(law[points])
 
     def pressed(self, free_gap: Vector, active: Mask | None) -> tuple[Vector, int]:
         """Exchange sampling points in contact until all signs are right.

@@ -180,5 +180,4 @@ def _unit_snapshots(contact_forces: Matrix) -> Matrix:
     pressed: Indices = np.flatnonzero(norms > 0)
     if not len(pressed):
         refuse_model("no snapshot has any contact force; train with loads that press the interface")
-    unit: Matrix = snapshots[:, pressed] / norms[pressed]
-    return unit
+    return np.asarray(snapshots[:, pressed] / norms[pressed])

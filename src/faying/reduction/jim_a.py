@@ -104,5 +104,4 @@ def unit_pressure_loads(model: Model, count: int) -> Matrix:
         pressures.append(pressure)
     forces = contact.weights[:, None] * np.hstack(pressures)
     at_pairs = contact.interpolation.T @ forces
-    loads: Matrix = contact.relative_operator.T @ at_pairs
-    return loads
+    return np.asarray(contact.relative_operator.T @ at_pairs)

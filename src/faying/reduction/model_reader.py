@@ -343,8 +343,7 @@ def _contact(group: h5py.Group, interfaces: Mapping[str, ContactSurface]) -> Con
 
 
 def _concatenated(parts: Iterable[Matrix]) -> Matrix:
-    joined: Matrix = frozen(np.concatenate([*parts, np.empty(0)]))
-    return joined
+    return frozen(np.concatenate([*parts, np.empty(0)]))
 
 
 def _optional_numbers(group: h5py.Group, name: str, shape: tuple[int, ...]) -> Matrix | None:

@@ -301,8 +301,7 @@ def _beyond_basis(model: Model, basis: Basis, stiffness: Matrix, forces: Matrix)
     fixed = basis.of_kind(*VANISHING)
     statics = model.structure.firm.solve_held(forces)
     shares = np.linalg.solve(stiffness, fixed.T @ forces)
-    beyond: Matrix = statics - fixed @ shares
-    return beyond
+    return statics - fixed @ shares
 
 
 def _ports(model: Model) -> PortCompliance | None:

@@ -49,8 +49,7 @@ class Recovery(Frozen):
     ) -> Matrix:
         """Return Q K⁻¹ (f − M Φ q̈ − C Φ q̇) (..., n_port) for all instants at once."""
         moving = accelerations @ self.inertia.T + velocities @ self.damping.T
-        free: Matrix = static_displacements(self.joint.port_compliance, inputs) - moving
-        return free
+        return static_displacements(self.joint.port_compliance, inputs) - moving
 
 
 def recovery_operator(model: Model, basis: Basis) -> Recovery:

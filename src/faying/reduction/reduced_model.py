@@ -202,8 +202,7 @@ class ReducedModel(Shown, ModelData):
                 "the trial vectors are not all that moves in a model with residual compliance; "
                 "take displacements with the full model, faying.full_displacement(model, solution)"
             )
-        displacement: Matrix = states @ vectors.T
-        return displacement
+        return states @ vectors.T
 
     @property
     def trial_vectors(self) -> Matrix:

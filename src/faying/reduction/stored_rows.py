@@ -41,8 +41,7 @@ def moments_of(group: h5py.Group, key: str, bolt: str, width: int) -> Matrix | N
     """Return the moments of a bolt; None where the file has none."""
     if key not in group or member_name(bolt) not in group[key]:
         return None
-    moments: Matrix = numbers(member(group, key), bolt, (4, width))
-    return moments
+    return numbers(member(group, key), bolt, (4, width))
 
 
 def rigid_motions_of(group: h5py.Group, n: int) -> Matrix:

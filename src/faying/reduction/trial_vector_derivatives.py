@@ -68,5 +68,4 @@ def _gap_products(model: Model, basis: Basis) -> Matrix:
         raise ModelError(message)
     unit = gaps[:, significant] / size[significant]
     first, second = np.triu_indices(unit.shape[1])
-    products: Matrix = unit[:, first] * unit[:, second]
-    return products
+    return np.asarray(unit[:, first] * unit[:, second])

@@ -34,7 +34,6 @@ class StepContact(Protocol):
         Forces have all components, (n_case, components * n_point), as ``last`` at the start of the
         step. Without them pairs move by ``free`` (n_case, n_relative).
         """
-        ...
 
 
 @final

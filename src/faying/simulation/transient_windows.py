@@ -20,16 +20,13 @@ class Steps(Protocol):
     @property
     def system(self) -> System:
         """Full or reduced model."""
-        ...
 
     @property
     def step(self) -> float:
         """Time between two instants [time]."""
-        ...
 
     def begun(self, loads: Sequence[Load], starts: Sequence[Solution]) -> list[Restart]:
         """Return restarts of transients that begin at static solutions."""
-        ...
 
     def advanced(
         self,
@@ -45,7 +42,6 @@ class Steps(Protocol):
 
         ``end`` and ``last`` are numbers of the last instant of the window, and of the run.
         """
-        ...
 
 
 def transient_windows(

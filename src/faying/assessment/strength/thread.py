@@ -171,8 +171,7 @@ class Thread:
             message = "the torque of tightening takes the head_diameter D_Km of the thread; give it"
             raise ModelError(message)
         lead, flanks = self.pitch / (2 * np.pi), self.pitch_diameter / 2 * FLANK
-        ratio: Vector = lead + flanks * thread_friction + self.head_diameter / 2 * head_friction
-        return ratio
+        return lead + flanks * thread_friction + self.head_diameter / 2 * head_friction
 
     def strengths(self, units: str) -> BoltStrength:
         """Return the strength of the bolt.

@@ -111,8 +111,7 @@ def _directions(support: Support) -> list[tuple[int, Matrix]]:
 
 def _is_basic(directions: Matrix) -> Mask:
     """Whether each direction (n, 3) is a basic one."""
-    basic: Mask = np.count_nonzero(directions, axis=1) == 1
-    return basic
+    return np.asarray(np.count_nonzero(directions, axis=1) == 1)
 
 
 def _reduced(rows: Matrix, allowed: Mask) -> tuple[Matrix, Indices]:

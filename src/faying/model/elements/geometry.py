@@ -37,8 +37,7 @@ def cofactors(jacobian: Matrix) -> Matrix:
 
 def determinants(jacobian: Matrix, cofactor: Matrix) -> Matrix:
     """Return det(J) of matrices (..., 3, 3), given their cofactors."""
-    result: Matrix = np.einsum("...c,...c->...", jacobian[..., 0, :], cofactor[..., 0, :])
-    return result
+    return np.asarray(np.einsum("...c,...c->...", jacobian[..., 0, :], cofactor[..., 0, :]))
 
 
 def volume_factors(gradients: Matrix, coordinates: Matrix) -> Matrix:
@@ -91,8 +90,7 @@ def check_shapes(element: SolidElement, coordinates: Matrix, ids: Indices) -> No
 def inverted_corners(element: SolidElement, coordinates: Matrix) -> Mask:
     """Say of elements at coordinates (n_cell, n_node, 3) whether a corner is inverted (n_cell,)."""
     determinant = volume_factors(corner_gradients(element), coordinates)
-    inverted: Mask = determinant.min(axis=0) < -SOLVED * np.abs(determinant).max(axis=0)
-    return inverted
+    return np.asarray(determinant.min(axis=0) < -SOLVED * np.abs(determinant).max(axis=0))
 
 
 def _check_above(

@@ -110,24 +110,21 @@ def shape_gradients(element: SolidElement, points: Matrix) -> Matrix:
 @cache
 def stiffness_gradients(element: SolidElement) -> Matrix:
     """Return reference gradients at the stiffness points (n_quad, 3, n_node)."""
-    table: Matrix = frozen(shape_gradients(element, element.stiffness_quadrature().points))
-    return table
+    return frozen(shape_gradients(element, element.stiffness_quadrature().points))
 
 
 @cache
 def corner_gradients(element: SolidElement) -> Matrix:
     """Return reference gradients at the corners (n_corner, 3, n_node)."""
     corners = element.reference_nodes[: element.n_corners]
-    table: Matrix = frozen(shape_gradients(element, corners))
-    return table
+    return frozen(shape_gradients(element, corners))
 
 
 @cache
 def centre_gradients(element: SolidElement) -> Matrix:
     """Return reference gradients at the centre of the cell (1, 3, n_node)."""
     corners = element.reference_nodes[: element.n_corners]
-    table: Matrix = frozen(shape_gradients(element, corners.mean(axis=0, keepdims=True)))
-    return table
+    return frozen(shape_gradients(element, corners.mean(axis=0, keepdims=True)))
 
 
 @cache

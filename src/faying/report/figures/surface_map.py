@@ -216,8 +216,7 @@ def _nearest(record: InterfaceRecord, plane: Map, places: Matrix) -> Indices:
     flat = plane.project(record.points)
     if isinstance(plane, Unrolled):
         flat = np.concatenate([flat, flat + np.array([plane.period, 0.0])])
-    nearest: Indices = cKDTree(flat).query(places)[1] % len(record.points)
-    return nearest
+    return np.asarray(cKDTree(flat).query(places)[1] % len(record.points))
 
 
 def _closed(polygon: Matrix) -> Outline:

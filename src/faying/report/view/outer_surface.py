@@ -85,8 +85,7 @@ def sharp_edges(points: Matrix, triangles: Indices) -> Indices:
     pair = starts[two]
     turn = np.einsum("ij,ij->i", normals[owner[pair]], normals[owner[pair + 1]])
     smooth[two] = turn > SHARP
-    sharp: Indices = edges[starts[~smooth]]
-    return sharp
+    return edges[starts[~smooth]]
 
 
 def explosion(interfaces: Mapping[str, ContactSurface], body: Indices) -> Matrix:
@@ -114,5 +113,4 @@ def explosion(interfaces: Mapping[str, ContactSurface], body: Indices) -> Matrix
     if not rows:
         return np.zeros((n_body, 3))
     # Of all solutions the shortest: every connected group of bodies keeps its mean place.
-    moves: Matrix = np.linalg.lstsq(np.array(rows), np.array(directions), rcond=None)[0]
-    return moves
+    return np.asarray(np.linalg.lstsq(np.array(rows), np.array(directions), rcond=None)[0])

@@ -55,8 +55,7 @@ def packed_integers(values: Indices) -> Packed:
 
 
 def _ends(table: Matrix, take: np.ufunc | object) -> Matrix:
-    ends: Matrix = take(table, axis=0) if len(table) else np.zeros(table.shape[1])  # type: ignore[operator]
-    return ends
+    return take(table, axis=0) if len(table) else np.zeros(table.shape[1])  # type: ignore[operator]
 
 
 def _deflated(table: Indices, width: int) -> str:

@@ -40,42 +40,33 @@ class Integrator(Protocol):
     @property
     def name(self) -> str:
         """Name in reports and studies."""
-        ...
 
     @property
     def order(self) -> int:
         """Order of convergence for smooth motions."""
-        ...
 
     @property
     def force_weight(self) -> float:
         """Weight of the new forces in the equation of a step."""
-        ...
 
     @property
     def needs_acceleration(self) -> bool:
         """Whether a step uses the acceleration at its start."""
-        ...
 
     def effective_matrix(self, system: System, step: float) -> SparseMatrix | Matrix:
         """Return A of the equation A u₁ = b for the new displacement."""
-        ...
 
     def right_hand_side(self, system: System, motion: Motion, step: float) -> Vector:
         """Return b without the new forces."""
-        ...
 
     def step_contact(self, condensed: CondensedContact) -> StepContact:
         """Return the contact law of a step for contact condensed to its compliance."""
-        ...
 
     def kept_force(self, applied: Vector, contact: Vector) -> Vector:
         """Return the forces at the end of a step that the next step needs."""
-        ...
 
     def advance(self, motion: Motion, u: Vector, force: Vector, step: float) -> Motion:
         """Return the motion at the end of a step that ends at displacement ``u``.
 
         The contact forces λ of the motion are not set here.
         """
-        ...

@@ -25,15 +25,12 @@ class ProgressBar(Protocol):
 
     def add_task(self, description: str, *, total: float | None = None) -> Any:
         """Start a bar."""
-        ...
 
     def advance(self, task: Any, advance: float = 1) -> None:
         """Move a bar on."""
-        ...
 
     def remove_task(self, task: Any) -> None:
         """Take a finished bar away."""
-        ...
 
 
 class Books:
