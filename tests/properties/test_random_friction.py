@@ -39,6 +39,12 @@ def test_paths_that_newton_steps_alone_do_not_solve(joints, index):
     assert all(not one.refused and one.residual <= 2 * SOLVED for one in found)
 
 
+@pytest.mark.long
+def test_stages_that_go_astray_from_where_a_load_left_begin_anew(joints):
+    """Few hard points under friction, of which the third increment has a solution elsewhere."""
+    assert [one.refused for one in outcomes(370, joints)] == [""] * 5
+
+
 @pytest.mark.parametrize(
     ("index", "reason"), [(1, "smaller increments"), (208, "may contradict each other")]
 )

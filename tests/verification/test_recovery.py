@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import faying as fy
+from faying.assessment import recovery
 from faying.assessment.imported_recovery import (
     backward_differences,
     recover_from_boundary_loads,
@@ -227,3 +228,12 @@ def test_recovery_from_a_classic_motion_of_the_default_cantilever(penalty):
     accuracy = fy.compare(recovered, full)
     assert accuracy.max_relative_error < 0.12
     assert accuracy.rms_relative_error < 1e-2
+
+
+def test_matrices_of_the_model_that_was_reduced_serve_again(model, classic, reduced, monkeypatch):
+    expected = recover_pressure(model, reduced, operator=recovery_operator(model, classic))
+    monkeypatch.setattr(recovery, "supported_operator", None)
+    recovered = recover_pressure(model, reduced)
+    np.testing.assert_allclose(recovered.pressure, expected.pressure, rtol=1e-12)
+    with pytest.raises(TypeError):  # another structure takes others
+        recover_pressure(model.with_dense_budget(10**9), reduced)

@@ -218,7 +218,9 @@ def _matrices(model: Model | ReducedModel, rom: ReducedModel) -> Recovery:
     """Return the recovery matrices of a reduced model: its own, unless the structure changed."""
     if isinstance(model, ReducedModel):
         return model.recovery
-    if rom.ports is model.port_compliance or not len(rom.basis.vectors):
+    ports = rom.ports
+    alike = ports is not None and ports.input_rows is model.port_compliance.input_rows
+    if alike or not len(rom.basis.vectors):
         return rom.recovery
     return supported_operator(model, rom.basis)
 

@@ -13,6 +13,7 @@ and of several solutions at linearly dependent points the stages reach one. Wher
 solution, forces rise from stage to stage.
 """
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self, final
@@ -289,6 +290,10 @@ class LoosenedAugmented:
             if left <= SMALL and (level < USUAL or left > SLOW * previous):
                 level = min(level + 1, len(LEVELS) - 1)
         if left > SETTLED or residual > SOLVED:
+            if start is not None and start.begun:
+                # What another load left may lead where points contradict each other.
+                with suppress(ConvergenceError):
+                    return self.solve(free, offset, elongations, about)
             raise ConvergenceError(_no_convergence(contact, steps, left, start))
         moved = displaced(solver, free, forces) - initial @ self.springs.columns
         slack = contact.moved(moved) + offset + solver.laws.closure(forces)[0]

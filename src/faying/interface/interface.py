@@ -149,7 +149,7 @@ class Interface(Frozen, Shown):
         the surface is curved or tangential forces act. None where there is no point, or along
         directions in which supports hold both sides, as across a plane of symmetry.
         """
-        axes = axes_of(self.point_shape, self.normals, tangential=self.law.components > 1)
+        axes = axes_of(self.point_shape, self.normals, self.law.components)
         moved = abs(axes @ self.motion_operator).max(axis=1).toarray().ravel()
         return axes[moved > ROUND_OFF * moved.max(initial=0.0)]
 

@@ -52,11 +52,11 @@ def common_normal(
     )
 
 
-def axes_of(shape: SparseMatrix, normals: Matrix, *, tangential: bool = False) -> SparseMatrix:
+def axes_of(shape: SparseMatrix, normals: Matrix, fewest: int = 1) -> SparseMatrix:
     """Return orthonormal rows (n_axis, 3 n_pair) that span the normals of the points of each pair.
 
-    The shape (n_point, n_pair) tells on which pairs a point depends along its normal (n_point, 3),
-    or also along tangents: three rows then, a normal first.
+    The shape (n_point, n_pair) tells on which pairs a point depends along its normal (n_point, 3).
+    A pair has at least the fewest rows, a normal first: as many as points have components.
 
     Notes
     -----
@@ -85,10 +85,9 @@ def axes_of(shape: SparseMatrix, normals: Matrix, *, tangential: bool = False) -
         spread = np.repeat(axis, counts, axis=0)
         remainder = remainder - np.einsum("kd,kd->k", remainder, spread)[:, None] * spread
     every = np.stack(axes, axis=1)
-    if tangential:
-        alone = ~every[:, 1].any(axis=1)
-        every[alone, 1] = tangents_of(every[alone, 0])
-        every[:, 2] = np.cross(every[:, 0], every[:, 1])
+    beside = np.where(every[:, 1].any(axis=1)[:, None], every[:, 1], tangents_of(every[:, 0]))
+    across = np.stack([beside, np.cross(every[:, 0], beside)], axis=1)
+    every[:, 1:fewest] = across[:, : fewest - 1]
     owners, which = np.nonzero(every.any(axis=2))
     rows = np.repeat(np.arange(len(owners)), 3)
     columns = (3 * pairs[owners][:, None] + np.arange(3)).ravel()

@@ -36,7 +36,7 @@ def _padded(A: SparseMatrix, padding: int) -> sp.csr_array:
     n = by_row.shape[0]
     more = np.arange(1, padding + 1)
     arrays = (
-        np.append(by_row.data, np.ones(padding)),
+        np.append(by_row.data, np.ones(padding, dtype=by_row.dtype)),
         np.append(by_row.indices, (n + more - 1).astype(by_row.indices.dtype)),
         np.append(by_row.indptr, (by_row.nnz + more).astype(by_row.indptr.dtype)),
     )

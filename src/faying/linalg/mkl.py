@@ -82,6 +82,7 @@ class PardisoHandle:
     Parameters
     ----------
     data : (n_stored, b, b)
+        Factors are of its precision.
     indices, indptr
         Block columns, ascending in each block row, and the beginning of each block row.
     border
@@ -97,7 +98,7 @@ class PardisoHandle:
 
     def __init__(
         self,
-        data: npt.NDArray[np.float64],
+        data: npt.NDArray[Any],
         indices: Integers,
         indptr: Integers,
         border: int = 0,
@@ -122,6 +123,7 @@ class PardisoHandle:
             parameters[7] = 2  # steps of refinement
             # Scaled and matched, for zeros on the diagonal of constraints; not of blocks.
             parameters[[10, 12]] = int(self.block == 1)
+        parameters[27] = int(data.dtype == np.float32)
         # In two levels, for the analysis in one reads past an array of MKL 2026 where a border is
         # marked, 4 (n - border) bytes, and dies where a page ends in them.
         parameters[23] = 1 if border else 0
@@ -129,6 +131,11 @@ class PardisoHandle:
         parameters[35] = 1 if border else 0  # the Schur complement onto the marked rows
         parameters[36] = self.block if self.block > 1 else 0
         self._call(ANALYSE)
+
+    @property
+    def precision(self) -> np.dtype[Any]:
+        """Precision of the factor, of right-hand sides and of solutions."""
+        return self._data.dtype
 
     @property
     def entries(self) -> int:
@@ -143,7 +150,7 @@ class PardisoHandle:
     @property
     def expected_memory(self) -> int:
         """Expected bytes of the factor and its tables, from the analysis."""
-        return 8 * self.entries + 1024 * int(self._parameters[15])
+        return self.precision.itemsize * self.entries + 1024 * int(self._parameters[15])
 
     @property
     def peak(self) -> int:
@@ -184,7 +191,7 @@ class PardisoHandle:
         return complement
 
     def solve(self, right: Matrix) -> Matrix:
-        """Return A⁻¹ B for B (n_block·b, k) in Fortran order."""
+        """Return A⁻¹ B for B (n_block·b, k) in Fortran order, of the factor's precision."""
         solution = np.zeros_like(right, order="F")
         self._call(SOLVE, right, solution)
         return solution

@@ -91,7 +91,7 @@ class PardisoFactorization:
 
 
 def factorize_pardiso(A: SparseMatrix) -> PardisoFactorization:
-    """Factorize a symmetric positive definite matrix.
+    """Factorize a symmetric positive definite matrix, in its precision.
 
     Raises
     ------
@@ -221,6 +221,6 @@ def _with_diagonal(A: SparseMatrix) -> SparseMatrix:
 
 def _solve_padded(handle: PardisoHandle, columns: Matrix) -> Matrix:
     """Solve for right-hand sides, padded to whole blocks."""
-    padded = np.zeros((handle.n, columns.shape[1]), order="F")
+    padded = np.zeros((handle.n, columns.shape[1]), dtype=handle.precision, order="F")
     padded[: len(columns)] = columns
     return handle.solve(padded)[: len(columns)]

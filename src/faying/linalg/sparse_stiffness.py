@@ -68,8 +68,10 @@ class SparseStiffness:
         """Diagonal of A_yy (n_port,), an upper bound of that of Σ."""
         return np.asarray(self._blocks[0].diagonal())
 
-    def on_springs(self, springs: SparseMatrix) -> MatrixFactorization:
-        """Factorize A + Qᵀ B Q for symmetric springs B (n_port, n_port).
+    def on_springs(
+        self, springs: SparseMatrix, precision: type[np.floating[Any]] = np.float64
+    ) -> MatrixFactorization:
+        """Factorize A + Qᵀ B Q for symmetric springs B (n_port, n_port), in a given precision.
 
         Raises
         ------
@@ -77,7 +79,7 @@ class SparseStiffness:
             If A and the springs leave a motion free.
         """
         both = self.matrix + self._transposed @ springs @ self.ports
-        return factorize_definite(both.tocsr())
+        return factorize_definite(both.tocsr().astype(precision))
 
     def pressing(self, rows: SparseMatrix, D: Vector) -> Callable[[Matrix], Matrix]:
         """Return a function from gaps (n_row, k) to the forces λ (n_row, k) that close them.
