@@ -85,7 +85,8 @@ def axes_of(shape: SparseMatrix, normals: Matrix, fewest: int = 1) -> SparseMatr
         spread = np.repeat(axis, counts, axis=0)
         remainder = remainder - np.einsum("kd,kd->k", remainder, spread)[:, None] * spread
     every = np.stack(axes, axis=1)
-    beside = np.where(every[:, 1].any(axis=1)[:, None], every[:, 1], tangents_of(every[:, 0]))
+    second = every[:, 1].any(axis=1, keepdims=True)
+    beside = np.where(second, every[:, 1], tangents_of(every[:, 0]))
     across = np.stack([beside, np.cross(every[:, 0], beside)], axis=1)
     every[:, 1:fewest] = across[:, : fewest - 1]
     owners, which = np.nonzero(every.any(axis=2))
