@@ -1,1 +1,1 @@
-"""Stage 1: from a deck, a generator or matrices to M, C, K."""
+"""Finite element models: M, C and K from a deck, a generator or matrices (stage 1)."""

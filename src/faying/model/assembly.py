@@ -1,10 +1,10 @@
-"""What a deck says: mesh, materials, beams, couplings, supports, nodal loads. Plain values.
+"""The contents of a deck: mesh, materials, beams, couplings, supports, nodal loads. Plain values.
 
-An :class:`Assembly` is the common meeting point of every source (generator, deck, matrices) and of
-every writer. :func:`faying.joint.build.build_model` turns it into a :class:`faying.Model`.
+An :class:`Assembly` is the common form of every source (generator, deck, matrices) and of every
+writer. :func:`faying.joint.build.build_model` turns it into a :class:`faying.Model`.
 
 Each node has six degrees of freedom, translations 0, 1, 2 and rotations 3, 4, 5, in the basic
-frame; those that nothing touches are dropped when the model is built.
+frame; unused ones are dropped when the model is built.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -33,7 +33,7 @@ class BeamSection:
         Shear area divided by area in local y and z; ``inf`` is a beam rigid in shear
         (Euler-Bernoulli).
     axial_factor : [-]
-        Axial stiffness over E A: next to 0 of a bolt that pulls with a given force.
+        Axial stiffness over E A: nearly 0 for a bolt of prescribed force.
     """
 
     area: float
@@ -77,7 +77,7 @@ class Spring:
         One or two pairs (node index, component 0..5).
     stiffness : [force/length] or [moment/rad]
     axis
-        Two points (x, y, z) on the axis of the shank whose cut the spring closes, if it does.
+        Two points (x, y, z) on the axis of a shank, if the spring joins a cut through it.
     """
 
     id: int
@@ -104,7 +104,7 @@ class ScalarMass:
 
 @dataclass(frozen=True, kw_only=True)
 class Bush:
-    """Six springs between two nodes, or a node and the ground, in axes of their own.
+    """Six springs between two nodes, or a node and the ground, along given axes.
 
     Attributes
     ----------
@@ -115,9 +115,9 @@ class Bush:
     axes : (3, 3)
         Rows are the axes in the basic frame.
     place : (3,) [length]
-        Where the springs act; rigid arms lead there from the nodes.
+        Position of the springs, connected to the nodes by rigid arms.
     mass : [mass]
-        Shared by the nodes.
+        Mass, divided among the nodes.
     """
 
     id: int
@@ -137,7 +137,7 @@ class Bush:
         place: Vector,
         mass: float = 0.0,
     ) -> "Bush":
-        """Return a bush of axes (3, 3) and a place (3,); stiffness may be given by component."""
+        """Return a bush from axes (3, 3) and position (3,); stiffness may be given by component."""
         if isinstance(stiffness, Mapping):
             stiffness = [stiffness.get(component, 0.0) for component in range(6)]
         x, y, z = np.asarray(place).tolist()
@@ -208,7 +208,7 @@ class AverageCoupling(Frozen):
     reference_components
         Components of the reference node that are tied.
     entering : (n, 6)
-        Which of them enter of each node; None if all do.
+        Whether each component of each node enters; None if all do.
     """
 
     id: int
@@ -260,7 +260,7 @@ class NodalLoads(Frozen):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class MatrixBlock(Frozen):
-    """Mass, damping and stiffness from another program, added to whatever else the assembly holds.
+    """Mass, damping and stiffness from another program, added to the elements of an assembly.
 
     Attributes
     ----------
@@ -295,7 +295,7 @@ class FaceSet(Frozen):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Assembly:
-    """Everything a deck says about the structure, before any equation is formed.
+    """The structure in a deck, before equations are formed.
 
     Attributes
     ----------
@@ -308,11 +308,11 @@ class Assembly:
     element
         Formulation of hex8: ``"incompatible"`` or ``"standard"``.
     face_sets
-        Facets for models whose matrices come from elsewhere, and facets a deck names.
+        Named facets of a deck, or of a model with given matrices.
     loads
         Load set id (or name) to nodal loads.
     ignored
-        What the reader understood to be harmless and left out, for ``faying check``.
+        Harmless entries that the reader left out, for ``faying check``.
     """
 
     mesh: Mesh

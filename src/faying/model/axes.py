@@ -1,4 +1,4 @@
-"""Axes from two directions, and sections of beams that both decks know by name."""
+"""Axes from two directions, and sections of beams that decks know by name."""
 
 import math
 
@@ -12,7 +12,7 @@ from faying.model.assembly import BeamSection
 def axes_along(x: Vector, plane: Vector) -> Matrix | None:
     """Return axes (3, 3) as rows: along x, across it towards ``plane``, and the normal of both.
 
-    None where one has no length, or the sine of the angle between them is next to nothing.
+    None where one has zero length, or the angle between them is nearly zero.
     """
     z = np.cross(x, plane)
     with np.errstate(over="ignore", invalid="ignore"):
@@ -25,7 +25,7 @@ def axes_along(x: Vector, plane: Vector) -> Matrix | None:
 
 
 def any_across(axis: Vector) -> tuple[float, float, float]:
-    """Return a direction that is not that of an axis, for members without sides."""
+    """Return a direction not parallel to an axis, for members without an orientation."""
     x, y, z = np.eye(3)[int(np.abs(axis).argmin())].tolist()
     return (x, y, z)
 

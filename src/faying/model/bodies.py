@@ -1,4 +1,4 @@
-"""Bodies: the parts of a mesh that share no node, and those a mesher let share some."""
+"""Bodies: the parts of a mesh that share no nodes, and their separation where they do."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,7 +12,7 @@ from faying.model.mesh import Mesh
 
 
 def body_names(mesh: Mesh) -> list[str]:
-    """Name each body by the last element set that is the whole of it, else ``"body 0"``, …."""
+    """Return the name of each body: the last element set that equals it, else ``"body 0"``, …."""
     labels = mesh.bodies
     names = [f"body {number}" for number in range(int(labels.max(initial=-1)) + 1)]
     ids = mesh.element_ids
@@ -29,13 +29,13 @@ def body_names(mesh: Mesh) -> list[str]:
 
 
 def separated(mesh: Mesh, groups: Sequence[str]) -> Mesh:
-    """Give each group of solids its own copy of the nodes it shares with other solids.
+    """Return a mesh in which groups of solids share no nodes with other solids.
 
-    A mesh of parts that were fragmented against each other is conforming: parts that touch share
-    nodes and act as one. Separated, they touch in matching facets, node on node. Groups are names
-    of element sets: nodes that two of them share go to the one named first, the other keeps the
-    originals, as solids of no group do; a group that shares none stays as it is. Node sets contain
-    the copies too.
+    A mesh of parts fragmented against each other is conforming: touching parts share nodes and act
+    as one. Separated, they touch in matching facets, node on node. Groups are names of element
+    sets. Shared nodes of two groups go to the one named first; the other group keeps the originals,
+    as solids of no group do. A group without shared nodes does not change. Node sets contain the
+    copies too.
 
     Notes
     -----
@@ -45,14 +45,14 @@ def separated(mesh: Mesh, groups: Sequence[str]) -> Mesh:
         if group not in mesh.element_sets:
             names = ", ".join(f"'{name}'" for name in mesh.element_sets) or "none"
             refuse_model(f"there is no element set '{group}' to separate; known are {names}")
-        mesh = _separated(mesh, group)
+        mesh = _separate_group(mesh, group)
     return mesh
 
 
-def _separated(mesh: Mesh, group: str) -> Mesh:
+def _separate_group(mesh: Mesh, group: str) -> Mesh:
     inside = [np.isin(block.ids, mesh.element_sets[group]) for block in mesh.blocks]
     inside_nodes, outside_nodes = (
-        _used(mesh, chosen) for chosen in (inside, [~mask for mask in inside])
+        _used_nodes(mesh, chosen) for chosen in (inside, [~mask for mask in inside])
     )
     shared = np.flatnonzero(inside_nodes & outside_nodes)
     if not len(shared):
@@ -63,7 +63,7 @@ def _separated(mesh: Mesh, group: str) -> Mesh:
     return replace(
         wider,
         blocks=tuple(
-            _moved(block, chosen, copy) for block, chosen in zip(mesh.blocks, inside, strict=True)
+            _renumber(block, chosen, copy) for block, chosen in zip(mesh.blocks, inside, strict=True)
         ),
         node_sets={
             name: np.concatenate([nodes, copy[nodes[np.isin(nodes, shared)]]])
@@ -72,14 +72,14 @@ def _separated(mesh: Mesh, group: str) -> Mesh:
     )
 
 
-def _used(mesh: Mesh, chosen: Sequence[Mask]) -> Mask:
-    """Tell which nodes (n_node,) the chosen cells of each block use."""
+def _used_nodes(mesh: Mesh, chosen: Sequence[Mask]) -> Mask:
+    """Return the nodes (n_node,) that the chosen cells of each block use."""
     used = np.zeros(len(mesh.nodes), dtype=bool)
     for block, these in zip(mesh.blocks, chosen, strict=True):
         used[block.nodes[these]] = True
     return used
 
 
-def _moved(block: CellBlock, chosen: Mask, copy: Indices) -> CellBlock:
+def _renumber(block: CellBlock, chosen: Mask, copy: Indices) -> CellBlock:
     nodes = np.where(chosen[:, None], copy[block.nodes], block.nodes)
     return replace(block, nodes=nodes)

@@ -1,12 +1,11 @@
-"""Forces on nodes of what acts in elements: accelerations, free strains, loads along beams.
+"""Nodal forces of loads within elements: accelerations, free strains, loads along beams.
 
-A body strained freely by ε a meets K u = ∫ ε Bᵀ D a dV, with a = 1 in all directions unless given.
+A body with the free strain ε a obeys K u = ∫ ε Bᵀ D a dV, by default with a = 1 in all directions.
 For an isotropic solid D 1 = E / (1 - 2 ν) 1.
 
-A load along a beam does the same work at the nodes as along the beam, deflected as the ends'
-motions alone deflect it. These shapes being exact (:mod:`faying.model.elements.beam`), so are the
-motions of the nodes, and forces and moments at the ends are those of a clamped beam, shear
-included.
+A load along a beam does the same work at the nodes as along the beam with the deflection due to the
+motions of its ends. These shapes are exact (:mod:`faying.model.elements.beam`), so motions of the
+nodes are exact too, and forces and moments at the ends are those of a clamped beam, shear included.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -30,7 +29,7 @@ from faying.model.shell_matrices import shell_stiffness
 
 
 def body_forces(assembly: Assembly, accelerations: Matrix) -> Matrix:
-    """Return forces M a (n_node, 6) of accelerations (n_node, 3), consistent with every mass."""
+    """Return forces M a (n_node, 6) for accelerations (n_node, 3), consistent with all masses."""
     motion = np.zeros((len(assembly.mesh.nodes), 6))
     motion[:, :3] = accelerations
     return mass_times(assembly, motion)
@@ -39,7 +38,7 @@ def body_forces(assembly: Assembly, accelerations: Matrix) -> Matrix:
 def centrifugal(square: float, point: Vector, direction: Vector, nodes: Matrix) -> Matrix:
     """Return ω² r (n_node, 3), away from an axis, with the square ω² [1/time²].
 
-    The axis goes through a point (3,) [length] along a direction of length one.
+    The axis passes through a point (3,) [length] along a unit direction.
     """
     arms = nodes - point
     return np.asarray(square * (arms - np.outer(arms @ direction, direction)))
@@ -61,11 +60,11 @@ def expansion_forces(
     final: Vector,
     directions: Mapping[int, Vector] | None = None,
 ) -> Matrix:
-    """Return forces (n_node, 6) that a change of temperature of solids exerts.
+    """Return forces (n_node, 6) due to a change of temperature of solids.
 
-    Strains are, by property, the free strain at a temperature, from any that has none; temperatures
-    of nodes are (n_node,). Where directions differ they are, by property, the strains (6,), in the
-    order of :mod:`faying.model.elastic_law`, that make up a free strain of one.
+    ``strains`` give, by property, the free strain at a temperature, from any reference;
+    temperatures of nodes are (n_node,). For anisotropic expansion ``directions`` are, by property,
+    the strains (6,), in the order of :mod:`faying.model.elastic_law`, at a free strain of one.
 
     Notes
     -----
@@ -97,7 +96,7 @@ def expansion_forces(
 
 
 def stretching_forces(assembly: Assembly, strains: Vector) -> Matrix:
-    """Return forces (n_node, 6) of free strains (n_beam,) along beams."""
+    """Return forces (n_node, 6) for free strains (n_beam,) along beams."""
     forces = np.zeros((len(assembly.mesh.nodes), 6))
     stretched = np.flatnonzero(strains)
     beams = [assembly.beams[i] for i in stretched.tolist()]
@@ -116,11 +115,11 @@ def stretching_forces(assembly: Assembly, strains: Vector) -> Matrix:
 
 
 def shell_expansion_forces(assembly: Assembly, strains: Mapping[int, Matrix]) -> Matrix:
-    """Return forces (n_node, 6) of free strains of shells in their planes.
+    """Return forces (n_node, 6) for free strains of shells in their planes.
 
-    An element follows a uniform strain exactly, so that K u of the motion it makes is ∫ Bᵀ D ε dA.
-    Strains are (n_shell, 3, 3) along basic axes, by the index of a block. Those of curved shells
-    must be the same in all directions.
+    An element can follow a uniform strain exactly, and K u of that motion is ∫ Bᵀ D ε dA. Strains
+    are (n_shell, 3, 3) along basic axes, by the index of a block. For curved shells they must be
+    the same in all directions.
     """
     forces = np.zeros((len(assembly.mesh.nodes), 6))
     for position, strain in strains.items():
@@ -140,7 +139,7 @@ def nodal_forces_of_beams(
 ) -> Matrix:
     """Return the forces and moments (n_beam, 2, 6) on the ends of beams in the basic frame.
 
-    Nodes (n_node, 3) [length] are all those of the mesh. Forces and moments (n_beam, n_station, 6)
+    Nodes (n_node, 3) [length] are all nodes of the mesh. Forces and moments (n_beam, n_station, 6)
     in the basic frame act at stations (n_beam, n_station): 0 at the first end, 1 at the second.
 
     Raises
@@ -166,7 +165,7 @@ def nodal_forces_of_beams(
         )
     for (dofs, signs), inertia, phi in bending_planes(properties):
         deflection, rotation = bending_shapes(length, phi)
-        # Without bending stiffness there is no slope for the deflection to follow: a rod.
+        # A rod, without bending stiffness, has no slope for the deflection to follow.
         rod = inertia == 0
         deflection[rod] = [[1, -1, 0, 0], [0, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 0]]
         rotation[rod] = [[0, 0, 0], [1, -1, 0], [0, 0, 0], [0, 1, 0]]

@@ -1,4 +1,4 @@
-"""Bolt: an axial spring with an initial force that pretension sets and then locks."""
+"""Bolt: an axial spring with an initial force, which pretension determines and then locks."""
 
 from dataclasses import dataclass, replace
 
@@ -19,14 +19,14 @@ class Shank(Frozen):
     Attributes
     ----------
     elements
-        Their ids.
+        Ids of the elements.
     nodes : (2,)
         Indices of the nodes where the first begins and the last ends.
     ends : (2, 3) [length]
-        Where these are.
+        Positions of these nodes.
     across : (6, n_dof)
-        Rows that take displacements to what the bolt does to its first node without its axial
-        force: the force across its axis, and moments about the origin.
+        Rows of the force of the bolt on its first node per displacement, without the axial force:
+        the force across its axis, and moments about the origin.
     """
 
     elements: tuple[int, ...]
@@ -35,15 +35,15 @@ class Shank(Frozen):
     across: SparseMatrix
 
     def transformed(self, transformation: SparseMatrix) -> "Shank":
-        """Return the shank by other degrees of freedom u, displacements = transformation u."""
+        """Return the shank in other degrees of freedom u, displacements = transformation u."""
         return replace(self, across=read_only((self.across @ transformation).tocsr()))
 
 
 def shank(assembly: Assembly, spec: BoltSpec) -> Shank:
-    """Return the shank of a bolt of elements, its rows (6, 6 n_node) at the nodes.
+    """Return the shank of a bolt of elements, with rows (6, 6 n_node) at the nodes.
 
-    Springs carry nothing across their direction. What beams carry is taken where they begin: it is
-    the same all along a shank on which nothing acts between its ends.
+    Springs carry no force across their direction. Forces of beams are taken where they begin: along
+    a shank without loads between its ends they are constant.
     """
     chain, nodes = bolt_chain(assembly, spec), assembly.mesh.nodes
     (beam, first), (_, last) = chain_ends(chain)
@@ -52,7 +52,7 @@ def shank(assembly: Assembly, spec: BoltSpec) -> Shank:
     if isinstance(beam, Beam):
         _, stiffness = beam_matrices([beam], nodes)
         row = 6 * beam.nodes.index(first)
-        # The structure does this to the beam, and the beam the opposite to the structure.
+        # This is the force of the structure on the beam, opposite to that on the structure.
         force, moment = -stiffness[0, row : row + 3], -stiffness[0, row + 3 : row + 6]
         axis = nodes[list(beam.nodes)][1] - nodes[list(beam.nodes)][0]
         force = force - np.outer(axis, axis @ force) / (axis @ axis)
@@ -73,26 +73,26 @@ def shank(assembly: Assembly, spec: BoltSpec) -> Shank:
 class Bolt(Frozen):
     """Axial behaviour of a bolt: force N = k e + N₀ with elongation e = elongation · u.
 
-    Its stiffness k is part of the system's K; N₀ (Young's modulus × area × initial strain) acts as
+    The stiffness k is part of the system's K; N₀ (Young's modulus × area × initial strain) acts as
     the load −elongationᵀ N₀, which pulls head and nut together.
 
     Attributes
     ----------
     elongation : (n_dof,)
-        Row that takes displacements to the elongation of the bolt.
+        Row of the elongation of the bolt per displacement.
     stiffness : [force/length]
-        EA/L of the element that is tightened.
+        EA/L of the tightened element.
     initial_force : [force]
         N₀; zero for a bolt not yet tightened.
     ends : (2, 3) or None [length]
-        Where what is tightened begins and ends.
+        Positions of the ends of the bolt.
     bending : (4, n_dof) or None
-        Rows that take displacements to the bending moments [force·length]: two components where
-        the beams of the bolt begin, two where they end; None of a bolt without beams.
+        Rows of the bending moments [force·length] per displacement: two components at the first
+        end of the beams, two at the second; None for a bolt without beams.
     residual_bending : (4, n_relative) or None [length]
         Moments per force between the contact pairs that the trial vectors of a reduced model lack.
     shank
-        What it carries across its axis; None of bolts in given matrices, and in reduced models.
+        Elements with their lateral forces; None for bolts in given matrices, and in reduced models.
     """
 
     name: str
@@ -105,7 +105,7 @@ class Bolt(Frozen):
     shank: Shank | None = None
 
     def force(self, displacement: Matrix) -> Matrix:
-        """Axial force for displacements of shape (..., n_dof); tension is positive."""
+        """Return the axial force for displacements (..., n_dof); tension is positive."""
         elongation: Matrix = displacement @ self.elongation
         return self.stiffness * elongation + self.initial_force
 
@@ -114,12 +114,12 @@ class Bolt(Frozen):
         return replace(self, initial_force=float(initial_force))
 
     def projected(self, vectors: Matrix) -> "Bolt":
-        """Return the bolt as seen by coordinates q of u = vectors q."""
+        """Return the bolt in coordinates q of u = vectors q."""
         bending = None if self.bending is None else np.asarray(self.bending @ vectors)
         return replace(self, elongation=self.elongation @ vectors, bending=bending, shank=None)
 
     def at_ports(self) -> "Bolt":
-        """Return what is known of the bolt without any coordinates."""
+        """Return the bolt without rows in any coordinates."""
         return replace(
             self, elongation=np.zeros(0), bending=None, residual_bending=None, shank=None
         )

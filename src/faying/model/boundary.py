@@ -1,4 +1,4 @@
-"""Boundary: the named interface points where loads enter and where a superelement is attached."""
+"""Boundary: named points at which loads enter and a superelement is attached."""
 
 from dataclasses import dataclass, replace
 
@@ -22,9 +22,9 @@ class Boundary(Frozen):
     nodes : (n,)
         Node id of each boundary degree of freedom.
     components : (n,)
-        Its component 0..5.
+        Component 0..5 of each.
     dofs : (n,)
-        Its index among the degrees of freedom of the system.
+        Index of each in the degrees of freedom of the system.
     """
 
     name: str
@@ -34,7 +34,7 @@ class Boundary(Frozen):
 
     @property
     def places(self) -> list[tuple[str, int]]:
-        """Name and component of each degree of freedom, by node where there are several."""
+        """Return name and component of each degree of freedom, by node where there are several."""
         one = len(np.unique(self.nodes)) == 1
         pairs = zip(self.nodes.tolist(), self.components.tolist(), strict=True)
         return [
@@ -42,7 +42,7 @@ class Boundary(Frozen):
         ]
 
     def pattern(self, force: str) -> Vector:
-        """Distribute a unit force or moment evenly over the nodes of the boundary.
+        """Return a unit force or moment distributed evenly over the nodes of the boundary.
 
         Parameters
         ----------
@@ -68,17 +68,17 @@ class Boundary(Frozen):
         return np.asarray(chosen / chosen.sum())
 
     def with_dofs(self, dofs: Indices) -> "Boundary":
-        """Return the boundary by the indices of another system."""
+        """Return the boundary with the indices of another system."""
         return replace(self, dofs=dofs)
 
 
 def add_coupled_boundary(
     assembly: Assembly, spec: BoundarySpec, nodes: Indices
 ) -> tuple[Assembly, BoundarySpec]:
-    """Give a boundary one node with six degrees of freedom, coupled to the nodes of its set.
+    """Add a node with six degrees of freedom to a boundary, coupled to the nodes of its set.
 
-    The node is at ``at`` of the boundary, the mean of the nodes (indices (n,)) unless given. It is
-    the last one of the assembly returned with the boundary there, which has one more coupling.
+    The node is at ``at`` of the boundary, by default the mean of the nodes (indices (n,)). It is
+    the last node of the assembly, which is returned with the boundary at this node.
     """
     points = assembly.mesh.nodes[nodes]
     spread = np.linalg.matrix_rank(points - points.mean(axis=0), tol=1e-9 * np.abs(points).max())
@@ -100,7 +100,7 @@ def add_coupled_boundary(
 def with_coupling(
     assembly: Assembly, kind: str, number: int, reference: int, nodes: Indices
 ) -> Assembly:
-    """Let nodes follow a reference node (``"rbe2"``), or it their mean (``"rbe3"``)."""
+    """Return an assembly whose nodes follow a reference node (rbe2), or it their mean (rbe3)."""
     if kind == "rbe2":
         rigid = RigidCoupling(id=number, reference=reference, nodes=nodes)
         return replace(assembly, rigid_couplings=(*assembly.rigid_couplings, rigid))

@@ -16,11 +16,11 @@ class CellBlock(Frozen):
     nodes : (n_cell, n_node_per_cell) [into n_node]
         Node indices, in the Nastran order of the element.
     ids : (n_cell,) [1]
-        Element ids as the user knows them; unique over all blocks of a mesh.
+        Element ids of the user; unique over all blocks of a mesh.
     properties : (n_cell,) [1]
         Property ids; they name the material through ``Assembly.materials``.
     formulation
-        Of these elements, as in ``"reduced"``; empty for that of the assembly.
+        Formulation of these elements, as in ``"reduced"``; empty for that of the assembly.
     """
 
     kind: str

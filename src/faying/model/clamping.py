@@ -1,4 +1,4 @@
-"""What the two ends of a bolt hold: whether it clamps, which way it pulls, whether two are one."""
+"""The seats of a bolt at its two ends: clamping, direction of the pull, and repeated bolts."""
 
 from collections.abc import Mapping
 
@@ -22,15 +22,15 @@ Bodies in the plane of a seat touch it, and seats are up to a percent from plane
 
 
 def check_clamping(mesh: Mesh, spec: BoltSpec, seats: tuple[Indices, Indices]) -> None:
-    """Refuse a bolt through one body only; a fork with another part between its arms is fine.
+    """Refuse a bolt through one body only, unless another part is between the arms of a fork.
 
-    Its seats are nodes of solids that the head and the nut hold.
+    ``seats`` are the nodes of solids under the head and the nut.
     """
     labels = mesh.bodies
     head, nut = (np.unique(labels[seat]) for seat in seats)
     if not len(head) or not len(nut) or not np.array_equal(head, nut):
         return
-    if np.setdiff1d(labels[_between(mesh, spec, seats)], [-1, *head]).size:
+    if np.setdiff1d(labels[_nodes_between(mesh, spec, seats)], [-1, *head]).size:
         return
     nodes = ", ".join(map(str, mesh.node_ids[np.unique(np.concatenate(seats))][:4].tolist()))
     refuse_model(
@@ -41,12 +41,12 @@ def check_clamping(mesh: Mesh, spec: BoltSpec, seats: tuple[Indices, Indices]) -
 
 
 def element_seats(assembly: Assembly, cut: Beam | Spring) -> tuple[Indices, Indices]:
-    """Find the nodes of solids that the two ends of a deck's bolt hold, apart from each other.
+    """Return the nodes of solids at the two ends of a deck's bolt, separately.
 
-    Ends are followed through beams, springs, couplings and equations up to the first solids, but
-    not through the cut element and what joins the same two nodes (its shear and bending springs).
-    Where such springs have nodes of their own (CalculiX's rotation nodes), a way around the cut
-    remains and the links do not tell head from nut; nothing is returned then.
+    Ends are followed through beams, springs, couplings and equations to the first solids, but not
+    through the cut element and others between the same two nodes (its shear and bending springs).
+    If such springs have nodes of their own (CalculiX's rotation nodes), a path around the cut
+    remains and head and nut cannot be told apart; the result is then empty.
     """
     first, second = cut.nodes if isinstance(cut, Beam) else (node for node, _ in cut.ends)
     links = _links(assembly, (first, second))
@@ -71,7 +71,7 @@ def element_seats(assembly: Assembly, cut: Beam | Spring) -> tuple[Indices, Indi
 
 
 def _links(assembly: Assembly, cut: tuple[int, int]) -> SparseMatrix:
-    """Return the nodes (n_link, n_node) that each beam, spring, coupling and equation joins."""
+    """Return the nodes (n_link, n_node) joined by each beam, spring, coupling and equation."""
     parts = [nodes for _, nodes in joined_nodes(assembly)]
     parts += [shell for block in assembly.shells for shell in block.nodes]
     parts = [part for part in parts if np.setdiff1d(part, cut).size]
@@ -81,8 +81,8 @@ def _links(assembly: Assembly, cut: tuple[int, int]) -> SparseMatrix:
     return sp.csr_array((np.ones(len(columns)), (rows, columns)), shape=shape)
 
 
-def _between(mesh: Mesh, spec: BoltSpec, seats: tuple[Indices, Indices]) -> Indices:
-    """Nodes inside the cylinder from seat to seat."""
+def _nodes_between(mesh: Mesh, spec: BoltSpec, seats: tuple[Indices, Indices]) -> Indices:
+    """Return the nodes inside the cylinder from seat to seat."""
     ends = np.array([mesh.nodes[seat].mean(axis=0) for seat in seats])
     length = float(np.linalg.norm(ends[1] - ends[0]))
     if length == 0:
@@ -90,7 +90,7 @@ def _between(mesh: Mesh, spec: BoltSpec, seats: tuple[Indices, Indices]) -> Indi
     axis = (ends[1] - ends[0]) / length
     along, radial = _cylindrical(mesh.nodes, ends[0], axis)
     radius = max(spec.washer_radius or 0.0, float(radial[np.concatenate(seats)].max()))
-    # A beam may end at a single node of a solid; its thickness is then unknown.
+    # A beam may end at a single node of a solid, which gives no thickness.
     radius = radius if radius > _SMALLEST_DEPTH * length else length / 2
     inside = (along > _SMALLEST_DEPTH * length) & (along < (1 - _SMALLEST_DEPTH) * length)
     return np.flatnonzero(inside & (radial <= radius))
@@ -114,11 +114,10 @@ _SAME_SEAT = 0.5
 def spring_sense(assembly: Assembly, spring: Spring, seats: Seats) -> float:
     """Return 1 if the spring grows longer when its second end moves forward, else -1.
 
-    Ends in different places say so themselves. Where they coincide, as at a cut through a bolt,
-    what they hold does: the end whose seat lies farther along the spring's direction is the forward
-    one, in whichever order a deck lists them. Seats that lie beside each other, as the threads of a
-    bolt and its nut, leave it to the middle of what their bodies have there. It is 1 where nothing
-    decides.
+    Ends at different positions determine this themselves. If they coincide, as at a cut through a
+    bolt, their seats do: the end whose seat lies farther along the spring's direction is the
+    forward one, in either order of the deck. If the seats lie beside each other, as the threads of
+    a bolt and its nut, the middle of their bodies there decides. The default is 1.
     """
     (first, component), (second, _) = spring.ends
     mesh = assembly.mesh
@@ -137,7 +136,7 @@ def spring_sense(assembly: Assembly, spring: Spring, seats: Seats) -> float:
 
 
 def _bodies_at(mesh: Mesh, seats: Seats, component: int) -> list[Indices]:
-    """Return the nodes of the bodies of each seat, across the spring as far as elements there."""
+    """Return nodes of the bodies of each seat, across the spring as far as their elements reach."""
     touched = np.zeros(len(mesh.nodes), dtype=bool)
     touched[np.concatenate(seats)] = True
     around = [block.nodes[touched[block.nodes].any(axis=1)].ravel() for block in mesh.blocks]
@@ -148,11 +147,11 @@ def _bodies_at(mesh: Mesh, seats: Seats, component: int) -> list[Indices]:
 
 
 def check_not_twice(seats: Mapping[str, Seats]) -> None:
-    """Refuse two bolts that sit on the same faces at both ends, which would both pull."""
+    """Refuse two bolts on the same faces at both ends, which would both pull."""
     names = [name for name, ends in seats.items() if all(map(len, ends))]
     for number, name in enumerate(names):  # bolts, of which there are few
         for first in names[:number]:
-            if _same(seats[name], seats[first]):
+            if _same_seats(seats[name], seats[first]):
                 refuse_model(
                     f"bolts '{first}' and '{name}' hold the same nodes at both ends, so that both "
                     "would clamp the joint: one of them is already in the source; to change the "
@@ -160,12 +159,12 @@ def check_not_twice(seats: Mapping[str, Seats]) -> None:
                 )
 
 
-def _same(first: Seats, second: Seats) -> bool:
+def _same_seats(first: Seats, second: Seats) -> bool:
     return any(
-        all(_shared(seat, end) for seat, end in zip(first, order, strict=True))
+        all(_share_seat(seat, end) for seat, end in zip(first, order, strict=True))
         for order in (second, second[::-1])
     )
 
 
-def _shared(first: Indices, second: Indices) -> bool:
+def _share_seat(first: Indices, second: Indices) -> bool:
     return len(np.intersect1d(first, second)) > _SAME_SEAT * min(len(first), len(second))

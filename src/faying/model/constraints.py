@@ -1,9 +1,10 @@
 """Constraints: couplings, equations and supports eliminated to u_node = T u_free.
 
-Dependent degrees of freedom are substituted by the others, chains included. Where a load enters at
-one that its coupling would make dependent (the reference node of an RBE3), where two couplings or a
-support and a coupling determine the same one, or where couplings determine each other in a circle,
-an equation is solved for other degrees of freedom instead. What repeats other equations drops out.
+Dependent degrees of freedom are replaced by independent ones, chains included. An equation is
+solved for other degrees of freedom than its own in three cases: where a load enters at the
+dependent one (the reference node of an RBE3), where two couplings or a support and a coupling
+determine the same one, and where couplings determine each other in a circle. Redundant equations
+are dropped.
 """
 
 from collections.abc import Sequence
@@ -28,10 +29,9 @@ from faying.model.dofs import DofMap
 def constrain(assembly: Assembly, used: Mask, *, keep: Indices | Sequence[int] = ()) -> DofMap:
     """Eliminate all couplings, equations and supports.
 
-    Used are the components (6 n_node,) with stiffness or mass of their own. Those kept, 6 · node
-    index + component, must stay free, because loads enter there. Free degrees of freedom are in
-    ascending order; those that neither have stiffness or mass nor move anything that has are
-    dropped.
+    ``used`` are the components (6 n_node,) with stiffness or mass of their own. Those in ``keep``,
+    6 · node index + component, must stay free, because loads enter there. Free degrees of freedom
+    are in ascending order; those without stiffness or mass that move nothing else are dropped.
 
     Raises
     ------
@@ -50,9 +50,9 @@ def constrain(assembly: Assembly, used: Mask, *, keep: Indices | Sequence[int] =
     fixed = fixed_components(assembly)
     rows = all_rows(assembly, used, fixed, free_dofs)
     turned = free_dofs[rows.dependent] | _in_conflict(rows, fixed)
-    T = _substituted(rows.taken(~turned), fixed)
+    T = _resolve_chains(rows.taken(~turned), fixed)
     if turned.any():
-        T = T @ _turned(assembly, rows.taken(turned), T, used, free_dofs)
+        T = T @ _solve_for_others(assembly, rows.taken(turned), T, used, free_dofs)
     moving = np.zeros(n_dof, dtype=bool)
     moving[T[np.flatnonzero(used)].indices] = True
     _check_kept(assembly, free_dofs & ~moving)
@@ -63,7 +63,7 @@ def constrain(assembly: Assembly, used: Mask, *, keep: Indices | Sequence[int] =
 
 
 def movable_components(assembly: Assembly, used: Mask) -> Mask:
-    """Mark the components (6 n_node,) that can take a load.
+    """Return the components (6 n_node,) that can take a load.
 
     They are free, or depend on free ones; supported ones and those without any stiffness or mass
     behind them are not.
@@ -73,7 +73,7 @@ def movable_components(assembly: Assembly, used: Mask) -> Mask:
 
 
 def all_rows(assembly: Assembly, used: Mask, fixed: Mask, free: Mask) -> Rows:
-    """Return all couplings, equations and inclined supports, beside what is held and kept free."""
+    """Return all couplings, equations and inclined supports, with fixed and free components."""
     rigid, equations = rigid_rows(assembly), equation_rows(assembly)
     existing = used.copy()
     for part in (rigid, equations):
@@ -89,7 +89,7 @@ def all_rows(assembly: Assembly, used: Mask, fixed: Mask, free: Mask) -> Rows:
 
 
 def _in_conflict(rows: Rows, fixed: Mask) -> Mask:
-    """Mark equations whose own component is held, belongs to an earlier one, or is in a circle."""
+    """Return equations whose component is fixed, belongs to an earlier one, or is in a circle."""
     first = np.zeros(len(rows.dependent), dtype=bool)
     first[np.unique(rows.dependent, return_index=True)[1]] = True
     conflict: Mask = ~first | fixed[rows.dependent]
@@ -103,8 +103,8 @@ def _in_conflict(rows: Rows, fixed: Mask) -> Mask:
     return conflict
 
 
-def _substituted(rows: Rows, fixed: Mask) -> SparseMatrix:
-    """Resolve chains: T (n, n) with zero columns for dependent and fixed degrees of freedom."""
+def _resolve_chains(rows: Rows, fixed: Mask) -> SparseMatrix:
+    """Return T (n, n) with chains resolved; columns of dependent and fixed ones are zero."""
     n_dof = len(fixed)
     dependent = np.zeros(n_dof, dtype=bool)
     dependent[rows.dependent] = True
@@ -121,17 +121,17 @@ def _substituted(rows: Rows, fixed: Mask) -> SparseMatrix:
 
 
 def _without_columns(matrix: SparseMatrix, columns: Mask) -> SparseMatrix:
-    """Set the marked columns to zero and drop all zeros."""
+    """Return a matrix with the marked columns set to zero and zeros dropped."""
     result = matrix.tocsr()
     result.data[columns[result.indices]] = 0.0
     result.eliminate_zeros()
     return result
 
 
-def _turned(
+def _solve_for_others(
     assembly: Assembly, rows: Rows, T: SparseMatrix, used: Mask, free: Mask
 ) -> SparseMatrix:
-    """Solve equations for components other than the kept ones: v = (this) w after u = T v."""
+    """Solve equations for other components than the kept ones: v = (this) w after u = T v."""
     n_dof = len(free)
     identity = sp.csr_array(
         (np.ones(len(rows.dependent)), (np.arange(len(rows.dependent)), rows.dependent)),
@@ -151,8 +151,8 @@ def _turned(
         members = np.flatnonzero(group[: len(rows.dependent)] == number)
         columns = np.unique(residual[members].indices)
         dense = residual[members][:, columns].toarray()
-        chosen, reduced = _eliminated(dense, choosable[columns])
-        if len(_eliminated(dense, moving[columns])[0]) > len(chosen):
+        chosen, reduced = _eliminate(dense, choosable[columns])
+        if len(_eliminate(dense, moving[columns])[0]) > len(chosen):
             _refuse_tied(assembly, rows, members)
         others = np.setdiff1d(np.arange(len(columns)), chosen)
         solved = -np.linalg.solve(reduced[:, chosen], reduced[:, others])
@@ -164,16 +164,16 @@ def _turned(
 
 
 def _without_rounding(matrix: SparseMatrix, size: Vector) -> SparseMatrix:
-    """Drop what is rounding beside the size of each row: equations that repeat others vanish."""
+    """Drop entries of the size of round-off in each row: redundant equations vanish."""
     rows = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
-    # What is left of coefficients after others were put into their equation.
+    # Remainders of coefficients after substitutions into their equation.
     matrix.data[np.abs(matrix.data) <= SOLVED * size[rows]] = 0.0
     matrix.eliminate_zeros()
     return matrix
 
 
 def _replacement(replaced: Mask, parts: list[tuple[Indices, Indices, Matrix]]) -> SparseMatrix:
-    """Identity, but for the replaced rows, which hold the solutions."""
+    """Return the identity, except for the replaced rows, which hold the solutions."""
     keep = np.flatnonzero(~replaced)
     row = np.concatenate([keep, *(np.repeat(r, len(c)) for r, c, _ in parts)])
     column = np.concatenate([keep, *(np.tile(c, len(r)) for r, c, _ in parts)])
@@ -183,10 +183,10 @@ def _replacement(replaced: Mask, parts: list[tuple[Indices, Indices, Matrix]]) -
     return result
 
 
-def _eliminated(equations: Matrix, allowed: Mask) -> tuple[Indices, Matrix]:
-    """Return allowed columns that the equations determine, and as many equations for them.
+def _eliminate(equations: Matrix, allowed: Mask) -> tuple[Indices, Matrix]:
+    """Return allowed columns that the equations determine, and the equations solved for them.
 
-    The best conditioned columns are taken; equations that repeat others are gone from the result.
+    The best conditioned columns are taken; redundant equations are dropped.
     """
     positions = np.flatnonzero(allowed)
     largest = np.abs(equations).max(axis=1, keepdims=True, initial=0.0)

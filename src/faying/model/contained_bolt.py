@@ -1,4 +1,4 @@
-"""Bolts that given matrices already contain: an axial spring between two of their nodes."""
+"""Bolts contained in given matrices: an axial spring between two of their nodes."""
 
 import numpy as np
 import scipy.sparse as sp
@@ -36,10 +36,10 @@ def elongation_factors(assembly: Assembly, spec: BoltSpec) -> SparseMatrix:
 
 
 def check_contained(K: SparseMatrix, elongation: Vector, spec: BoltSpec) -> None:
-    """Refuse a bolt whose spring k eᵀe is more than the stiffness K has there.
+    """Refuse a bolt whose spring k eᵀe exceeds the stiffness K there.
 
-    A necessary condition, from the rows of K at the bolt's nodes alone: no motion of them may cost
-    less energy than the bolt takes up. Tightening sees the exact one.
+    A necessary condition, from the rows of K at the bolt's nodes alone: any motion of them costs at
+    least the energy of the bolt. Tightening checks the sufficient one.
     """
     nonzero = np.flatnonzero(elongation)
     if not len(nonzero):

@@ -1,4 +1,4 @@
-"""Bolts of a deck: which of their beams or springs is tightened, where it is, how it bends."""
+"""Bolts of a deck: the tightened beam or spring, its position, and the bending of the bolt."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -21,10 +21,10 @@ part in ten thousand of one layer is added to the bolt's compliance, K loses fou
 
 
 def bolt_axis_element(assembly: Assembly, spec: BoltSpec) -> Beam | Spring:
-    """Return the beam or spring of a deck's bolt that is tightened: the middle one of its chain.
+    """Return the tightened beam or spring of a deck's bolt: the middle one of its chain.
 
-    The ids of the bolt's elements, in any order, form one chain end to end. Of an even number it is
-    the one before the middle, counted from the end listed first.
+    The ids of the bolt's elements, in any order, form one chain end to end. For an even number it
+    is the one before the middle, counted from the end listed first.
 
     Raises
     ------
@@ -36,7 +36,7 @@ def bolt_axis_element(assembly: Assembly, spec: BoltSpec) -> Beam | Spring:
 
 
 def axial_stiffness(assembly: Assembly, element: Beam | Spring) -> float:
-    """Return the force over the elongation of an element of a bolt."""
+    """Return force over elongation of an element of a bolt."""
     if isinstance(element, Spring):
         return element.stiffness
     start, end = assembly.mesh.nodes[list(element.nodes)]
@@ -46,10 +46,10 @@ def axial_stiffness(assembly: Assembly, element: Beam | Spring) -> float:
 
 
 def with_unlocked_bolts(assembly: Assembly, specs: Sequence[BoltSpec]) -> Assembly:
-    """Let bolts pull with their initial force whatever their length: hardly any stiffness is left.
+    """Return an assembly whose bolts keep their initial force at any length: nearly no stiffness.
 
-    Their force changes by a millionth of what it would if they were locked. What is left holds a
-    part that nothing but the bolt and contact hold.
+    Their force changes by a millionth of the change in a locked bolt. This remainder of stiffness
+    supports parts that only the bolt and contact hold.
     """
     ids = {bolt_axis_element(assembly, spec).id for spec in specs}
     return replace(
@@ -70,7 +70,7 @@ def with_unlocked_bolts(assembly: Assembly, specs: Sequence[BoltSpec]) -> Assemb
 
 
 def bolt_chain(assembly: Assembly, spec: BoltSpec) -> list[Beam | Spring]:
-    """Return the elements of a deck's bolt end to end, the end listed first in front."""
+    """Return the elements of a deck's bolt end to end, starting at the end listed first."""
     if not spec.elements:
         refuse_model(f"bolt '{spec.name}' names no elements; give the ids of its beam elements")
     chosen = [_line_element(assembly, spec, i) for i in dict.fromkeys(spec.elements)]
@@ -78,7 +78,7 @@ def bolt_chain(assembly: Assembly, spec: BoltSpec) -> list[Beam | Spring]:
 
 
 def _line_element(assembly: Assembly, spec: BoltSpec, element_id: int) -> Beam | Spring:
-    """Look up a beam or axial spring by id."""
+    """Return a beam or axial spring by id."""
     for beam in assembly.beams:
         if beam.id == element_id:
             return beam
@@ -99,7 +99,7 @@ def _line_element(assembly: Assembly, spec: BoltSpec, element_id: int) -> Beam |
 
 
 def _chain(spec: BoltSpec, elements: list[Beam | Spring]) -> list[Beam | Spring]:
-    """Order elements end to end."""
+    """Return elements in order, end to end."""
     at_node: dict[int, list[Beam | Spring]] = defaultdict(list)
     for element in elements:
         for node in end_nodes(element):
@@ -125,7 +125,7 @@ def end_nodes(element: Beam | Spring) -> tuple[int, ...]:
 
 
 def chain_ends(chain: Sequence[Beam | Spring]) -> list[tuple[Beam | Spring, int]]:
-    """Return the first and the last element of a chain, each with the node that is an end."""
+    """Return the first and the last element of a chain, each with its end node."""
     if len(chain) == 1:
         first, last = end_nodes(chain[0])
         return [(chain[0], first), (chain[0], last)]
@@ -136,9 +136,9 @@ def chain_ends(chain: Sequence[Beam | Spring]) -> list[tuple[Beam | Spring, int]
 
 
 def bolt_ends(assembly: Assembly, spec: BoltSpec) -> Matrix | None:
-    """Return the ends (2, 3) of what is tightened of a bolt; None for a spring.
+    """Return the positions (2, 3) of the ends of a bolt; None for a spring.
 
-    Of a cut through a shank of solids two points on its axis.
+    For a cut through a shank of solids two points on its axis.
     """
     nodes = assembly.mesh.nodes
     if spec.axis is not None:
@@ -167,12 +167,12 @@ def bolt_direction(assembly: Assembly, spec: BoltSpec) -> Vector:
 
 
 def end_moments(assembly: Assembly, spec: BoltSpec) -> SparseMatrix | None:
-    """Return rows (4, 6 n_node) that take displacements to the bending moments of a bolt.
+    """Return rows (4, 6 n_node) of the bending moments of a bolt per displacement.
 
-    Two components across the axis where the elements of the bolt begin, then two where they end: a
-    shank without lateral loads between its ends is bent most at one of them. Of a shank of solids
-    both are those of the section where it is cut. None where the element at an end carries no
-    moment: a spring, or a rod.
+    Two components across the axis at the first end of its elements, then two at the second: a shank
+    without lateral loads between its ends has its largest bending at one of them. For a shank of
+    solids both are at the section where it is cut. None where the element at an end has no bending
+    stiffness: a spring, or a rod.
     """
     nodes = assembly.mesh.nodes
     section = section_rows(assembly, spec)
@@ -195,11 +195,11 @@ def end_moments(assembly: Assembly, spec: BoltSpec) -> SparseMatrix | None:
 
 
 def are_carried(moments: SparseMatrix, K: SparseMatrix) -> bool:
-    """Say whether any motion makes these moments.
+    """Return whether any motion causes these moments.
 
-    None does where they follow from the balance of degrees of freedom that nothing else touches: of
-    hinges at both ends, or of a beam that stands for a section across which a bolt is tightened.
-    The moments are rows (4, n_dof).
+    None does if they follow from equilibrium of degrees of freedom without other elements: hinges
+    at both ends, or a beam in place of a section across which a bolt is tightened. The moments are
+    rows (4, n_dof).
     """
     columns = np.unique(moments.indices)
     rows = K[columns]
@@ -215,26 +215,25 @@ def are_carried(moments: SparseMatrix, K: SparseMatrix) -> bool:
 
 
 def section_rows(assembly: Assembly, spec: BoltSpec) -> SparseMatrix | None:
-    """Return rows (6, 6 n_node) that take displacements to the forces of a section.
+    """Return rows (6, 6 n_node) of the section forces of a cut bolt per displacement.
 
     The axial force, tension positive, two forces across the axis, the moment about it, and the
-    bending moments about the same two directions, about the centre of the section. What the
-    elements of one side do to the nodes of the cut is what passes through it: nodal forces K_e u,
-    in balance with all else to round-off whatever the mesh. None of a bolt that is not cut through
-    solids.
+    bending moments about the same two directions, about the centre of the section. They are the
+    nodal forces K_e u of the elements on one side of the cut, in equilibrium with all others to
+    round-off on any mesh. None for a bolt that is not cut through solids.
 
     Notes
     -----
-    Free strains of the elements beside the cut, as of temperature, are not taken off.
+    Free strains of the elements beside the cut, as of temperature, are not subtracted.
     """
     spring = bolt_axis_element(assembly, spec)
     if not isinstance(spring, Spring) or spring.axis is None:
         return None
-    side = _side(assembly, spring)
+    side = _nodes_of_side(assembly, spring)
     if not len(side):
         return None
     ends, size = np.array(spring.axis), 6 * len(assembly.mesh.nodes)
-    weights = _weights(assembly.mesh.nodes[side] - ends.mean(axis=0), ends[1] - ends[0])
+    weights = _resultant_weights(assembly.mesh.nodes[side] - ends.mean(axis=0), ends[1] - ends[0])
     dofs = (6 * side[:, None] + np.arange(3)).ravel()
     which = np.repeat(np.arange(6), len(dofs))
     sums = sp.csr_array((weights.ravel(), (which, np.tile(dofs, 6))), shape=(6, size))
@@ -246,8 +245,8 @@ def section_rows(assembly: Assembly, spec: BoltSpec) -> SparseMatrix | None:
     return sp.csr_array(rows)
 
 
-def _side(assembly: Assembly, spring: Spring) -> Indices:
-    """Return the nodes of a cut that follow the other side and the end of its spring."""
+def _nodes_of_side(assembly: Assembly, spring: Spring) -> Indices:
+    """Return the nodes of a cut that follow the other side, and the end of its spring."""
     moving = spring.ends[1][0]
     followers = {
         equation.terms[0][0]
@@ -257,8 +256,8 @@ def _side(assembly: Assembly, spring: Spring) -> Indices:
     return np.array(sorted(followers), dtype=np.int64)
 
 
-def _weights(arms: Matrix, along: Vector) -> Matrix:
-    """Return what forces at places (n, 3) from the centre add to sums (6, n, 3)."""
+def _resultant_weights(arms: Matrix, along: Vector) -> Matrix:
+    """Return the matrices (6, n, 3) from forces at places (n, 3) to resultants at the centre."""
     normal = along / np.linalg.norm(along)
     first = np.cross(normal, np.eye(3)[np.abs(normal).argmin()])
     first /= np.linalg.norm(first)

@@ -1,4 +1,4 @@
-"""What a source says of a joint: the assembly, where it touches, its bolts and their forces."""
+"""The description of a joint by its source: assembly, interfaces, bolts and their forces."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,26 +11,26 @@ from faying.model.specs import BoltSpec, BoundarySpec, GapRule, InterfaceSpec
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class JointDescription:
-    """An assembly and what belongs to it.
+    """An assembly with its interfaces, bolts, boundaries and forces.
 
     Attributes
     ----------
     interfaces, bolts, boundaries
-        Those the source itself defines; a study overrides them by name and adds its own.
+        Those of the source; a study overrides them by name and adds others.
     preloads : [force]
-        Bolt name to the final force the source asks for.
+        Bolt name to the final force in the source.
     initial_forces : [force]
-        Bolt name to the force it is locked at, of bolts that the source gives a length.
+        Bolt name to the initial force, for bolts with a given length in the source.
     unlocked
-        Bolts of ``preloads`` that the source never locks: they pull with that force under any load.
+        Bolts of ``preloads`` that the source never locks: their force is constant under any load.
     initial_gaps : [length]
         Interface name to an offset added to the gap of the geometry.
     gap_rules
-        Interface name to what the source makes of the gap of the geometry.
+        Interface name to the rule of the source for the gap of the geometry.
     selected_load
-        Which of the assembly's loads the source applies, in the subcase or step that counts.
+        Load of the assembly that the source applies, in the selected subcase or step.
     has_joined_faces
-        Whether solids were cut at bolts or tied, so that faces that touch may be joined already.
+        Whether solids were cut at bolts or tied, so that touching faces may be joined already.
     """
 
     assembly: Assembly
@@ -47,7 +47,7 @@ class JointDescription:
 
 
 def check_surfaces(described: JointDescription, path: Path) -> None:
-    """Refuse a deck in which nothing has a surface that could touch another."""
+    """Refuse a deck without surfaces for contact."""
     assembly = described.assembly
     if not assembly.mesh.n_elements and not assembly.shells and assembly.matrices is None:
         refuse(

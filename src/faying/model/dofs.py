@@ -37,17 +37,17 @@ class DofMap(Frozen):
         return read_only(self.transformation[rows.ravel()].tocsr())
 
     def nodal(self, displacement: Matrix) -> Matrix:
-        """Expand free displacements (n_dof,) or (n_time, n_dof) to (..., n_node, 6)."""
+        """Return nodal displacements (..., n_node, 6) from free displacements (..., n_dof)."""
         rows = (self.transformation @ np.asarray(displacement).T).T
         return np.asarray(rows).reshape(*np.shape(displacement)[:-1], self.n_nodes, 6)
 
     def projected(self, matrix: SparseMatrix) -> SparseMatrix:
-        """Return Tᵀ A T (n_dof, n_dof) of a symmetric nodal matrix (6 n_node, 6 n_node)."""
+        """Return Tᵀ A T (n_dof, n_dof) for a symmetric nodal matrix (6 n_node, 6 n_node)."""
         projected = (self.transformation.T @ matrix @ self.transformation).tocsr()
         return ((projected + projected.T) * 0.5).tocsr()
 
     def index(self, nodes: Indices, components: Indices) -> Indices:
-        """Return the free indices of (node index, component) pairs."""
+        """Return the free indices of pairs of node index and component."""
         full = 6 * np.asarray(nodes, dtype=np.int64) + np.asarray(components, dtype=np.int64)
         position = np.full(6 * self.n_nodes, -1, dtype=np.int64)
         position[self.free] = np.arange(len(self.free))

@@ -1,8 +1,8 @@
-"""Elastic laws that differ between directions: stiffness of six strains, and its tensor.
+"""Anisotropic elastic laws: stiffness of six strains, and its tensor.
 
 The order is that of Nastran's MAT9: xx, yy, zz, xy, yz, zx, shear strains as angles γ = 2 ε.
-The angle is the work conjugate of its shear stress, so that the same 6 x 6 numbers
-fill the tensor σ_ij = C_ijkl ε_kl without factors.
+The angle is the work conjugate of its shear stress, so that the 6 x 6 numbers are entries of the
+tensor σ_ij = C_ijkl ε_kl without factors.
 """
 
 from collections.abc import Sequence
@@ -20,25 +20,25 @@ _PLACE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 
 
 def tensor(law: Law | Matrix) -> Matrix:
-    """Return C_ijkl (3, 3, 3, 3) of a law (6, 6)."""
+    """Return C_ijkl (3, 3, 3, 3) from a law (6, 6)."""
     matrix = np.asarray(law, dtype=float)
     return np.asarray(matrix[_PLACE[:, :, None, None], _PLACE[None, None]])
 
 
 def turned(law: Law | Matrix, axes: Matrix) -> Law:
-    """Return the law in the basic frame of one along axes (3, 3), rows that are its directions."""
+    """Return a law along axes (3, 3), the rows, as a law in the basic frame."""
     basic = np.einsum("pi,qj,rk,sl,pqrs->ijkl", axes, axes, axes, axes, tensor(law), optimize=True)
     rows, columns = np.array(_PAIRS).T
     return as_law(basic[rows[:, None], columns[:, None], rows, columns])
 
 
 def prevented(law: Law | Matrix, strain: Vector) -> Matrix:
-    """Return the stress (3, 3) of a strain (6,) in the order of the law."""
+    """Return the stress (3, 3) for a strain (6,) in the order of the law."""
     return np.asarray((np.asarray(law) @ strain)[_PLACE])
 
 
 def turned_strain(strain: Vector, axes: Matrix) -> Vector:
-    """Return the strain (6,) in the basic frame of one given along axes (rows)."""
+    """Return a strain along axes (rows) as a strain (6,) in the basic frame."""
     halves = np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
     rows, columns = np.array(_PAIRS).T
     basic = axes.T @ (strain * halves)[_PLACE] @ axes
@@ -46,7 +46,7 @@ def turned_strain(strain: Vector, axes: Matrix) -> Vector:
 
 
 def as_law(values: Matrix | Sequence[Sequence[float]]) -> Law:
-    """Return a law (6, 6) as a value that can be compared."""
+    """Return a law (6, 6) as nested tuples, which can be compared."""
     # Adding zero turns -0.0 into 0.0.
     return tuple(tuple(row) for row in (np.asarray(values, dtype=float) + 0.0).tolist())
 
@@ -60,7 +60,7 @@ def isotropic_law(youngs_modulus: float, poissons_ratio: float) -> Matrix:
 
 
 def orthotropic_law(moduli: Sequence[float], ratios: Sequence[float], shear: Matrix) -> Matrix:
-    """Return the law (6, 6) of engineering constants along its axes.
+    """Return the law (6, 6) for engineering constants along its axes.
 
     Moduli E1, E2, E3 and shear moduli G12, G23, G31 [force/length²]; ratios ν12, ν13, ν23: -ε2/ε1
     under σ1, and so on.
@@ -79,7 +79,7 @@ def orthotropic_law(moduli: Sequence[float], ratios: Sequence[float], shear: Mat
 
 
 def stable(law: Law | Matrix) -> bool:
-    """Whether a law (6, 6) is finite, symmetric, and any strain stores energy."""
+    """Return whether a law (6, 6) is finite, symmetric and positive definite."""
     matrix = np.asarray(law, dtype=float)
     if not np.isfinite(matrix).all() or not (np.diag(matrix) > 0).all():
         return False

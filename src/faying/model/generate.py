@@ -1,4 +1,4 @@
-"""Structured meshes: grids of bricks, split to other shapes, with mid-side nodes added."""
+"""Structured meshes: grids of bricks, divided into other shapes, with mid-side nodes."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from faying.model.elements import SOLIDS
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Cells:
-    """Nodes (n_node, 3) and the cells (n_cell, n_node_per_cell) of one kind between them."""
+    """Nodes (n_node, 3) and cells (n_cell, n_node_per_cell) of one kind."""
 
     kind: str
     nodes: Matrix
@@ -22,14 +22,14 @@ class Cells:
         return np.asarray(self.nodes[self.cells].mean(axis=1))
 
     def restricted(self, keep: Mask) -> "Cells":
-        """Return the cells where ``keep`` (n_cell,) holds, without the nodes nobody uses then."""
+        """Return the cells where ``keep`` (n_cell,) holds, without unused nodes."""
         used, cells = np.unique(self.cells[keep], return_inverse=True)
         shape = (int(np.count_nonzero(keep)), self.cells.shape[1])
         return Cells(kind=self.kind, nodes=self.nodes[used], cells=cells.reshape(shape))
 
 
 def brick_grid(x: Vector, y: Vector, z: Vector) -> Cells:
-    """Fill the box between increasing grid lines with hex8; z runs fastest."""
+    """Return hex8 cells between increasing grid lines of a box; z runs fastest."""
     nodes = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1).reshape(-1, 3)
     number = np.arange(len(nodes)).reshape(len(x), len(y), len(z))
     corners = [(a, b, c) for c in (0, 1) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
@@ -39,9 +39,9 @@ def brick_grid(x: Vector, y: Vector, z: Vector) -> Cells:
 
 
 def shaped(bricks: Cells, shape: str) -> Cells:
-    """Turn hex8 bricks into another kind of solid.
+    """Return another kind of solids from hex8 bricks, divided as the element defines.
 
-    Each brick is cut as the element says. Neighbours share the mid-side nodes of quadratic kinds.
+    Neighbours share the mid-side nodes of quadratic kinds.
 
     Raises
     ------
@@ -57,7 +57,7 @@ def shaped(bricks: Cells, shape: str) -> Cells:
 
 
 def with_midsides(linear: Cells, kind: str) -> Cells:
-    """Add the mid-side nodes of a quadratic kind to its corners, one for each edge of the mesh."""
+    """Return a quadratic kind from its corners, with a mid-side node for each edge of the mesh."""
     element = SOLIDS[kind]
     ends = np.array(mid_side_ends(kind))
     edges = np.sort(linear.cells[:, ends], axis=2).reshape(-1, 2)

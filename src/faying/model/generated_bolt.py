@@ -25,8 +25,8 @@ from faying.model.surface import facet_normals
 __all__ = ["add_bolt", "bolt_axis_element", "bolt_section"]
 
 # A facet bears the washer if it faces along the axis within 25° and lies off the bearing plane by
-# at most a fifth of the washer's radius: slightly curved or inclined seats are seats, hole walls
-# are not.
+# at most a fifth of the washer's radius: this includes slightly curved or inclined seats, but no
+# hole walls.
 _SMALLEST_COSINE = 0.9
 _LARGEST_OFFSET = 0.2
 
@@ -36,15 +36,14 @@ def add_bolt(assembly: Assembly, spec: BoltSpec) -> Assembly:
 
     The beam is a round bar of the given diameter between the centres of the two bearing surfaces.
     Each washer couples the nodes of the outward-facing facets within the washer radius, rigidly
-    (RBE2) or on average with equal weights (RBE3). The assembly returned has two more nodes, one
-    beam, two couplings, and masses of head and nut if they have any; ids follow the largest ones in
-    use.
+    (RBE2) or on average with equal weights (RBE3). The result has two more nodes, one beam, two
+    couplings, and masses of head and nut if they have any; ids follow the largest ones in use.
 
     Raises
     ------
     ModelError
-        If a measure is missing or not positive, no node lies under a washer, or nothing is
-        clamped because both washers hold one body with no other between them.
+        If a dimension is missing or not positive, no node lies under a washer, or nothing is
+        clamped because both washers are on one body with no other between them.
 
     Notes
     -----
@@ -81,9 +80,9 @@ def add_bolt(assembly: Assembly, spec: BoltSpec) -> Assembly:
 
 
 def seat_offset(mesh: Mesh, spec: BoltSpec) -> float:
-    """Return how far beside the axis the nodes under head and nut lie on average [length].
+    """Return the mean offset from the axis of the nodes under head and nut [length].
 
-    The larger of both. A seat of all the nodes around a hole has next to none.
+    The larger of both. It is nearly zero for a seat of all the nodes around a hole.
 
     Raises
     ------
@@ -106,7 +105,7 @@ def bolt_section(spec: BoltSpec, material: Material) -> BeamSection:
 
 
 def _ends(spec: BoltSpec) -> Matrix:
-    """Return the ends of the axis (2, 3), with all measures checked."""
+    """Return the ends of the axis (2, 3), after a check of all dimensions."""
     measures = {"diameter": spec.diameter, "washer_radius": spec.washer_radius}
     for name, value in measures.items():
         if value is None or not value > 0:
@@ -123,7 +122,7 @@ def _ends(spec: BoltSpec) -> Matrix:
 
 
 def _material(assembly: Assembly, spec: BoltSpec) -> Material:
-    """Look the bolt's material up by property id or name; default the first solid's."""
+    """Return the bolt's material by property id or name; by default the first solid's."""
     choice = spec.material
     if choice is None and assembly.mesh.n_elements:
         choice = int(assembly.mesh.element_properties[0])
@@ -141,7 +140,7 @@ def _material(assembly: Assembly, spec: BoltSpec) -> Material:
 
 
 def _seats(mesh: Mesh, spec: BoltSpec, ends: Matrix) -> tuple[Indices, Indices]:
-    """Find the nodes under the two washers."""
+    """Return the nodes under the two washers."""
     axis = (ends[1] - ends[0]) / np.linalg.norm(ends[1] - ends[0])
     cosines = facet_normals(mesh.nodes, mesh.exterior) @ axis
     first, second = (
@@ -152,9 +151,9 @@ def _seats(mesh: Mesh, spec: BoltSpec, ends: Matrix) -> tuple[Indices, Indices]:
 
 
 def _seat(mesh: Mesh, spec: BoltSpec, cosines: Vector, end: Vector, outward: Vector) -> Indices:
-    """Nodes within the washer radius of the axis, near the bearing plane at ``end``.
+    """Return the nodes within the washer radius of the axis, near the bearing plane at ``end``.
 
-    Of the facets that face outward along the axis, as cosines (n_facet,) of their normals tell.
+    From facets that face outward along the axis, by cosines (n_facet,) of their normals.
     """
     radius, labels, facets = spec.washer_radius or 0.0, mesh.bodies, mesh.exterior.nodes
     chosen = np.unique(facets[cosines >= _SMALLEST_COSINE])
@@ -171,7 +170,7 @@ def _seat(mesh: Mesh, spec: BoltSpec, cosines: Vector, end: Vector, outward: Vec
                 f"the nearest node of that surface is {radial[in_plane].min():.4g} from the axis; "
                 "enlarge the washer or refine the mesh"
             )
-        elif _lean(cosines[_touched(mesh, end, radius)]):
+        elif _are_inclined(cosines[_facets_within(mesh, end, radius)]):
             hint = "the surfaces there lie askew of the axis; turn it onto the normal of its seat"
         else:
             hint = "no surface lies there; move the end of the axis to the centre of the surface"
@@ -182,19 +181,19 @@ def _seat(mesh: Mesh, spec: BoltSpec, cosines: Vector, end: Vector, outward: Vec
     nodes, offset = nodes[under], offset[under]
     closest = np.full(labels.max() + 1, np.inf)
     np.minimum.at(closest, labels[nodes], offset)
-    # A seat of another body, as the next sheet of a thin stack, is farther away than rounding.
+    # Seats of other bodies, as the next sheet of a thin stack, are farther away than round-off.
     closest_plane: Mask = closest <= closest.min() + SHORT_DIGITS * radius
     return nodes[closest_plane[labels[nodes]]]
 
 
-def _touched(mesh: Mesh, centre: Vector, radius: float) -> Mask:
-    """Say which exterior facets (n_facet,) have a node within a radius [length] of a place."""
+def _facets_within(mesh: Mesh, centre: Vector, radius: float) -> Mask:
+    """Return the exterior facets (n_facet,) with a node within a radius [length] of a point."""
     facets = mesh.exterior.nodes
     distances = np.linalg.norm(mesh.nodes - centre, axis=1)
     within = (facets >= 0) & (distances[facets] <= radius)
     return np.asarray(within.any(axis=1))
 
 
-def _lean(cosines: Vector) -> bool:
-    """Say whether facets lean: none faces along the axis, and some not across it as in a hole."""
+def _are_inclined(cosines: Vector) -> bool:
+    """Return whether facets are inclined: none faces along the axis, and not all are hole walls."""
     return bool(len(cosines)) and 1 - _SMALLEST_COSINE < cosines.max() < _SMALLEST_COSINE

@@ -1,4 +1,4 @@
-"""What of an assembly holds nodes together, and which nodes hang together by it."""
+"""Connections between the nodes of an assembly, and the parts that they form."""
 
 from collections.abc import Collection
 from typing import Any
@@ -24,7 +24,7 @@ LINKS = {
 
 
 def joined_nodes(assembly: Assembly) -> list[tuple[Any, Indices]]:
-    """Return what joins several nodes, and these: masses at one of them join nothing."""
+    """Return what joins several nodes, with these nodes; masses at single nodes join nothing."""
     return [
         (member, linked_nodes(family, member))
         for family in LINKS
@@ -34,7 +34,7 @@ def joined_nodes(assembly: Assembly) -> list[tuple[Any, Indices]]:
 
 
 def linked_nodes(family: str, member: Any) -> Indices:
-    """Return the nodes that a member of a family holds."""
+    """Return the nodes of a member of a family of connections."""
     if family == "masses":
         return np.array([member.node], dtype=np.int64)
     if family in ("springs", "scalar_masses"):
@@ -46,7 +46,7 @@ def linked_nodes(family: str, member: Any) -> Indices:
 
 
 def connected_parts(assembly: Assembly, without: Collection[int] = ()) -> Indices:
-    """Label what hangs together by elements, couplings, equations, matrices and supports.
+    """Return labels of parts connected by elements, couplings, equations, matrices and supports.
 
     Contact and sticking areas connect nothing, nor do beams and springs whose ids are ``without``.
     There is a label for each node, and for the ground last (n_node + 1,).

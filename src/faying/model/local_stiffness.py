@@ -1,4 +1,4 @@
-"""Stiffness of a part of a structure, where all of it would say the same."""
+"""Stiffness of the part of a structure that determines some of its rows."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ from faying.model.matrices import assemble_matrices
 
 
 def stiffness_around(assembly: Assembly, dofs: DofMap, nodes: Mask) -> SparseMatrix:
-    """Return K (n_dof, n_dof) without the solids that have none of some nodes (n_node,).
+    """Return K (n_dof, n_dof) of all but the solids without any of some nodes (n_node,).
 
     Rows at these nodes are those of the whole K.
     """
@@ -28,7 +28,7 @@ def stiffness_around(assembly: Assembly, dofs: DofMap, nodes: Mask) -> SparseMat
 def rigid_stiffness(assembly: Assembly, dofs: DofMap) -> SparseMatrix:
     """Return K (n_dof, n_dof) without solids whose nodes are all free.
 
-    These resist no rigid motion of their body, so the energy of such motions is that of K.
+    These do not resist rigid motions of their body, so the energy of such motions is that of K.
     """
     T = dofs.transformation
     single = np.flatnonzero(np.diff(T.indptr) == 1)
@@ -41,7 +41,7 @@ def rigid_stiffness(assembly: Assembly, dofs: DofMap) -> SparseMatrix:
 
 
 def stiffness_at(assembly: Assembly, dofs: DofMap, nodes: Indices) -> SparseMatrix:
-    """Return K (n_dof, n_dof) with the rows of what moves some nodes, constraints included."""
+    """Return K (n_dof, n_dof) with all rows that move some nodes, constraints included."""
     T = dofs.transformation
     rows = (6 * nodes[:, None] + np.arange(6)).ravel()
     moving = np.zeros(T.shape[1], dtype=bool)

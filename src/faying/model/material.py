@@ -18,10 +18,10 @@ class Material:
     poissons_ratio : [-]
     density : [mass/length³]
     law : (6, 6) [force/length²]
-        Stiffness in the basic frame, see :mod:`faying.model.elastic_law`, where directions
-        differ; E and ν are its means then, by which contact is scaled. None if isotropic.
+        Anisotropic stiffness in the basic frame, see :mod:`faying.model.elastic_law`; E and ν are
+        then its means, which scale contact. None if isotropic.
     expansion : [1/temperature]
-        Coefficient of thermal expansion α; None where it is not known.
+        Coefficient of thermal expansion α; None if unknown.
 
     Examples
     --------
@@ -54,12 +54,12 @@ class Material:
 
     @classmethod
     def anisotropic(cls, law: Law | Matrix, *, density: float, name: str = "") -> "Material":
-        """Return a material whose directions differ, from its stiffness (6, 6).
+        """Return an anisotropic material from its stiffness (6, 6).
 
         Raises
         ------
         ModelError
-            If the stiffness is not symmetric, or some strain stores no energy.
+            If the stiffness is not symmetric, or not positive definite.
         """
         if not stable(law):
             label = f"material '{name}'" if name else "material"
@@ -83,7 +83,7 @@ class Material:
 
 
 class MaterialWishes(Protocol):
-    """Constants a study gives to a material; None leaves what the source says."""
+    """Material constants in a study; None keeps the constant of the source."""
 
     @property
     def E(self) -> float | None:
@@ -103,7 +103,7 @@ class MaterialWishes(Protocol):
 
 
 def overridden(material: Material, wishes: MaterialWishes) -> Material:
-    """Return a material with the constants that a study gives; E or nu make it isotropic."""
+    """Return a material with the constants of a study; E or nu make it isotropic."""
     return replace(
         material,
         law=material.law if wishes.E is None and wishes.nu is None else None,

@@ -28,7 +28,7 @@ class NodalMatrices:
     Attributes
     ----------
     M, C, K : (6 n_node, 6 n_node) sparse
-        Row 6 i + c is component c of node index i. ``C`` is None unless a matrix source gave one.
+        Row 6 i + c is component c of node index i. ``C`` is None unless given as a matrix.
     """
 
     M: SparseMatrix
@@ -55,7 +55,7 @@ class MassProperties(Frozen):
 
 
 def assemble_matrices(assembly: Assembly) -> NodalMatrices:
-    """Form M, C and K of Eq. (15.10): all elements, point masses, given matrices.
+    """Return M, C and K of Eq. (15.10): all elements, point masses, given matrices.
 
     Couplings, equations and supports are not applied.
 
@@ -67,28 +67,28 @@ def assemble_matrices(assembly: Assembly) -> NodalMatrices:
 
     Notes
     -----
-    Node pairs are found once per block and serve M and K; elements are integrated in batches, so
+    Node pairs are found once per block for M and K; elements are integrated in batches, so
     memory is a few times that of the matrices. 150 000 degrees of freedom of hex8 take about 2 s.
     """
     n_node = len(assembly.mesh.nodes)
     M, K = _discrete_matrices(assembly)
     C = None
     if assembly.matrices is not None:
-        M = M + _placed(assembly.matrices, assembly.matrices.M, "M", n_node)
-        K = K + _placed(assembly.matrices, assembly.matrices.K, "K", n_node)
+        M = M + _expand(assembly.matrices, assembly.matrices.M, "M", n_node)
+        K = K + _expand(assembly.matrices, assembly.matrices.K, "K", n_node)
         if assembly.matrices.C is not None:
-            C = _finished(_placed(assembly.matrices, assembly.matrices.C, "C", n_node))
+            C = _freeze(_expand(assembly.matrices, assembly.matrices.C, "C", n_node))
     for block in assembly.mesh.blocks:
         mass, stiffness = solid_matrices(assembly, block)
         M, K = M + mass, K + stiffness
-    return NodalMatrices(M=_finished(M), C=C, K=_finished(K))
+    return NodalMatrices(M=_freeze(M), C=C, K=_freeze(K))
 
 
 def mass_times(assembly: Assembly, motion: Matrix) -> Matrix:
-    """Return M u (n_node, 6) of motion u (n_node, 6) without forming the matrices of solids."""
+    """Return M u (n_node, 6) for motion u (n_node, 6) without forming the matrices of solids."""
     forces = (_discrete_matrices(assembly)[0] @ motion.ravel()).reshape(-1, 6)
     if assembly.matrices is not None:
-        placed = _placed(assembly.matrices, assembly.matrices.M, "M", len(motion))
+        placed = _expand(assembly.matrices, assembly.matrices.M, "M", len(motion))
         forces = forces + (placed @ motion.ravel()).reshape(-1, 6)
     for block in assembly.mesh.blocks:
         element = block_element(block, assembly.element)
@@ -105,7 +105,7 @@ def mass_times(assembly: Assembly, motion: Matrix) -> Matrix:
 
 
 def used_components(assembly: Assembly) -> Mask:
-    """Tell which of the 6 n_node degrees of freedom carry any stiffness or mass.
+    """Return which of the 6 n_node degrees of freedom have any stiffness or mass.
 
     Notes
     -----
@@ -118,7 +118,7 @@ def used_components(assembly: Assembly) -> Mask:
         for name in ("M", "C", "K"):
             matrix = getattr(assembly.matrices, name)
             if matrix is not None:
-                used |= _nonzero_rows(_placed(assembly.matrices, matrix, name, n_node))
+                used |= _nonzero_rows(_expand(assembly.matrices, matrix, name, n_node))
     for block in assembly.mesh.blocks:
         used[(6 * block.nodes.ravel()[:, None] + np.arange(3)).ravel()] = True
     return used
@@ -127,7 +127,7 @@ def used_components(assembly: Assembly) -> Mask:
 def mass_properties(assembly: Assembly) -> MassProperties:
     """Return mass, centre of mass and inertia of an assembly: rᵀ M r, without the mass matrix."""
     nodes = assembly.mesh.nodes
-    # Far from the origin the centre's share m r² would bury the inertia in rounding.
+    # Far from the origin the term m r² of the centre would leave round-off of the inertia.
     origin = np.asarray(nodes.mean(axis=0)) if len(nodes) else np.zeros(3)
     total, first, second = mass_moments(assembly, origin)
     rigid = np.zeros((6, 6))
@@ -138,7 +138,7 @@ def mass_properties(assembly: Assembly) -> MassProperties:
     rigid[3:, 3:] = np.trace(second) * np.eye(3) - second
     discrete = _discrete_matrices(assembly)[0]
     if assembly.matrices is not None:
-        discrete = discrete + _placed(assembly.matrices, assembly.matrices.M, "M", len(nodes))
+        discrete = discrete + _expand(assembly.matrices, assembly.matrices.M, "M", len(nodes))
     if discrete.nnz:
         motion = rigid_body_motions(nodes, origin)
         rigid += motion.T @ (discrete @ motion)
@@ -146,7 +146,7 @@ def mass_properties(assembly: Assembly) -> MassProperties:
 
 
 def _mass_properties(rigid: Matrix, origin: Vector) -> MassProperties:
-    """Return the mass about its centre, given rᵀ M r (6, 6) of the motions about an origin."""
+    """Return mass, centre and inertia about it from rᵀ M r (6, 6) of motions about an origin."""
     rigid = 0.5 * (rigid + rigid.T)
     mass = float(np.trace(rigid[:3, :3])) / 3
     if mass <= 0:
@@ -196,7 +196,7 @@ def solid_matrices(assembly: Assembly, block: CellBlock) -> tuple[SparseMatrix, 
 
 
 def _tensors(materials: Sequence[Material]) -> Matrix | None:
-    """Return the elastic tensors (n_material, 3, 3, 3, 3) if directions differ in one of them."""
+    """Return the elastic tensors (n_material, 3, 3, 3, 3) if one of them is anisotropic."""
     if all(material.law is None for material in materials):
         return None
     laws = [
@@ -209,7 +209,7 @@ def _tensors(materials: Sequence[Material]) -> Matrix | None:
 
 
 def _discrete_matrices(assembly: Assembly) -> tuple[SparseMatrix, SparseMatrix]:
-    """Mass and stiffness of beams, shells, bushes, springs and concentrated masses."""
+    """Return mass and stiffness of beams, shells, bushes, springs and point masses."""
     size = 6 * len(assembly.mesh.nodes)
     shape = (size, size)
     M, K = sp.csr_array(shape), sp.csr_array(shape)
@@ -217,29 +217,29 @@ def _discrete_matrices(assembly: Assembly) -> tuple[SparseMatrix, SparseMatrix]:
         beam_mass, beam_stiffness = beam_matrices(assembly.beams, assembly.mesh.nodes)
         ends = np.array([beam.nodes for beam in assembly.beams], dtype=np.int64)
         dofs = (6 * ends[:, :, None] + np.arange(6)).reshape(-1, 12)
-        M, K = M + _scattered(beam_mass, dofs, size), K + _scattered(beam_stiffness, dofs, size)
+        M, K = M + _scatter(beam_mass, dofs, size), K + _scatter(beam_stiffness, dofs, size)
     if assembly.masses:
         dofs = 6 * np.array([m.node for m in assembly.masses])[:, None] + np.arange(6)
-        M = M + _scattered(_point_masses(assembly), dofs, size)
+        M = M + _scatter(_point_masses(assembly), dofs, size)
     for n_end in (1, 2):
         bushes = [bush for bush in assembly.bushes if len(bush.nodes) == n_end]
         if bushes:
             bush_mass, bush_stiffness, dofs = bush_matrices(bushes, assembly.mesh.nodes)
-            M, K = M + _scattered(bush_mass, dofs, size), K + _scattered(bush_stiffness, dofs, size)
+            M, K = M + _scatter(bush_mass, dofs, size), K + _scatter(bush_stiffness, dofs, size)
     springs = [(spring.id, spring.ends, spring.stiffness) for spring in assembly.springs]
-    K = K + _scalar("spring", springs, size)
+    K = K + _scalar_matrix("spring", springs, size)
     masses = [(mass.id, mass.ends, mass.mass) for mass in assembly.scalar_masses]
-    M = M + _scalar("scalar mass", masses, size)
+    M = M + _scalar_matrix("scalar mass", masses, size)
     for block in assembly.shells:
         shell_mass, shell_stiffness = shell_matrices(assembly, block)
         M, K = M + shell_mass, K + shell_stiffness
     return M, K
 
 
-def _scalar(
+def _scalar_matrix(
     kind: str, elements: Sequence[tuple[int, tuple[tuple[int, int], ...], float]], size: int
 ) -> SparseMatrix:
-    """Sum what acts at one degree of freedom or on the difference of two."""
+    """Return the matrix of elements at one degree of freedom or on the difference of two."""
     total = sp.csr_array((size, size))
     for number, ends, _ in elements:
         if len(ends) not in (1, 2):
@@ -250,7 +250,7 @@ def _scalar(
             sign = np.array([1.0, -1.0])[:n_end]
             values = np.array([value for _, value in chosen])[:, None, None] * np.outer(sign, sign)
             dofs = np.array([[6 * node + c for node, c in ends] for ends, _ in chosen])
-            total = total + _scattered(values, dofs, size)
+            total = total + _scatter(values, dofs, size)
     return total
 
 
@@ -258,15 +258,15 @@ def _point_masses(assembly: Assembly) -> Matrix:
     result = np.zeros((len(assembly.masses), 6, 6))
     for matrix, point in zip(result, assembly.masses, strict=True):
         x, y, z = point.offset
-        # Velocity of the centre: that of the node and ω x offset.
+        # Velocity of the centre: velocity of the node plus ω x offset.
         motion = np.hstack([np.eye(3), [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]])
         matrix[:] = point.mass * motion.T @ motion
         matrix[3:, 3:] += point.inertia
     return result
 
 
-def _scattered(values: Matrix, dofs: Indices, size: int) -> SparseMatrix:
-    """Sum dense matrices (n, k, k) at their dofs (n, k); zeros are not stored."""
+def _scatter(values: Matrix, dofs: Indices, size: int) -> SparseMatrix:
+    """Return the sum of dense matrices (n, k, k) at their dofs (n, k), zeros not stored."""
     rows = np.broadcast_to(dofs[:, :, None], values.shape)
     columns = np.broadcast_to(dofs[:, None, :], values.shape)
     entry = values != 0
@@ -274,8 +274,8 @@ def _scattered(values: Matrix, dofs: Indices, size: int) -> SparseMatrix:
     return sp.coo_array((values[entry], indices), shape=(size, size)).tocsr()
 
 
-def _placed(block: MatrixBlock, matrix: SparseMatrix, name: str, n_node: int) -> SparseMatrix:
-    """Put a matrix of another program on the six dofs of every node."""
+def _expand(block: MatrixBlock, matrix: SparseMatrix, name: str, n_node: int) -> SparseMatrix:
+    """Return a matrix of another program on the six dofs of every node."""
     n_row = len(block.nodes)
     if matrix.shape != (n_row, n_row) or len(block.components) != n_row:
         refuse_model(
@@ -288,8 +288,8 @@ def _placed(block: MatrixBlock, matrix: SparseMatrix, name: str, n_node: int) ->
     return sp.coo_array((entries.data, indices), shape=(6 * n_node, 6 * n_node)).tocsr()
 
 
-def _finished(matrix: SparseMatrix) -> SparseMatrix:
-    """Sort the rows, use 32-bit indices where they suffice (solvers ask for them), and freeze."""
+def _freeze(matrix: SparseMatrix) -> SparseMatrix:
+    """Return a matrix with sorted rows, read-only, and 32-bit indices if possible, for solvers."""
     matrix.sort_indices()
     if max(*matrix.shape, matrix.nnz) < np.iinfo(np.int32).max:
         parts = (matrix.indices.astype(np.int32), matrix.indptr.astype(np.int32))

@@ -19,7 +19,7 @@ from faying.model.surface import WIDTH, Facets, padded, unique_rows
 
 @dataclass(frozen=True, eq=False)
 class Topology:
-    """Cells of solid elements, and what follows from the nodes that they share.
+    """Cells of solid elements, and the properties that follow from their shared nodes.
 
     Attributes
     ----------
@@ -34,8 +34,8 @@ class Topology:
     def bodies(self) -> Indices:
         """Connected component of each node (n,) up to the last that a cell has.
 
-        Elements belong together where they share a node. Body 0, 1, … in the order of the lowest
-        node; -1 for nodes of no cell. Linear in the number of cells.
+        Elements of one body share nodes. Body 0, 1, … in the order of the lowest node; -1 for nodes
+        of no cell. Linear in the number of cells.
         """
         n_node = max((int(block.nodes.max(initial=-1)) for block in self.blocks), default=-1) + 1
         labels: Indices = np.full(n_node, -1, dtype=np.int64)
@@ -60,7 +60,7 @@ class Topology:
 
     @cached_property
     def exterior(self) -> Facets:
-        """Facets that belong to one element only, and whose they are.
+        """Facets that belong to one element only, with their elements.
 
         Block by block, in the order of the elements' faces, by one sort of all facets.
         """
@@ -100,14 +100,14 @@ class Mesh:
     nodes : (n_node, 3) [length]
         Coordinates in the basic frame.
     node_ids : (n_node,)
-        Node ids as the user knows them.
+        Node ids of the user.
     blocks
         Solid elements, one block per kind (several blocks of one kind are allowed).
     node_sets, element_sets
         Names to node *indices* and to element *ids*.
     topology
-        What the cells are to each other, which copies of the mesh with the same blocks share;
-        made anew for other blocks.
+        Connectivity of the cells, shared by copies of the mesh with the same blocks, and formed
+        anew for other blocks.
     """
 
     nodes: Matrix
@@ -157,22 +157,22 @@ class Mesh:
     @property
     def element_ids(self) -> Indices:
         """Ids of all solid elements (n_element,), block by block."""
-        return _joined([block.ids for block in self.blocks])
+        return _concatenated([block.ids for block in self.blocks])
 
     @property
     def element_properties(self) -> Indices:
         """Property ids of all solid elements (n_element,), block by block."""
-        return _joined([block.properties for block in self.blocks])
+        return _concatenated([block.properties for block in self.blocks])
 
     def element_nodes(self, element_ids: Indices) -> Indices:
-        """Return the indices of the nodes of solid elements given by id, each once, sorted."""
+        """Return the sorted indices of the nodes of solid elements, by element ids."""
         used = np.zeros(len(self.nodes), dtype=bool)
         for block in self.blocks:
             used[block.nodes[np.isin(block.ids, element_ids)]] = True
         return np.flatnonzero(used)
 
     def node_index(self, node_ids: Indices) -> Indices:
-        """Return the indices of nodes given by id.
+        """Return the indices of nodes, by their ids.
 
         Raises
         ------
@@ -206,6 +206,6 @@ class Mesh:
         return replace(self, node_sets={**self.node_sets, name: frozen(nodes, np.int64)})
 
 
-def _joined(parts: Sequence[Indices]) -> Indices:
-    """Concatenate any number of index arrays, also none."""
+def _concatenated(parts: Sequence[Indices]) -> Indices:
+    """Return index arrays concatenated; empty if there are none."""
     return np.concatenate([np.empty(0, dtype=np.int64), *parts])

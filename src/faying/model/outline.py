@@ -1,4 +1,4 @@
-"""The edges of facets, and those that bound a surface."""
+"""Boundary edges of facets."""
 
 from collections.abc import Sequence
 
@@ -14,7 +14,7 @@ def outline_of(facets: Sequence[tuple[str, Indices]], points: Matrix) -> Matrix:
 
 
 def bounding_edges(facets: Sequence[tuple[str, Indices]]) -> Indices:
-    """Return the edges (n_edge, 2) of one facet only, of facets by kind and indices of points."""
+    """Return the edges (n_edge, 2) of single facets, given by kind and indices of points."""
     edges = [np.empty((0, 2), dtype=np.int64)]
     for kind, nodes in facets:
         ring = nodes[:, list(FACES[kind].ring)]

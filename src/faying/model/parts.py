@@ -1,4 +1,4 @@
-"""Parts of a structure: some of its bodies, properties or element sets, with what holds to them."""
+"""Parts of a structure: some bodies, properties or element sets, with their connections."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -22,12 +22,12 @@ from faying.model.specs import BoltSpec, BoundarySpec, Selection
 def part_of(
     described: JointDescription, parts: Sequence[str | int], without: Sequence[str | int]
 ) -> JointDescription:
-    """Return a joint of some of the bodies, and say what of the rest is left out.
+    """Return a joint of some of the bodies, with notes on everything that is left out.
 
     Solids are chosen by names of bodies or element sets, or by property ids. Beams, shells,
-    springs, masses, couplings and equations stay where they hold to a solid that remains; those of
-    a set in ``without`` go. Supports, loads, interfaces and bolts on what is left out go with it.
-    Everything remains if ``parts`` is empty.
+    springs, masses, couplings and equations stay if they are connected to a solid that stays; those
+    of a set in ``without`` are removed. Supports, loads, interfaces and bolts on removed parts are
+    removed with them. Everything stays if ``parts`` is empty.
 
     Notes
     -----
@@ -58,9 +58,9 @@ def elements_named(
     names: Sequence[str | int],
     where: str = "parts and without of [model]",
 ) -> Indices:
-    """Return the ids of the elements that names of bodies or sets, or property ids, stand for.
+    """Return the ids of elements from names of bodies or sets, or property ids.
 
-    ``where`` says in messages what gives the names.
+    ``where`` tells in messages where the names come from.
     """
     mesh = assembly.mesh
     parts = [np.empty(0, dtype=np.int64)]
@@ -88,7 +88,7 @@ def elements_named(
 
 @dataclass(frozen=True, eq=False)
 class _Links:
-    """What holds nodes together: a number, a name, and the nodes of each, one pair a row."""
+    """Connections between nodes: number, name, and nodes of each, one pair a row."""
 
     link: Indices
     node: Indices
@@ -97,7 +97,7 @@ class _Links:
 
 
 class _Cut:
-    """Where a structure is cut, and what stays."""
+    """The parts of a structure that are removed, and those that stay."""
 
     def __init__(self, whole: Assembly, solids: Sequence[Mask], dropped: Indices) -> None:
         self.whole, self.solids = whole, solids
@@ -143,7 +143,7 @@ class _Cut:
         return _Links(link=link, node=node, names=names, n=n)
 
     def _ids(self) -> Indices:
-        """Element ids of the links; -1 of what is no element."""
+        """Element ids of the links; -1 for links that are not elements."""
         elements = ("beams", "bushes", "springs", "masses", "scalar_masses")
         ids = [
             member.id if name in elements else -1
@@ -155,7 +155,7 @@ class _Cut:
         )
 
     def _held(self, inside: Mask, chosen: Mask) -> Mask:
-        """Tell which links hold to a solid that remains, through others and not through cuts."""
+        """Return the links connected to a solid that stays, through others but not through cuts."""
         n_node, links = len(inside), self.links
         rows, columns = [links.link + n_node], [links.node]
         for block, mask in zip(self.whole.mesh.blocks, self.solids, strict=True):
@@ -174,7 +174,7 @@ class _Cut:
         return np.asarray(solid[label[n_node:]])
 
     def _trimmable(self) -> Mask:
-        """Tell which rigid couplings keep their reference and some other nodes."""
+        """Return the rigid couplings that keep their reference and some other nodes."""
         first = sum(len(self.families[name]) for name in list(LINKS)[:5])
         result = np.zeros(self.links.n, dtype=bool)
         for i, coupling in enumerate(self.whole.rigid_couplings):
@@ -183,7 +183,7 @@ class _Cut:
         return result
 
     def refuse_ties(self) -> None:
-        """Refuse what ties a node that remains to one that is left out."""
+        """Refuse ties between nodes that stay and nodes that are removed."""
         ties = np.flatnonzero(self.crossing)
         if ties.size:
             shown = listed(self.links.names[i] for i in ties.tolist())
@@ -193,7 +193,7 @@ class _Cut:
             )
 
     def assembly(self) -> Assembly:
-        """Return what remains."""
+        """Return the assembly of all that stays."""
         whole, first = self.whole, 0
         families: dict[str, Any] = {}
         for name, family in self.families.items():
@@ -253,7 +253,7 @@ class _Cut:
         return left
 
     def notes(self) -> list[str]:
-        """Return what is left out, in numbers."""
+        """Return notes on the removed parts, with their numbers."""
         removed = sum(int((~mask).sum()) for mask in self.solids)
         lines = [f"{removed} of {self.whole.mesh.n_elements} solids"]
         if self.through:
@@ -272,20 +272,20 @@ class _Cut:
 def remaining_joint(
     described: JointDescription, assembly: Assembly, notes: list[str]
 ) -> JointDescription:
-    """Return what the source says of the joint without what is no longer there.
+    """Return the description of a joint without its removed parts.
 
-    The assembly is what remains of the structure of the whole joint described; what goes is
-    appended to the notes.
+    ``assembly`` is the remaining structure of the whole joint; removed interfaces, bolts and others
+    are appended to the notes.
 
     Raises
     ------
     ModelError
-        If a bolt remains in part.
+        If a part of a bolt is removed.
     """
     whole = described.assembly
     interfaces = []
     for spec in described.interfaces:
-        lost = [side for side in (spec.minus, spec.plus) if not _remains(side, whole, assembly)]
+        lost = [side for side in (spec.minus, spec.plus) if not _has_side(side, whole, assembly)]
         if lost:
             notes.append(f"interface '{spec.name}'")
             continue
@@ -297,9 +297,9 @@ def remaining_joint(
                 if left < len(faces.nodes):
                     count = len(faces.nodes) - left
                     notes.append(f"{count} of {len(faces.nodes)} faces of '{side}' ({spec.name})")
-    bolts = [bolt for bolt in described.bolts if _tightened(bolt, assembly)]
+    bolts = [bolt for bolt in described.bolts if _has_bolt(bolt, assembly)]
     notes += [f"bolt '{bolt.name}'" for bolt in described.bolts if bolt not in bolts]
-    boundaries = [boundary for boundary in described.boundaries if _entered(boundary, assembly)]
+    boundaries = [boundary for boundary in described.boundaries if _has_set(boundary, assembly)]
     notes += [f"boundary '{b.name}'" for b in described.boundaries if b not in boundaries]
     named = {spec.name for spec in interfaces}
     tight = {bolt.name for bolt in bolts}
@@ -319,8 +319,8 @@ def remaining_joint(
     )
 
 
-def _remains(side: Selection, whole: Assembly, assembly: Assembly) -> bool:
-    """Whether anything is left of a side that was there."""
+def _has_side(side: Selection, whole: Assembly, assembly: Assembly) -> bool:
+    """Return whether any part of an existing side remains."""
     mesh = assembly.mesh
     if isinstance(side, str):
         named_sets = (whole.face_sets, whole.mesh.element_sets, whole.mesh.node_sets)
@@ -331,8 +331,8 @@ def _remains(side: Selection, whole: Assembly, assembly: Assembly) -> bool:
     return bool(np.isin(mesh.element_ids, np.array(side)).any())
 
 
-def _tightened(bolt: BoltSpec, assembly: Assembly) -> bool:
-    """Whether all elements of a bolt remain, and not some."""
+def _has_bolt(bolt: BoltSpec, assembly: Assembly) -> bool:
+    """Return whether all elements of a bolt remain; refuse bolts in part."""
     if bolt.elements is None:
         return True
     ids = {beam.id for beam in assembly.beams} | {spring.id for spring in assembly.springs}
@@ -345,7 +345,7 @@ def _tightened(bolt: BoltSpec, assembly: Assembly) -> bool:
     return bool(left)
 
 
-def _entered(boundary: BoundarySpec, assembly: Assembly) -> bool:
+def _has_set(boundary: BoundarySpec, assembly: Assembly) -> bool:
     if boundary.set is not None:
         return boundary.set in assembly.mesh.node_sets
     return True

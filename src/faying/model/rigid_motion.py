@@ -1,4 +1,4 @@
-"""Motions of a structure that no stiffness resists while every body stays rigid."""
+"""Free motions of a structure with rigid bodies, which no stiffness resists."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,17 +21,17 @@ MOST_UNKNOWNS = 2000
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FreeMotions:
-    """What can move freely.
+    """The free motions of a structure.
 
     Attributes
     ----------
     motions : (n_dof, n_motion)
-        Displacements at the free degrees of freedom without strain energy, orthonormal: how far
-        each node moves in them all does not depend on what they are found from.
+        Displacements at the free degrees of freedom without strain energy, orthonormal: the size
+        of each node's motion in all of them is unique.
     labels : (n_node,)
-        Rigid part each node belongs to, -1 for single nodes.
+        Rigid part of each node, -1 for single nodes.
     searched
-        False where there are too many parts to look for motions.
+        False where there are too many parts for a search.
     """
 
     motions: Matrix
@@ -40,19 +40,19 @@ class FreeMotions:
 
 
 def free_motions(assembly: Assembly, dofs: DofMap, K: SparseMatrix) -> FreeMotions:
-    """Find the motions without strain energy in which every body moves as a rigid one.
+    """Return the motions without strain energy in which every body is rigid.
 
-    These are all the mechanisms a structure can have, but hinges inside a body. Contact and initial
-    forces hold nothing. K (n_dof, n_dof) is that at the free degrees of freedom.
+    These are all mechanisms of a structure except hinges inside a body. Contact and initial forces
+    hold nothing. K (n_dof, n_dof) is at the free degrees of freedom.
 
     Notes
     -----
     The unknowns are six per body, and the degrees of freedom of nodes of beams, springs and
     couplings; given matrices count as one body per connected part. One dense eigenvalue problem;
-    with more than 2000 unknowns nothing is looked for.
+    with more than 2000 unknowns there is no search.
     """
     labels = rigid_parts(assembly)
-    shapes = _shapes(assembly, dofs, labels)
+    shapes = _rigid_shapes(assembly, dofs, labels)
     if not 0 < shapes.shape[1] <= MOST_UNKNOWNS:
         nothing = np.zeros((len(dofs.free), 0))
         return FreeMotions(
@@ -68,7 +68,7 @@ def free_motions(assembly: Assembly, dofs: DofMap, K: SparseMatrix) -> FreeMotio
 
 
 def whole_motions(points: Matrix, free: Indices, K: SparseMatrix) -> Matrix:
-    """Return the motions (n_dof, n <= 6) of all as one rigid body that no stiffness resists.
+    """Return the free motions (n_dof, n <= 6) of the structure as one rigid body.
 
     Points are (n_node, 3), free degrees of freedom rows 6 i + c (n_dof,); K (n_dof, n_dof) is that
     of the structure, or without solids that resist no rigid motion.
@@ -83,7 +83,7 @@ def whole_motions(points: Matrix, free: Indices, K: SparseMatrix) -> Matrix:
     resisted = (K @ motions) / np.where(entries > 0, entries, 1.0)[:, None]
     _, size, ways = np.linalg.svd(np.linalg.qr(resisted, mode="r"))
     size = np.append(size, np.zeros(6))[:6]
-    # Motions that are none, as turns about a line of nodes, meet no resistance either.
+    # Zero motions, as rotations about a line of nodes, meet no resistance either.
     # A grounded spring at one node resists by its stiffness over that of the elements there.
     whole = motions @ ways[size < ROUND_OFF].T
     left, seen, _ = np.linalg.svd(whole, full_matrices=False)
@@ -92,10 +92,10 @@ def whole_motions(points: Matrix, free: Indices, K: SparseMatrix) -> Matrix:
 
 
 def rigid_parts(assembly: Assembly, cuts: Sequence[Indices] = ()) -> Indices:
-    """Label what deforms as a whole: bodies of solids, shells, connected parts of given matrices.
+    """Return labels of rigid parts: bodies of solids, shells, connected parts of given matrices.
 
-    A node of several belongs to the first; a hinge between them costs no energy. What matrices have
-    directly between the two nodes of a cut connects nothing.
+    A node of several parts belongs to the first; a hinge between them costs no energy. Entries of
+    matrices directly between the two nodes of a cut connect nothing.
     """
     labels = _with_shells(assembly, np.array(assembly.mesh.bodies))
     block = assembly.matrices
@@ -115,12 +115,12 @@ def rigid_parts(assembly: Assembly, cuts: Sequence[Indices] = ()) -> Indices:
 
 
 def _surfaces(assembly: Assembly) -> list[ShellBlock]:
-    """Return the shells that hold rotations; shear panels move in more than rigid ways."""
+    """Return the shells that resist rotations; shear panels have more motions than rigid ones."""
     return [block for block in assembly.shells if block.kind != PANEL]
 
 
 def _with_shells(assembly: Assembly, labels: Indices) -> Indices:
-    """Label the shells that share nodes with one another, where no solid has them."""
+    """Return labels with those of connected shells added, at nodes without solids."""
     if not _surfaces(assembly):
         return labels
     n_node = len(labels)
@@ -128,7 +128,7 @@ def _with_shells(assembly: Assembly, labels: Indices) -> Indices:
         [np.roll(block.nodes, 1, axis=1).ravel() for block in _surfaces(assembly)]
     )
     second = np.concatenate([block.nodes.ravel() for block in _surfaces(assembly)])
-    # Shells that meet at a solid only may turn there one by one.
+    # Shells that are connected by a solid alone may rotate there separately.
     apart = (labels[first] < 0) & (labels[second] < 0)
     ends = (first[apart], second[apart])
     graph = sp.csr_array((np.ones(len(ends[0]), dtype=np.int8), ends), shape=(n_node, n_node))
@@ -139,8 +139,8 @@ def _with_shells(assembly: Assembly, labels: Indices) -> Indices:
     return labels
 
 
-def _shapes(assembly: Assembly, dofs: DofMap, labels: Indices) -> SparseMatrix:
-    """Rigid motions of all parts and unit motions of all else (n_dof, n_unknown)."""
+def _rigid_shapes(assembly: Assembly, dofs: DofMap, labels: Indices) -> SparseMatrix:
+    """Return rigid motions of all parts and unit motions of all others (n_dof, n_unknown)."""
     node, component = np.divmod(dofs.free, 6)
     # Solids do not resist rotations of their nodes, shells do, given matrices may.
     turning = np.full(len(labels), assembly.matrices is not None)
@@ -152,17 +152,17 @@ def _shapes(assembly: Assembly, dofs: DofMap, labels: Indices) -> SparseMatrix:
     n_column = len(single)
     for label in range(int(labels.max(initial=-1)) + 1):
         rows = np.flatnonzero(rigid & (labels[node] == label))
-        motions = _independent(assembly.mesh.nodes[node[rows]], component[rows])
+        motions = _independent_motions(assembly.mesh.nodes[node[rows]], component[rows])
         columns = np.broadcast_to(n_column + np.arange(motions.shape[1]), motions.shape)
         groups.append((rows, motions, columns))
         n_column += motions.shape[1]
-    return _of_groups(groups, (len(node), n_column))
+    return _group_matrix(groups, (len(node), n_column))
 
 
-def _of_groups(
+def _group_matrix(
     groups: list[tuple[Indices, Matrix, Indices]], shape: tuple[int, int]
 ) -> SparseMatrix:
-    """Return the matrix of groups of rows, the entries of each group and their columns."""
+    """Return a sparse matrix from groups of rows, with entries and columns of each group."""
     count = np.zeros(shape[0], dtype=np.int64)
     for rows, values, _ in groups:
         count[rows] = values.shape[1]
@@ -174,8 +174,8 @@ def _of_groups(
     return sp.csr_array((data, indices, start), shape=shape)
 
 
-def _independent(points: Matrix, components: Indices) -> Matrix:
-    """Rigid motions at the given components (n, k <= 6), those that differ there."""
+def _independent_motions(points: Matrix, components: Indices) -> Matrix:
+    """Return independent rigid motions at the given components (n, k <= 6)."""
     if not len(points):
         return np.zeros((0, 0))
     motions = rigid_motions(points, components, points.mean(axis=0))

@@ -1,10 +1,10 @@
 """Mass and stiffness of shells and shear panels, and the sparsity of a block of elements.
 
-Shear panels are parallelograms that carry shear along their sides and nothing else. The shear flow
-q is the same on all sides; half the force of a side goes to either corner. Stresses
-are uniform with no normal part on any side, and their energy gives the flexibility c of the panel:
-q = f · u / c with the nodal forces f of the unit flow, K = f fᵀ / c. For parallelograms this is
-the panel of S. J. Garvey, "The quadrilateral shear panel", Aircraft Engineering 23 (1951) 134-135.
+Shear panels are parallelograms that carry only shear along their sides. The shear flow q is the
+same on all sides; half the force of a side acts at either corner. Stresses are uniform, without
+normal stress on any side, and their energy gives the flexibility c of the panel: q = f · u / c with
+the nodal forces f of the unit flow, K = f fᵀ / c. For parallelograms this is the panel of S. J.
+Garvey, "The quadrilateral shear panel", Aircraft Engineering 23 (1951) 134-135.
 """
 
 from collections.abc import Callable, Iterator
@@ -44,9 +44,9 @@ class NodePairs:
     ----------
     rows_start : (n_node + 1,)
     columns : (n_pair,)
-        Compressed rows of the pairs.
+        Pairs in compressed rows.
     slots : (n_cell, n_node_per_cell²)
-        Which pair each pair of an element's nodes is.
+        Number of the pair for each two nodes of an element.
     """
 
     rows_start: Indices
@@ -55,7 +55,7 @@ class NodePairs:
 
     @staticmethod
     def of(cells: Indices, n_node: int) -> "NodePairs":
-        """Find the pairs of a block of cells (n_cell, n_node_per_cell)."""
+        """Return the pairs of a block of cells (n_cell, n_node_per_cell)."""
         keys = (cells[:, :, None] * n_node + cells[:, None, :]).reshape(len(cells), -1)
         unique, slots = np.unique(keys, return_inverse=True)
         start = np.searchsorted(unique, np.arange(n_node + 1, dtype=np.int64) * n_node)
@@ -99,7 +99,7 @@ class NodePairs:
 
 
 def _on_six(matrix: SparseMatrix, n_node: int) -> SparseMatrix:
-    """Spread a matrix of three dofs per node over six."""
+    """Return a matrix of three dofs per node on six dofs per node."""
     index_type = matrix.indices.dtype
     columns = (matrix.indices + 3 * (matrix.indices // 3)).astype(index_type)
     counts = np.zeros((n_node, 6), dtype=np.int64)
@@ -108,14 +108,14 @@ def _on_six(matrix: SparseMatrix, n_node: int) -> SparseMatrix:
     return sp.csr_array((matrix.data, columns, start), shape=(6 * n_node, 6 * n_node))
 
 
-# Relative difference of opposite sides that five digits of coordinates leave.
+# Relative difference of opposite sides for coordinates of five digits.
 _PARALLEL = 1e-4
 
 
 def panel_matrices(local: Matrix, laws: ElementLaws, ids: Indices) -> tuple[Matrix, Matrix]:
     """Return mass and stiffness (n, 24, 24) of shear panels in their local frames.
 
-    Corners in the frame of each are (n, 4, 3) [length].
+    Corners in the frame of each panel are (n, 4, 3) [length].
     """
     first, second = local[:, 1] - local[:, 0], local[:, 3] - local[:, 0]
     skew = local[:, 2] - local[:, 0] - first - second
@@ -127,7 +127,7 @@ def panel_matrices(local: Matrix, laws: ElementLaws, ids: Indices) -> tuple[Matr
             "are parallel, or use shells"
         )
     area = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-    # With x along the first side, no normal stress on either side and a unit flow along both.
+    # With x along the first side, zero normal stress on both sides and a unit flow along both.
     stress = np.zeros((len(local), 3))
     stress[:, 0], stress[:, 2] = 2 * second[:, 0] / second[:, 1], 1.0
     strain = np.linalg.solve(laws.stiffness[:, :3, :3], stress[..., None])[..., 0]
@@ -175,7 +175,7 @@ def shell_matrices(assembly: Assembly, block: ShellBlock) -> tuple[SparseMatrix,
 def shell_stiffness(
     assembly: Assembly, block: ShellBlock
 ) -> Iterator[tuple[slice, Matrix, Matrix]]:
-    """Yield shells, places (n, n_node, 3) of their surface and stiffness (n, node, node, 6, 6)."""
+    """Yield shells, positions (n, n_node, 3), and stiffness (n, node, node, 6, 6)."""
     for part in pieces(len(block.ids), (6 * block.nodes.shape[1]) ** 2):
         places = assembly.mesh.nodes[block.nodes[part]]
         if block.kind in CURVED_SHELLS:
@@ -201,7 +201,7 @@ def _flat(assembly: Assembly, block: ShellBlock, part: slice) -> tuple[Matrix, M
         mass, stiffness = panel_matrices(local, laws, block.ids[part])
     else:
         mass, stiffness = flat_matrices(block.kind, local[..., :2], laws)
-    # Arms from the nodes to the flat surface and on to where the section refers to.
+    # Arms from the nodes to the flat surface, and from there to the reference surface.
     rise = block.offsets[part, None] - local[..., 2]
     motion = carried(frames, rise[..., None] * frames[:, None, 2])
     return on_nodes(mass, motion), on_nodes(stiffness, motion)
@@ -216,7 +216,7 @@ def _curved(assembly: Assembly, block: ShellBlock, part: slice) -> tuple[Matrix,
     tables = {}
     for name, rule in CURVED_SHELLS[block.kind].rules.items():
         points = points_of(rule, coordinates + arms)
-        # A surface that turns over within an element has normals that point apart.
+        # A surface folded over within an element has normals in opposite directions.
         along = np.einsum("eqc,eic->eqi", points.frames[:, :, 2], director)
         check_area((along > 0).all(axis=(1, 2)) & (points.area > 0).all(axis=1), ids)
         laws = laws_in(block, part, points.frames, assembly.shell_sections)

@@ -1,4 +1,4 @@
-"""Shells as values: blocks of elements and the sections they have."""
+"""Shells: blocks of elements and their sections."""
 
 from dataclasses import dataclass, replace
 
@@ -9,20 +9,20 @@ from faying._typing import Frozen, Indices, Mask, Matrix, Vector
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ShellSection(Frozen):
-    """What a shell resists per unit of its reference surface, in the axes of its material.
+    """Stiffness and mass of a shell per reference area, in the axes of its material.
 
     Attributes
     ----------
     stiffness : (6, 6) [force/length], [force], [force·length]
-        Forces (Nxx, Nyy, Nxy) and moments (Mxx, Myy, Mxy) per length of the strains
+        Forces (Nxx, Nyy, Nxy) and moments (Mxx, Myy, Mxy) per length for the strains
         (εxx, εyy, γxy) and curvatures (κxx, κyy, 2 κxy); membrane, coupling and bending blocks.
     shear : (2, 2) [force/length]
-        Transverse shear forces of shear strains (γxz, γyz); None is rigid in shear.
+        Transverse shear forces for shear strains (γxz, γyz); None is rigid in shear.
     mass : [mass/length²]
     inertia : [mass]
         Rotary inertia about axes in the surface, ∫ ρ z² dz.
     materials
-        Names of the materials in it.
+        Names of its materials.
     """
 
     stiffness: Matrix
@@ -40,15 +40,15 @@ class ShellBlock(Frozen):
     ----------
     kind
         ``"tri3"``, ``"quad4"``, ``"tri6"``, ``"quad8"``: corners, then mid-sides, in a cycle; the
-        normal is that of the right-hand rule. ``"panel4"`` carries shear along its sides alone.
+        normal follows the right-hand rule. ``"panel4"`` carries shear along its sides alone.
     nodes : (n_shell, n_node_per_shell)
     ids, properties : (n_shell,)
         Property ids name the section through ``Assembly.shell_sections``.
     offsets : (n_shell,) [length]
         From the nodes to the reference surface along the normal.
     directions : (n_shell, 3)
-        Vectors whose projections on the surface are the material's x axes; zero where the
-        first side is.
+        Vectors whose projections on the surface are the material's x axes; zero for an x axis
+        along the first side.
     """
 
     kind: str
@@ -72,13 +72,13 @@ def plane_stress(youngs_modulus: float, poissons_ratio: float) -> Matrix:
 
 
 def turned_law(law: Matrix, angle: Vector) -> Matrix:
-    """Return a law (n, 3, 3) of plane strains in axes that its own lead by angles (n,) [rad]."""
+    """Return laws (n, 3, 3) of plane strains in axes behind the material's by angles (n,) [rad]."""
     T = strain_rotation(angle)
     return np.asarray(T.swapaxes(-1, -2) @ law @ T)
 
 
 def strain_rotation(angle: Vector) -> Matrix:
-    """Strains (εxx, εyy, γxy) in axes turned by an angle, per those before: (n, 3, 3)."""
+    """Return the map of strains (εxx, εyy, γxy) to axes turned by an angle (n, 3, 3)."""
     c, s = np.cos(angle), np.sin(angle)
     rows = [
         [c * c, s * s, c * s],

@@ -1,4 +1,4 @@
-"""Cells of solids without their matrices: what is checked of them, and their rigid-body mass."""
+"""Checks and rigid-body mass of solid cells, without their matrices."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from faying.model.surface import unique_rows
 
 
 def materials_of(assembly: Assembly, block: CellBlock) -> tuple[list[Material], Indices]:
-    """Return the materials of a block and which of them each element has."""
+    """Return the materials of a block, and the index of each element's material."""
     properties, which = np.unique(block.properties, return_inverse=True)
     for position, number in enumerate(properties.tolist()):
         if number not in assembly.materials:
@@ -28,7 +28,7 @@ def materials_of(assembly: Assembly, block: CellBlock) -> tuple[list[Material], 
 
 
 def check_nodes(block: CellBlock, element: SolidElement, n_node: int) -> None:
-    """Refuse cells that have not the nodes of their element."""
+    """Refuse cells with another number of nodes than their element."""
     if block.nodes.ndim != 2 or block.nodes.shape[1] != element.n_nodes:
         refuse_model(
             f"a block of {block.kind} elements has nodes of shape {block.nodes.shape}; "
@@ -44,7 +44,7 @@ def check_nodes(block: CellBlock, element: SolidElement, n_node: int) -> None:
 
 
 def check_cells(assembly: Assembly) -> None:
-    """Refuse solids that no matrix could be formed of."""
+    """Refuse solids whose matrices cannot be formed."""
     for block in assembly.mesh.blocks:
         element = block_element(block, assembly.element)
         check_nodes(block, element, len(assembly.mesh.nodes))
@@ -55,7 +55,7 @@ def check_cells(assembly: Assembly) -> None:
 
 
 def tangled(assembly: Assembly) -> str:
-    """Name solids that are inside out at a corner alone; nothing where there are none."""
+    """Return a message on solids inverted at a corner alone; empty if there are none."""
     ids: list[int] = []
     for block in assembly.mesh.blocks:
         element = block_element(block, assembly.element)
@@ -71,7 +71,7 @@ def tangled(assembly: Assembly) -> str:
 
 
 def _check_once(assembly: Assembly) -> None:
-    """Refuse two cells of the same corners, whose stiffness and mass would count twice."""
+    """Refuse two cells on the same corners, whose stiffness and mass would count twice."""
     blocks = assembly.mesh.blocks
     corners = [
         block.nodes[:, : block_element(block, assembly.element).n_corners] for block in blocks
@@ -93,7 +93,7 @@ def _check_once(assembly: Assembly) -> None:
 def mass_moments(assembly: Assembly, origin: Vector) -> tuple[float, Vector, Matrix]:
     """Return ∫ρ dV, ∫ρ x dV (3,) and ∫ρ x xᵀ dV (3, 3) of all solids, x from an origin.
 
-    Integrated as the mass matrix is, so it is that matrix's share at rigid motions.
+    Integrated like the mass matrix, so that both agree for rigid motions.
     """
     moments = np.zeros((4, 4))
     for block in assembly.mesh.blocks:

@@ -1,4 +1,4 @@
-"""What a user, or a deck, says beyond the structure: interfaces, bolts, boundaries, gaps."""
+"""Specifications in a study or a deck: interfaces, bolts, boundaries, gaps."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ Selection = str | int | Sequence[int]
 
 @dataclass(frozen=True, kw_only=True)
 class InterfaceSpec:
-    """Where two bodies touch.
+    """Specification of the contact between two bodies.
 
     Attributes
     ----------
@@ -22,7 +22,7 @@ class InterfaceSpec:
         The two sides; ``"auto"`` on both finds all coincident facets of different bodies.
     meshes
         ``"matching"`` facets touch node on node (zero-thickness elements); ``"non-matching"`` ones
-        are coupled by mortar projection, minus being the side that carries the contact points.
+        are coupled by mortar projection, with the contact points on the minus side.
     quadrature
         ``"gauss"`` or ``"nodal"``; None is Gauss for penalty contact and nodal for hard contact.
     order
@@ -35,16 +35,16 @@ class InterfaceSpec:
         Curve of pressure over closure in place of a penalty, as
         :class:`faying.contact.laws.ExponentialClosure`.
     friction
-        Coulomb's coefficient μ; 0 lets the surfaces slide freely.
+        Coulomb's coefficient μ; 0 is frictionless.
     tangential_penalty
-        Stiffness c_t [force/length³] by which points hold on that stick; ``"auto"`` is Mindlin's
-        ratio times the contact stiffness, c_n 2 (1 − ν)/(2 − ν), of a curve its ``stiffness``.
+        Tangential stiffness c_t [force/length³] of sticking points; ``"auto"`` is Mindlin's ratio
+        times the contact stiffness, c_n 2 (1 − ν)/(2 − ν), with the ``stiffness`` of a curve.
     tolerance
-        Largest distance [length] between nodes that touch, of non-matching meshes between the
+        Largest distance [length] between touching nodes, for non-matching meshes between the
         surfaces; None is 1 % of the smallest facet edge.
     search_distance
-        Largest gap [length] across which facets that see each other are paired, ``inf`` for any;
-        None pairs only those that touch. Surfaces that a deck declares to be in contact have one.
+        Largest gap [length] across which facing facets are paired, ``inf`` for any; None pairs
+        touching facets only. Contact surfaces declared in a deck have one.
 
     Examples
     --------
@@ -72,17 +72,17 @@ class InterfaceSpec:
 
 @dataclass(frozen=True, kw_only=True)
 class BoltSpec:
-    """A bolt to be tightened: elements of a deck, a beam faying generates, or part of given K.
+    """A bolt to be tightened: elements of a deck, a generated beam, or a part of given K.
 
     Attributes
     ----------
     elements
         Ids of the deck's beam (or axial spring) elements that form the bolt.
     nodes
-        Node ids (head, nut) of the two ends of a bolt, or of a cut in it, that the given
-        stiffness matrix already contains.
+        Node ids (head, nut) of the two ends of a bolt, or of a cut in it, contained in the given
+        stiffness matrix.
     stiffness : [force/length]
-        Axial stiffness EA/L between these nodes that K contains.
+        Axial stiffness EA/L between these nodes, contained in K.
     direction
         From the nut to the head, (x, y, z) of any length; needed where the nodes coincide.
     axis
@@ -97,7 +97,7 @@ class BoltSpec:
     mass
         Whether the generated beam has mass.
     end_masses : [mass]
-        Of head and washer where the axis begins, and of nut and washer where it ends.
+        Masses of head and washer at the start of the axis, and of nut and washer at its end.
 
     Examples
     --------
@@ -125,7 +125,7 @@ class BoltSpec:
 
 @dataclass(frozen=True, kw_only=True)
 class BoundarySpec:
-    """Where loads enter: one node id or a node set.
+    """Specification of a boundary for loads: one node id or a node set.
 
     Attributes
     ----------
@@ -133,7 +133,7 @@ class BoundarySpec:
         ``"rbe2"``: the set's nodes follow a new node rigidly; ``"rbe3"``: it moves as their
         average. Loads then enter at that node, with six components.
     at
-        Place (x, y, z) of the new node [length]; the mean of the set's nodes unless given.
+        Position (x, y, z) of the new node [length]; by default the mean of the set's nodes.
 
     Examples
     --------
@@ -167,17 +167,17 @@ class Rayleigh:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class GapRule:
-    """Initial gap of an interface as its deck wants it.
+    """Rule of a deck for the initial gap of an interface.
 
     Attributes
     ----------
     value : [length]
-        The gap everywhere, whatever the mesh has; None leaves it to the mesh.
+        The gap everywhere, independent of the mesh; None is the gap of the mesh.
     closed_up_to : [length]
-        Minus nodes whose gap is at most this start in contact, without strain, as if they had been
-        moved onto the plus side: 0 for those that penetrate, ``inf`` for all.
+        Largest gap of minus nodes that start in contact without strain, as if moved onto the plus
+        side: 0 for those that penetrate, ``inf`` for all.
     closed_nodes
-        Ids of minus nodes that start in contact whatever their gap.
+        Ids of minus nodes that start in contact at any gap.
     """
 
     value: float | None = None

@@ -1,4 +1,4 @@
-"""Supports by the name of what they hold."""
+"""Supports on named sets of nodes or faces."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -12,9 +12,9 @@ from faying.model.bodies import body_names
 
 
 def with_supports(assembly: Assembly, supports: Mapping[str, Sequence[int]]) -> Assembly:
-    """Return the assembly with more supports.
+    """Return the assembly with supports added.
 
-    They are node or face sets to the components 0..5 that are held at zero.
+    They map node or face sets to the components 0..5 that are held at zero.
     """
     added = []
     for name, components in supports.items():

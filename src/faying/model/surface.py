@@ -1,4 +1,4 @@
-"""The surface of the solids: facets that belong to one element only, and whose they are."""
+"""The surface of the solids: facets that belong to one element only, with their elements."""
 
 from dataclasses import dataclass
 
@@ -21,7 +21,7 @@ class Facets(Frozen):
         Node indices in the order of :class:`~faying.model.elements.face_kind.FaceKind`, as many
         columns as the largest kind needs; unused ones hold -1.
     elements, properties, bodies : (n_facet,)
-        Owning element id, its property id and its body; -1 for a facet of no solid element.
+        Id, property id and body of the element; -1 for a facet of no solid element.
     """
 
     nodes: Indices
@@ -40,7 +40,7 @@ class Facets(Frozen):
 
     @property
     def corner_keys(self) -> Indices:
-        """Sorted corner nodes (n_facet, 4), equal for facets on the same corners; -1 fills up."""
+        """Sorted corner nodes (n_facet, 4), equal for facets on the same corners."""
         return corner_keys(self.nodes)
 
     @property
@@ -49,7 +49,7 @@ class Facets(Frozen):
         return triangular(self.nodes)
 
     def by_kind(self) -> dict[str, Indices]:
-        """Return the nodes (n, n_node_per_face) of the facets of each kind present."""
+        """Return the nodes (n, n_node_per_face) of the facets of each kind."""
         return nodes_by_kind(self.nodes)
 
     def taken(self, chosen: Mask | Indices) -> "Facets":
@@ -62,13 +62,13 @@ class Facets(Frozen):
         )
 
     def positions(self, nodes: Indices) -> Indices:
-        """Return which of these have the corners of facets (n, width) of a table; -1 for none."""
+        """Return the number of the facet with the corners of each row (n, width); -1 for none."""
         first, group, _ = unique_rows(np.concatenate([self.corner_keys, corner_keys(nodes)]))
         position: Indices = first[group[len(self) :]]
         return np.where(position < len(self), position, -1)
 
     def joined(self, following: "Facets") -> "Facets":
-        """Return the facets with others following."""
+        """Return these facets followed by others."""
         return Facets(
             nodes=np.concatenate([self.nodes, following.nodes]),
             elements=np.concatenate([self.elements, following.elements]),
@@ -78,12 +78,12 @@ class Facets(Frozen):
 
 
 def padded(nodes: Indices) -> Indices:
-    """Widen facets of one kind (n_facet, n_node_per_face) to the table's columns."""
+    """Return facets of one kind (n_facet, n_node_per_face) with all columns of a table."""
     return np.pad(nodes, ((0, 0), (0, WIDTH - nodes.shape[1])), constant_values=-1)
 
 
 def rows_by_kind(nodes: Indices) -> dict[str, Indices]:
-    """Return the rows of each kind of face present in a table of facets (n_facet, width).
+    """Return the rows of each kind of faces in a table of facets (n_facet, width).
 
     Kinds differ in their numbers of nodes; -1 fills unused columns.
     """
@@ -93,13 +93,13 @@ def rows_by_kind(nodes: Indices) -> dict[str, Indices]:
 
 
 def nodes_by_kind(nodes: Indices) -> dict[str, Indices]:
-    """Return the facets (n, n_node_per_face) of each kind present in a table (n_facet, width)."""
+    """Return the facets (n, n_node_per_face) of each kind in a table (n_facet, width)."""
     rows = rows_by_kind(nodes)
     return {kind: nodes[chosen, : FACES[kind].n_nodes] for kind, chosen in rows.items()}
 
 
 def triangular(nodes: Indices) -> Mask:
-    """Tell which facets of a table (n_facet, width) are triangles."""
+    """Return which facets of a table (n_facet, width) are triangles."""
     mask = np.zeros(len(nodes), dtype=bool)
     for kind, rows in rows_by_kind(nodes).items():
         mask[rows] = FACES[kind].n_corners == 3
@@ -124,7 +124,7 @@ def unique_rows(rows: Indices) -> tuple[Indices, Indices, Indices]:
 
     Groups are in the order of their rows, the first column first.
     """
-    keys = _packed(rows)
+    keys = _pack_rows(rows)
     order = np.lexsort(keys[::-1])
     new = np.ones(len(rows), dtype=bool)
     new[1:] = np.any([np.diff(key[order]) != 0 for key in keys], axis=0)
@@ -134,8 +134,8 @@ def unique_rows(rows: Indices) -> tuple[Indices, Indices, Indices]:
     return order[start], inverse, np.diff(start, append=len(rows))
 
 
-def _packed(rows: Indices) -> list[Indices]:
-    """Return as few whole numbers for each row as order the rows as their columns do."""
+def _pack_rows(rows: Indices) -> list[Indices]:
+    """Return the fewest integers for each row that sort rows as their columns do."""
     if not rows.size:
         return [np.zeros(len(rows), dtype=np.int64)]
     keys: list[Indices] = []
@@ -174,7 +174,7 @@ def facet_normals(nodes: Matrix, facets: Facets) -> Matrix:
 
 
 def facet_frames(nodes: Matrix, facets: Facets) -> Matrix:
-    """Two tangents, the first along the longest edge, and the normal of each facet (n, 3, 3)."""
+    """Return two tangents, the first along the longest edge, and the normal (n, 3, 3)."""
     corners, normals = nodes[facets.corners], facet_normals(nodes, facets)
     edges = np.roll(corners, -1, axis=1) - corners
     longest = np.linalg.norm(edges, axis=2).argmax(axis=1)

@@ -1,4 +1,4 @@
-"""Temperatures of the parts of a structure, and what the change exerts."""
+"""Temperatures of the parts of a structure, and the forces of their change."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
@@ -15,14 +15,14 @@ from faying.model.parts import elements_named
 
 @dataclass(frozen=True, kw_only=True)
 class Temperature:
-    """Temperatures of the parts of a joint, each the same throughout.
+    """Temperatures of the parts of a joint, uniform in each part.
 
     Attributes
     ----------
     reference
-        Temperature of everything while it is assembled and tightened.
+        Temperature of all parts during assembly and tightening.
     uniform
-        Temperature of what ``parts`` does not name; the reference if None.
+        Temperature of all parts not in ``parts``; the reference if None.
     parts
         Bodies, element sets, property ids or bolts to their temperatures.
 
@@ -45,7 +45,7 @@ class Temperature:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Expansion:
-    """What a change of temperature exerts on nodes, and how far it strains beams.
+    """Nodal forces and free strains of beams due to a change of temperature.
 
     Attributes
     ----------
@@ -61,9 +61,9 @@ class Expansion:
 def expansion_of(
     assembly: Assembly, temperature: Temperature, bolts: Mapping[str, Collection[int]]
 ) -> Expansion:
-    """Return what expands between the reference and the temperatures of the parts.
+    """Return forces and strains of the change from the reference to the temperatures of the parts.
 
-    Free strains are α ΔT in all directions of solids, and along beams. Rigid couplings, springs and
+    Free strains are α ΔT in all directions in solids, and along beams. Rigid couplings, springs and
     bushes keep their lengths. Bolts are names to the ids of their beams.
 
     Notes
@@ -78,7 +78,7 @@ def expansion_of(
     beams = np.array([beam.id for beam in assembly.beams], dtype=np.int64)
     shells = [block.ids for block in assembly.shells]
     ids = np.concatenate([assembly.mesh.element_ids, beams, *shells])
-    changes = _changes(assembly, temperature, bolts, ids)
+    changes = _temperature_changes(assembly, temperature, bolts, ids)
     n_solid, n_line = assembly.mesh.n_elements, assembly.mesh.n_elements + len(beams)
     if changes[n_line:].any():
         number = int(ids[n_line:][np.flatnonzero(changes[n_line:])[0]])
@@ -92,17 +92,17 @@ def expansion_of(
             for beam, change in zip(assembly.beams, changes[n_solid:n_line].tolist(), strict=True)
         ]
     )
-    solids = _of_solids(assembly, changes[:n_solid])
+    solids = _solid_forces(assembly, changes[:n_solid])
     return Expansion(forces=solids + stretching_forces(assembly, strains), strains=strains)
 
 
-def _changes(
+def _temperature_changes(
     assembly: Assembly,
     temperature: Temperature,
     bolts: Mapping[str, Collection[int]],
     ids: Vector,
 ) -> Vector:
-    """Return the change of temperature (n,) of elements."""
+    """Return the changes of temperature (n,) of elements."""
     elsewhere = temperature.reference if temperature.uniform is None else temperature.uniform
     values, named = np.full(len(ids), elsewhere), np.zeros(len(ids), dtype=bool)
     for name, value in temperature.parts.items():
@@ -124,8 +124,8 @@ def _changes(
     return values - temperature.reference
 
 
-def _of_solids(assembly: Assembly, changes: Vector) -> Matrix:
-    """Return the forces (n_node, 6) of changes of temperature (n_solid,)."""
+def _solid_forces(assembly: Assembly, changes: Vector) -> Matrix:
+    """Return the forces (n_node, 6) for changes of temperature (n_solid,)."""
     blocks, start = [], 0
     materials: dict[int, Material] = {}
     strains: dict[int, FreeStrain] = {}

@@ -11,15 +11,15 @@ from faying.model.couplings.rows import Rows, lever_arms, sparse_rows
 
 
 def average_rows(assembly: Assembly, existing: Mask) -> Rows:
-    """Write each reference node as the weighted least-squares rigid motion of its nodes.
+    """Return each reference node as the weighted least-squares rigid motion of its nodes.
 
-    Minimized is Σ w_i |u_i - (u_c + θ × r_i)|² over the averaged components, r_i from the weighted
-    centre; the reference moves as u_c + θ × (x_ref - x_c). Forces on the reference thus reach the
-    nodes as Nastran's RBE3 sends them: F w_i / Σw, and the moment about the weighted centre through
-    the weighted second moments. Where rotations enter, their weight is w_i L² with L the mean
-    distance of the nodes from the reference, so that the units of length do not matter. Components
-    that do not mean something (``existing``, (6 n_node,)) are left out: rotations of solid nodes,
-    which decks often list; a free rotation would follow the reference at no cost.
+    The motion minimizes Σ w_i |u_i - (u_c + θ × r_i)|² over the averaged components, r_i from the
+    weighted centre; the reference moves as u_c + θ × (x_ref - x_c). Forces on the reference are
+    thus distributed as by Nastran's RBE3: F w_i / Σw, and the moment about the weighted centre by
+    the weighted second moments. The weight of rotations is w_i L² with L the mean distance of the
+    nodes from the reference, independent of the unit of length. Components outside ``existing``
+    (6 n_node,) are left out: rotations of solid nodes, which decks often list; a free rotation
+    would follow the reference without resistance.
 
     Raises
     ------
@@ -44,23 +44,23 @@ def average_rows(assembly: Assembly, existing: Mask) -> Rows:
     sizes = [len(c) // len(d) for c, d in zip(columns, dependent, strict=True) for _ in d]
     rows = np.repeat(np.arange(len(sizes)), np.array(sizes, dtype=np.int64))
     return Rows(
-        dependent=_joined(dependent),
+        dependent=_join(dependent),
         matrix=sparse_rows(
-            (len(sizes), n_dof), rows, _joined(columns), np.concatenate([np.empty(0), *values])
+            (len(sizes), n_dof), rows, _join(columns), np.concatenate([np.empty(0), *values])
         ),
-        owner=_joined(owner),
+        owner=_join(owner),
         labels=tuple(f"average coupling {coupling.id}" for coupling in couplings),
     )
 
 
-def _joined(parts: list[Indices]) -> Indices:
+def _join(parts: list[Indices]) -> Indices:
     return np.concatenate([np.empty(0, dtype=np.int64), *parts])
 
 
 def _average(
     assembly: Assembly, coupling: AverageCoupling, tied: Indices, existing: Mask
 ) -> tuple[Indices, Matrix]:
-    """Averaged degrees of freedom, and their weights in each tied component of the reference."""
+    """Return averaged degrees of freedom, and their weights in each tied reference component."""
     _check(assembly, coupling)
     nodes, weights = assembly.mesh.nodes[coupling.nodes], coupling.weights
     centre = weights @ nodes / weights.sum()
@@ -86,7 +86,7 @@ def _average(
 
 
 def _motions(arms: Matrix, size: float) -> Matrix:
-    """Displacements (n, 6, 6) of points in the rigid motions u_c and θ · size."""
+    """Return displacements (n, 6, 6) of points in the rigid motions u_c and θ · size."""
     matrices = np.tile(np.eye(6), (len(arms), 1, 1))
     matrices[:, :3, 3:] = lever_arms(arms)
     matrices[:, :, 3:] /= size
@@ -94,9 +94,9 @@ def _motions(arms: Matrix, size: float) -> Matrix:
 
 
 def _inverse(gram: Matrix) -> tuple[Matrix, Matrix]:
-    """Pseudo-inverse of a symmetric matrix, and its null vectors as columns."""
+    """Return the pseudo-inverse of a symmetric matrix, and its null vectors as columns."""
     values, vectors = np.linalg.eigh(gram)
-    # Squared extents across a line: a deck leaves 1e-14 of them, any real part far more.
+    # Squared extents across a line: round-off of a deck is 1e-14, any real part far more.
     firm = values > SOLVED * values[-1]
     return (vectors[:, firm] / values[firm]) @ vectors[:, firm].T, vectors[:, ~firm]
 

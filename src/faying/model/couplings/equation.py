@@ -8,7 +8,7 @@ from faying.model.couplings.rows import Rows, dof_name, sparse_rows
 
 
 def equation_rows(assembly: Assembly) -> Rows:
-    """Solve Σ a_k u_k = 0 for the first term of each equation."""
+    """Return Σ a_k u_k = 0 solved for the first term of each equation."""
     equations = assembly.equations
     for equation in equations:
         if not equation.terms:

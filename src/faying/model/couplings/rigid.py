@@ -10,15 +10,15 @@ from faying.model.couplings.rows import Rows, lever_arms, sparse_rows
 
 
 def rigid_rows(assembly: Assembly) -> Rows:
-    """Write u_i = u_ref + θ_ref × (x_i - x_ref), and θ_i = θ_ref where rotations are tied.
+    """Return u_i = u_ref + θ_ref × (x_i - x_ref), and θ_i = θ_ref where rotations are tied.
 
     Raises
     ------
     ModelError
-        If a reference node is among its own dependent nodes.
+        If a reference node is one of its dependent nodes.
     """
     couplings = assembly.rigid_couplings
-    parts = [_tied(assembly, number, coupling) for number, coupling in enumerate(couplings)]
+    parts = [_tied_table(assembly, number, coupling) for number, coupling in enumerate(couplings)]
     table = np.concatenate([np.empty((0, 4), dtype=np.int64), *parts])
     node, component, reference, owner = table.T
     kinematics = _kinematics(assembly.mesh.nodes, node, reference)
@@ -34,8 +34,8 @@ def rigid_rows(assembly: Assembly) -> Rows:
     )
 
 
-def _tied(assembly: Assembly, number: int, coupling: RigidCoupling) -> Indices:
-    """Table (n_row, 4) of node, component, reference, position of the coupling."""
+def _tied_table(assembly: Assembly, number: int, coupling: RigidCoupling) -> Indices:
+    """Return the table (n_row, 4) of node, component, reference, number of the coupling."""
     nodes = np.unique(coupling.nodes)
     if np.any(nodes == coupling.reference):
         refuse_model(
@@ -52,7 +52,7 @@ def _tied(assembly: Assembly, number: int, coupling: RigidCoupling) -> Indices:
 
 
 def _kinematics(nodes: Matrix, node: Indices, reference: Indices) -> Matrix:
-    """Six displacements of each node per six of its reference (n_row, 6, 6)."""
+    """Return displacements of each node per displacements of its reference (n_row, 6, 6)."""
     arms = nodes[node] - nodes[reference]
     arms[np.abs(arms) <= ROUND_OFF * np.abs(nodes).max(initial=0.0)] = 0.0
     matrices = np.tile(np.eye(6), (len(node), 1, 1))

@@ -1,4 +1,4 @@
-"""Equations that give dependent degrees of freedom in terms of others."""
+"""Equations for dependent degrees of freedom in terms of others."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,12 +19,12 @@ class Rows(Frozen):
     Attributes
     ----------
     dependent : (n_row,)
-        Degree of freedom 6 · node index + component each equation determines.
+        Dependent degree of freedom of each equation, 6 · node index + component.
     matrix : (n_row, 6 n_node) sparse
     owner : (n_row,)
-        Position of the responsible coupling in ``labels``.
+        Index into ``labels`` of the coupling behind each equation.
     labels
-        What to call each coupling in a message, e.g. ``"rigid coupling 12"``.
+        Name of each coupling in messages, e.g. ``"rigid coupling 12"``.
     """
 
     dependent: Indices
@@ -42,12 +42,12 @@ class Rows(Frozen):
         )
 
     def names(self, which: Mask | Indices) -> str:
-        """Name the couplings of some equations, a few of them."""
+        """Return the names of the couplings of some equations, a few of them."""
         return listed(dict.fromkeys(self.labels[i] for i in self.owner[which].tolist()))
 
 
 def stacked(parts: Sequence[Rows]) -> Rows:
-    """Join equations of several families."""
+    """Return the equations of several families as one."""
     first = np.cumsum([0, *(len(part.labels) for part in parts)])[:-1]
     return Rows(
         dependent=np.concatenate([part.dependent for part in parts]),
@@ -60,7 +60,7 @@ def stacked(parts: Sequence[Rows]) -> Rows:
 def sparse_rows(
     shape: tuple[int, int], rows: Indices, columns: Indices, values: Vector
 ) -> SparseMatrix:
-    """Sum triplets to CSR without zeros."""
+    """Return a CSR matrix from triplets, summed and without zeros."""
     triplets = (values, (rows, columns))
     matrix = sp.coo_array(triplets, shape=shape).tocsr()
     matrix.eliminate_zeros()
@@ -68,7 +68,7 @@ def sparse_rows(
 
 
 def lever_arms(arms: Matrix) -> Matrix:
-    """Matrices B (n, 3, 3) with B θ = θ × r for lever arms r (n, 3)."""
+    """Return matrices B (n, 3, 3) with B θ = θ × r for lever arms r (n, 3)."""
     x, y, z = arms.T
     zero = np.zeros_like(x)
     table = [[zero, z, -y], [-z, zero, x], [y, -x, zero]]
@@ -76,6 +76,6 @@ def lever_arms(arms: Matrix) -> Matrix:
 
 
 def dof_name(assembly: Assembly, dof: int) -> str:
-    """Name a degree of freedom by node id and component."""
+    """Return the name of a degree of freedom: node id and component."""
     node, component = divmod(int(dof), 6)
     return f"node {assembly.mesh.node_ids[node]}, component {DISPLACEMENT_NAMES[component]}"

@@ -1,4 +1,4 @@
-"""SPC: components held at zero, in the basic frame or in axes of their own."""
+"""SPC: components held at zero, in the basic frame or in inclined axes."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from faying.model.couplings.rows import Rows, dof_name, sparse_rows
 
 
 def fixed_components(assembly: Assembly) -> Mask:
-    """Mark what supports hold along basic directions, (6 n_node,)."""
+    """Return the components (6 n_node,) held along basic directions."""
     fixed = np.zeros((len(assembly.mesh.nodes), 6), dtype=bool)
     for support in assembly.supports:
         for first, directions in _directions(support):
@@ -22,15 +22,15 @@ def fixed_components(assembly: Assembly) -> Mask:
 
 
 def inclined_rows(assembly: Assembly, *, fixed: Mask, blocked: Mask) -> Rows:
-    """Write supports along inclined directions as equations between the components of a node.
+    """Return supports along inclined directions as equations between components of a node.
 
     Each equation is solved for the component with the largest direction cosine. Fixed components (6
     n_node,) are held already and drop out of the equations; blocked ones (6 n_node,) must not
     become dependent here.
     """
-    groups = _gathered(assembly)
+    groups = _inclined_directions(assembly)
     free = ~fixed[groups.dofs]
-    rows, pivots = _reduced(groups.directions * free[:, None, :], ~blocked[groups.dofs])
+    rows, pivots = _gauss_jordan(groups.directions * free[:, None, :], ~blocked[groups.dofs])
     left = (np.abs(rows) > SOLVED).any(axis=2) & (pivots < 0)
     if left.any():
         group = int(np.flatnonzero(left.any(axis=1))[0])
@@ -73,8 +73,8 @@ class _Groups:
     labels: tuple[str, ...]
 
 
-def _gathered(assembly: Assembly) -> _Groups:
-    """Collect the inclined directions of all supports by node."""
+def _inclined_directions(assembly: Assembly) -> _Groups:
+    """Return the inclined directions of all supports by node."""
     keys, vectors, owners = [np.empty(0, np.int64)], [np.empty((0, 3))], [np.empty(0, np.int64)]
     for number, support in enumerate(assembly.supports):
         for first, directions in _directions(support):
@@ -98,13 +98,13 @@ def _gathered(assembly: Assembly) -> _Groups:
 
 
 def _directions(support: Support) -> list[tuple[int, Matrix]]:
-    """First component (0 or 3) and held directions (n, 3), for translations and for rotations."""
+    """Return first component (0 or 3) and held directions (n, 3), of translations and rotations."""
     axes = np.eye(3) if support.axes is None else np.array(support.axes, dtype=float)
     axes[np.abs(axes) <= ROUND_OFF] = 0.0
     directions = []
     for first in (0, 3):
         supported = sorted({c - first for c in support.components if first <= c < first + 3})
-        # All three directions span the basic ones.
+        # Three directions hold all basic ones.
         directions.append((first, np.eye(3) if len(supported) == 3 else axes[supported]))
     return directions
 
@@ -114,11 +114,11 @@ def _is_basic(directions: Matrix) -> Mask:
     return np.asarray(np.count_nonzero(directions, axis=1) == 1)
 
 
-def _reduced(rows: Matrix, allowed: Mask) -> tuple[Matrix, Indices]:
-    """Gauss-Jordan elimination of many small systems at once, pivots by size where allowed.
+def _gauss_jordan(rows: Matrix, allowed: Mask) -> tuple[Matrix, Indices]:
+    """Return many small systems after Gauss-Jordan elimination, pivots by size where allowed.
 
-    Rows (n_group, n_direction, 3) come back with one in the pivot column, which no other row holds,
-    and with their pivot columns (n_group, n_direction), -1 for rows without one.
+    Rows (n_group, n_direction, 3) have one in the pivot column, where all other rows are zero.
+    Pivot columns (n_group, n_direction) are returned too, -1 for rows without one.
     """
     rows = rows.copy()
     pivots = np.full(rows.shape[:2], -1, dtype=np.int64)

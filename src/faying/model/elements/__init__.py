@@ -1,4 +1,4 @@
-"""Finite elements: solids as values in a registry, beams, and the kernels that integrate them."""
+"""Finite elements: solids in a registry, beams, shells, and their integration."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -52,7 +52,7 @@ _VARIANTS = {(element.kind, element.formulation): element for element in ALL_SOL
 
 
 def solid_element(kind: str, formulation: str) -> SolidElement:
-    """Return the element of a mesh cell kind in a formulation; kinds without it have one only.
+    """Return the element of a mesh cell kind in a formulation; most kinds have one formulation.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def solid_element(kind: str, formulation: str) -> SolidElement:
 
 
 def block_element(block: CellBlock, formulation: str) -> SolidElement:
-    """Return the element of a block: its own formulation, or else that of the assembly."""
+    """Return the element of a block, in its formulation, or else in that of the assembly."""
     if not block.formulation:
         return solid_element(block.kind, formulation)
     if (block.kind, block.formulation) not in _VARIANTS:

@@ -25,7 +25,7 @@ _PLANE_XZ = ((2, 4, 8, 10), (1.0, -1.0, 1.0, -1.0))
 _AXIAL = (0, 6)
 _TORSION = (3, 9)
 
-# Mass of a deflection linear between the ends, rotations aside.
+# Mass of a deflection that is linear between the ends, without rotations.
 _STRAIGHT = np.kron([[2.0, 1.0], [1.0, 2.0]], [[1.0, 0.0], [0.0, 0.0]]) / 6
 
 
@@ -48,8 +48,8 @@ class BeamProperties(NamedTuple):
 def beam_matrices(beams: Sequence[Beam], nodes: Matrix) -> tuple[Matrix, Matrix]:
     """Return mass and stiffness (n_beam, 12, 12) of beams in the basic frame.
 
-    Nodes (n_node, 3) [length] are all those of the mesh. Order: six degrees of freedom of the first
-    node, then of the second.
+    Nodes (n_node, 3) [length] are all nodes of the mesh. Order: six degrees of freedom of the
+    first node, then of the second.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def beam_frames(beams: Sequence[Beam], axes: Matrix) -> tuple[Matrix, Vector]:
     x = axes / length[:, None]
     normal = np.cross(x, orientation)
     size = np.linalg.norm(normal, axis=1)
-    # An angle below 1e-8 rad leaves no significant digit of the direction of local z.
+    # Below an angle of 1e-8 rad the direction of local z has no significant digit.
     parallel = ~(size > 1e-8 * np.linalg.norm(orientation, axis=1))
     for index in np.flatnonzero(parallel)[:1]:
         refuse_model(
@@ -112,7 +112,7 @@ def beam_properties(beams: Sequence[Beam], length: Vector) -> BeamProperties:
 
 
 def local_stiffness(beam: BeamProperties) -> Matrix:
-    """Return the stiffness (n_beam, 12, 12) of beams in their own frames."""
+    """Return the stiffness (n_beam, 12, 12) of beams in their local frames."""
     result = np.zeros((len(beam.length), 12, 12))
     bar = np.array([[1.0, -1.0], [-1.0, 1.0]])
     axial = beam.axial_factor * beam.youngs * beam.area / beam.length
@@ -134,7 +134,7 @@ def _local_mass(beam: BeamProperties) -> Matrix:
     _put(result, _TORSION, (polar * beam.length)[:, None, None] * bar)
     for (dofs, signs), inertia, phi in bending_planes(beam):
         block = _bending_mass(line, beam.density * inertia, beam.length, phi)
-        # Without bending stiffness there is no slope for the deflection to follow: a rod.
+        # A rod, without bending stiffness, has no slope for the deflection to follow.
         straight = (line * beam.length)[:, None, None] * _STRAIGHT
         block = np.where((inertia > 0)[:, None, None], block, straight)
         _put(result, dofs, block * np.outer(signs, signs))
@@ -159,7 +159,7 @@ def bending_planes(
 
 
 def _per_area(inertia: Vector, area: Vector, factor: Vector) -> Vector:
-    """I / (κ A), zero for a beam rigid in shear or without bending stiffness."""
+    """Return I / (κ A), zero for a beam rigid in shear or without bending stiffness."""
     flexible = np.isfinite(factor) & (inertia > 0)
     return np.divide(inertia, factor * area, out=np.zeros_like(inertia), where=flexible)
 
@@ -178,7 +178,7 @@ def _bending_stiffness(rigidity: Vector, length: Vector, phi: Vector) -> Matrix:
 
 
 def _bending_mass(line: Vector, rotary: Vector, length: Vector, phi: Vector) -> Matrix:
-    """∫ ρA Nᵀ N + ρI Θᵀ Θ dx, with N and Θ as polynomials in ξ = x/L."""
+    """Return ∫ ρA Nᵀ N + ρI Θᵀ Θ dx, with N and Θ as polynomials in ξ = x/L."""
     deflection, rotation = bending_shapes(length, phi)
     return length[:, None, None] * (
         line[:, None, None] * _gram(deflection) + rotary[:, None, None] * _gram(rotation)
@@ -186,7 +186,7 @@ def _bending_mass(line: Vector, rotary: Vector, length: Vector, phi: Vector) -> 
 
 
 def bending_shapes(length: Vector, phi: Vector) -> tuple[Matrix, Matrix]:
-    """Deflection (n_beam, 4, 4) and rotation (n_beam, 4, 3) of unit motions of the ends.
+    """Return deflection (n_beam, 4, 4) and rotation (n_beam, 4, 3) for unit motions of the ends.
 
     Coefficients of 1, ξ, ξ², ξ³; rows: deflection and rotation of the first, then the second end.
     """
@@ -213,7 +213,7 @@ def bending_shapes(length: Vector, phi: Vector) -> tuple[Matrix, Matrix]:
 
 
 def _gram(polynomials: Matrix) -> Matrix:
-    """∫₀¹ P Pᵀ dξ of polynomials (n_beam, 4, n_power), from ∫ ξᵃ ξᵇ = 1 / (a + b + 1)."""
+    """Return ∫₀¹ P Pᵀ dξ of polynomials (n_beam, 4, n_power), from ∫ ξᵃ ξᵇ = 1 / (a + b + 1)."""
     power = np.arange(polynomials.shape[-1])
     moments = 1.0 / (power[:, None] + power[None, :] + 1)
     return np.asarray(polynomials @ moments @ polynomials.transpose(0, 2, 1))

@@ -1,8 +1,8 @@
-"""Bushes: six springs between two nodes, or a node and the ground, that act at one place.
+"""Bushes: six springs between two nodes, or a node and the ground, at one position.
 
-The springs stretch with the motion of the second end relative to that of the first, both carried
-rigidly to the place where the bush acts; a bush between nodes apart therefore transmits moments
-and lets rigid motions go free.
+The springs stretch with the motion of the second end relative to the first, both carried rigidly to
+the position of the bush. A bush between distant nodes therefore transmits moments, and rigid
+motions do not stretch it.
 """
 
 from collections.abc import Sequence
@@ -15,9 +15,9 @@ from faying.model.couplings.rows import lever_arms
 
 
 def bush_matrices(bushes: Sequence[Bush], nodes: Matrix) -> tuple[Matrix, Matrix, Indices]:
-    """Return masses, stiffnesses and degrees of freedom of bushes with one number of ends.
+    """Return masses, stiffnesses and degrees of freedom of bushes with equal numbers of ends.
 
-    Nodes (n_node, 3) [length] are all those of the mesh; matrices are (n_bush, 6 n_end, 6 n_end),
+    Nodes (n_node, 3) [length] are all nodes of the mesh; matrices are (n_bush, 6 n_end, 6 n_end),
     degrees of freedom (n_bush, 6 n_end).
     """
     ends = np.array([bush.nodes for bush in bushes], dtype=np.int64)
@@ -26,7 +26,7 @@ def bush_matrices(bushes: Sequence[Bush], nodes: Matrix) -> tuple[Matrix, Matrix
     springs = np.array([bush.stiffness for bush in bushes], dtype=float)
     stretch = np.concatenate(
         [
-            sign * _carried(positions - nodes[ends[:, i]], axes)
+            sign * _arm_motions(positions - nodes[ends[:, i]], axes)
             for i, sign in zip(range(ends.shape[1]), (-1.0, 1.0), strict=False)
         ],
         axis=2,
@@ -39,8 +39,8 @@ def bush_matrices(bushes: Sequence[Bush], nodes: Matrix) -> tuple[Matrix, Matrix
     return mass, 0.5 * (stiffness + stiffness.transpose(0, 2, 1)), dofs
 
 
-def _carried(arms: Matrix, axes: Matrix) -> Matrix:
-    """Six motions along the axes, at the end of a rigid arm, per six of a node (n, 6, 6)."""
+def _arm_motions(arms: Matrix, axes: Matrix) -> Matrix:
+    """Return motions along axes, at the end of a rigid arm, per motion of a node (n, 6, 6)."""
     motion = np.zeros((len(arms), 6, 6))
     motion[:, :3, :3] = motion[:, 3:, 3:] = axes
     motion[:, :3, 3:] = axes @ lever_arms(arms)

@@ -3,8 +3,8 @@
 Displacements u + z θ × d with a director d at each node, the normal of the element there; strains
 to first order in z. Membrane and bending are integrated at two points per direction (three on
 triangles): O. C. Zienkiewicz, R. L. Taylor, J. M. Too, "Reduced integration technique in general
-analysis of plates and shells", Int. J. Numer. Meth. Eng. 3 (1971) 275-290; what two points leave
-without energy, modes that neighbours cannot share, a thousandth of the full rule holds. Transverse
+analysis of plates and shells", Int. J. Numer. Meth. Eng. 3 (1971) 275-290. A thousandth of the full
+rule stabilizes the zero-energy modes of two points, which neighbours cannot share. Transverse
 shear strains are interpolated between samples along the sides: K. J. Bathe, E. N. Dvorkin, "A
 formulation of general shell elements - the use of mixed interpolation of tensorial components",
 Int. J. Numer. Meth. Eng. 22 (1986) 697-722 (MITC8); for triangles the linear fields of F. Brezzi,
@@ -52,7 +52,7 @@ class Rule(Frozen):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Sampling:
-    """Where covariant shear strains are taken, and the fields between them.
+    """Sampling points of covariant shear strains, and the fields between them.
 
     Attributes
     ----------
@@ -69,14 +69,14 @@ class Sampling:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CurvedShell:
-    """Tables of a kind.
+    """Tables for one kind of curved shells.
 
     Attributes
     ----------
     rules
         ``"reduced"`` and ``"full"``.
     shares
-        Of each rule in membrane and bending.
+        Share of each rule in membrane and bending.
     sheared
         The rule that integrates transverse shear.
     at_nodes : (n_node, 2, n_node)
@@ -93,7 +93,7 @@ class CurvedShell:
 def _sampling(
     shape: Functions, fields: Callable[[Matrix], Matrix], samples: Samples, points: Matrix
 ) -> Sampling:
-    """Interpolate fields (n, 2, n_sample) of a space from their components at samples."""
+    """Return the sampling of fields (n, 2, n_sample) of a space by components at samples."""
     places, directions, mixed = samples
     values, gradients = shape(places)
     components = mixed @ np.einsum("sa,sak->sk", directions, fields(places))
@@ -105,7 +105,7 @@ def _sampling(
 
 
 def _serendipity(points: Matrix) -> tuple[Matrix, Matrix]:
-    """Eight-node functions on [-1, 1]²: values (n, 8) and gradients (n, 2, 8)."""
+    """Return eight-node functions on [-1, 1]²: values (n, 8) and gradients (n, 2, 8)."""
     x, y = points[:, :1], points[:, 1:]
     a, b = np.array([[-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]])
     corner = (1 + a * x) * (1 + b * y) * (a * x + b * y - 1) / 4
@@ -126,7 +126,7 @@ def _serendipity(points: Matrix) -> tuple[Matrix, Matrix]:
 
 
 def _quadratic(points: Matrix) -> tuple[Matrix, Matrix]:
-    """Six-node functions on the unit triangle: values (n, 6) and gradients (n, 2, 6)."""
+    """Return six-node functions on the unit triangle: values (n, 6) and gradients (n, 2, 6)."""
     x, y = points.T
     area = np.stack([1 - x - y, x, y])
     slopes = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])
@@ -153,7 +153,7 @@ def _quad8() -> CurvedShell:
         values, gradients = _serendipity(points)
         rules[name] = Rule(weights=weights, values=values, gradients=gradients)
     nodes = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [0, -1], [1, 0], [0, 1], [-1, 0]], float)
-    # Two samples along each side, and in the middle the mean of two.
+    # Two samples along each side; in the middle the mean of two.
     g = 1 / np.sqrt(3.0)
     across = [[x, y] for y in (-1, 0, 1) for x in (-g, g)]
     places = np.array([*across, *([y, x] for x, y in across)])
@@ -171,7 +171,7 @@ def _quad8() -> CurvedShell:
 
 
 def _quadrilateral_fields(where: Matrix) -> Matrix:
-    """Fields (n, 2, 10): 1, ξ, η, ξη, η² along ξ, and the like along η."""
+    """Return fields (n, 2, 10): 1, ξ, η, ξη, η² along ξ, and likewise along η."""
     x, y = where.T
     both = [np.ones_like(x), x, y, x * y]
     result = np.zeros((len(where), 2, 10))
@@ -209,7 +209,7 @@ def _tri6() -> CurvedShell:
 
 
 def _triangle_fields(where: Matrix) -> Matrix:
-    """Fields (n, 2, 6) with linear components."""
+    """Return fields (n, 2, 6) with linear components."""
     linear = np.hstack([np.ones((len(where), 1)), where])
     return np.asarray(np.einsum("nk,ab->nabk", linear, np.eye(2)).reshape(len(where), 2, 6))
 
@@ -240,7 +240,7 @@ class Points:
 
 
 def points_of(rule: Rule, coordinates: Matrix) -> Points:
-    """Find tangents, normals and derivatives at the points of a rule.
+    """Return tangents, normals and derivatives at the points of a rule.
 
     Coordinates are (n, n_node, 3) [length].
     """
@@ -270,7 +270,7 @@ def points_of(rule: Rule, coordinates: Matrix) -> Points:
 
 
 def directors(kind: str, coordinates: Matrix) -> Matrix:
-    """Return the unit normals (n, n_node, 3) at the nodes; not numbers where there is none."""
+    """Return the unit normals (n, n_node, 3) at the nodes; NaN where there is none."""
     tangents = np.einsum("man,enc->emac", CURVED_SHELLS[kind].at_nodes, coordinates)
     normal = np.cross(tangents[:, :, 0], tangents[:, :, 1])
     size = np.linalg.norm(normal, axis=2, keepdims=True)
@@ -279,7 +279,7 @@ def directors(kind: str, coordinates: Matrix) -> Matrix:
 
 
 def without_shear_strains(laws: ElementLaws) -> ElementLaws:
-    """Return laws in which what is rigid in transverse shear is all but rigid."""
+    """Return laws with shells rigid in transverse shear made nearly rigid by a penalty."""
     bent = laws.stiffness[:, 3:, 3:].any(axis=(1, 2))
     penalty = np.where(laws.rigid & bent, RIGID_SHEAR * laws.stiffness[:, 2, 2], 0.0)
     return replace(laws, shear=laws.shear + penalty[:, None, None] * np.eye(2))
@@ -298,7 +298,7 @@ def curved_matrices(
     """
     shell = CURVED_SHELLS[kind]
     n, n_node = director.shape[:2]
-    # Motion of a director with the rotation of its node, θ × d.
+    # Motion of a director by the rotation of its node, θ × d.
     turning = lever_arms(director.reshape(-1, 3)).reshape(n, n_node, 3, 3)
     stiffness = np.zeros((n, 6 * n_node, 6 * n_node))
     for name, rule in shell.rules.items():
@@ -325,7 +325,7 @@ def curved_matrices(
 
 
 def _sampled(sampling: Sampling, coordinates: Matrix, director: Matrix, turning: Matrix) -> Matrix:
-    """Covariant shear strains (n, n_q, 2, 6 n_node) between samples along the sides."""
+    """Return covariant shear strains (n, n_q, 2, 6 n_node) between samples along the sides."""
     along = np.einsum("sn,enc->esc", sampling.slopes, coordinates)
     d = np.einsum("sn,enc->esc", sampling.values, director)
     rows = np.zeros((*along.shape[:2], coordinates.shape[1], 6))
@@ -338,11 +338,11 @@ def _sampled(sampling: Sampling, coordinates: Matrix, director: Matrix, turning:
 def _strains(
     rule: Rule, points: Points, director: Matrix, turning: Matrix
 ) -> tuple[Matrix, Matrix]:
-    """Strains with curvatures, and drilling: (n, n_q, 6 or 1, 6 n_node)."""
+    """Return strains with curvatures, and drilling: (n, n_q, 6 or 1, 6 n_node)."""
     n, n_q, _, n_node = points.gradients.shape
     x, y, z = np.moveaxis(points.frames, 2, 0)
     along, across = np.moveaxis(points.gradients, 2, 0)
-    # Tangents times the turning of each director, and derivatives of the director.
+    # Tangents times the rotation of each director, and derivatives of the director.
     x_turned = np.einsum("eqa,eiac->eqic", x, turning)
     y_turned = np.einsum("eqa,eiac->eqic", y, turning)
     slope = np.einsum("eqbi,eic->eqbc", points.gradients, director)

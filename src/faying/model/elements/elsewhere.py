@@ -1,4 +1,4 @@
-"""What other programs call a solid element, and how they number its nodes."""
+"""Names and node order of a solid element in the files of other programs."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,19 +15,19 @@ class Elsewhere:
     Attributes
     ----------
     nastran
-        Card, whose number of nodes tells the kind.
+        Card; its number of nodes determines the kind.
     nastran_scheme
-        IN and ISOP of PSOLID for which Nastran's element is ours; None leaves them blank.
+        IN and ISOP of PSOLID for the same element in Nastran; None leaves them blank.
     nastran_lacks
-        What Nastran's element has for the blank PSOLID and ours has not; empty if nothing.
+        Difference from Nastran's element for a blank PSOLID; empty if there is none.
     abaqus
-        Types of Abaqus and CalculiX that are read as the element, the one that is written first,
-        and what differs from each; empty if nothing does. No types where these programs have none.
+        Types of Abaqus and CalculiX that are read as the element, the written one first, and the
+        difference from each; empty if there is none. No types where these programs have none.
     meshio
         Name of the cell.
     places
-        Place of each of our nodes in the order of Abaqus and meshio; empty where it is ours.
-        We number mid-side nodes as Nastran does: bottom, upright, top.
+        Position of each node of faying in the order of Abaqus and meshio; empty for the same
+        order. Faying numbers mid-side nodes as Nastran does: bottom, upright, top.
     """
 
     nastran: str
@@ -38,9 +38,9 @@ class Elsewhere:
     places: tuple[int, ...] = ()
 
     def ours(self, nodes: Indices) -> Indices:
-        """Return cells (n_cell, n_node) of Abaqus or meshio in our order."""
+        """Return cells (n_cell, n_node) of Abaqus or meshio in the order of faying."""
         return nodes[:, self.places] if self.places else nodes
 
     def theirs(self, nodes: Indices) -> Indices:
-        """Return cells (n_cell, n_node) of ours in the order of Abaqus and meshio."""
+        """Return cells (n_cell, n_node) of faying in the order of Abaqus and meshio."""
         return nodes[:, np.argsort(self.places)] if self.places else nodes

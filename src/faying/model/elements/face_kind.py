@@ -1,4 +1,4 @@
-"""What distinguishes one kind of element faces from another."""
+"""Kinds of element faces and their properties."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, kw_only=True)
 class FaceKind:
-    """Faces of solids: what touches, takes pressures and is seen.
+    """Properties of one kind of faces of solids, for contact, pressures and pictures.
 
     Nodes run corners first, then mid-sides, counter-clockwise seen from outside; mid-side k lies
     between corners k and k + 1. A node at the centre comes last.
@@ -23,10 +23,10 @@ class FaceKind:
         Polynomial degree of the shape functions: along each coordinate, and of all together on a
         parallelogram.
     nodal_weights
-        Weights of the quadrature at the nodes and, where one more is given, at the centre; they
-        add up to the area of the reference face. Nodes without weight are no points of it.
+        Weights of the quadrature at the nodes and, if there is one more, at the centre; their sum
+        is the area of the reference face. Nodes without weight are not quadrature points.
     cells
-        Local nodes of the linear cells a face is divided into; ``n_nodes`` stands for its centre.
+        Local nodes of the linear cells of a face; ``n_nodes`` is its centre.
     meshio
         Name of the cell.
     """
@@ -43,21 +43,21 @@ class FaceKind:
 
     @property
     def linear(self) -> str:
-        """Kind of the corners alone: relative displacements between unlike meshes live there."""
+        """Kind of the corners alone, for relative displacements between non-matching meshes."""
         return TRI3.name if self.n_corners == 3 else QUAD4.name
 
     @property
     def gauss_order(self) -> int:
         """Gauss order exact for ∫ N_i N_j dA on flat faces with straight, evenly divided sides.
 
-        As :func:`faying.interface.facets.gauss_rule` counts it: a degree on triangles, points in
-        each direction on quadrilaterals. Pressure is interpolated as displacement is.
+        As in :func:`faying.interface.facets.gauss_rule`: a degree on triangles, points in each
+        direction on quadrilaterals. Pressure is interpolated like displacement.
         """
         return 2 * self.degree if self.n_corners == 3 else self.degree + 1
 
     @property
     def pressure_order(self) -> int:
-        """Gauss order exact for N times a linear pressure times the area vector of curved faces.
+        """Gauss order exact for N times linear pressure times the area vector of curved faces.
 
         Degree 3d - 1 in all on triangles, 3d in each direction on quadrilaterals.
         """
@@ -73,7 +73,7 @@ class FaceKind:
 
     @property
     def triangles(self) -> tuple[tuple[int, ...], ...]:
-        """Triangles of its nodes that cover the face, turning as it does."""
+        """Triangles of its nodes that cover the face, with the same orientation."""
         cells = [tuple(node for node in cell if node < self.n_nodes) for cell in self.cells]
         if cells != list(self.cells):
             cells.append(tuple(range(self.n_corners, self.n_nodes)))

@@ -9,8 +9,8 @@ The membrane is linear; quadrilaterals have the incompatible modes of R. L. Tayl
 E. L. Wilson (Int. J. Numer. Meth. Eng. 10 (1976) 1211-1219), as the brick has. Rotations about the
 normal follow those of the membrane by a stiffness of 1e-4 of its shear: T. J. R. Hughes,
 F. Brezzi, "On drilling degrees of freedom", Comput. Meth. Appl. Mech. Eng. 72 (1989) 105-121, with
-a factor so small that it holds the rotation and stiffens nothing. Warped quadrilaterals are flat
-between their nodes, which rigid arms join.
+a factor so small that it only supports the rotation. Warped quadrilaterals are flat and joined to
+their nodes by rigid arms.
 """
 
 from dataclasses import dataclass
@@ -28,17 +28,17 @@ _GAUSS = 1 / np.sqrt(3.0)
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FlatShell(Frozen):
-    """Tables of a kind at its quadrature points.
+    """Tables for one kind of flat shells at its quadrature points.
 
     Attributes
     ----------
     sides
-        Nodes each side runs between.
+        Nodes at the ends of each side.
     weights : (n_q,)
     values, gradients : (n_q, n_node), (n_q, 2, n_node)
         Shape functions of the corners and their reference gradients.
     side_gradients : (n_q, 2, n_side)
-        Of the quadratic functions that are one in the middle of a side.
+        Gradients of the quadratic functions that are one in the middle of a side.
     side_fields : (n_q, 2, n_side)
         Covariant components of the vector fields with tangential component one over its length
         on one side and zero on the others.
@@ -118,7 +118,7 @@ def flat_matrices(kind: str, xy: Matrix, laws: ElementLaws) -> tuple[Matrix, Mat
 
     Notes
     -----
-    A rotation about y moves what lies above the surface along x: βx = θy, βy = -θx.
+    A rotation about y moves points above the surface along x: βx = θy, βy = -θx.
     """
     table = FLAT_SHELLS[kind]
     n, n_node = xy.shape[:2]
@@ -131,7 +131,7 @@ def flat_matrices(kind: str, xy: Matrix, laws: ElementLaws) -> tuple[Matrix, Mat
     strains = np.concatenate(
         [_strains(table, gradient, inverse, sides), _bubble_strains(table, xy, area)], axis=3
     )
-    stiffness = _condensed(integrated(strains, laws.stiffness[:, None], area), n_dof)
+    stiffness = _condense(integrated(strains, laws.stiffness[:, None], area), n_dof)
     sheared = inverse @ (table.side_fields @ shears[:, None])
     stiffness += integrated(sheared, laws.shear[:, None], area)
     drilling = DRILLING * laws.stiffness[:, None, 2:3, 2:3]
@@ -145,14 +145,14 @@ def flat_matrices(kind: str, xy: Matrix, laws: ElementLaws) -> tuple[Matrix, Mat
 
 
 def integrated(strains: Matrix, law: Matrix, area: Matrix) -> Matrix:
-    """∫ Bᵀ C B dA of strains (n, n_q, k, n_dof) and laws (n, 1 or n_q, k, k)."""
+    """Return ∫ Bᵀ C B dA for strains (n, n_q, k, n_dof) and laws (n, 1 or n_q, k, k)."""
     weighted = (law @ strains) * area[:, :, None, None]
     flat = (len(strains), -1, strains.shape[3])
     return np.asarray(strains.reshape(flat).swapaxes(1, 2) @ weighted.reshape(flat))
 
 
-def _condensed(stiffness: Matrix, n_dof: int) -> Matrix:
-    """Eliminate what follows the first degrees of freedom."""
+def _condense(stiffness: Matrix, n_dof: int) -> Matrix:
+    """Return the stiffness with all but the first degrees of freedom eliminated."""
     if stiffness.shape[1] == n_dof:
         return stiffness
     coupling = stiffness[:, n_dof:, :n_dof]
@@ -161,7 +161,7 @@ def _condensed(stiffness: Matrix, n_dof: int) -> Matrix:
 
 
 def _sides(table: FlatShell, xy: Matrix, laws: ElementLaws) -> tuple[Matrix, Matrix]:
-    """Tangential bubbles and length times shear strain of the sides per degree of freedom.
+    """Return tangential bubbles, and length times shear strain of the sides, per degree of freedom.
 
     On a side the shear strain is that of the moments' slope, -(2/3) φ times the bubble, and its
     integral that of the motion: w_j - w_i + L (β_i + β_j) / 2 + 2/3 L bubble = L strain (Katili,
@@ -194,7 +194,7 @@ def _sides(table: FlatShell, xy: Matrix, laws: ElementLaws) -> tuple[Matrix, Mat
 
 
 def _strains(table: FlatShell, gradient: Matrix, inverse: Matrix, sides: Matrix) -> Matrix:
-    """Membrane strains and curvatures (n, n_q, 6, n_dof)."""
+    """Return membrane strains and curvatures (n, n_q, 6, n_dof)."""
     n, n_q, _, n_node = gradient.shape
     dx, dy = gradient[:, :, 0], gradient[:, :, 1]
     parts = np.zeros((n, n_q, 6, n_node, 6))
@@ -212,7 +212,7 @@ def _strains(table: FlatShell, gradient: Matrix, inverse: Matrix, sides: Matrix)
 
 
 def _bubble_strains(table: FlatShell, xy: Matrix, area: Matrix) -> Matrix:
-    """Membrane strains (n, n_q, 6, 2 n_mode) of the internal modes; their mean is zero."""
+    """Return membrane strains (n, n_q, 6, 2 n_mode) of internal modes, with zero mean."""
     n_mode = table.bubbles.shape[2]
     jacobian = np.einsum("qai,eic->eqac", table.centre, xy)
     size = np.linalg.det(jacobian) * table.weights
@@ -224,7 +224,7 @@ def _bubble_strains(table: FlatShell, xy: Matrix, area: Matrix) -> Matrix:
 
 
 def _drilling(table: FlatShell, gradient: Matrix) -> Matrix:
-    """Rotation of the nodes about the normal less that of the membrane (n, n_q, 1, n_dof)."""
+    """Return the nodes' rotation about the normal minus that of the membrane (n, n_q, 1, n_dof)."""
     n, n_q, _, n_node = gradient.shape
     rows = np.zeros((n, n_q, 1, n_node, 6))
     rows[:, :, 0, :, 5] = table.values

@@ -57,14 +57,14 @@ def volume_factors(gradients: Matrix, coordinates: Matrix) -> Matrix:
 def check_shapes(element: SolidElement, coordinates: Matrix, ids: Indices) -> None:
     """Refuse elements whose mapping is singular or inverted.
 
-    Looked at: the quadrature points of stiffness and mass, and the corners, which may be inverted
-    where no quadrature point is: matrices can be formed, and :func:`inverted_corners` tells them.
+    Checked are the quadrature points of stiffness and mass, and collapsed corners. Corners may be
+    inverted away from quadrature points: matrices exist, and :func:`inverted_corners` finds these.
     Coordinates are (n_cell, n_node, 3) [length]; ids (n_cell,) are for the message.
 
     Raises
     ------
     ModelError
-        Naming the first offending element, the determinant found and the remedy.
+        With the first offending element, the determinant found and the remedy.
     """
     places = {
         CORNER: corner_gradients(element),
@@ -79,8 +79,8 @@ def check_shapes(element: SolidElement, coordinates: Matrix, ids: Indices) -> No
             continue
         seen.append(gradients)
         determinant = volume_factors(gradients, coordinates)
-        # A corner is collapsed beside the largest determinant, of which a usable one has far more
-        # than a millionth; an element is flat beside the cube of its extent.
+        # Collapsed corners are measured by the largest determinant, of which a usable one has far
+        # more than a millionth; flat elements by the cube of their extent.
         threshold = np.maximum(SOLVED * np.abs(determinant).max(axis=0), ROUND_OFF * extent**3)
         if location == CORNER:
             determinant[determinant < -threshold] = np.inf
@@ -88,7 +88,7 @@ def check_shapes(element: SolidElement, coordinates: Matrix, ids: Indices) -> No
 
 
 def inverted_corners(element: SolidElement, coordinates: Matrix) -> Mask:
-    """Say of elements at coordinates (n_cell, n_node, 3) whether a corner is inverted (n_cell,)."""
+    """Return whether elements at coordinates (n_cell, n_node, 3) have an inverted corner."""
     determinant = volume_factors(corner_gradients(element), coordinates)
     return np.asarray(determinant.min(axis=0) < -SOLVED * np.abs(determinant).max(axis=0))
 
@@ -96,7 +96,7 @@ def inverted_corners(element: SolidElement, coordinates: Matrix) -> Mask:
 def _check_above(
     threshold: Vector, smallest: Vector, element: SolidElement, ids: Indices, location: str
 ) -> None:
-    bad = ~(smallest > threshold)  # also catches coordinates that are not numbers
+    bad = ~(smallest > threshold)  # also true for coordinates that are not numbers
     if not bad.any():
         return
     first = int(np.argmax(bad))

@@ -1,4 +1,4 @@
-"""Solids that are inside out: the same nodes in the order of the mirror image."""
+"""Inverted solids: nodes in the order of the mirror image."""
 
 import numpy as np
 
@@ -10,11 +10,10 @@ from faying.model.elements.solid_element import SolidElement, corner_gradients
 
 
 def right_side_out(kind: str, nodes: Indices, places: Matrix) -> tuple[Indices, Mask]:
-    """Turn elements whose every corner is inside out.
+    """Return nodes with elements reversed whose every corner is inverted, and these elements.
 
-    Some programs number the other way round (MED), others accept either. With the nodes (n_cell,
-    n_node), at places (n, 3) [length], comes which elements (n_cell,) were inside out. Those that
-    are at some corners only are left as they are.
+    Some programs number in the other sense (MED), others accept either. Nodes are (n_cell, n_node),
+    places (n, 3) [length]. Elements with only some inverted corners are not changed.
     """
     element = SOLIDS[kind]
     turned: Mask = np.zeros(len(nodes), dtype=bool)
@@ -24,11 +23,11 @@ def right_side_out(kind: str, nodes: Indices, places: Matrix) -> tuple[Indices, 
             turned[part] = (determinant < 0).all(axis=0)
     if not turned.any():
         return nodes, turned
-    return np.where(turned[:, None], nodes[:, _mirrored(element)], nodes), turned
+    return np.where(turned[:, None], nodes[:, _mirror_nodes(element)], nodes), turned
 
 
-def _mirrored(element: SolidElement) -> Indices:
-    """Place of each node's image where the first two reference coordinates change places."""
+def _mirror_nodes(element: SolidElement) -> Indices:
+    """Return the node at each node's image after exchange of the first two coordinates."""
     image = element.reference_nodes[:, [1, 0, 2]]
     distance = np.abs(element.reference_nodes[None] - image[:, None]).max(axis=2)
     return np.asarray(distance.argmin(axis=1), dtype=np.int64)

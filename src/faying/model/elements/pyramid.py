@@ -27,7 +27,7 @@ BASE: Matrix = np.array(CORNERS)[:4, :2]
 
 @cache
 def pyramid(n: int) -> Quadrature:
-    """Rule of n³ points: Gauss on the base, Gauss-Jacobi along the axis, where the base shrinks.
+    """Return a rule of n³ points: Gauss on the base, Gauss-Jacobi along the axis.
 
     Exact to degree 2n - 1 in all for polynomials.
     """
@@ -41,12 +41,12 @@ def pyramid(n: int) -> Quadrature:
 
 
 def below_apex(z: Vector) -> Vector:
-    """Return 1 - z, kept from zero."""
+    """Return 1 - z, bounded away from zero."""
     return np.maximum(1 - z, np.finfo(float).eps)
 
 
 def corner_functions(points: Matrix) -> tuple[Matrix, Matrix]:
-    """Values (n_point, 4) and gradients (n_point, 3, 4) of the linear functions of the base."""
+    """Return values (n_point, 4) and gradients (n_point, 3, 4) of the base's linear functions."""
     x, y, z = (points[:, k, None] for k in range(3))
     a, b = BASE[:, 0], BASE[:, 1]
     top = below_apex(z)
@@ -112,7 +112,7 @@ def _apex(points: Matrix) -> tuple[Matrix, Matrix]:
 
 
 def _sides(points: Matrix) -> tuple[Matrix, Matrix]:
-    """Of the base, from the coordinate along a side and the other one times its sign there."""
+    """Return functions of the sides of the base, by the coordinates along and across a side."""
     values, slopes = [], []
     for along, sign in ((0, -1.0), (1, 1.0), (0, 1.0), (1, -1.0)):
         t, s, z = points[:, along], sign * points[:, 1 - along], points[:, 2]
@@ -130,7 +130,7 @@ def _sides(points: Matrix) -> tuple[Matrix, Matrix]:
 
 
 def _edges(points: Matrix) -> tuple[Matrix, Matrix]:
-    """From the corners of the base to the apex."""
+    """Return functions of the edges from the corners of the base to the apex."""
     x, y, z = (points[:, k, None] for k in range(3))
     a, b = BASE[:, 0], BASE[:, 1]
     top = below_apex(z)

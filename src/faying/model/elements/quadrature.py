@@ -1,6 +1,6 @@
 """Quadrature rules on the reference cells of scikit-fem ([0, 1]³, unit tetrahedron, unit wedge).
 
-scikit-fem is imported on first use: it takes longer to import than the rest of faying.
+scikit-fem is imported at first use, because that takes longer than for the rest of faying.
 """
 
 from functools import cache
@@ -12,7 +12,7 @@ from faying._typing import Matrix, Vector, frozen
 
 
 class Quadrature(NamedTuple):
-    """Points (n_quad, 3) and weights (n_quad,) on a reference cell; weights sum to its volume."""
+    """Points (n_quad, 3) and weights (n_quad,) on a reference cell; their sum is its volume."""
 
     points: Matrix
     weights: Vector
@@ -20,7 +20,7 @@ class Quadrature(NamedTuple):
 
 @cache
 def hexahedron(order: int) -> Quadrature:
-    """Gauss product rule on [0, 1]³, exact to ``order`` in each coordinate."""
+    """Return the Gauss product rule on [0, 1]³ exact to ``order`` in each coordinate."""
     from skfem.quadrature import get_quadrature
     from skfem.refdom import RefHex
 
@@ -29,7 +29,7 @@ def hexahedron(order: int) -> Quadrature:
 
 @cache
 def tetrahedron(order: int) -> Quadrature:
-    """Rule on the unit tetrahedron, exact to total degree ``order``."""
+    """Return a rule on the unit tetrahedron exact to total degree ``order``."""
     from skfem.quadrature import get_quadrature
     from skfem.refdom import RefTet
 
@@ -38,12 +38,12 @@ def tetrahedron(order: int) -> Quadrature:
 
 @cache
 def wedge(triangle_order: int, line_order: int) -> Quadrature:
-    """Product of a triangle rule and a Gauss rule on the unit wedge.
+    """Return the product of a triangle rule and a Gauss rule on the unit wedge.
 
     Notes
     -----
-    Built here because the weights of scikit-fem 12's own wedge rule sum to 1/4 while the unit
-    wedge has volume 1/2, and because a product rule needs fewer points.
+    Not scikit-fem 12's wedge rule, because its weights sum to 1/4 while the unit wedge has volume
+    1/2, and because a product rule needs fewer points.
     """
     from skfem.quadrature import get_quadrature
     from skfem.refdom import RefLine, RefTri

@@ -1,4 +1,4 @@
-"""Frames of shells, rigid arms from nodes to the reference surface, laws in the frames."""
+"""Frames of shells, rigid arms from nodes to the reference surface, and laws in these frames."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from faying.model.shells import ShellBlock, ShellSection, strain_rotation
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ElementLaws:
-    """Sections of a batch of shells in the axes of each.
+    """Sections of a batch of shells in the axes of each shell.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ def check_area(good: Mask, ids: Indices) -> None:
 
 
 def carried(frames: Matrix, arms: Matrix) -> Matrix:
-    """Motion in the frames at the ends of rigid arms per motion of the nodes (n, n_node, 6, 6).
+    """Return motions in the frames at the ends of rigid arms per nodal motion (n, n_node, 6, 6).
 
     Frames are (n, 3, 3) or (n, n_node, 3, 3), arms (n, n_node, 3) [length].
     """
@@ -90,7 +90,7 @@ def carried(frames: Matrix, arms: Matrix) -> Matrix:
 
 
 def on_nodes(matrix: Matrix, motion: Matrix) -> Matrix:
-    """Tᵀ A T of matrices (n, 6 n_node, 6 n_node), node pair by node pair (n, i, j, 6, 6)."""
+    """Return Tᵀ A T for matrices (n, 6 n_node, 6 n_node), by node pair (n, i, j, 6, 6)."""
     n, n_node = motion.shape[:2]
     pairs = matrix.reshape(n, n_node, 6, n_node, 6).transpose(0, 1, 3, 2, 4)
     return np.asarray(motion.swapaxes(-1, -2)[:, :, None] @ pairs @ motion[:, None])
@@ -99,9 +99,9 @@ def on_nodes(matrix: Matrix, motion: Matrix) -> Matrix:
 def laws_in(
     block: ShellBlock, part: slice, frames: Matrix, sections: Mapping[int, ShellSection]
 ) -> ElementLaws:
-    """Turn the sections of some shells of a block into axes of their own.
+    """Return the sections of some shells of a block in the axes of their frames.
 
-    Frames are (n, 3, 3), at one place of each shell, or (n, n_q, 3, 3); the laws then follow in one
+    Frames are (n, 3, 3), at one point of each shell, or (n, n_q, 3, 3); the laws are then in one
     list (n · n_q).
     """
     repeat = 1 if frames.ndim == 3 else frames.shape[1]
@@ -116,7 +116,7 @@ def laws_in(
     direction = np.repeat(block.directions[part], repeat, axis=0)
     directed = direction.any(axis=1)
     along = np.einsum("eci,ei->ec", frames[:, :2], direction)
-    # A direction along the normal has no projection but its last digits.
+    # The projection of a direction along the normal is round-off.
     upright = directed & ~(
         np.linalg.norm(along, axis=1) > DECK_DIGITS * np.linalg.norm(direction, axis=1)
     )
@@ -126,7 +126,7 @@ def laws_in(
             f"shell {shell}: the direction of its material's x axis is "
             "normal to it; give one that lies in the surface"
         )
-    # Strains in the material's axes, which lead the element's by this angle.
+    # Strains in the material's axes, which are rotated from the element's by this angle.
     angle = np.where(directed, np.arctan2(along[:, 1], along[:, 0]), 0.0)
     T = strain_rotation(angle)
     both = np.zeros((len(angle), 6, 6))

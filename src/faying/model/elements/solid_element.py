@@ -1,4 +1,4 @@
-"""What distinguishes one solid element from another: nodes, shape functions, rules, faces."""
+"""Kinds of solid elements: nodes, shape functions, quadrature, faces."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ class SolidElement(Frozen):
     kind
         Kind of the mesh cell, as in ``"hex8"``.
     formulation
-        ``"standard"``, or the name of the enhancement.
+        ``"standard"``, or the name of the enhanced formulation.
     reference_nodes : (n_node, 3)
         Reference coordinates of the nodes in Nastran order, corners first.
     n_corners
@@ -35,19 +35,19 @@ class SolidElement(Frozen):
         function itself: points (n_point, 3) to values (n_point, n_node) and gradients
         (n_point, 3, n_node).
     stiffness_quadrature, mass_quadrature
-        The rules, as functions so that scikit-fem is imported only when needed.
+        Functions that return the rules, so that scikit-fem is imported only when needed.
     faces
         Kind and local node indices of each face, in the order of :class:`FaceKind`.
     elsewhere
-        The element in the files of other programs.
+        Names of the element in the files of other programs.
     brick_cells
-        Corners of the bricks' that make the corners of each cell a brick is cut into; empty where
-        bricks are not cut into the kind.
+        Corners of a brick for each cell into which it is divided; empty where bricks are not
+        divided into this kind.
     internal_gradients
         Reference gradients of internal displacement modes that are condensed out of the
         stiffness: points (n_quad, 3) to (n_quad, 3, n_mode); None if there are none.
     hourglass_patterns : (n_node, n_pattern)
-        Motions that springs hold where the mean strain alone has stiffness; None elsewhere.
+        Hourglass motions that springs resist; None for elements that do not need them.
     hourglass_share
         Stiffness of these springs over E V Σ |b_i|², b_i the mean gradient of shape function i.
     """
@@ -78,7 +78,7 @@ _CURVED = {"tri3": TRI6, "quad4": QUAD8}
 def mid_sided(linear: SolidElement, edges: str) -> tuple[Matrix, tuple[Face, ...]]:
     """Return nodes and faces of an element with a node in the middle of each edge.
 
-    Edges name their corners by two digits, in the order of their middle nodes.
+    Edges are given by the two digits of their corners, in the order of their middle nodes.
     """
     ends = [(int(edge[0]), int(edge[1])) for edge in edges.split()]
     corners = linear.reference_nodes
@@ -144,7 +144,7 @@ def _local_basis(element: SolidElement, points: Matrix) -> list[tuple[Matrix, Ma
 
 @cache
 def _nastran_order(element: SolidElement) -> tuple[int, ...]:
-    """Position of each Nastran node among scikit-fem's nodes, found by reference coordinates."""
+    """Return the index in scikit-fem's nodes of each Nastran node, by reference coordinates."""
     theirs = np.asarray(_skfem_element(element).doflocs)
     distance = np.abs(element.reference_nodes[:, None, :] - theirs[None, :, :]).max(axis=2)
     return tuple(distance.argmin(axis=1).tolist())

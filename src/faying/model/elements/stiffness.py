@@ -1,4 +1,4 @@
-"""Stiffness and consistent mass of solid elements, all elements of a batch at once."""
+"""Stiffness and consistent mass of solid elements, for all elements of a batch at once."""
 
 from functools import cache
 
@@ -23,14 +23,14 @@ def stiffness_blocks(
     shear: Vector,
     tensors: Matrix | None = None,
 ) -> Matrix:
-    """Integrate the stiffness of a batch of elements.
+    """Return the stiffness of a batch of elements.
 
     With Q_{ia,jb} = ∫ ∂_a N_i ∂_b N_j dV the stiffness of an isotropic solid is K_{ia,jb} = λ
     Q_{ia,jb} + μ Q_{ib,ja} + μ δ_ab Σ_c Q_{ic,jc}: one matrix product per element instead of a 6 x
-    6 material law at every point. Where directions differ it is K_{ia,jb} = Σ_cd C_acbd Q_{ic,jd}
+    6 material law at every point. For an anisotropic law it is K_{ia,jb} = Σ_cd C_acbd Q_{ic,jd}
     with the same Q. Coordinates (n_cell, n_node, 3) [length] passed
     :func:`faying.model.elements.geometry.check_shapes`. Lamé's λ, the shear modulus μ (n_cell,)
-    and, where directions differ, C (n_cell, 3, 3, 3, 3) are [force/length²]; λ and μ then scale
+    and, for an anisotropic law, C (n_cell, 3, 3, 3, 3) are [force/length²]; λ and μ then scale
     hourglass springs alone. Blocks (n_cell, n_node, n_node, 3, 3) of every pair of nodes are
     exactly symmetric [force/length].
 
@@ -57,16 +57,16 @@ def stiffness_blocks(
 def free_strain_forces(
     element: SolidElement, coordinates: Matrix, stress: Matrix, strain: Matrix
 ) -> Matrix:
-    """Integrate the forces ∫ ε S ∇N_i dV (n_cell, n_node, 3) of a strain that nothing resists.
+    """Return the forces ∫ ε S ∇N_i dV (n_cell, n_node, 3) of a free strain.
 
-    Coordinates are (n_cell, n_node, 3) [length]; the stress S (3, 3) [force/length²] is what it
-    would take to prevent ε = 1: E / (1 - 2 ν) 1 where nothing depends on direction. The strain ε
-    (n_cell, n_quad) is at the points of the stiffness, see :func:`temperature_shapes`.
+    Coordinates are (n_cell, n_node, 3) [length]; S (3, 3) [force/length²] is the stress that would
+    prevent ε = 1: E / (1 - 2 ν) 1 for isotropic solids. The strain ε (n_cell, n_quad) is at the
+    points of the stiffness, see :func:`temperature_shapes`.
 
     Notes
     -----
-    Internal modes see nothing of it: they exist in bricks of eight nodes only, and the mean of
-    their gradients over a cell is zero.
+    Internal modes get no forces: they exist in bricks of eight nodes only, and the mean of their
+    gradients over a cell is zero.
     """
     rule, table = element.stiffness_quadrature(), stiffness_gradients(element)
     determinant = determinants(*_mapping(table, coordinates))
@@ -77,9 +77,9 @@ def free_strain_forces(
 
 @cache
 def temperature_shapes(element: SolidElement) -> Matrix:
-    """Return what carries temperatures of nodes to the points of the stiffness (n_quad, n_node).
+    """Return the map from nodal temperatures to the stiffness points (n_quad, n_node).
 
-    As in Abaqus and CalculiX the mean of the nodes counts in bricks of eight nodes, and a linear
+    As in Abaqus and CalculiX this is the mean of the nodes in bricks of eight nodes, and a linear
     field through the corners in fully integrated bricks of twenty.
     """
     points = element.stiffness_quadrature().points
@@ -98,7 +98,7 @@ def _mapping(table: Matrix, coordinates: Matrix) -> tuple[Matrix, Matrix]:
 
 
 def _weighted_gradients(element: SolidElement, coordinates: Matrix) -> Matrix:
-    """Physical gradients times the root of w det J: (n_cell, n_quad, 3, n_node + n_internal)."""
+    """Return gradients times √(w det J): (n_cell, n_quad, 3, n_node + n_internal)."""
     rule = element.stiffness_quadrature()
     table = stiffness_gradients(element)
     jacobian, cofactor = _mapping(table, coordinates)
@@ -120,12 +120,12 @@ def _mean_gradients(element: SolidElement, coordinates: Matrix, gradients: Matri
 
 
 def _hourglass(patterns: Matrix, coordinates: Matrix, means: Matrix, scale: Vector) -> Matrix:
-    """Return the stiffness (n_cell, n_node, n_node) that holds what uniform strain does not see.
+    """Return the stiffness (n_cell, n_node, n_node) against motions without uniform strain.
 
     Patterns are made orthogonal to linear motions: γ = h - b · (x · h).
     """
     moments = np.einsum("nm,enc->emc", patterns, coordinates)
-    # b · x is one in each direction, so this is the root of the volume that scales the means.
+    # b · x is one in each direction, so this is the root of the volume, the scale of the means.
     root = np.einsum("ean,ena->e", means, coordinates) / 3
     gamma = patterns - np.einsum("ean,ema->enm", means, moments) / root[:, None, None]
     springs = scale * np.einsum("ean,ean->e", means, means)
@@ -133,7 +133,7 @@ def _hourglass(patterns: Matrix, coordinates: Matrix, means: Matrix, scale: Vect
 
 
 def _internal_gradients(element: SolidElement, coordinates: Matrix, scale: Matrix) -> Matrix:
-    """Gradients (det J₀ / det J) J₀⁻ᵀ ∇_ξ of the internal modes; their mean over a cell is zero."""
+    """Return gradients (det J₀ / det J) J₀⁻ᵀ ∇_ξ of internal modes, with zero mean."""
     if element.internal_gradients is None:
         return np.empty((*scale.shape, 3, 0))
     jacobian = jacobians(centre_gradients(element), coordinates)
@@ -144,7 +144,7 @@ def _internal_gradients(element: SolidElement, coordinates: Matrix, scale: Matri
 
 
 def _isotropic(products: Matrix, lame: Vector, shear: Vector) -> Matrix:
-    """Combine Q[e, a, i, b, j] to K[e, i, j, a, b]."""
+    """Return K[e, i, j, a, b] from Q[e, a, i, b, j]."""
     scale = (slice(None), None, None, None, None)
     blocks: Matrix = lame[scale] * products.transpose(0, 2, 4, 1, 3)
     blocks += shear[scale] * products.transpose(0, 2, 4, 3, 1)
@@ -155,7 +155,7 @@ def _isotropic(products: Matrix, lame: Vector, shear: Vector) -> Matrix:
 
 
 def _general(products: Matrix, tensors: Matrix) -> Matrix:
-    """Combine Q[e, c, i, d, j] and C[e, a, c, b, d] to K[e, i, j, a, b]."""
+    """Return K[e, i, j, a, b] from Q[e, c, i, d, j] and C[e, a, c, b, d]."""
     n_cell, _, n_shape = products.shape[:3]
     pairs = products.transpose(0, 2, 4, 1, 3).reshape(n_cell, n_shape**2, 9)
     laws = tensors.transpose(0, 2, 4, 1, 3).reshape(n_cell, 9, 9)
@@ -163,7 +163,7 @@ def _general(products: Matrix, tensors: Matrix) -> Matrix:
 
 
 def _condense(blocks: Matrix, n_node: int) -> Matrix:
-    """Eliminate the internal modes: K_uu - K_ui K_ii⁻¹ K_iu."""
+    """Return the stiffness without internal modes: K_uu - K_ui K_ii⁻¹ K_iu."""
     n_cell, n_shape = blocks.shape[:2]
     full = blocks.transpose(0, 1, 3, 2, 4).reshape(n_cell, 3 * n_shape, 3 * n_shape)
     n = 3 * n_node
@@ -176,19 +176,19 @@ def _condense(blocks: Matrix, n_node: int) -> Matrix:
 
 
 def mass_coefficients(element: SolidElement, coordinates: Matrix, density: Vector) -> Matrix:
-    """Integrate m_ij = ∫ ρ N_i N_j dV of a batch (n_cell, n_node, n_node); the mass is m_ij δ_ab.
+    """Return m_ij = ∫ ρ N_i N_j dV of a batch (n_cell, n_node, n_node); the mass is m_ij δ_ab.
 
     Coordinates are (n_cell, n_node, 3) [length], densities (n_cell,) [mass/length³].
 
     Notes
     -----
-    Exact for elements with straight edges. Incompatible modes carry no mass.
+    Exact for elements with straight edges. Incompatible modes have no mass.
     """
     values, gradients = mass_tables(element)
     jacobian = jacobians(gradients, coordinates)
     determinant = determinants(jacobian, cofactors(jacobian))
     weighted = density[:, None] * element.mass_quadrature().weights * determinant
-    # One triangle, mirrored: half the work, and symmetric to the last bit.
+    # One triangle, mirrored: half the work, and exactly symmetric.
     rows, columns = np.triu_indices(values.shape[1])
     coefficients = np.empty((len(coordinates), values.shape[1], values.shape[1]))
     coefficients[:, rows, columns] = weighted @ (values[:, rows] * values[:, columns])

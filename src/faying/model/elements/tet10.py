@@ -18,7 +18,7 @@ TET10 = SolidElement(
     n_corners=4,
     shape_functions="ElementTetP2",
     stiffness_quadrature=partial(tetrahedron, 2),
-    # Order 4 would do for straight edges, but that rule has a negative weight, and the mass of a
+    # Order 4 suffices for straight edges, but that rule has a negative weight, and the mass of a
     # curved element must stay positive definite.
     mass_quadrature=partial(tetrahedron, 5),
     faces=_FACES,

@@ -21,7 +21,7 @@ _NEXT = np.array([1, 2, 0])
 
 
 def serendipity_wedge(points: Matrix) -> tuple[Matrix, Matrix]:
-    """Evaluate values (n_point, 15) and gradients (n_point, 3, 15) of the fifteen-node wedge.
+    """Return values (n_point, 15) and gradients (n_point, 3, 15) of the fifteen-node wedge.
 
     With barycentric coordinates L of the triangle, height z in [0, 1] and m = 1 - z at the bottom
     (m = z at the top): corners L m (2L - 1) - 2 L z (1 - z), mid-sides of the triangles 4 L_i L_j

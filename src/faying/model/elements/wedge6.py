@@ -25,7 +25,7 @@ WEDGE6 = SolidElement(
     shape_functions="ElementWedge1",
     stiffness_quadrature=partial(wedge, 2, 3),
     # Degree 3 in the triangle and 4 along the axis; the triangle rule of order 3 has a negative
-    # weight, that of order 4 has not.
+    # weight, that of order 4 has none.
     mass_quadrature=partial(wedge, 4, 5),
     faces=(
         (TRI3, (0, 2, 1)),
