@@ -63,7 +63,8 @@ def _separate_group(mesh: Mesh, group: str) -> Mesh:
     return replace(
         wider,
         blocks=tuple(
-            _renumber(block, chosen, copy) for block, chosen in zip(mesh.blocks, inside, strict=True)
+            _renumber(block, chosen, copy)
+            for block, chosen in zip(mesh.blocks, inside, strict=True)
         ),
         node_sets={
             name: np.concatenate([nodes, copy[nodes[np.isin(nodes, shared)]]])
